@@ -1,11 +1,11 @@
-//! Passes the linker scripts to the linker: those in `memory/` of the program, or else the common
-//! ones.
+//! Passes the linker scripts to the linker. A program without a folder `memory/` uses the common
+//! scripts.
 use std::{
     env, fs,
     path::{Path, PathBuf},
 };
 
-/// The build script of programs that need nothing else.
+/// The whole build script of a program that needs nothing else.
 pub fn main() {
     let folder = ["memory", "../../memory", "../../../firmware/memory"]
         .into_iter()

@@ -21,9 +21,9 @@ fn main() {
     let module = format!("#[path = {path:?}]\nmod chosen;\n");
     let out = PathBuf::from(env::var("OUT_DIR").expect("cargo sets OUT_DIR"));
     fs::write(out.join("memory.x"), map).expect("memory.x written to OUT_DIR");
-    // The board has its own vector table.
+    // The board's file has its own vector table.
     fs::write(out.join("device.x"), "").expect("device.x written to OUT_DIR");
     fs::write(out.join("chosen.rs"), module).expect("chosen.rs written to OUT_DIR");
-    // The firmware's linker needs it as well.
+    // The linker of the firmware needs the folder as well.
     println!("cargo:rustc-link-search={}", out.display());
 }

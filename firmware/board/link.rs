@@ -1,5 +1,5 @@
-//! The build script of a firmware: selects the linker scripts of its runtime. The memory map is the
-//! board's.
+//! The build script of a firmware. It selects the linker scripts of the runtime. The memory map
+//! comes from the board.
 use std::env;
 
 fn main() {

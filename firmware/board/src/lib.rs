@@ -1,4 +1,4 @@
-//! A board, and what is the same on all boards.
+//! A board, and the code that all boards share.
 //!
 //! ```text
 //! UART interrupt ─► on_byte, received ─► foreground ─push─► Steps ─► on_time ─► pins
@@ -6,28 +6,29 @@
 //!                                            └─ how many were made
 //! ```
 //!
-//! Each board is one file with clocks, pins, UART, timer and, in its lines with `//:`, the memory
-//! map. The target chooses one of the files here. Another board is a copy of one of them, named by
-//! its path in the environment: `BOARD=my_board.rs`. It has
+//! Each board is one file with clocks, pins, UART and timer. Its lines with `//:` are the memory
+//! map. The target selects one of the files in this folder. For another board, copy one of them,
+//! and set the environment variable `BOARD` to its path: `BOARD=my_board.rs`. Each file has these
+//! functions:
 //!
 //! | function | does |
 //! | --- | --- |
-//! | `start()` | pins, timer, UART, interrupts |
+//! | `start()` | starts pins, timer, UART and interrupts |
 //! | `send(byte) -> bool` | sends a byte, if the transmitter is free |
-//! | `write(levels: u8)` | the motors' pins; called by the step interrupt |
-//! | `switch(outputs: u8)` | up to four other outputs: spindle, current |
-//! | `inputs(simulated: u8) -> u8` | up to five switches, 1 for closed |
-//! | `wait(us: u32, section)` | calls `on_time` so many microseconds after the last time, or at once where that has passed; from now on where the wait before was cut short |
-//! | `LONGEST_US` | the longest wait that `wait` takes: longer ones are made of several |
-//! | `stop()` | ends the wait |
-//! | `baud(bits_per_s: u32)` | the UART goes on at this rate; `start` sets 9600 |
-//! | `is_sent() -> bool` | the last stop bit of what was sent is out: a half-duplex line may be let go |
-//! | `drive(duty: u8)` | the PWM of a DC motor, where the board has one |
-//! | `counts(simulated: u16) -> u16` | the counter of its encoder |
+//! | `write(levels: u8)` | sets the motors' pins; called by the step interrupt |
+//! | `switch(outputs: u8)` | sets up to four other outputs: spindle, current |
+//! | `inputs(simulated: u8) -> u8` | reads up to five switches, 1 for closed; without switches it returns `simulated` |
+//! | `wait(us: u32, section)` | calls `on_time` this many microseconds after the end of the previous wait, or at once if that time has passed; if the previous wait was cut short, the time counts from now |
+//! | `LONGEST_US` | the longest wait that `wait` accepts; a longer one is split into several |
+//! | `stop()` | cancels the wait |
+//! | `baud(bits_per_s: u32)` | sets the rate of the UART; `start` sets 9600 |
+//! | `is_sent() -> bool` | whether the last stop bit has been sent, so that a half-duplex line may be released |
+//! | `drive(duty: u8)` | sets the PWM of a DC motor, if the board has one |
+//! | `counts(simulated: u16) -> u16` | reads the counter of its encoder; without one it returns `simulated` |
 //!
-//! On ARM it also has its part of the vector table, `__INTERRUPTS`. Its interrupts have one
-//! priority. They call `on_time` when a wait is over and `heard` when a byte has come. A firmware
-//! has `on_time`, which calls `wait` or `stop`, and `on_byte`:
+//! On ARM, the file also has its part of the vector table, `__INTERRUPTS`. All interrupts have the
+//! same priority. They call `on_time` when a wait is over, and `heard` when a byte has been
+//! received. A firmware defines `on_time`, which calls `wait` or `stop`, and `on_byte`:
 //!
 //! ```ignore
 //! #[unsafe(no_mangle)]
@@ -63,18 +64,18 @@ use riscv::asm::wfi;
 
 use heapless::spsc::Queue;
 
-// Safety: the firmware defines them so.
+// Safety: every firmware defines both functions with these signatures.
 unsafe extern "Rust" {
     safe fn on_time(section: CriticalSection<'_>);
     safe fn on_byte(byte: u8, section: CriticalSection<'_>);
 }
 
-/// What an interrupt's handler may work within.
+/// The critical section of an interrupt handler.
 ///
 /// # Safety
-/// To be called by handlers of interrupts only, which have one priority: none comes within another.
+/// Only interrupt handlers may call this. They have the same priority, so none interrupts another.
 unsafe fn section() -> CriticalSection<'static> {
-    // Safety: so nothing else runs until the handler has ended.
+    // Safety: the caller is an interrupt handler, so nothing else runs until it ends.
     unsafe { CriticalSection::new() }
 }
 
@@ -82,31 +83,31 @@ unsafe fn section() -> CriticalSection<'static> {
 /// effect, and the firmware simulates them.
 pub const HAS_MOTOR: bool = cfg!(feature = "motor");
 
-/// Bytes of the line. A host has a few of them on the way at a time.
+/// Received bytes. A host sends only a few of them before it waits for an answer.
 static HEARD: Shared<Queue<u8, 32>> = Shared::new(Queue::new());
 
-/// A byte has come: of the UART's interrupt.
+/// Takes a received byte. The UART's interrupt calls this.
 fn heard(byte: u8) {
     // Safety: boards call this in the UART's interrupt.
     let section = unsafe { section() };
     on_byte(byte, section);
-    // Without room it is lost, and its echo with it.
+    // If the queue is full, the byte is lost and not echoed.
     HEARD.within(section, |heard| heard.enqueue(byte).ok());
 }
 
-/// The oldest byte that has come and was not taken yet.
+/// Takes the oldest received byte from the queue.
 pub fn received() -> Option<u8> {
     HEARD.with(|heard| heard.dequeue())
 }
 
-/// Whether a byte has come that was not taken yet.
+/// Whether the queue holds a received byte.
 pub fn has_heard() -> bool {
     HEARD.with(|heard| !heard.is_empty())
 }
 
-/// Sleeps until a byte has come or something else has happened.
+/// Sleeps until a byte has been received or `nothing` returns `false`.
 pub fn sleep(nothing: impl Fn(CriticalSection<'_>) -> bool) {
-    // Interrupts are let in after each time.
+    // Pending interrupts run at the end of each critical section.
     while critical_section::with(|section| {
         let sleeps = HEARD.within(section, |heard| heard.is_empty()) && nothing(section);
         if sleeps {

@@ -1,7 +1,7 @@
 //! The BBC micro:bit, version 1: an nRF51822 with a Cortex-M0, 16 MHz (QEMU: `microbit`).
 //!
-//! TIMER0 counts microseconds freely and compares. So the time that an interrupt takes does not add
-//! up over successive waits.
+//! TIMER0 counts microseconds freely and compares its counter with the end of the wait. So the time
+//! that an interrupt takes does not add up over successive waits.
 //: MEMORY
 //: {
 //:   FLASH : ORIGIN = 0x00000000, LENGTH = 64K
@@ -44,7 +44,7 @@ const PIN_CNF: usize = 0x700;
 const TIMER1: usize = 0x4000_9000;
 const TIMER_STOP: usize = 0x004;
 const TIMER_CLEAR: usize = 0x00c;
-/// The base, which is also its first task.
+/// The base address, which is also that of the first task.
 const GPIOTE: usize = 0x4000_6000;
 const GPIOTE_CONFIG: usize = GPIOTE + 0x510;
 const PPI_ENABLE: usize = 0x4001_f500;
@@ -70,13 +70,13 @@ const PULLED_UP: u32 = 3 << 2;
 /// P0.02, pads 2 and 1.
 const PWM: u32 = 3;
 const ENCODER: [usize; 2] = [1, 2];
-/// The timer takes every wait at once: none is above 2^31.
+/// The timer accepts every wait: none is above 2^31.
 pub const LONGEST_US: u32 = u32::MAX;
-/// The shortest wait: what the timer needs to detect a match, so that it never waits for a time
-/// that has passed. If the time passes nevertheless, the wait is doubled.
+/// The shortest wait: the time that the timer needs to detect a match, so that it never waits for a
+/// time that has passed. If the time passes nevertheless, the wait is doubled.
 const LEAST_US: u32 = 2;
 
-/// When the last wait ended, and whether the transmitter is free.
+/// The end of the last wait, and whether the transmitter is free.
 static LAST_US: Shared<u32> = Shared::new(0);
 static IS_FREE: Shared<bool> = Shared::new(true);
 
@@ -84,7 +84,7 @@ static IS_FREE: Shared<bool> = Shared::new(true);
 static DUTY: Shared<u8> = Shared::new(0);
 static COUNTS: Shared<u16> = Shared::new(0);
 
-/// Pins, timer, UART, interrupts.
+/// Starts pins, timer, UART and interrupts.
 pub fn start() {
     set(GPIO + DIRSET, MOTORS | OUTPUTS);
     for pin in INPUTS {
@@ -120,12 +120,12 @@ pub fn send(byte: u8) -> bool {
 
 /// Sets the rate of the UART.
 pub fn baud(bits_per_s: u32) {
-    // 2^32 / 16 MHz per bit/s, in steps of 2^12: 9600 is 0x275000. No rate is beyond 2^20.
+    // 2^32 / 16 MHz per bit/s, in steps of 2^12: 9600 is 0x275000. No rate is above 2^20.
     let steps = (bits_per_s << 12).wrapping_add(31_250) / 62_500;
     set(UART + BAUDRATE, steps << 12);
 }
 
-/// Whether the last stop bit is out.
+/// Whether the last stop bit has been sent.
 pub fn is_sent() -> bool {
     IS_FREE.with(|is_free| *is_free || read(UART + TXDRDY) != 0)
 }
@@ -141,7 +141,8 @@ pub fn drive(duty: u8) {
             return;
         }
         *last = duty;
-        // Restarts the timer: a duty that changes while it counts might miss a toggle.
+        // The timer is restarted, because a toggle might be missed if the duty changed while it
+        // counts.
         set(TIMER1 + TIMER_STOP, 1);
         set(GPIOTE_CONFIG, 0);
         match duty {
@@ -150,7 +151,7 @@ pub fn drive(duty: u8) {
             _ => {
                 set(TIMER1 + TIMER_CLEAR, 1);
                 set(TIMER1 + CC0, duty.into());
-                // A task that toggles this pin; high at first.
+                // A task that toggles this pin. The pin is high at first.
                 set(GPIOTE_CONFIG, 3 | PWM << 8 | 3 << 16 | 1 << 20);
                 set(TIMER1 + TIMER_START, 1);
             }
@@ -210,7 +211,7 @@ pub fn switch(outputs: u8) {
     set(GPIO + OUTSET, high);
 }
 
-/// The switches; a closed one is 1.
+/// Reads the switches; a closed one is 1.
 pub fn inputs(simulated: u8) -> u8 {
     if cfg!(not(feature = "switches")) {
         return simulated;
@@ -227,17 +228,19 @@ fn now_us() -> u32 {
     read(TIMER + CC1)
 }
 
-/// Calls `on_time` this many microseconds after the last time, or at once if that has passed.
+/// Calls `on_time` this many microseconds after the end of the previous wait, or at once if that
+/// time has passed.
 #[inline]
 pub fn wait(us: u32, section: CriticalSection<'_>) {
     LAST_US.within(section, |last| {
         let begin = *last;
         *last = last.wrapping_add(us);
         set(TIMER + CC0, *last);
-        // Only now: QEMU sets it again while the counter is at the old value.
+        // Cleared after CC0 is set, because QEMU sets it again while the counter is at the old
+        // value.
         set(TIMER + COMPARE0, 0);
-        // A time that has passed wraps. One that passed long ago wraps to any time, but seldom to
-        // one within the wait.
+        // If the time has passed, the difference wraps. If it passed long ago, the difference may
+        // have any value, but seldom one within the wait.
         let left_us = last.wrapping_sub(now_us());
         if left_us < LEAST_US || left_us > us {
             *last = late(begin, us);
@@ -246,8 +249,8 @@ pub fn wait(us: u32, section: CriticalSection<'_>) {
     set(TIMER + INTENSET, COMPARE0_INTERRUPT);
 }
 
-/// The end of a wait whose time has passed: as soon as possible. If the wait before was cut short,
-/// it would have ended later than now; then this wait counts from now.
+/// Ends a wait whose time has passed as soon as possible. If the previous wait was cut short, its
+/// end is later than now. Then this wait counts from now.
 #[cold]
 fn late(begin: u32, us: u32) -> u32 {
     let is_cut = begin.wrapping_sub(now_us()) < 1 << 31;
@@ -256,7 +259,7 @@ fn late(begin: u32, us: u32) -> u32 {
         let end = now_us().wrapping_add(least_us);
         set(TIMER + CC0, end);
         set(TIMER + COMPARE0, 0);
-        // The timer may have seen the time that has passed.
+        // The timer may have matched the time that has passed.
         nvic::unpend(8);
         if end.wrapping_sub(now_us()).wrapping_sub(1) < 1 << 31 {
             return end;

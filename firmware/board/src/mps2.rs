@@ -1,9 +1,9 @@
 //! ARM's MPS2 board with a Cortex-M4F (QEMU: `mps2-an386`), 25 MHz.
 //!
-//! UART0 is the link. GPIO0 has the motors at pins 0 to 7 and other outputs at pins 8 to 11; GPIO1
-//! has switches to ground at pins 0 to 4. TIMER0 is the step interrupt: with nothing to reload it
-//! counts down once. TIMER1 counts freely, so the time that an interrupt takes does not add up over
-//! successive waits.
+//! UART0 is the link. GPIO0 has the motors at pins 0 to 7 and other outputs at pins 8 to 11. GPIO1
+//! has switches to ground at pins 0 to 4. TIMER0 makes the step interrupt. Its reload value is 0,
+//! so it counts down once. TIMER1 counts freely, so the time that an interrupt takes does not add
+//! up over successive waits.
 //: MEMORY
 //: {
 //:   FLASH : ORIGIN = 0x00000000, LENGTH = 64K
@@ -36,16 +36,16 @@ const PINS_8_TO_11: usize = 0x800 + 4 * 0x0f;
 const OUTENSET: usize = 0x10;
 const CLOCKS_PER_US: u32 = 25;
 const CLOCKS_PER_S: u32 = 25_000_000;
-/// The longest wait the timer takes at once: 67 s.
+/// The longest wait of the timer: 67 s.
 pub const LONGEST_US: u32 = 1 << 26;
 
-/// When the last wait ended.
+/// The end of the last wait.
 static LAST: Shared<u32> = Shared::new(0);
 
-/// When the UART took the last byte.
+/// The time when the UART took the last byte.
 static SENT_AT: Shared<u32> = Shared::new(0);
 
-/// Pins, timers, UART, interrupts.
+/// Starts pins, timers, UART and interrupts.
 pub fn start() {
     set(GPIO0 + OUTENSET, 0xfff);
     set(TIMER0 + RELOAD, 0);
@@ -76,8 +76,8 @@ pub fn baud(bits_per_s: u32) {
     set(UART0 + BAUDDIV, CLOCKS_PER_S / bits_per_s.max(1));
 }
 
-/// Whether the last stop bit is out. The UART reports only that its buffer is empty, one byte
-/// earlier; two characters later the stop bit is out.
+/// Whether the last stop bit has been sent. The UART reports only that its buffer is empty, which
+/// is one byte earlier. Two characters later, the stop bit has been sent.
 pub fn is_sent() -> bool {
     let since = SENT_AT.with(|at| (!read(TIMER1 + VALUE)).wrapping_sub(*at));
     read(UART0 + STATE) & 1 == 0 && since > read(UART0 + BAUDDIV).wrapping_mul(20)
@@ -86,7 +86,7 @@ pub fn is_sent() -> bool {
 /// This board has no PWM.
 pub fn drive(_: u8) {}
 
-/// This board has no counter.
+/// This board has no counter for an encoder.
 pub fn counts(simulated: u16) -> u16 {
     simulated
 }
@@ -102,7 +102,7 @@ pub fn switch(outputs: u8) {
     set(GPIO0 + PINS_8_TO_11, u32::from(outputs & 0xf) << 8);
 }
 
-/// The switches; a closed one is 1.
+/// Reads the switches; a closed one is 1.
 pub fn inputs(simulated: u8) -> u8 {
     if cfg!(not(feature = "switches")) {
         return simulated;
@@ -110,7 +110,8 @@ pub fn inputs(simulated: u8) -> u8 {
     !read(GPIO1 + DATA) as u8 & 0x1f
 }
 
-/// Calls `on_time` this many microseconds after the last time, or at once if that has passed.
+/// Calls `on_time` this many microseconds after the end of the previous wait, or at once if that
+/// time has passed.
 #[inline]
 pub fn wait(us: u32, section: CriticalSection<'_>) {
     LAST.within(section, |last| {
@@ -118,12 +119,12 @@ pub fn wait(us: u32, section: CriticalSection<'_>) {
         // Below 2^31.
         let clocks = us.wrapping_mul(CLOCKS_PER_US);
         let left = last.wrapping_add(clocks).wrapping_sub(now);
-        // A time that has passed wraps. One that passed long ago wraps to any time, but seldom to
-        // one within the wait.
+        // If the time has passed, the difference wraps. If it passed long ago, the difference may
+        // have any value, but seldom one within the wait.
         let left = if left.wrapping_sub(1) < clocks {
             left
         } else if last.wrapping_sub(now) < 1 << 31 {
-            // The wait before was cut short: this one counts from now.
+            // The previous wait was cut short, so this one counts from now.
             clocks.max(1)
         } else {
             1

@@ -1,5 +1,7 @@
-//! A program in which anything can panic does not link. The USB crates can panic: then the steps
-//! end, the outputs go off, and the host receives nothing more.
+//! The panic handler. A program in which anything can panic does not link.
+//!
+//! The USB crates can panic, so a program with the feature `usb` links. A panic ends the steps and
+//! switches the outputs off. The host then receives nothing more.
 
 #[cfg(not(feature = "usb"))]
 #[panic_handler]
@@ -7,7 +9,7 @@ fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
     unsafe extern "C" {
         fn a_panic_is_left_in_the_firmware() -> !;
     }
-    // Safety: nobody defines this function, so no program that contains this call links.
+    // Safety: nothing defines this function, so no program that contains this call links.
     unsafe { a_panic_is_left_in_the_firmware() }
 }
 

@@ -1,14 +1,14 @@
-//! The Raspberry Pi Pico: an RP2040 with two Cortex-M0+, of which one is used, 125 MHz. Its link is
-//! USB: a serial port of the class CDC-ACM, `/dev/ttyACM0` at the host.
+//! The Raspberry Pi Pico: an RP2040 at 125 MHz with two Cortex-M0+, of which one is used. Its link
+//! is USB: a serial port of the class CDC-ACM, `/dev/ttyACM0` at the host.
 //!
 //! ```sh
 //! BOARD=src/pico.rs cargo build --release -p micromill --features board/usb \
 //!     --target thumbv6m-none-eabi
 //! ```
 //!
-//! The timer counts microseconds freely and compares, as that of the micro:bit does. Clocks and USB
-//! are those of `rp2040-hal`, which may panic: then everything stops. QEMU does not have this chip:
-//! the firmware is built, not run.
+//! The timer counts microseconds freely and compares its counter with the end of the wait, as that
+//! of the micro:bit does. `rp2040-hal` starts the clocks and runs the USB. It may panic. Then
+//! everything stops. QEMU does not have this chip, so the firmware is built, but not run.
 //: MEMORY
 //: {
 //:   BOOT2 : ORIGIN = 0x10000000, LENGTH = 256
@@ -56,14 +56,15 @@ const MOTORS: u32 = 0xff << 2;
 const OUTPUTS: u32 = 0xf << 10;
 /// The first of five switches to ground: GP14 to GP18.
 const INPUTS: usize = 14;
-/// The timer takes every wait at once: none is above 2^31.
+/// The timer accepts every wait: none is above 2^31.
 pub const LONGEST_US: u32 = u32::MAX;
-/// The shortest wait: the time it takes to set it.
+/// The shortest wait: the time that setting it takes.
 const LEAST_US: u32 = 2;
 /// Numbers of the interrupts.
 const TIMER_0: u16 = 0;
 const USB: u16 = 5;
-/// For tests and examples in a laboratory: <https://pid.codes/1209/0001/>. A product needs its own.
+/// An identity for tests and examples in a laboratory: <https://pid.codes/1209/0001/>. A product
+/// needs its own.
 const IDENTITY: UsbVidPid = UsbVidPid(0x1209, 0x0001);
 
 /// The second stage of the boot loader, which the chip runs before the program.
@@ -79,12 +80,12 @@ struct Line {
 
 static LINE: Shared<Option<Line>> = Shared::new(None);
 
-/// When the last wait ended.
+/// The end of the last wait.
 static LAST_US: Shared<u32> = Shared::new(0);
 
-/// Pins, timer, USB, interrupts.
+/// Starts pins, timer, USB and interrupts.
 pub fn start() {
-    // Without its clocks the chip can do nothing: then it has no link.
+    // If the clocks do not start, there is no link.
     LINE.with(|line| *line = open().ok().flatten());
     for pin in 2..INPUTS + 5 {
         set(IO_BANK + 8 * pin + 4, BY_SIO);
@@ -140,12 +141,13 @@ fn open() -> Result<Option<Line>, InitError> {
     }))
 }
 
-/// Sends a byte, if the port has room for it. Without a host it is reported as sent.
+/// Sends a byte, if the port has room for it. Without a host, the byte is dropped and reported as
+/// sent.
 pub fn send(byte: u8) -> bool {
     LINE.with(|line| match line {
         Some(line) if line.port.dtr() => {
             let is_taken = line.port.write(&[byte]) == Ok(1);
-            // The next interrupt of the port sends what does not go out at once.
+            // The next interrupt of the port sends the bytes that cannot be sent now.
             line.port.flush().ok();
             is_taken
         }
@@ -156,7 +158,7 @@ pub fn send(byte: u8) -> bool {
 /// USB has no rate.
 pub fn baud(_: u32) {}
 
-/// Always true: the port buffers what is sent.
+/// Always true, because the port buffers the bytes.
 pub fn is_sent() -> bool {
     true
 }
@@ -184,7 +186,7 @@ pub fn switch(outputs: u8) {
     set(SIO + OUT_SET, high);
 }
 
-/// The switches; a closed one is 1.
+/// Reads the switches; a closed one is 1.
 pub fn inputs(simulated: u8) -> u8 {
     if cfg!(not(feature = "switches")) {
         return simulated;
@@ -192,17 +194,18 @@ pub fn inputs(simulated: u8) -> u8 {
     (!read(SIO + GPIO_IN) >> INPUTS & 0x1f) as u8
 }
 
-/// Calls `on_time` this many microseconds after the last time, or at once if that has passed.
+/// Calls `on_time` this many microseconds after the end of the previous wait, or at once if that
+/// time has passed.
 pub fn wait(us: u32, section: CriticalSection<'_>) {
     LAST_US.within(section, |last| {
-        // If the wait before was cut short, it would have ended later than now: then this one
-        // counts from now.
+        // If the previous wait was cut short, its end is later than now. Then this wait counts from
+        // now.
         let now = read(TIMER + NOW_US);
         let is_cut = last.wrapping_sub(now) < 1 << 31;
         *last = if is_cut { now } else { *last }.wrapping_add(us);
         loop {
-            // A time that has passed wraps. One that passed long ago wraps to any time, but seldom
-            // to one within the wait.
+            // If the time has passed, the difference wraps. If it passed long ago, the difference
+            // may have any value, but seldom one within the wait.
             let now = read(TIMER + NOW_US);
             let left = last.wrapping_sub(now);
             if left < LEAST_US || left > us {
@@ -210,7 +213,7 @@ pub fn wait(us: u32, section: CriticalSection<'_>) {
             }
             set(TIMER + INTR, 1);
             set(TIMER + ALARM, *last);
-            // The time may have passed in between: then the alarm would come after 2^32 us.
+            // If the time has passed in between, the alarm would come only after 2^32 us.
             let left = last.wrapping_sub(read(TIMER + NOW_US));
             if left.wrapping_sub(1) < 1 << 31 || read(TIMER + ARMED) & 1 == 0 {
                 break;
@@ -228,8 +231,8 @@ pub fn stop() {
     nvic::unpend(TIMER_0);
 }
 
-/// Takes what the host has sent: at most one packet. A protocol with echoes fills a few bytes of
-/// it.
+/// Takes at most one packet from the host. It has only a few bytes if the protocol echoes each
+/// byte.
 extern "C" fn on_usb() {
     let mut bytes = [0; 64];
     let count = LINE.with(|line| {

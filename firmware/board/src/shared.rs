@@ -16,13 +16,13 @@ impl<T> Shared<T> {
         Shared(UnsafeCell::new(value))
     }
 
-    /// Works on the value with interrupts disabled. Must not be nested for the same value.
+    /// Accesses the value with interrupts disabled. Must not be nested for the same value.
     #[inline]
     pub fn with<R>(&self, work: impl FnOnce(&mut T) -> R) -> R {
         critical_section::with(|section| self.within(section, work))
     }
 
-    /// Works on the value where interrupts are disabled already: in an interrupt, or in
+    /// Accesses the value if interrupts are already disabled: in an interrupt, or in
     /// [`uninterrupted`](crate::uninterrupted). Must not be nested for the same value.
     #[inline]
     pub fn within<R>(&self, _: CriticalSection<'_>, work: impl FnOnce(&mut T) -> R) -> R {

@@ -7,43 +7,43 @@ use crate::chosen::LONGEST_US;
 /// A queued step. `D` is what the foreground gets back if the step is dropped.
 #[derive(Clone, Copy)]
 pub struct Step<D> {
-    /// Microseconds after the step before.
+    /// Microseconds after the previous step.
     pub wait_us: u32,
-    /// Levels of the motors' pins from then on.
+    /// Levels of the motors' pins after this step.
     pub levels: u8,
-    /// Data of the foreground.
+    /// Data for the foreground.
     pub delta: D,
 }
 
-/// What is due when a wait is over.
+/// What is due at the end of the current wait.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Due {
-    /// No wait runs.
+    /// There is no wait.
     Nothing,
-    /// The rest of the next step's wait, which is longer than the board's timer takes at once.
+    /// The rest of the next step's wait. The whole wait is longer than the board's timer accepts.
     Rest,
     /// The next step.
     Step,
-    /// The end of its pulse.
+    /// The end of the pulse of that step.
     Fall,
-    /// No wait runs, and none may begin.
+    /// There is no wait, and none may begin.
     Held,
 }
 
 /// A queue of `PLACES` steps, a power of two up to 128. The foreground fills it; the interrupt
 /// writes the levels and pops.
 ///
-/// The pins of `PULSED` are high for `PULSE_US` microseconds in a step, then low. The wait of the
+/// In a step, the pins of `PULSED` are high for `PULSE_US` microseconds, then low. The wait of the
 /// next step counts from the rise.
 ///
-/// The same queue made with `heapless` takes twice the instructions in the interrupt.
+/// A queue of `heapless` takes twice the instructions in the interrupt.
 pub struct Steps<D, const PLACES: usize, const PULSED: u8 = 0, const PULSE_US: u32 = 0> {
     places: [Step<D>; PLACES],
-    /// Numbers of steps queued and made, wrapping; also the indices of the slots.
+    /// Numbers of steps queued and made, wrapping. Modulo `PLACES` they are indices of slots.
     queued: u8,
     made: u8,
     due: Due,
-    /// The step before had a pulse: that time of the next wait is over.
+    /// The previous step had a pulse, so that part of the next wait is already over.
     has_pulsed: bool,
 }
 
@@ -72,7 +72,7 @@ impl<D: Copy, const PLACES: usize, const PULSED: u8, const PULSE_US: u32>
         }
     }
 
-    /// The step interrupt calls this when a wait is over.
+    /// Acts at the end of a wait. The step interrupt calls this.
     #[inline]
     pub fn on_time(&mut self, section: CriticalSection<'_>) {
         if self.due != Due::Step {
@@ -91,7 +91,7 @@ impl<D: Copy, const PLACES: usize, const PULSED: u8, const PULSE_US: u32>
         self.next(section);
     }
 
-    /// Begins the wait of the next step.
+    /// Begins the wait of the next step, or the next part of it.
     #[inline]
     fn next(&mut self, section: CriticalSection<'_>) {
         if self.made == self.queued {
@@ -142,16 +142,16 @@ impl<D: Copy, const PLACES: usize, const PULSED: u8, const PULSE_US: u32>
         }
     }
 
-    /// For an interrupt: no step is made until [`release`](Steps::release) or
-    /// [`stop`](Steps::stop).
+    /// Holds the steps until [`release`](Steps::release) or [`stop`](Steps::stop). An interrupt may
+    /// call this.
     #[inline]
     pub fn hold(&mut self) {
         crate::stop();
         self.due = Due::Held;
     }
 
-    /// Resumes the steps. The next step keeps its wait after the step before, or is made at once if
-    /// that has passed.
+    /// Resumes the steps. The next step comes its wait after the previous step, or at once if that
+    /// time has passed.
     #[inline]
     pub fn release(&mut self, section: CriticalSection<'_>) {
         if self.due == Due::Held {
@@ -162,7 +162,7 @@ impl<D: Copy, const PLACES: usize, const PULSED: u8, const PULSE_US: u32>
     /// Whether another step can be queued.
     #[inline]
     pub fn has_room(&self) -> bool {
-        // No more than `PLACES` are queued, at most 128.
+        // At most `PLACES` steps are queued, and that is at most 128.
         usize::from(self.queued.wrapping_sub(self.made)) < PLACES
     }
 

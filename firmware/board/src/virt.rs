@@ -1,6 +1,6 @@
-//! QEMU's `virt` with one RV32IMAC hart. Its UART is a 16550, its timer runs at 10 MHz. It has no
-//! pins but those of the UART: the motors' levels go to the scratch register, and the other outputs
-//! are DTR, RTS, OUT1 and OUT2.
+//! QEMU's `virt` with one RV32IMAC hart. Its UART is a 16550, and its timer runs at 10 MHz. The
+//! only pins are those of the UART: the motors' levels are written to the scratch register, and the
+//! other outputs are DTR, RTS, OUT1 and OUT2.
 //: MEMORY
 //: {
 //:   FLASH : ORIGIN = 0x80000000, LENGTH = 64K
@@ -37,7 +37,7 @@ const PLIC_CLAIM: usize = PLIC + 0x20_0004;
 const TIME: usize = 0x0200_bff8;
 const COMPARE: usize = 0x0200_4000;
 const CLOCKS_PER_US: u64 = 10;
-/// The timer takes every wait at once: none is above 2^31.
+/// The timer accepts every wait: none is above 2^31.
 pub const LONGEST_US: u32 = u32::MAX;
 
 fn read_byte(address: usize) -> u8 {
@@ -50,7 +50,7 @@ fn set_byte(address: usize, value: u8) {
     unsafe { write_volatile(address as *mut u8, value) }
 }
 
-/// When the last wait ended, which is the value that the timer compares with.
+/// The end of the last wait, with which the timer compares the time.
 static LAST: Shared<u64> = Shared::new(0);
 
 /// Starts UART and interrupts.
@@ -103,7 +103,7 @@ pub fn baud(bits_per_s: u32) {
     set_byte(UART + LINE_CONTROL, 0x03);
 }
 
-/// Whether the last stop bit is out.
+/// Whether the last stop bit has been sent.
 pub fn is_sent() -> bool {
     read_byte(UART + LINE_STATUS) & 0x40 != 0
 }
@@ -111,7 +111,7 @@ pub fn is_sent() -> bool {
 /// This board has no PWM.
 pub fn drive(_: u8) {}
 
-/// This board has no counter.
+/// This board has no counter for an encoder.
 pub fn counts(simulated: u16) -> u16 {
     simulated
 }
@@ -126,21 +126,22 @@ fn now() -> u64 {
     }
 }
 
-/// Calls `on_time` this many microseconds after the last time, or at once if that has passed.
+/// Calls `on_time` this many microseconds after the end of the previous wait, or at once if that
+/// time has passed.
 pub fn wait(us: u32, section: CriticalSection<'_>) {
     LAST.within(section, |last| {
         let now = now();
-        // If the wait before was cut short, it would have ended later than now: then this one
-        // counts from now.
+        // If the previous wait was cut short, its end is later than now. Then this wait counts from
+        // now.
         let clocks = u64::from(us).wrapping_mul(CLOCKS_PER_US);
         let end = now.min(*last).wrapping_add(clocks).max(now);
         if end >> 32 != *last >> 32 {
-            // The value must never be earlier in between.
+            // The value must never be too early between these writes.
             set(COMPARE, u32::MAX);
             set(COMPARE + 4, (end >> 32) as u32);
         }
-        // No later value is written before this one, as a rule: if the time has passed, QEMU
-        // forgets a later value only when the next wait begins, and would jump to it.
+        // As a rule, no later value is written before this one. If the time has passed, QEMU keeps
+        // a later value until the next wait begins, and virtual time would jump to it.
         set(COMPARE, end as u32);
         *last = end;
         // Safety: the handler is defined below.
@@ -148,9 +149,10 @@ pub fn wait(us: u32, section: CriticalSection<'_>) {
     });
 }
 
-/// Cancels the wait. It does not set a time that never comes, because QEMU would jump to it.
+/// Cancels the wait by disabling the interrupt. A compare value that is never reached would not do,
+/// because QEMU's virtual time would jump to it.
 pub fn stop() {
-    // Safety: nothing waits for it any more.
+    // Safety: no code waits for this interrupt any more.
     unsafe { riscv::register::mie::clear_mtimer() };
 }
 

@@ -1,5 +1,5 @@
-//! Provides the linker scripts, and the names of the interrupts that a crate of the chip would
-//! have.
+//! Provides the linker scripts, and the names of interrupts that a peripheral access crate would
+//! provide.
 
 #[path = "../../link.rs"]
 mod link;

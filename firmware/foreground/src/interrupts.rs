@@ -1,14 +1,14 @@
-//! The data of the interrupts.
+//! The data that the foreground shares with the interrupts.
 
 use board::{CriticalSection, Steps};
 use husillo_controllers::{Controller, StopBytes};
 
 use crate::Product;
 
-/// The queue of events, and the bytes that hold it.
+/// The queue of steps, and the bytes that stop it.
 ///
-/// A firmware has it in a static and calls its functions in `on_time` and `on_byte`. `PULSED` and
-/// `PULSE_US` are those of [`Steps`].
+/// A firmware keeps this in a static and calls its functions in `on_time` and `on_byte`. `PULSED`
+/// and `PULSE_US` are those of [`Steps`].
 pub struct Interrupts<
     P: Product,
     const PLACES: usize,
@@ -22,7 +22,7 @@ pub struct Interrupts<
 impl<P: Product, const PLACES: usize, const PULSED: u8, const PULSE_US: u32>
     Interrupts<P, PLACES, PULSED, PULSE_US>
 {
-    /// No event; `undo` fills the places of the queue.
+    /// An empty queue and no stopping byte. `undo` fills the slots of the queue.
     pub const fn new(undo: P::Undo) -> Self {
         Interrupts {
             steps: Steps::new(undo),
@@ -30,13 +30,14 @@ impl<P: Product, const PLACES: usize, const PULSED: u8, const PULSE_US: u32>
         }
     }
 
-    /// For `on_time`: a wait is over.
+    /// Acts at the end of a wait. `on_time` calls this.
     #[inline]
     pub fn on_time(&mut self, section: CriticalSection<'_>) {
         self.steps.on_time(section);
     }
 
-    /// For `on_byte`: a byte that stops acts at once. The foreground may be busy for some steps.
+    /// Holds the queue at once if the byte is a stopping byte, because the foreground may be busy
+    /// for the time of some steps. `on_byte` calls this.
     #[inline]
     pub fn on_byte(&mut self, byte: u8) {
         if self.stops.takes(byte) {

@@ -6,7 +6,7 @@
 //!               Product::inputs ┘  └──────────── how many were made ──────────┘
 //! ```
 //!
-//! A firmware implements [`Product`] for the pins of its machine, has its [`Interrupts`] in a
+//! A firmware implements [`Product`] for the pins of its machine, keeps its [`Interrupts`] in a
 //! static, and calls [`run`].
 #![no_std]
 
@@ -19,37 +19,37 @@ pub use transmitter::Transmitter;
 use board::{Shared, Step};
 use husillo_controllers::Controller;
 
-/// The pins of a machine, and what the firmware knows of its motors.
+/// The pins of a machine, and the state of its motors.
 pub trait Product {
     /// The controller of the machine.
     type Controller: Controller;
-    /// Data that undoes an event which is dropped.
+    /// The data with which a dropped event is undone.
     type Undo: Copy;
 
-    /// The switches and sensors as they are now.
+    /// Reads the switches and sensors.
     fn inputs(&mut self, controller: &Self::Controller)
     -> <Self::Controller as Controller>::Inputs;
 
-    /// Does now what the event does without a wait. An event with a wait is returned as a step for
-    /// the queue: its levels are written when the wait is over.
+    /// Performs an event. Its outputs are switched at once. If the event has a wait, returns it as
+    /// a step for the queue. The levels of that step are written when the wait is over.
     fn perform(
         &mut self,
         event: <Self::Controller as Controller>::Event,
     ) -> Option<Step<Self::Undo>>;
 
-    /// Events with a wait have been made.
+    /// Called after events with a wait have been made.
     fn made(&mut self) {}
 
-    /// An event will not be made. The last one comes first.
+    /// Undoes an event that was dropped from the queue. The last event is undone first.
     fn undo(&mut self, dropped: Self::Undo) {
         let _ = dropped;
     }
 }
 
-/// Runs a controller of one machine: never returns.
+/// Runs the controller of one machine. Never returns.
 ///
-/// A controller that does not plan ahead needs a queue of one place. It is asked for an event when
-/// the event before was made, with the switches as they are then.
+/// A controller that does not plan ahead needs a queue of one slot. It gets the present state of
+/// the switches, and is asked for an event after the previous one was made.
 #[inline(never)]
 pub fn run<P: Product, const PLACES: usize, const PULSED: u8, const PULSE_US: u32>(
     product: &mut P,
@@ -70,7 +70,8 @@ pub fn run<P: Product, const PLACES: usize, const PULSED: u8, const PULSE_US: u3
         let mut has_room = board::uninterrupted(|section| {
             interrupts.within(section, |now| {
                 now.stops = controller.stops();
-                // The bytes that held the steps have been received: none of them stops.
+                // The controller has received the bytes that held the steps. None of them stopped
+                // it.
                 if !board::has_heard() {
                     now.steps.release(section);
                 }
@@ -78,13 +79,15 @@ pub fn run<P: Product, const PLACES: usize, const PULSED: u8, const PULSE_US: u3
             })
         });
         let plans_ahead = const { P::Controller::AHEAD > 1 };
-        // A step that is due soon comes before the bytes. Where steps are queued, the bytes come
-        // first: those that were sent make room for the reports of further steps.
+        // A controller that does not plan ahead makes the next step before bytes are sent, because
+        // the step may be due soon. With queued steps, bytes are sent first. This makes room for
+        // the reports of further steps.
         if plans_ahead {
             transmitter.send(|| controller.transmit());
         }
         let inputs = product.inputs(controller);
-        // A controller that plans ahead counts its events.
+        // A controller that plans ahead counts its events itself, so the queue is not asked for
+        // room.
         while (plans_ahead || has_room)
             && let Some(event) = controller.next_event(0, &inputs)
         {
@@ -98,7 +101,7 @@ pub fn run<P: Product, const PLACES: usize, const PULSED: u8, const PULSE_US: u3
             !transmitter.send(|| controller.transmit())
         };
         if is_silent {
-            // Reporting several events costs as much as reporting one.
+            // Handling several made events costs as much as handling one.
             let together = if controller.reports_next() {
                 1
             } else {
@@ -129,7 +132,7 @@ fn report<P: Product>(
     *reported = made;
 }
 
-/// Queues an event where there is room; `true`: there is room for another one.
+/// Queues an event. There must be room for it. Returns whether there is room for another one.
 #[inline(always)]
 fn push<P: Product, const PLACES: usize, const PULSED: u8, const PULSE_US: u32>(
     interrupts: &Shared<Interrupts<P, PLACES, PULSED, PULSE_US>>,
@@ -143,7 +146,7 @@ fn push<P: Product, const PLACES: usize, const PULSED: u8, const PULSE_US: u32>(
     })
 }
 
-/// Stops the motors: queued events are dropped and undone.
+/// Stops the motors, and drops and undoes the queued events.
 fn halt<P: Product, const PLACES: usize, const PULSED: u8, const PULSE_US: u32>(
     product: &mut P,
     controller: &mut P::Controller,

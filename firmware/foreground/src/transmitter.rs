@@ -1,4 +1,4 @@
-//! The bytes on their way to the UART.
+//! The bytes for the UART.
 
 /// Sends the bytes of a controller, as fast as the UART takes them.
 #[derive(Default)]
@@ -8,12 +8,13 @@ pub struct Transmitter {
 }
 
 impl Transmitter {
-    /// Nothing to send.
+    /// A transmitter without a byte to send.
     pub const fn new() -> Self {
         Transmitter { unsent: None }
     }
 
-    /// Sends bytes until there is none, or the UART takes no more. `false`: there was none.
+    /// Sends bytes until there is none left or the UART takes no more. Returns whether there was
+    /// one.
     #[inline]
     pub fn send(&mut self, mut next: impl FnMut() -> Option<u8>) -> bool {
         let mut is_busy = false;
@@ -27,7 +28,7 @@ impl Transmitter {
         is_busy
     }
 
-    /// Whether there is nothing to send, after asking for the next byte.
+    /// Asks for the next byte, if none is waiting. Returns whether there is nothing to send.
     #[inline]
     pub fn is_empty_after(&mut self, next: impl FnOnce() -> Option<u8>) -> bool {
         self.unsent = self.unsent.take().or_else(next);

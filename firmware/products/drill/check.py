@@ -1,7 +1,7 @@
-"""Drills three holes with two tools: every event must be that of the host's emulated drill.
+"""Drills three holes with two tools: every event must equal that of the host's emulated drill.
 
-From homing on, this compares the wait, the motors' phases and the spindle of each event: with our
-controller, and on one board with the original one.
+From homing on, the wait, the motors' phases and the spindle of each event are compared. This is
+done with our controller, and on one board also with the original one.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ def drill(board: Board, is_faithful: bool) -> Iterator[tuple[str, int]]:
             ram = firmware.ram()
         happened = registers.read_file(board, log, with_outputs=True)
     same(f"{board}: holes", count, expected)
-    # Only events with a wait: before them the motors are switched on.
+    # Only events with a wait. A write without a wait switches the motors on before them.
     events: list[Made | Switched] = [
         one
         for one in happened

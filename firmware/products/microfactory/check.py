@@ -1,7 +1,7 @@
-"""The host cuts a figure: every event must be that of the host's emulated machine.
+"""The host cuts a figure: every event must equal that of the host's emulated machine.
 
-From homing on, this compares the wait, the motors' pins, their current and RESET of each event, and
-the positions of each status. After that comes an emergency stop while it homes.
+From homing on, the wait, the motors' pins, their current and RESET of each event are compared, and
+the position in each status. Then an emergency stop during homing is checked.
 """
 
 from __future__ import annotations
@@ -51,8 +51,8 @@ def check_reports(board: Board, happened: list[Happened], positions: list[tuple[
     """Checks that every reported position is that of the pins."""
     reported = list(status.statuses(happened))
     for steps, _, flags, position in reported:
-        # The position is ahead of the pins by the step that waits for its time. That time may have
-        # come before the first byte went out.
+        # The position includes the step that is still waiting for its time. That step may be made
+        # before the first byte of the report is sent.
         if flags & status.HOMED and position not in positions[max(steps - 1, 0) : steps + 2]:
             fail(f"{board}: reports {position} after {steps} steps, and is at {positions[steps]}")
     last = len(positions) - 1

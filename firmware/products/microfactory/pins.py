@@ -16,7 +16,7 @@ PULSE_US = 10
 
 
 class Pins:
-    """Levels and outputs of the host's rows, one after the other. Directions persist."""
+    """Converts the host's rows, in order, to levels and outputs. Directions persist."""
 
     def __init__(self) -> None:
         self.directions = 0
@@ -32,11 +32,11 @@ class Pins:
 
 
 def events(board: Board, happened: Iterable[Happened]) -> list[Made | Switched]:
-    """Steps that had a wait, and switches of the current.
+    """The steps that had a wait, and the changes of the current.
 
-    CLOCK rises with a step and falls in an interrupt of its own. If that comes late, what follows
-    is late as well, so that time is subtracted. Between two events the directions are already those
-    of the next one.
+    CLOCK rises with a step and falls in a separate interrupt. If that interrupt is late, all later
+    events are late by the same time, so this time is subtracted. Between two events, the directions
+    are already those of the next event.
     """
     found: list[Made | Switched] = []
     before: Made | None = None
@@ -49,7 +49,7 @@ def events(board: Board, happened: Iterable[Happened]) -> list[Made | Switched]:
             outputs = one.outputs
         elif isinstance(one, Made):
             if one.due is None:
-                require(not one.levels & CLOCKS, "a CLOCK rises unasked")
+                require(not one.levels & CLOCKS, "a CLOCK rises without a wait")
             elif before and before.levels & CLOCKS and before.due is not None:
                 longer = (one.due - before.due) % 2**32 - pulse
                 is_long = longer == 0 or (longer > 0 and one.is_late(board))
@@ -59,7 +59,7 @@ def events(board: Board, happened: Iterable[Happened]) -> list[Made | Switched]:
                 require(is_kept, "a direction changes with the fall of CLOCK")
             else:
                 is_ready = not before or before.levels >> 4 == one.levels >> 4
-                require(is_ready, "a direction comes with its CLOCK")
+                require(is_ready, "a direction changes together with its CLOCK")
                 found.append(one.earlier(late))
             before = one
     return found

@@ -15,12 +15,12 @@ ASK = 0x35
 LENGTH = 21
 MOVING, HOMED = 1, 2
 LASH = (200, 0, 200, 0)
-# Positions of axes and spindle at power-on, from home, which is 200 steps off the switches.
+# Positions of axes and spindle at power-on, counted from home. Home is 200 steps off the switches.
 BEGIN = (220, 180, 700, 0)
 
 
 class Status(NamedTuple):
-    """A report: steps made so far, reason, flags, positions."""
+    """A report: the steps made before it, its reason, flags and positions."""
 
     steps: int
     report: int
@@ -29,7 +29,7 @@ class Status(NamedTuple):
 
 
 def positions(rows: Iterable[Row]) -> Iterator[tuple[int, ...]]:
-    """Positions of loads and spindle before the first step of the host's rows and after each."""
+    """Positions of loads and spindle: before the first step of the host's rows, and after each."""
     ahead, loads = list(LASH), list(BEGIN)
     yield tuple(loads)
     for row in rows:
@@ -42,7 +42,7 @@ def positions(rows: Iterable[Row]) -> Iterator[tuple[int, ...]]:
 
 
 def check(content: bytes) -> int:
-    """CRC-16 of X.25."""
+    """The CRC-16 of X.25."""
     value = 0xFFFF
     for byte in content:
         value ^= byte
@@ -52,7 +52,7 @@ def check(content: bytes) -> int:
 
 
 def statuses(happened: Iterable[Happened]) -> Iterator[Status]:
-    """All reports."""
+    """All reports among the bytes that were sent."""
     said: list[tuple[int, int]] = []
     steps = 0
     for one in happened:

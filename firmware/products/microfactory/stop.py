@@ -1,6 +1,7 @@
-"""An emergency stop while it homes.
+"""An emergency stop during homing.
 
-The events until then must be those of the host's emulated machine, and nothing may follow.
+The events before it must equal those of the host's emulated machine. After it, at most the step in
+progress may be made, and the current must be switched off.
 """
 
 from __future__ import annotations
@@ -21,9 +22,9 @@ from products.microfactory.status import ASK, LENGTH
 HOME, EMERGENCY, REJECTED = b"H!?"
 # Steps that may already be in progress at the stop.
 AHEAD = 1
-# The stop is sent after more steps than this.
+# The stop is sent after more than this number of steps.
 BEGUN = 3
-# A busy computer may let it home to the end.
+# On a busy computer, homing may end before the stop is sent. Then the check is repeated.
 TRIES = 5
 ANSWER_S = 60
 
@@ -44,7 +45,7 @@ class Line(Firmware):
 
 
 def stopped(board: Board, log: Path) -> list[Happened]:
-    """Homes the firmware and stops it. Returns what has happened."""
+    """Starts homing and stops it. Returns everything that happened."""
 
     def happened() -> list[Happened]:
         return registers.read_file(board, log, with_outputs=True)
@@ -64,19 +65,19 @@ def stopped(board: Board, log: Path) -> list[Happened]:
         # These bytes take as long on the line as several steps of the motors.
         line.ask(ASK, LENGTH)
         line.ask(ASK, LENGTH)
-        # The current ends behind the step that waits for its time.
-        still = f"{board}: there is current after an emergency stop"
+        # The current is switched off after the step that is still waiting for its time.
+        still = f"{board}: the current is on after an emergency stop"
         until(lambda: is_off(pins.events(board, happened())[-1]), ANSWER_S, still)
     return happened()
 
 
 def is_off(one: Made | Switched) -> bool:
-    """Whether this switches the current off."""
+    """Whether this event switches the current off."""
     return isinstance(one, Switched) and not one.outputs & pins.ENABLE
 
 
 def check(board: Board) -> None:
-    """Stops it while it homes and checks its pins."""
+    """Stops the firmware during homing and checks its pins."""
     with tempfile.TemporaryDirectory() as path:
         folder = Path(path)
         with Emulated("microfactory", folder, 200) as emulated:
@@ -88,12 +89,12 @@ def check(board: Board) -> None:
             if len(made) < len(rows):
                 break
         else:
-            fail(f"{board}: no emergency stop came while it homed")
+            fail(f"{board}: every emergency stop came after homing")
     *made, end = made
     compare(board, made, rows, pins.Pins(), pins.NOT_RESET, pins.ENABLE)
     if not is_off(end):
-        fail(f"{board}: there is current after an emergency stop")
+        fail(f"{board}: the current is on after an emergency stop")
     late = pins.events(board, happened[happened.index(EMERGENCY) :])
     if len(late) > AHEAD + 1:
         fail(f"{board}: {len(late) - 1} steps after an emergency stop")
-    print(f"{board}: stops for good after {len(made)} of {len(rows)} events")
+    print(f"{board}: stopped permanently after {len(made)} of {len(rows)} events")

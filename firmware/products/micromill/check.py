@@ -1,6 +1,7 @@
 """The host cuts a program: every step, wait, phase and byte must be as in the host's files.
 
-After that come stops, jogs, hosts that are asked to end, hostile bytes, and instruction counts.
+Then stops, jogs, hosts that are asked to end and hostile bytes are checked, and instructions are
+counted.
 """
 
 from __future__ import annotations
@@ -32,11 +33,13 @@ def all_of(board: Board, hostile_bytes: int) -> Iterator[tuple[str, int]]:
 def main(arguments: list[str]) -> int:
     """Checks the firmware on all boards."""
     parser = product.parser("micromill", __doc__)
+    parser.add_argument("--circles", action="store_true", help="only cut examples/circles.nc")
     parser.add_argument(
-        "--circles", action="store_true", help="cut examples/circles.nc, and nothing else"
-    )
-    parser.add_argument(
-        "--hostile", type=int, default=HOSTILE_BYTES, metavar="BYTES", help="how many"
+        "--hostile",
+        type=int,
+        default=HOSTILE_BYTES,
+        metavar="BYTES",
+        help="how many hostile bytes are sent",
     )
     options = parser.parse_args(arguments)
     chosen = options.boards or boards.ALL

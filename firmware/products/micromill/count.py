@@ -14,13 +14,14 @@ from husillo_firmware.waiting import fail, require
 from products.micromill.link import ANSWER_S, READY, Micromill
 
 START = b"G01X00005Y00005F0100;"
-# A name, a string to send first, and the string whose events are counted.
+# The name, a string to send first, and the string whose events are counted. `untold`: no step is
+# reported.
 EVENTS = (
     ("slope_event", None, b"G01X00150Y00080F0100;"),
     ("slope_event_untold", b"R000;", b"G01X00295Y00155F0100;"),
-    # Both axes forwards, as before: there is no take-up.
+    # Both axes move forwards, as before, so there is no take-up.
     ("arc_event_untold", None, b"G02X00445Y00305I00445J00155F0100;"),
-    # 7 steps after 1457.
+    # A take-up of 1457 steps, then 7 steps.
     ("take_up_event_untold", None, b"G01X00444F0100;"),
     # A circle of 3 mm, with four take-ups.
     ("circle_event_untold", None, b"G02X00444Y00305I00444J00705F0100;"),
@@ -55,7 +56,7 @@ def strings(board: Board, log: Path) -> Iterator[tuple[str, float]]:
         def counted(string: bytes) -> Count:
             mill.monitor(BEGIN)
             mill.ask(string)
-            # What the firmware does after its answer belongs to the string.
+            # The work of the firmware after its answer also counts for the string.
             mill.booted()
             mill.monitor(END)
             found = Count(mill, log)
@@ -64,10 +65,10 @@ def strings(board: Board, log: Path) -> Iterator[tuple[str, float]]:
 
         mill.home()
         mill.ask(START)
-        # How often it wakes in between depends on when the host sends: take the minimum of four.
+        # The number of wake-ups depends on when the host sends, so the minimum of four is taken.
         nowhere = min((counted(START) for _ in range(4)), key=lambda found: found.foreground)
         yield "byte_interrupt", max(nowhere.byte)
-        # No step: only the bytes, and the line read, checked and planned.
+        # The line makes no step: its bytes are received, and it is read, checked and planned.
         yield "line", nowhere.foreground
 
         held, worst = nowhere.held, 0

@@ -1,7 +1,7 @@
 """Sends random bytes, over-long lines, truncated strings and resets to the firmware.
 
-It must never hang. After homing the motors must stay within the travel, before it above the
-switches. At the end it must obey a line as usual.
+The firmware must never hang. Before homing, the motors must stay above the switches. After homing,
+they must stay within the travel. At the end, the firmware must execute a line as usual.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ LAST_STEPS = 71
 
 
 class Watch:
-    """Tracks the motors by the reported steps."""
+    """Tracks the positions of the motors by the reported steps."""
 
     def __init__(self, where: str) -> None:
         self.where, self.steps = where, 0
@@ -90,17 +90,17 @@ class Attack:
         return string
 
     def calm(self) -> None:
-        """Stops everything and clears the line of a begun string."""
+        """Stops everything and clears an incomplete string from the link."""
         for _ in range(50):
             self.mill.line.send(b"A;")
             said = self.mill.receive(2)
-            # Does not wait for a run that continues because its `A` was lost.
+            # Limited, because a run continues if its `A` was lost.
             for _ in range(200):
                 if not (more := self.mill.receive(0.1)):
                     break
                 said += more
             self.watch.hear(said)
-            # Bytes get lost if more come than there is room for, so the question may be repeated.
+            # Bytes are lost if the firmware has no room for them, so the string may be repeated.
             if said:
                 answer = self.mill.ask(b"S0;")
                 self.watch.hear(answer)
@@ -120,9 +120,9 @@ class Attack:
         fail(f"{self.where}: homing ended with {said[-1]:#x}")
 
     def send(self, burst: bytes) -> None:
-        """Sends bytes as fast as they are echoed, apart from lost ones.
+        """Sends bytes in parts. Waits for the echoes of each part, unless bytes were lost.
 
-        QEMU keeps all bytes for which a UART has no room.
+        Otherwise QEMU would keep all bytes for which a UART has no room.
         """
         for place in range(0, len(burst), 256):
             part = burst[place : place + 256]
@@ -135,7 +135,7 @@ class Attack:
                 echoes += sum(byte not in STEPS for byte in said)
 
     def move(self) -> None:
-        """Moves something for a while. In virtual time that is long, and all of its steps come."""
+        """Moves something for a while. In virtual time this is long, and every step is reported."""
         self.mill.line.send(b"A;" + self.random.choice(MOVES))
         end = time.monotonic() + 0.02
         while time.monotonic() < end:
@@ -143,11 +143,11 @@ class Attack:
         self.mill.line.send(b"A;")
 
     def reset(self) -> None:
-        """Resets it, whatever it is doing."""
+        """Resets the firmware in any state."""
         self.mill.monitor("system_reset")
         self.resets += 1
         said = self.mill.hear(READY)
-        # Bytes that were still under way may move it already.
+        # Bytes that were sent before the reset may already have moved it.
         self.watch.start(False)
         self.watch.hear(said.rpartition(READY)[2])
         if self.random.randrange(2):
@@ -170,7 +170,7 @@ class Attack:
         said = self.mill.ask(b"PX+%04d;" % LAST_STEPS)
         self.watch.hear(said)
         if said[-1] != DONE or self.watch.at != [LAST_STEPS, 0, 0]:
-            fail(f"{self.where}: the steps after it ended with {said[-1]:#x} at {self.watch.at}")
+            fail(f"{self.where}: the last steps ended with {said[-1]:#x} at {self.watch.at}")
         return sent
 
 

@@ -1,7 +1,7 @@
 """A host that is asked to end while the firmware moves must stop it first.
 
-Ctrl-C and a request to end come in a jog, in steps and in a program, in wall-clock time. The motors
-must stop soon, and the host must report it.
+Ctrl-C or SIGTERM comes during a jog, during steps or during a program, in wall-clock time. The
+motors must stop soon, and the host must report it.
 """
 
 from __future__ import annotations
@@ -18,17 +18,17 @@ from husillo_firmware.waiting import require, until
 
 from products.micromill.link import ANSWER_S, DONE, Micromill
 
-# Five millimetres there and back at 10 mm/min: a minute.
+# 5 mm forward and back at 10 mm/min takes a minute.
 PROGRAM = "G21 G90\nG1 X5 F10\nG1 X0\nM30\n"
 # Steps before the request.
 BEGUN = 50
-# Most steps, of 170 a second, from before the request to the last one. This includes the time that
-# this computer needs to look.
+# The most steps, at 170 per second, from the last count before the request to the last step. They
+# include the steps during that count.
 MOST = 100
 END_S = 20
 # The host's exit status.
 INTERRUPTED = 130
-# Steps that are requested after the stop.
+# The number of steps that are requested after the stop.
 AFTER = 34
 
 
@@ -63,16 +63,16 @@ class Interrupted:
         require(moving.returncode == INTERRUPTED, f"{place}: status {moving.returncode}, {said}")
         require("the controller has stopped" in said, f"{place}: {said}")
         require(after - before <= MOST, f"{place}: {after - before} steps after the request")
-        # It makes exactly these steps.
+        # The mill makes exactly the requested steps.
         self.mill.connect()
         self.mill.ask(b"PX+%04d;" % AFTER, (DONE,))
         self.mill.line.close()
-        require(self.steps() == after + AFTER, f"{place}: it goes on without a host; {said}")
+        require(self.steps() == after + AFTER, f"{place}: it moves on without a host; {said}")
         return after - before
 
 
 def check(board: Board) -> None:
-    """Moves it in all ways, and ends the host."""
+    """Moves the mill with each command, and ends the host each time."""
     with tempfile.TemporaryDirectory() as path:
         log, program = Path(path) / "log", Path(path) / "long.nc"
         program.write_text(PROGRAM)
@@ -84,7 +84,7 @@ def check(board: Board) -> None:
             (["send", program, "--stream"], signal.SIGINT),
         ]
         trace = (*registers.ARGUMENTS, "-D", str(log))
-        # The host uses the line.
+        # The host opens the link.
         with Micromill(board, *trace, in_wall_time=True, is_connected=False) as mill:
             mill.booted()
             interrupted = Interrupted(mill, log)

@@ -1,7 +1,7 @@
 """Moves the firmware by hand with `husillo jog`, in wall-clock time.
 
-Several axes step together, faster and slower when asked, and make as many steps as the host
-reports. When the host is killed, the jog must end automatically.
+Several axes step together, and the rate changes on request. The number of steps must be that which
+the host reports. When the host is killed, the jog must end automatically.
 """
 
 from __future__ import annotations
@@ -27,9 +27,10 @@ ACTIONS = (
 WAITS_US = [5883, 5556, 5883]
 # At 250 steps per second, as requested.
 RUN_US = 4000
-# Steps of the jog before its host is killed, and at most in all; the whole jog would be 5100.
+# The host is killed after BEGUN steps. The jog may make at most MOST steps; all of it would be
+# 5100.
 BEGUN, MOST = 200, 2000
-# The jog ends half a second after the host's last byte. This is how long that may take here.
+# The jog ends half a second after the host's last byte. A busy computer may need this long.
 END_S = 20
 AFTER = 34
 
@@ -41,11 +42,11 @@ class Jogged:
         self.mill, self.log, self.board = mill, log, mill.board
 
     def command(self, *actions: str) -> list[str]:
-        """The arguments with which the host jogs."""
+        """The arguments of the host for a jog."""
         return ["jog", "-m", "micromill", "--port", self.mill.tcp, *actions]
 
     def happened(self) -> list[Happened]:
-        """Everything until now."""
+        """Everything that has happened until now."""
         # The monitor answers when everything before it has been written.
         self.mill.monitor("info status")
         return registers.read_file(self.board, self.log)
@@ -55,7 +56,7 @@ class Jogged:
         return registers.made(self.happened())[1:]
 
     def jog(self) -> int:
-        """Jogs, faster and slower, and compares. Returns the number of steps of three axes."""
+        """Jogs at several rates and compares. Returns the total steps of three axes."""
         said = host.says(*self.command(*ACTIONS))
         steps = self.steps()
         waits = [
@@ -70,9 +71,9 @@ class Jogged:
         # Every event changes the phase of each axis.
         for before, after in pairwise(steps[:jogged]):
             changed = before.levels ^ after.levels
-            require(all(changed >> place & 3 for place in (0, 2, 4)), "an axis stood")
-        # Waits may be longer: the queue runs dry when this computer is delayed. On a busy one that
-        # is most of them.
+            require(all(changed >> place & 3 for place in (0, 2, 4)), "an axis did not step")
+        # A wait is longer if the queue runs empty because this computer is delayed. On a busy
+        # computer, most waits may be longer.
         right = [wait for wait in waits[: jogged - 1] if wait in WAITS_US]
         paces = [wait for n, wait in enumerate(right) if not n or wait != right[n - 1]]
         require(paces == WAITS_US and len(right) > 0.3 * jogged, waits[:jogged])
@@ -98,14 +99,14 @@ class Jogged:
         )
         stopped = len(self.steps())
         require(BEGUN < stopped - before < MOST, stopped - before)
-        # It makes exactly these steps.
+        # The mill makes exactly the requested steps.
         self.mill.connect()
         move = b"PX+%04d;" % AFTER
         # The killed host may have left the start of a string. The mill refuses it with this move.
         if WRONG in self.mill.ask(move, (DONE, WRONG)):
             self.mill.ask(move, (DONE,))
         after = len(self.steps())
-        require(after == stopped + AFTER, f"{self.board}: it goes on without a host")
+        require(after == stopped + AFTER, f"{self.board}: it moves on without a host")
 
 
 def check(board: Board) -> None:
@@ -113,7 +114,7 @@ def check(board: Board) -> None:
     with tempfile.TemporaryDirectory() as folder:
         log = Path(folder) / "log"
         trace = (*registers.ARGUMENTS, "-D", str(log))
-        # The host uses the line.
+        # The host opens the link.
         with Micromill(board, *trace, in_wall_time=True, is_connected=False) as mill:
             mill.booted()
             jogged = Jogged(mill, log)

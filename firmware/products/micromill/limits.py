@@ -6,7 +6,7 @@ from husillo_firmware.golden import Figures
 
 # The memory of the original controller, in bytes.
 FLASH, RAM = 32768, 3840
-# Instructions that an event may take on this controller and on a faster one.
+# The most instructions of an event and of the step interrupt.
 MOST = {
     "microbit count slope_event_untold": 460,
     "microbit count take_up_event_untold": 460,
@@ -18,7 +18,7 @@ MOST = {
     "mps2-an386 count circle_event_untold": 220,
     "mps2-an386 count step_interrupt": 60,
 }
-# Rate of arc events, the slowest ones, that must be sustained. For each board: the processor, its
+# The least rate of arc events, which are the slowest ones. For each board: the processor, its
 # clock, cycles per instruction, cycles of an interrupt's entry and return, events per second.
 LEAST = {
     "microbit": ("Cortex-M0 at 48 MHz", 48e6, 1.5, 32, 50_000),
@@ -27,7 +27,7 @@ LEAST = {
 
 
 def exceeded(figures: Figures) -> list[str]:
-    """Returns what is beyond the limits, for the boards that were measured."""
+    """Returns the figures beyond their limits, for the boards that were measured."""
     found = dict(figures)
     most: dict[str, float] = dict(MOST)
     if "microbit flash" in found:
@@ -44,7 +44,7 @@ def exceeded(figures: Figures) -> list[str]:
             continue
         event = found[f"{board} count arc_event_untold"] + found[f"{board} count step_interrupt"]
         rate = int(hertz / (cycles * event + entry))
-        print(f"{processor}: {rate} events of an arc a second")
+        print(f"{processor}: {rate} events of an arc per second")
         if rate < limit:
-            said.append(f"{processor}: at least {limit} events of an arc a second")
+            said.append(f"{processor}: at least {limit} events of an arc per second")
     return said

@@ -1,4 +1,4 @@
-"""The micro mill's link, as far as checks need it: strings sent byte by byte, with echoes."""
+"""The part of the micro mill's link that checks need: strings are sent by bytes and echoed."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ ANSWER_S = 60
 
 
 class Micromill(Firmware):
-    """A micro mill in QEMU, and its answers."""
+    """A micro mill in QEMU."""
 
     def __init__(
         self,
@@ -52,13 +52,13 @@ class Micromill(Firmware):
         return said
 
     def home(self) -> None:
-        """Homes it."""
+        """Homes the mill."""
         if self.ask(b"H;", (DONE, NO_SWITCH))[-1] != DONE:
             fail(f"{self.board}: homing found no switch")
 
 
 def add_steps(said: Iterable[int], to: list[int]) -> None:
-    """Adds the reported steps to those of each axis."""
+    """Adds the reported steps to the counts of the axes."""
     for byte in said:
         if byte in STEPS:
             to[byte >> 1 & 3] += 1 if byte & 1 else -1

@@ -1,4 +1,4 @@
-(What the check cuts: a small circle, an arc, a slope, a helix, all in sight of the lash.)
+(The program of the check: a small circle, an arc and a slope, all within the backlash.)
 G21 G90 G17
 M3 S800
 G0 X0.5 Y0.3

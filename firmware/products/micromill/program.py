@@ -33,7 +33,7 @@ class Line:
 def cut(board: Board, program: Path, is_traced: bool) -> Iterator[tuple[str, int]]:
     """Has the host cut a program with the firmware, and compares. Yields the figures.
 
-    Without the trace, only the reported steps are compared. That works for programs of any length.
+    Without the trace, only the reported steps are compared. This works for programs of any length.
     """
     with tempfile.TemporaryDirectory() as path:
         folder = Path(path)
@@ -43,8 +43,8 @@ def cut(board: Board, program: Path, is_traced: bool) -> Iterator[tuple[str, int
             firmware.booted()
             steps = int(host.send(program, "micromill", firmware.tcp)[0])
             ram = firmware.ram()
-        # The reported steps are those of the strings on the simulator. Its report of them must be
-        # that of the program.
+        # The host has compared the reported steps with those of the strings on the simulator. The
+        # simulator's reports of the strings and of the program must be equal.
         strings = folder / "strings.mm"
         host.says("compile", program, "-m", "micromill", "-o", strings)
         if (of_strings := report(strings)) != (of_program := report(program)):
@@ -54,10 +54,10 @@ def cut(board: Board, program: Path, is_traced: bool) -> Iterator[tuple[str, int
             late = compare(board, registers.read_file(board, log), lines_of(program, folder))
     yield "steps", steps
     if late:
-        # In virtual time, 64 ns per instruction, from the end of the wait until the time is read
-        # after the pins. The latest of 1000 steps is left out: on a busy computer QEMU's clock
-        # sometimes jumps too far while the chip sleeps. `held_longest` is the delay that the
-        # firmware itself can cause.
+        # The lateness is the virtual time from the end of the wait until the time is read after
+        # the write to the pins. An instruction takes 64 ns. The latest of 1000 steps is left out:
+        # on a busy computer QEMU's clock sometimes jumps too far while the chip sleeps.
+        # `held_longest` is the delay that the firmware itself can cause.
         require(len(late) > 0.8 * steps, f"{board}: {len(late)} of {steps} steps have a time")
         late.sort()
         yield "jitter_us", math.ceil(late[len(late) * 999 // 1000] - late[0])
@@ -132,7 +132,7 @@ def compare(board: Board, happened: list[Happened], lines: Sequence[Line]) -> li
                 late.append((step.at - last) % 2**32 / clocks_per_us(board))
         expected += bytes([DONE])
     if (found := registers.said(after)) != expected:
-        fail(f"{board}: what was said: {found.hex()} instead of {expected.hex()}")
+        fail(f"{board}: bytes sent: {found.hex()} instead of {expected.hex()}")
     none_is_ahead(after)
     return late
 
@@ -142,10 +142,10 @@ def waited(
 ) -> int:
     """Compares the wait before a step with the host's. Returns when the step was due.
 
-    The first step of a line begins when the line has been read, so it may wait longer.
+    The wait of the first step begins when the line has been read, so it may be longer.
     """
     if step.due is None:
-        fail(f"{where} was not waited for")
+        fail(f"{where}: there was no wait")
     if last is not None:
         since = (step.due - last) % 2**32
         if not is_first:

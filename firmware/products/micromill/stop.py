@@ -1,9 +1,10 @@
-"""A stopping byte must act before the next step, even if the foreground is steps behind.
+"""A stopping byte must act before the next step, even if the foreground is several steps late.
 
-QEMU's log has each access to a register. Once the stopping byte has been read, the motors' pins
-must not change any more. Interrupts have one priority, so a step that was due at the same instant
-is made before that, or not at all. The steps reported over the link must be those of the pins. A
-step after the stop waits its time after the last step made, and no longer than that from now on.
+QEMU's log contains each access to a register. After the stopping byte has been read, the motors'
+pins must not change. Interrupts have one priority, so a step that is due at the same instant is
+made before the byte is read, or not at all. The steps reported over the link must be those of the
+pins. The next step after a stop waits at least its time from the last step made, and at most its
+time from its request.
 """
 
 from __future__ import annotations
@@ -42,7 +43,7 @@ class Stopped:
 
     def logged(self) -> str:
         """Returns the text of the log, and empties it."""
-        # The monitor answers when everything before it has been written. Nothing follows until
+        # The monitor answers when everything before has been written. Nothing more is written until
         # `cont`.
         self.mill.monitor("stop")
         text = self.log.read_text(errors="replace")
@@ -55,7 +56,7 @@ class Stopped:
         return registers.made(registers.read(self.board, text.splitlines()))
 
     def prepare(self) -> None:
-        """Homes it, and notes the phases of a motor after 0 to 3 steps."""
+        """Notes the phases of a motor after 0 to 3 steps, then homes the mill."""
         for _ in range(4):
             self.cycle.append(phases(self.made(self.logged())[-1])[0])
             self.ask(STEP)
@@ -65,7 +66,7 @@ class Stopped:
         self.ask(b"S1;")
 
     def stop(self, turn: int) -> None:
-        """Stops it within ten lines and checks its pins."""
+        """Stops the mill during ten lines and checks its pins."""
         lines = [
             b"G01X%05dY%05dF0100;" % (10 + 60 * turn + 3 * number, 10 + 40 * turn + 5 * number)
             for number in range(10)
@@ -73,12 +74,12 @@ class Stopped:
         for line in lines:
             self.ask(line, TAKEN)
         before = self.logged()
-        # The foreground has two lines to read before it gets to the stop: an invalid arc, and a
-        # feed. On the microbit that takes longer than two steps, so a hold that does nothing shows
-        # there. The mps2-an386 reads them in time, and on virt QEMU takes a byte too late.
+        # The foreground has to read two lines before the stop: an invalid arc, and a feed. On the
+        # microbit this takes longer than two steps, so a hold without effect would be detected
+        # there. The mps2-an386 reads the lines in time, and on virt QEMU delivers a byte too late.
         self.mill.line.send(b"G02X9Y9I5J7F99;" + lines[1][:9] + b"F99;A")
         add_steps(self.mill.hear((STOPPED,)), self.steps)
-        # Its answer comes later than a step that was due would come.
+        # A step that was due would be made before the answer to this string.
         self.ask(CLEAR)
         text = self.logged()
         stop = f"addr {registers.heard_at(self.board):#x} value 0x41 "
@@ -86,7 +87,7 @@ class Stopped:
             fail(f"{self.board}: {len(late)} steps after the byte that stops")
         last = self.made(before + text)[-1]
         if phases(last) != [self.cycle[count % 4] for count in self.steps]:
-            fail(f"{self.board}: the motors stand at {phases(last)} after {self.steps} steps")
+            fail(f"{self.board}: the motors are at phases {phases(last)} after {self.steps} steps")
         self.ask(STEP)
         after = self.made(self.logged())
         require(len(after) == 1, f"{self.board}: {len(after)} steps after a stop, not 1")
@@ -96,19 +97,19 @@ class Stopped:
 
 
 def phases(step: Made) -> list[int]:
-    """PH of X, Y and Z."""
+    """PH of both phases of X, Y and Z."""
     return [step.levels >> place & 3 for place in (0, 2, 4)]
 
 
 def between_us(board: Board, begin: int | None, end: int | None) -> float:
     """The time from one clock value to another, in microseconds."""
     if begin is None or end is None:
-        fail(f"{board}: a step was not waited for")
+        fail(f"{board}: a step had no wait")
     return (end - begin) % 2**32 / clocks_per_us(board)
 
 
 def cut_short(board: Board, log: Path) -> None:
-    """Cuts a wait short, in wall-clock time, which does not jump to its end."""
+    """Cuts a wait short, in wall-clock time: virtual time would jump to its end."""
     trace = (*registers.ARGUMENTS, "-D", str(log))
     with Micromill(board, *trace, in_wall_time=True) as mill:
         mill.booted()
@@ -128,7 +129,7 @@ def cut_short(board: Board, log: Path) -> None:
 
 
 def check(board: Board) -> None:
-    """Stops it repeatedly."""
+    """Stops the mill repeatedly, then cuts a wait short."""
     with tempfile.TemporaryDirectory() as folder:
         log = Path(folder) / "log"
         # A million instructions per second, the slowest that QEMU runs.

@@ -1,7 +1,7 @@
-"""A measuring machine of one servo module: every result must be that of the simulator.
+"""A measuring machine of one servo module: every result must equal that of the simulator.
 
-It homes on the index, moves in trapezoids, probes in both directions, jogs, and reads the final
-state.
+The host homes on the index, moves in trapezoids, probes in both directions, jogs, and reads the
+final state.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ ACTIONS = (
     *("jog", "-x", "0.2s", "slow", "status"),
 )
 RESULTS = 11
-# Both motors rest within a count of their goal. Contacts are latched to the count. The length of a
-# jog depends on the host's clock.
+# Each motor, real or simulated, rests within one count of its goal, so positions differ by at most
+# two. Contacts are latched to the count. The length of a jog depends on the host's clock.
 TOLERANCES = {
     "trigger": 0,
     "corrected": 0,

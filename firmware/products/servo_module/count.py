@@ -1,4 +1,4 @@
-"""Counts the instructions of a servo interrupt while the host moves the motor to and fro."""
+"""Counts the instructions of a servo interrupt while the host moves the motor back and forth."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ from husillo_firmware.qemu import ANSWER_S, Firmware
 from husillo_firmware.waiting import require, until
 
 GOALS = ("goto", "7000", "goto", "-7000") * 3
-# Parts of the motion that are logged, the length of the log of each, and the time between them.
+# The number of logged parts of the motion, the length of the log of each, and the time between
+# them.
 PARTS = 12
 LOG_BYTES = 16_000_000
 BETWEEN_S = 0.4
@@ -47,7 +48,7 @@ def ticks(board: Board) -> Iterator[tuple[str, int]]:
 
 
 def runs_on(process: subprocess.Popen[bytes]) -> None:
-    """Lets it run until the next part, or until it ends."""
+    """Lets the process run until the next part, or until it ends."""
     try:
         process.wait(BETWEEN_S)
     except subprocess.TimeoutExpired:

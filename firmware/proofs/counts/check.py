@@ -12,13 +12,13 @@ from husillo_firmware.golden import Columns, Figures
 from husillo_firmware.waiting import fail
 
 GOLDEN = FIRMWARE / "proofs/counts/golden.txt"
-# The columns, from left to right: the board and its heading.
+# The columns, from left to right: the board and the heading.
 COLUMNS = ((MPS2, "thumbv7em"), (MICROBIT, "thumbv6m"), (VIRT, "rv32imac"))
 PROGRAMS = ("counts", "counts-text")
 
 
 def counted(package: str, program: str, board: Board) -> Figures:
-    """Runs a counting program. Returns kernels and instructions."""
+    """Runs a counting program. Returns the instructions of each kernel."""
     command = ["cargo", "run", "-q", "--release", "-p", package, "--bin", program]
     run = subprocess.run(
         [*command, "--target", board.target], cwd=FIRMWARE, stdout=subprocess.PIPE, text=True
@@ -30,7 +30,7 @@ def counted(package: str, program: str, board: Board) -> Figures:
 
 
 def table(package: str, programs: tuple[str, ...]) -> Figures:
-    """Counts on all processors. The names are `KERNEL COLUMN`."""
+    """Counts on all processors. Each figure is named `KERNEL COLUMN`."""
     figures: Figures = {}
     for board, heading in COLUMNS:
         cargo("build", "-q", "--release", "-p", package, "--target", board.target)
@@ -47,7 +47,7 @@ def main(arguments: list[str]) -> int:
     parser.add_argument(
         "--peers",
         action="store_true",
-        help="count other crates' controllers and decoders as well, and compare nothing",
+        help="count controllers and decoders, of other crates and ours; compare nothing",
     )
     options = parser.parse_args(arguments)
     figures = (

@@ -1,5 +1,5 @@
-//! Takes the oracle tests of the crates from their folders and makes functions of them that a chip
-//! can call.
+//! Reads the oracle tests of the crates and turns them into functions that a program can call on a
+//! board.
 
 #[path = "../../link.rs"]
 mod link;
@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::{env, fs};
 
-/// Crate and file of tests with plain `#[test]` functions on oracle data.
+/// Crate and test file of plain `#[test]` functions that read oracle data.
 const FILES: [(&str, &str); 7] = [
     ("backlash", "oracle"),
     ("interp", "oracle"),
@@ -49,8 +49,8 @@ fn main() {
     fs::write(out.join("tests.rs"), all).expect("OUT_DIR is writable");
 }
 
-/// The text with its tests as public functions and absolute paths of its data, and the names of the
-/// tests.
+/// Returns the text with its tests as public functions and with absolute paths to its data, and the
+/// names of the tests.
 fn callable(text: &str, folder: &Path) -> (String, Vec<String>) {
     let mut names = Vec::new();
     let mut made = String::new();

@@ -1,8 +1,8 @@
 """Measures flash and stack of small programs, and flash and static RAM of each crate: Cortex-M0.
 
-The flash of a small program is what it takes more than an empty one, at `opt-level = "s"`. The
-depth of its stack is observed under QEMU; the bound of that depth is read from its code. For each
-crate all public functions that the panic proof names are linked together.
+The flash of a small program does not include that of an empty one. All programs are built at
+`opt-level = "s"`. The depth of the stack is observed under QEMU, and its bound is read from the
+code. For each crate, all public functions that the panic proof names are linked together.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ from husillo_firmware.stack import Depths
 from husillo_firmware.waiting import fail
 
 SIZES = FIRMWARE / "proofs/sizes"
-# The crates. The panic proof has a function of each name.
+# The crates. The panic proof has a function with the name of each crate.
 CRATES = (
     *("gcode", "excellon", "interp", "planner", "stepper", "backlash", "encoder", "pid"),
     *("probe", "transports", "store", "machine", "controllers"),
 )
-# Functions whose stack is bounded, and patterns of their symbols.
+# Functions whose stack is bounded, each with a pattern of its symbol.
 BOUNDS = (
     ("Block::read", "5Block4take"),
     ("Modal::apply", "Modal.*5apply17"),
@@ -69,7 +69,7 @@ def of_crates() -> Iterator[tuple[str, float]]:
     """Flash and static RAM of each crate."""
     folder = target_folder() / "size-crates"
     folder.mkdir(parents=True, exist_ok=True)
-    # Cargo would not link again what was linked before.
+    # Without a new time, Cargo would not link the program again.
     (FIRMWARE / "proofs/panics/src/main.rs").touch()
     cargo(
         *("rustc", "-q", "--release", "-p", "panics", "--target", MICROBIT.target),

@@ -1,1 +1,1 @@
-"""Checks the firmwares: builds them, runs them in QEMU, compares with host and golden figures."""
+"""Builds the firmwares, runs them in QEMU, and compares with the host and golden figures."""

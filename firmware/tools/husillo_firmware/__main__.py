@@ -25,9 +25,9 @@ def run(arguments: list[str]) -> None:
     options.add_argument("product", choices=[name for name in CHECKS if is_product(name)])
     options.add_argument("board", nargs="?", type=boards.named, default=boards.MPS2)
     options.add_argument("port", nargs="?", type=int, default=7000)
-    options.add_argument("--features", default="", help="of the firmware, such as faithful")
+    options.add_argument("--features", default="", help="of the firmware, for example faithful")
     options.add_argument(
-        "--slow", action="store_true", help="keep to wall-clock time, and do not jump"
+        "--slow", action="store_true", help="keep to wall-clock time, without jumps"
     )
     options.add_argument("qemu", nargs="*", help="further arguments of QEMU, after --")
     chosen = options.parse_args(arguments)
@@ -42,7 +42,7 @@ def run(arguments: list[str]) -> None:
 
 
 def is_product(name: str) -> bool:
-    """Whether a check is that of a product."""
+    """Whether the check of this name is that of a product."""
     return CHECKS[name].startswith("products.")
 
 

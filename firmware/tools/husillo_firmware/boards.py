@@ -17,7 +17,7 @@ class Board:
     target: str
     qemu: tuple[str, ...]
     ram_start: int
-    # The optimisation level; a product may have another one.
+    # The optimisation level. A product may use another one.
     level: str
 
     def __str__(self) -> str:
@@ -39,7 +39,7 @@ ALL = (MICROBIT, MPS2, VIRT)
 def named(name: str) -> Board:
     """The board of that name.
 
-    Raises `ValueError`, as a type of `argparse` does.
+    Raises `ValueError` if there is none, as a type of `argparse` must.
     """
     for board in ALL:
         if board.name == name:

@@ -11,9 +11,10 @@ from husillo_firmware.boards import Board
 # The folder `firmware`.
 FIRMWARE = Path(__file__).resolve().parents[2]
 
-# Boards with enough flash optimise the events for speed.
+# Products whose events are optimised for speed, on boards with enough flash.
 LEVELS = {("micromill", "mps2-an386"): "3"}
-# The micro mill's events are in the firmware's own crate, which instantiates the generic code.
+# The code of the micro mill's events is generic and is instantiated in the crate `micromill`, so
+# this crate has another level.
 OWN = {("micromill", "microbit"): 'profile.release.package.micromill.opt-level="s"'}
 
 

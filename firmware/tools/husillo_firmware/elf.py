@@ -1,4 +1,4 @@
-"""Reads 32-bit ELF programs, without tools of the target."""
+"""Reads 32-bit ELF programs without the tools of a target."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-# Kinds of sections.
+# Kinds of sections, and flags of sections.
 PROGRAM, SYMBOLS, ZEROS = 1, 2, 8
 WRITTEN, LOADED = 1, 2
 
@@ -56,11 +56,11 @@ class Elf:
         return self.data[place : self.data.index(b"\0", place)].decode()
 
     def flash(self) -> int:
-        """Bytes that are loaded."""
+        """The bytes that are loaded."""
         return self.sum(lambda one: one.kind != ZEROS)
 
     def written(self) -> int:
-        """Bytes of memory that can be written."""
+        """The bytes of memory that can be written."""
         return self.sum(lambda one: bool(one.flags & WRITTEN))
 
     def sum(self, counts: Callable[[Section], bool]) -> int:
@@ -68,7 +68,7 @@ class Elf:
         return sum(one.length for one in self.sections if one.flags & LOADED and counts(one))
 
     def static(self, start: int) -> int:
-        """Bytes from the start of RAM to the end of the static data."""
+        """The bytes from the start of RAM to the end of the static data."""
         names = (".data", ".bss", ".uninit")
         return max(one.address + one.length for one in self.sections if one.name in names) - start
 

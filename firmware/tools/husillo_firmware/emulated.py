@@ -1,4 +1,4 @@
-"""Compares a firmware with the host's emulated machine, which gets the same commands."""
+"""Compares a firmware with the host's emulated machine, which receives the same commands."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from husillo_firmware.boards import Board
 from husillo_firmware.registers import Made, Switched, clocks_per_us
 from husillo_firmware.waiting import Lines, fail, require
 
-# A foreground gives one event after the other, as it has to read the switches. It takes at most
-# this long: an event that is due earlier may come late.
+# A foreground makes one event after the other, because it has to read the switches. It takes at
+# most this long. An event that is due earlier may be late.
 FOREGROUND_US = 300
 BEGIN_S = 60
 
@@ -29,7 +29,7 @@ def rows_of(lines: Iterable[str]) -> list[Row]:
 
 
 class Emulated:
-    """A machine that the host emulates, faster than in real time."""
+    """A machine that the host emulates faster than in real time."""
 
     def __init__(self, machine: str, folder: Path, speed: int, *options: str) -> None:
         self.link, self.steps = folder / f"{machine}.link", folder / f"{machine}.csv"
@@ -49,7 +49,7 @@ class Emulated:
         self.process.communicate()
 
     def rows(self) -> list[Row]:
-        """All rows, after the machine was ended."""
+        """All rows. The machine must have ended."""
         with self.steps.open() as file:
             return rows_of(file)
 
@@ -62,18 +62,18 @@ def compare(
     outputs: int,
     slow: int = 0,
 ) -> int:
-    """Compares pins written at the end of a wait, and outputs switched, with rows.
+    """Compares the writes to the pins after a wait, and the switched outputs, with rows.
 
-    Returns how many rows have happened. `outputs` are those before the first row. A wait counts
-    from the event before. If an output in `slow` was switched on, it counts from then, because it
-    is unknown how long the machine stood before. A wait is exact, unless its end had passed when it
-    began.
+    Returns the number of rows that have happened. `outputs` are those before the first row. A wait
+    counts from the previous event. After an output in `slow` is switched on, it counts from the
+    next write to the pins, because it is unknown how long the machine stood still before. A wait
+    must be exact, unless its end had passed when it began.
     """
     events = iter(happened)
     due: int | None = None
     t_us: int | None = None
     for number, row in enumerate(rows):
-        place = f"{board}: row {number + 1}, behind event {row['event']}"
+        place = f"{board}: row {number + 1}, after event {row['event']}"
         before, (levels, outputs) = outputs, pins(row)
         moves = any(row[name] for name in row if name.startswith("d"))
         is_switch = not row["wait_ticks"] and not moves
@@ -87,7 +87,7 @@ def compare(
         if isinstance(one, Switched):
             if outputs & ~before & slow:
                 begin = next(events, None)
-                require(isinstance(begin, Made), f"{place}: no wait for an output that is slow")
+                require(isinstance(begin, Made), f"{place}: an output that is slow has no wait")
                 due, t_us = due_of(begin), row["t_us"]
             continue
         same(f"{place}: levels", one.levels, levels)
@@ -110,5 +110,5 @@ def due_of(one: Made | Switched | None) -> int:
     """When an event was due. Ends the check if it had no wait."""
     due = one.due if isinstance(one, Made) else None
     if due is None:
-        fail("pins were written that nothing was waited for")
+        fail("pins were written without a wait")
     return due

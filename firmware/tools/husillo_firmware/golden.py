@@ -12,12 +12,12 @@ Figures = dict[str, float]
 
 # How much a figure may change, up or down.
 TOLERANCE = 0.02
-# Last words of names of figures that may not change at all.
+# The last words in the names of figures that may not change at all.
 EXACT = {"steps", "holes", "results"}
 
 
 def differences(golden: Figures, found: Figures) -> list[str]:
-    """Figures that changed more than allowed, and figures that are missing or new."""
+    """Lists the figures that changed more than allowed, and those that are missing or new."""
     said = [f"{name} is gone" for name in golden if name not in found]
     for name, now in found.items():
         if name not in golden:
@@ -88,11 +88,11 @@ def settle(
         return 0
     first, _, text = path.read_text().partition("\n")
     if first != version:
-        print(f"not compared: {where} is of {first}")
+        print(f"not compared: {where} has the figures of {first}")
         return 0
     golden = {name: value for name, value in form.figures(text).items() if is_meant(name)}
     said = differences(golden, figures)
     for one in said:
         print(one)
-    print("if that is meant: --write" if said else f"within 2 % of {where}")
+    print("use --write to accept these figures" if said else f"within 2 % of {where}")
     return 1 if said else 0

@@ -10,7 +10,7 @@ from pathlib import Path
 from husillo_firmware.build import FIRMWARE, cargo, target_folder
 from husillo_firmware.waiting import fail
 
-# Longer than any command of a check takes.
+# No command of a check takes longer than this.
 LONGEST_S = 600
 STEPS_AS_SIMULATED = r"Steps +(\d+), each as in the simulator"
 

@@ -10,20 +10,20 @@ from husillo_firmware.qemu import Firmware
 # The commands of QEMU's monitor that begin and end such a log.
 BEGIN, END = "log exec,nochain,int", "log none"
 
-# A foreground that sleeps again after fewer instructions has only checked whether there is work.
+# A foreground that sleeps again after fewer instructions has only checked for work.
 IDLE = 32
 
-# The number of the timer's interrupt in the log; the other one is the UART's.
+# The number of the timer's interrupt in the log. The only other interrupt is that of the UART.
 TIMER = {"microbit": "24", "mps2-an386": "24", "virt": "7"}
 
-# Code that disables interrupts (True) and enables them (False): cpsid and cpsie; csrrci and csrrsi
-# of mstatus, bit 3.
+# Instructions that disable interrupts (True) and enable them (False): cpsid and cpsie; csrrci and
+# csrrsi of bit 3 of mstatus.
 HOLDS = {0xB672: True, 0xB662: False}
 HOLDS_RISCV = {0x30047073: True, 0x30046073: False}
 
 
 class Count:
-    """Counts of a program's log on a board: up to the first sleep, or of all of it."""
+    """Counts the instructions in a log: all of them, or only those up to the first sleep."""
 
     def __init__(self, firmware: Firmware, path: Path, to_sleep: bool = False) -> None:
         self.firmware, self.program = firmware, firmware.elf
@@ -32,14 +32,14 @@ class Count:
         # Instructions of each timer interrupt, and of each other one.
         self.step: list[int] = []
         self.byte: list[int] = []
-        # The longest stretch in which the timer interrupt cannot come.
+        # The longest series of instructions in which the timer interrupt is blocked.
         self.held = 0
-        # The list of the running interrupt; `None` in the foreground.
+        # The list to which the running interrupt belongs. `None`: the foreground runs.
         self.inside: list[int] | None = None
         self.stretch, self.is_held = 0, False
         # Instructions of the foreground since its last sleep.
         self.awake = IDLE
-        # For the instruction at an address: holds, returns, sleeps.
+        # For the instruction at an address: whether it holds interrupts, returns, sleeps.
         self.known: dict[int, tuple[bool | None, bool, bool]] = {}
         with path.open(errors="replace") as lines:
             for line in lines:
@@ -47,11 +47,11 @@ class Count:
                     break
 
     def sleeps_after(self, line: str) -> bool:
-        """Counts a line. Returns whether the foreground sleeps with it."""
+        """Counts a line of the log. Returns whether the foreground sleeps after it."""
         if line.startswith("Trace"):
             at = line.index("[")
             return self.executed(int(line[at + 10 : at + 18], 16))
-        # The instruction was not executed yet: it comes again.
+        # The instruction was not executed. It is logged again.
         if line.startswith(("Stopped", "cpu_io_recompile")):
             if self.inside is None:
                 self.foreground -= 1
@@ -70,7 +70,7 @@ class Count:
         return False
 
     def executed(self, address: int) -> bool:
-        """Counts an instruction. Returns whether the foreground sleeps with it."""
+        """Counts an instruction. Returns whether the foreground sleeps after it."""
         is_foreground = self.inside is None
         if self.inside is None:
             self.foreground += 1
@@ -90,7 +90,7 @@ class Count:
                     self.held = max(self.held, self.stretch)
                 self.is_held = holds
         if is_foreground and sleeps:
-            # An interrupt woke it that needs no work yet: it was idle.
+            # An interrupt woke the foreground without work, so these instructions do not count.
             if self.awake < IDLE:
                 self.foreground -= self.awake
             self.awake = 0
@@ -109,11 +109,11 @@ class Count:
         return self.program.halfword(address) | self.program.halfword(address + 2) << 16
 
     def is_return(self, address: int) -> bool:
-        """Whether this is mret. On ARM boards QEMU logs the return itself."""
+        """Whether this is mret. On ARM boards this is not needed, as QEMU logs the return."""
         return self.is_riscv and self.word(address) == 0x3020_0073
 
     def holds(self, address: int) -> bool | None:
-        """Whether interrupts are disabled from there on, enabled, or neither (`None`)."""
+        """Whether the instruction disables interrupts, enables them, or neither (`None`)."""
         if self.is_riscv:
             return HOLDS_RISCV.get(self.word(address) & ~0xF80)
         return HOLDS.get(self.program.halfword(address))

@@ -14,7 +14,7 @@ Measured = Callable[[Board], Iterable[tuple[str, int]]]
 
 
 def parser(name: str, what: str) -> argparse.ArgumentParser:
-    """The options of every product's check."""
+    """Returns a parser of the options that all products' checks have."""
     options = argparse.ArgumentParser(prog=f"firmware/check {name}", description=what)
     options.add_argument("boards", nargs="*", type=boards.named, metavar="BOARD")
     options.add_argument("--write", action="store_true", help="renew golden.txt")
@@ -46,6 +46,6 @@ def settle(name: str, options: argparse.Namespace, figures: Figures) -> int:
 
 
 def check(name: str, what: str, arguments: list[str], measured: Measured) -> int:
-    """Runs the whole check of a product without options of its own. Returns the status."""
+    """Runs the whole check of a product that has no further options. Returns the status."""
     options = parser(name, what).parse_args(arguments)
     return settle(name, options, measure(name, options.boards or boards.ALL, measured))

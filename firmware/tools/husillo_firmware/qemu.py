@@ -1,4 +1,4 @@
-"""Runs a firmware in QEMU, with its UART at a port, and reads its state at QEMU's monitor."""
+"""Runs a firmware in QEMU with its UART at a port, and reads its state by QEMU's monitor."""
 
 from __future__ import annotations
 
@@ -13,23 +13,23 @@ from husillo_firmware.boards import RAM, Board
 from husillo_firmware.elf import Elf
 from husillo_firmware.waiting import Lines, fail, pipe_of, until
 
-# Longer than any answer of QEMU takes, also when it logs every instruction on a busy computer.
+# No answer of QEMU takes longer, even if it logs every instruction on a busy computer.
 ANSWER_S = 120
 BOOT_S = 60
 
 
 def command(elf: Path, board: Board, port: int, monitor: str, in_wall_time: bool) -> list[str]:
-    """The command that starts QEMU with a firmware, its UART at a TCP port.
+    """The command that starts QEMU with a firmware and its UART at a TCP port.
 
-    Virtual time advances with the executed instructions. It jumps while the chip sleeps, so moves
-    take as long as their computation. With `in_wall_time` it keeps to wall-clock time.
+    Virtual time advances with the executed instructions. It jumps while the chip sleeps, so a move
+    takes only as long as its computation. With `in_wall_time`, it keeps to wall-clock time.
     """
     sleep = "on" if in_wall_time else "off"
     return [
         *board.qemu,
         *("-icount", f"shift=6,sleep={sleep}", "-M", board.name),
-        # Without a network: on virt its timers alone could keep virtual time running while the
-        # monitor and the line wait for ever.
+        # There is no network: on virt, its timers alone could keep virtual time running while the
+        # monitor and the line wait forever.
         *("-nic", "none", "-display", "none", "-monitor", monitor),
         *("-serial", f"tcp:127.0.0.1:{port},server=on,wait=off,nodelay=on"),
         *("-kernel", str(elf)),
@@ -45,7 +45,7 @@ def free_port() -> int:
 
 
 class Firmware:
-    """A running firmware. Further arguments are for QEMU."""
+    """A running firmware. Further arguments are passed to QEMU."""
 
     def __init__(
         self,
@@ -79,7 +79,7 @@ class Firmware:
         return f"tcp:127.0.0.1:{self.port}"
 
     def booted(self) -> None:
-        """Waits until the firmware sleeps: then it waits for bytes."""
+        """Waits until the firmware sleeps, because it then waits for bytes."""
         until(self.sleeps, BOOT_S, f"{self.board}: {self.program} does not sleep")
 
     def sleeps(self) -> bool:
@@ -87,7 +87,7 @@ class Firmware:
         for line in self.monitor("info registers"):
             if found := re.search(r"(?:R15=|\bpc +)([0-9a-f]{8})", line):
                 return self.is_sleep(int(found[1], 16) - (4 if self.board.name == "virt" else 2))
-        fail(f"{self.board}: QEMU names no program counter")
+        fail(f"{self.board}: QEMU reports no program counter")
 
     def is_sleep(self, address: int) -> bool:
         """Whether the instruction at this address is `wfi`."""
@@ -97,7 +97,7 @@ class Firmware:
         return code == 0xBF30
 
     def ram(self) -> bytes:
-        """The contents of RAM, as the processor sees it: the microbit's is on no other bus."""
+        """The contents of RAM, read by the processor: the microbit's RAM is on no other bus."""
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "ram"
             self.monitor(f'memsave {self.board.ram_start:#x} {RAM} "{path}"')
@@ -108,7 +108,7 @@ class Firmware:
         until(self.connects, BOOT_S, f"{self.board}: QEMU does not listen")
 
     def connects(self) -> bool:
-        """Tries to open the line."""
+        """Tries to open the line. Returns whether it is open."""
         try:
             self.socket = socket.create_connection(("127.0.0.1", self.port))
         except ConnectionRefusedError:
@@ -123,7 +123,7 @@ class Firmware:
         return self.socket
 
     def receive(self, seconds: float) -> bytes:
-        """Returns the bytes that come within that time: at least one, or none after the timeout."""
+        """Returns the next bytes. Returns none if no byte comes within that time."""
         self.line.settimeout(seconds)
         try:
             return self.line.recv(65536)
@@ -136,16 +136,16 @@ class Firmware:
         pipe.write(asked.encode() + b"\nprint 1234567\n")
         pipe.flush()
         lines = []
-        # The prompt echoes the input: only the answer, in hexadecimal, is a line of its own.
+        # The prompt echoes the input. Only the answer, in hexadecimal, is a whole line.
         while (line := self.said.next(ANSWER_S)) != "0x12d687":
             lines.append(line)
         return lines
 
     def memory(self, ram: bytes) -> dict[str, int]:
-        """Bytes of flash, of static RAM, and of the deepest stack.
+        """The bytes of flash, of static RAM, and of the deepest stack.
 
-        RAM is zero when QEMU starts. So the stack reached down to the lowest byte above the static
-        data that is not zero.
+        RAM is zero when QEMU starts. So the stack has reached the lowest byte above the static data
+        that is not zero.
         """
         static = self.elf.static(self.board.ram_start)
         deepest = next((place for place in range(static, RAM) if ram[place]), RAM)

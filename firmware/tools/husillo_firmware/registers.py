@@ -1,4 +1,4 @@
-"""Reads what a firmware does from QEMU's trace of every access to the board's registers."""
+"""Reads a firmware's events from QEMU's trace of every access to the board's registers."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from pathlib import Path
 
 from husillo_firmware.boards import Board
 
-# Options for QEMU, to be used with `-D FILE`. ACCESSES shows the pins and their waits; ARGUMENTS
-# also shows when they were written.
+# Options for QEMU, to be used with `-D FILE`. ACCESSES traces the pins and their waits. ARGUMENTS
+# also traces when the pins were written.
 ACCESSES = ("-trace", "memory_region_ops_write", "-trace", "memory_region_ops_read")
 ARGUMENTS = (*ACCESSES, "-d", "int")
 
-# A wait whose end has passed when it begins ends within this time. The microbit's timer must see
-# its end coming, which may need a second try.
+# If the end of a wait has passed when it begins, the wait ends within this time. The microbit's
+# timer detects only an end in the future, so setting it may need a second try.
 AT_ONCE_US = 4
 
 ACCESS = re.compile(r"memory_region_ops_(write|read) .* addr 0x([0-9a-f]+) value 0x([0-9a-f]+) ")
@@ -24,9 +24,9 @@ ACCESS = re.compile(r"memory_region_ops_(write|read) .* addr 0x([0-9a-f]+) value
 class Registers:
     """The registers of a board, and the meaning of writes to them."""
 
-    # Clocks of the timer.
+    # Clocks of the timer per microsecond.
     CLOCKS_PER_US: int
-    # The addresses of a byte sent, of a byte received, and of the time.
+    # The addresses of sent bytes, of received bytes, and of the time.
     SENT: int
     HEARD: int
     NOW: int
@@ -36,12 +36,12 @@ class Registers:
         return value
 
     def write(self, address: int, value: int) -> tuple[str, int] | None:
-        """Whether this writes the motors, the outputs or a wait, and the value."""
+        """What this write sets (motors, outputs or the end of a wait), and its value."""
         raise NotImplementedError
 
 
 class Microbit(Registers):
-    """TIMER0 in microseconds. OUTCLR, then OUTSET show all pins of a kind."""
+    """TIMER0 counts microseconds. OUTCLR, then OUTSET write all pins of a kind."""
 
     CLOCKS_PER_US = 1
     SENT, HEARD = 0x4000_251C, 0x4000_2518
@@ -87,14 +87,14 @@ class Mps2(Registers):
 
 
 class Virt(Registers):
-    """mtime at 10 MHz, and mtimecmp. The pins are those of the UART."""
+    """mtime runs at 10 MHz and is compared with mtimecmp. The pins are those of the UART."""
 
     CLOCKS_PER_US = 10
     SENT = HEARD = 0x1000_0000
     NOW = 0x0200_BFF8
 
     def write(self, address: int, value: int) -> tuple[str, int] | None:
-        # It is set to 0 at power-on.
+        # The value 0 is written only at power-on.
         if address == 0x0200_4000 and value:
             return "due", value
         if address == 0x1000_0007:
@@ -123,16 +123,16 @@ class Made:
 
     levels: int
     outputs: int
-    # When it was due, in clocks of the board, 32 bits. `None`: there was no wait.
+    # When the write was due, in clocks of the board, 32 bits. `None`: there was no wait.
     due: int | None
     # The last reading of the time before that wait began.
     asked: int | None
-    # The first reading of the time after it. `None`: the interrupt did not read it, or this is
-    # unknown (`virt`, where QEMU does not log the end of an interrupt).
+    # The first reading of the time after the write. `None`: the interrupt did not read the time, or
+    # this is unknown (on `virt`, QEMU does not log the end of an interrupt).
     at: int | None = None
 
     def is_late(self, board: Board) -> bool:
-        """Whether its time had passed when its wait began. Then it is made at once."""
+        """Whether its time had passed when its wait began, so that it was made at once."""
         if self.due is None or self.asked is None:
             return False
         since = (self.due - self.asked) % 2**32
@@ -151,7 +151,7 @@ class Switched:
     outputs: int
 
 
-# A number is a byte that was sent.
+# A number stands for a byte that was sent.
 Happened = Made | Switched | int
 
 
@@ -166,7 +166,7 @@ def said(happened: Iterable[Happened]) -> bytes:
 
 
 def read_file(board: Board, path: Path, with_outputs: bool = False) -> list[Happened]:
-    """Reads all of a log until now; see `read`."""
+    """Reads a log up to its present end; see `read`."""
     with path.open(errors="replace") as lines:
         return read(board, lines, with_outputs)
 

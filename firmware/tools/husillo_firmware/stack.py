@@ -1,9 +1,9 @@
 """Bounds the stack depth of a program for a Cortex-M0, from its code.
 
-The bound of a function is the largest room that it and its callees can take: the registers and the
-space that each function pushes, added up along the deepest chain of calls. Every chain counts,
-whether or not any input takes it. A function that calls through a pointer, or calls itself, has no
-such bound: then the check fails.
+The bound of a function is the most stack that it and its callees can take. It is the sum of the
+registers that each function pushes and the space that it reserves, along the deepest chain of
+calls. Every chain counts, even if no input leads to it. There is no bound for a function that calls
+through a pointer or calls itself. Then the check fails.
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ from husillo_firmware.build import elf
 from husillo_firmware.elf import Elf
 from husillo_firmware.waiting import fail
 
-# What the chip pushes at an interrupt (8 words), and the two words of the reset.
+# The 8 words that the chip pushes at an interrupt, and the two words of the reset.
 FRAMES = 40
 
 
 @dataclass
 class Function:
-    """The room that a function itself takes on the stack, and its calls and jumps."""
+    """The stack that a function takes without its callees, and its calls and jumps."""
 
     room: int = 0
     calls: set[int] = field(default_factory=set)
@@ -37,9 +37,9 @@ class Depths:
 
     def __init__(self, path: Path) -> None:
         self.path, self.elf = path, Elf(path)
-        # Name and length of the function at an address.
+        # The name and the length of the function at an address.
         self.functions: dict[int, tuple[str, int]] = {}
-        # Where code begins (False) and where data does (True).
+        # Addresses at which code begins (False) or data begins (True).
         self.marks: dict[int, bool] = {}
         for symbol in self.elf.symbols():
             if symbol.is_function:
@@ -54,7 +54,7 @@ class Depths:
         """The bound of the only function whose symbol matches this pattern."""
         found = [at for at, (name, _) in self.functions.items() if re.search(pattern, name)]
         if len(found) != 1:
-            fail(f"{self.path}: {len(found)} functions are called {pattern}")
+            fail(f"{self.path}: {len(found)} functions match {pattern}")
         depth = self.depth(found[0])
         assert depth is not None, "no function is looked for here"
         return depth
@@ -93,7 +93,7 @@ class Depths:
             elif code & 0xFF87 == 0x4485:  # add sp, r
                 function.room -= min(loaded.get(code >> 3 & 15, 0), 0)
             elif code & 0xFF80 == 0x4780 and code != 0x47F0:  # blx r
-                # The address of a function that is called several times is loaded once.
+                # The address was loaded into the register before, perhaps for several calls.
                 to = loaded.get(code >> 3 & 15, 0) & ~1
                 if to in self.functions:
                     function.calls.add(to)
@@ -105,7 +105,7 @@ class Depths:
                 low = self.elf.halfword(at + 2)
                 if code & 0xF800 == 0xF000 and low & 0xD000 == 0xD000:  # bl
                     to = at + 4 + branch(code, low)
-                    # Within a function this is a jump that is too far for `b`.
+                    # If the target is within the function, this is a jump that is too far for `b`.
                     if not begin < to < end:
                         function.calls.add(to)
                 at += 2
@@ -115,7 +115,7 @@ class Depths:
 
 
 def branch(high: int, low: int) -> int:
-    """The distance of a `bl` of two halfwords."""
+    """The distance of a `bl` that consists of these halfwords."""
     sign = high >> 10 & 1
     first, second = 1 - (low >> 13 & 1 ^ sign), 1 - (low >> 11 & 1 ^ sign)
     bits = first << 23 | second << 22 | (high & 0x3FF) << 12 | (low & 0x7FF) << 1
@@ -123,9 +123,9 @@ def branch(high: int, low: int) -> int:
 
 
 def worst(firmware: str) -> int:
-    """The largest stack depth of a firmware, for any input.
+    """The bound of the stack depth of a firmware, for any input.
 
-    This is `main`, and on top of it an interrupt with the frame that the chip pushes.
+    It is the sum of the depths of `main` and of an interrupt, with the frame that the chip pushes.
     """
     depths = Depths(elf(firmware, MICROBIT))
     interrupts = ("on_timer_interrupt", "on_uart_interrupt")

@@ -34,7 +34,7 @@ def until(is_so: Callable[[], bool], seconds: float, what: str) -> None:
 
 
 class Lines:
-    """The output lines of a process."""
+    """Reads the output lines of a process."""
 
     def __init__(self, process: subprocess.Popen[bytes]) -> None:
         self.process = process

@@ -1,4 +1,4 @@
-"""Tests the comparison of a firmware's events with the host's: waits are exact."""
+"""Tests the comparison of a firmware's events with those of the host. Waits must be exact."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from products.microfactory import pins
 WAITS_US = (2500, 54, 2446)
 # The 32-bit clock wraps within the second wait.
 BEGIN_US = 2**32 - 2520
-# The earliest start of a wait by the foreground, before its end.
+# The time from the request of a wait to its end, if the foreground is in time.
 AHEAD_US = 40
 
 
 def rows() -> list[Row]:
-    """A step of one axis after each wait, as in the host's file. The first one starts afresh."""
+    """A step of one axis after each wait, as in the host's file. The first is not compared."""
     found: list[Row] = []
     t_us = 1_000_000
     for wait_us in WAITS_US:
@@ -33,7 +33,7 @@ def levels(row: Row) -> tuple[int, int]:
 
 
 def made(board: Board, waits_us: list[tuple[int, int]]) -> list[Made]:
-    """Steps from their waits, and from how long before their time each wait was requested."""
+    """Steps made of pairs: the wait, and how long before its end the wait was requested."""
     clocks = clocks_per_us(board)
     at = BEGIN_US * clocks
     found: list[Made] = []
@@ -44,7 +44,7 @@ def made(board: Board, waits_us: list[tuple[int, int]]) -> list[Made]:
 
 
 def pulses(board: Board, high_us: int, left_us: int) -> list[Made]:
-    """Two steps with CLOCKs of this length, 2446 us from rise to rise without delays."""
+    """Two steps with a CLOCK of this length. Without delays, 2446 us pass from rise to rise."""
     clocks = clocks_per_us(board)
     times = ((0, AHEAD_US), (high_us, left_us), (2446 - pins.PULSE_US, AHEAD_US))
     at = 0
@@ -61,7 +61,7 @@ class Waits(unittest.TestCase):
     def compared(self, board: Board, *waits_us: tuple[int, int]) -> int:
         return compare(board, made(board, [(2500, AHEAD_US), *waits_us]), rows(), levels, 0)
 
-    def test_equal_ones_are_right(self) -> None:
+    def test_equal_waits_are_right(self) -> None:
         for board in ALL:
             self.assertEqual(self.compared(board, (54, AHEAD_US), (2446, AHEAD_US)), 3)
 
@@ -74,32 +74,32 @@ class Waits(unittest.TestCase):
                 with self.assertRaisesRegex(SystemExit, "row 2"):
                     self.compared(board, (wait_us, AHEAD_US), (2446, AHEAD_US))
 
-    def test_one_that_has_passed_ends_at_once(self) -> None:
+    def test_a_wait_that_has_passed_ends_at_once(self) -> None:
         for board in ALL:
             self.assertEqual(self.compared(board, (90, 2), (2446, AHEAD_US)), 3)
 
-    def test_none_is_late_by_more_than_the_foreground_takes(self) -> None:
+    def test_no_wait_is_late_by_more_than_the_foreground_takes(self) -> None:
         for board in ALL:
             with self.assertRaisesRegex(SystemExit, "row 2"):
                 self.compared(board, (FOREGROUND_US, 2), (2446, AHEAD_US))
 
 
 class Pulses(unittest.TestCase):
-    """CLOCK of the microfactory."""
+    """Checks CLOCK of the microfactory."""
 
     def since_us(self, board: Board, high_us: int, left_us: int) -> float:
-        """Time from one rise to the next."""
+        """The time from one rise of CLOCK to the next."""
         first, second = pins.events(board, pulses(board, high_us, left_us))
         assert isinstance(first, Made) and isinstance(second, Made)
         assert first.due is not None and second.due is not None
         return (second.due - first.due) / clocks_per_us(board)
 
-    def test_a_fall_that_comes_late_delays_what_follows(self) -> None:
+    def test_a_late_fall_delays_the_next_rise(self) -> None:
         for board in ALL:
             self.assertEqual(self.since_us(board, pins.PULSE_US, 6), 2446)
             self.assertEqual(self.since_us(board, pins.PULSE_US + 2, 2), 2446)
 
-    def test_one_that_is_shorter_or_longer_unasked_is_wrong(self) -> None:
+    def test_a_pulse_of_another_length_without_a_delay_is_wrong(self) -> None:
         for board in ALL:
             for high_us, left_us in ((9, 6), (9, 1), (11, 6)):
                 with self.assertRaisesRegex(SystemExit, "not high for its time"):

@@ -1,4 +1,4 @@
-"""Tests the golden comparison: what may change, and what may not."""
+"""Tests the golden comparison: which figures may change, and by how much."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from husillo_firmware.golden import Columns, Lines, differences
 class Differences(unittest.TestCase):
     """Differences between figures and golden figures."""
 
-    def test_two_percent_either_way_is_the_limit(self) -> None:
+    def test_two_percent_up_or_down_is_the_limit(self) -> None:
         for now in (980, 1000, 1020):
             self.assertEqual(differences({"flash": 1000}, {"flash": now}), [])
         for now in (979, 1021):

@@ -1,4 +1,4 @@
-"""Tests that every wait ends: with its condition, or with an error."""
+"""Tests that every wait ends, either with its condition or with an error."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from husillo_firmware.waiting import Lines, until
 class Until(unittest.TestCase):
     """Waits for a condition."""
 
-    def test_ends_when_it_is_so(self) -> None:
+    def test_ends_when_the_condition_is_true(self) -> None:
         looks = iter([False, False, True])
         until(lambda: next(looks), 10, "no third look")
         self.assertIsNone(next(looks, None))
 
-    def test_fails_with_what_is_missing(self) -> None:
+    def test_fails_with_the_name_of_the_condition(self) -> None:
         with self.assertRaisesRegex(SystemExit, "no port within"):
             until(lambda: False, 0.05, "no port")
 
 
-class SaidLines(unittest.TestCase):
+class OutputLines(unittest.TestCase):
     """Waits for a line of a process."""
 
     def said(self, code: str) -> Lines:

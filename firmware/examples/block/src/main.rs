@@ -1,8 +1,8 @@
-//! Homes an axis on its index, touches a work piece, and sends its position over a link. Each of
-//! these is awaited with `nb::block!`. The state machines do not wait; the body of the macro does
-//! the work of each period.
+//! Homes an axis on its index, touches a work piece, and sends the position over a link. Each of
+//! these tasks is awaited with `nb::block!`. The state machines do not block. The body of the macro
+//! does the work of each period.
 //!
-//! On your own board, replace [`motor`] and the loop at the end by timer, motor and UART.
+//! On your own board, replace [`motor`] and the loop at the end with timer, motor and UART.
 #![no_std]
 #![no_main]
 
@@ -45,7 +45,7 @@ fn main() -> ! {
     println!("touched: {touched}");
     assert_eq!(touched, PIECE);
 
-    tell(&touched.to_le_bytes());
+    send(&touched.to_le_bytes());
     semihosting::process::exit(0)
 }
 
@@ -107,11 +107,11 @@ fn touch(motor: &mut Motor, axis: &mut ServoAxis) -> i32 {
 }
 
 /// Sends these bytes, one per payload, over a link with a window of two, and prints what arrives.
-fn tell(bytes: &[u8]) {
+fn send(bytes: &[u8]) {
     let timing = Timing::of(115_200);
     let mut ends = [Peer::<2>::caller(1, timing), Peer::<2>::station(1, timing)];
     let mut now_us = 0;
-    // A wire instead of a UART.
+    // This wire stands in for a UART.
     let mut exchange = |ends: &mut [Peer<2>; 2]| {
         now_us += 87;
         let [left, right] = ends;

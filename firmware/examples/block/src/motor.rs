@@ -3,7 +3,7 @@
 use husillo_machine::ServoInputs;
 use husillo_pid::{Drive, ServoGains};
 
-/// Gains of a PIC-SERVO for this motor: proportional action only.
+/// Gains of a PIC-SERVO for this motor. Only the proportional gain is used.
 pub const GAINS: ServoGains = ServoGains {
     proportional: 2_000,
     derivative: 0,
@@ -16,16 +16,15 @@ pub const GAINS: ServoGains = ServoGains {
     dead_band: 0,
 };
 
-/// Position of the index, counts.
+/// Position of the index, in counts.
 pub const INDEX: i32 = 730;
-/// Position of the work piece, counts.
+/// Position of the work piece, in counts.
 pub const PIECE: i32 = 2_345;
 
-/// A motor whose speed follows its drive: 1/64 count per period for each of the 255 parts of the
-/// duty.
+/// A motor whose speed follows its drive: 1/64 count per period for each 1/255 of the duty.
 #[derive(Default)]
 pub struct Motor {
-    /// Position, 1/64 counts.
+    /// Position, in 1/64 counts.
     at: i32,
 }
 

@@ -1,8 +1,8 @@
-//! Homes an axis on its index and reports its position over a link, as tasks. One task is the clock
-//! of the servo, one is the far end of the link, and the main task awaits both.
+//! Homes an axis on its index and reports its position over a link, in three tasks. One task runs
+//! the servo, one is the far end of the link, and the main task awaits both.
 //!
-//! The crates do not depend on tasks: [`ready`] makes a future of any polling function. On your own
-//! board, replace the loop of [`servo`] by a timer and [`WIRES`] by a UART.
+//! The crates do not depend on tasks. [`ready`] makes a future of any polling function. On your own
+//! board, replace the loop of [`servo`] with a timer and [`WIRES`] with a UART.
 #![no_std]
 #![no_main]
 
@@ -28,13 +28,13 @@ type Held<T> = Mutex<CriticalSectionRawMutex, RefCell<Option<T>>>;
 
 static AXIS: Held<ServoAxis> = Mutex::new(RefCell::new(None));
 
-/// Bytes from here to the far end, and back.
+/// The bytes from the main task to the far end, and back.
 static WIRES: [Channel<CriticalSectionRawMutex, u8, 4>; 2] = [Channel::new(), Channel::new()];
 
 /// Time of a byte at 115 200 bits per second.
 const BYTE_US: u32 = 87;
 
-/// Waits until `poll` does not block any more.
+/// Waits until `poll` no longer returns `WouldBlock`.
 async fn ready<T, E>(mut poll: impl FnMut() -> nb::Result<T, E>) -> Result<T, E> {
     loop {
         match poll() {
@@ -54,7 +54,7 @@ fn axis<R>(work: impl FnOnce(&mut ServoAxis) -> R) -> R {
     })
 }
 
-/// The servo: one period each time all other tasks have run.
+/// Runs the servo: one period each time all other tasks have run.
 #[embassy_executor::task]
 async fn servo() {
     let mut motor = Motor::default();
@@ -64,15 +64,15 @@ async fn servo() {
     }
 }
 
-/// Polls an end of the link: sends what it transmits and hands over what has arrived.
+/// Polls an end of the link: sends its next byte, and passes it a byte that has arrived.
 fn exchange(end: &mut Peer<2>, [out, back]: [usize; 2], now_us: u32) -> Option<[u8; 4]> {
     let [out, back] = [&WIRES[out], &WIRES[back]];
-    let says = if out.is_full() {
+    let next = if out.is_full() {
         None
     } else {
         end.transmit(now_us)
     };
-    if let Some(byte) = says {
+    if let Some(byte) = next {
         out.try_send(byte).ok();
     }
     let byte = back.try_receive().ok()?;
@@ -82,7 +82,7 @@ fn exchange(end: &mut Peer<2>, [out, back]: [usize; 2], now_us: u32) -> Option<[
     }
 }
 
-/// The far end: prints what it receives, and ends the program.
+/// The far end of the link: prints the position that it receives, and ends the program.
 #[embassy_executor::task]
 async fn far_end() {
     let mut end = Peer::<2>::station(1, Timing::of(115_200));

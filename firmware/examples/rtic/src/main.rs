@@ -1,5 +1,5 @@
-//! Homes an axis on its index with RTIC. The period of the servo is a hardware task, the foreground
-//! is `idle`, and the axis is a resource that both lock. The crates do not depend on RTIC.
+//! Homes an axis on its index with RTIC. A hardware task runs each period of the servo. The
+//! foreground is `idle`. The axis is a resource that both lock. The crates do not depend on RTIC.
 #![no_std]
 #![no_main]
 
@@ -39,7 +39,7 @@ mod app {
             TotalLimit::BeforeScaling,
         ));
         let motor = Motor::default();
-        // One period before anything moves, so that the axis knows its inputs.
+        // One period runs before anything moves, so that the axis has read its inputs.
         axis.tick(&motor.read());
         let events = ServoEvents {
             index: true,

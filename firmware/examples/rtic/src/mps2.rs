@@ -1,12 +1,12 @@
-//! What RTIC needs of a chip's crate, for QEMU's `mps2-an386`: priorities and interrupts, here only
-//! the first timer.
+//! The part of a peripheral access crate that RTIC needs, for QEMU's `mps2-an386`: priority bits
+//! and interrupts. Only the first timer is included.
 
 use cortex_m::interrupt::InterruptNumber;
 
 /// Number of priority bits.
 pub const NVIC_PRIO_BITS: u8 = 3;
 
-/// The interrupts by number.
+/// The interrupts by their numbers.
 #[derive(Clone, Copy)]
 #[repr(u16)]
 pub enum Interrupt {
@@ -14,7 +14,7 @@ pub enum Interrupt {
     TIMER0 = 8,
 }
 
-/// The name that chip crates also have for it.
+/// The name that peripheral access crates also give this type.
 pub use Interrupt as interrupt;
 
 // Safety: the chip has these numbers.
@@ -28,7 +28,7 @@ unsafe extern "C" {
     fn TIMER0();
 }
 
-/// The handlers: only that of the timer.
+/// The vector table, with only the handler of the timer.
 #[unsafe(link_section = ".vector_table.interrupts")]
 #[unsafe(no_mangle)]
 static __INTERRUPTS: [Option<unsafe extern "C" fn()>; 9] =

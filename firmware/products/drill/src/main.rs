@@ -1,7 +1,7 @@
 //! The firmware of the circuit-board drill.
 //!
-//! The main loop is that of [`foreground`], with one event at a time: each step is decided with the
-//! switches as they are then. Everything that belongs to a board is one file in `board`.
+//! The main loop is [`foreground::run`]. It queues one event at a time, because each step depends
+//! on the switches at that moment. Everything that belongs to a board is in one file of `board`.
 #![no_std]
 #![no_main]
 
@@ -18,7 +18,7 @@ use switches::Switches;
 
 type Controller = husillo_controllers::Drill<MEMORY_BYTES>;
 
-/// A static: the stack has no room to make it.
+/// In a static, because the stack has no room to build it.
 static CONTROLLER: ConstStaticCell<Controller> = ConstStaticCell::new(Controller::new(CONFIG));
 
 const CONFIG: DrillConfig = if cfg!(feature = "faithful") {
@@ -35,7 +35,7 @@ fn on_time(section: CriticalSection<'_>) {
     INTERRUPTS.within(section, |now| now.on_time(section));
 }
 
-/// No byte stops this machine: its button R does, which is the reset of the chip.
+/// Does nothing, because no byte stops this machine. Its button R stops it: the reset of the chip.
 #[unsafe(no_mangle)]
 fn on_byte(_: u8, _: CriticalSection<'_>) {}
 
@@ -45,7 +45,7 @@ fn main() -> ! {
     board::start();
     let motor = Sequencer::new(Driver::Unipolar, Mode::Full);
     let (Ok(motor), Some(controller)) = (motor, CONTROLLER.try_take()) else {
-        // This driver has that mode, and the controller is taken once.
+        // Never reached: this driver has that mode, and the controller is taken only here.
         loop {
             core::hint::spin_loop();
         }
@@ -61,10 +61,10 @@ fn main() -> ! {
     foreground::run(&mut drill, controller, &INTERRUPTS)
 }
 
-/// The drill at the pins.
+/// The pins of the drill.
 struct Drill {
     motors: Motors<3, Sequencer>,
-    /// The pins of the motors.
+    /// The levels of the motors' pins.
     levels: u8,
     switches: Switches,
 }
@@ -87,7 +87,7 @@ impl Product for Drill {
                     .step(step.wait_ticks, &step.delta, |_, all| *levels = pins(all));
             }
             DrillEvent::Spindle(on) => board::switch(on.into()),
-            // There is no panel.
+            // The board has no panel.
             DrillEvent::Dwell { .. } | DrillEvent::Report(_) | DrillEvent::Idle => {}
         }
         wait_us.map(|wait_us| Step {
@@ -98,8 +98,8 @@ impl Product for Drill {
     }
 }
 
-/// Two of the four wires of each motor, from bit 0. Two phases are always on, so inverters make the
-/// other two.
+/// Two of the four wires of each motor, from bit 0. Two phases are always on, so inverters drive
+/// the other two wires.
 fn pins(levels: &[Levels; 3]) -> u8 {
     levels
         .iter()

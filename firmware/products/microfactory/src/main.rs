@@ -1,8 +1,8 @@
 //! The firmware of the microfactory.
 //!
-//! The main loop is that of [`foreground`], with one event at a time: each step is decided with the
-//! switches as they are then. The step interrupt writes CLOCK and CW/CCW of four L297. Everything
-//! that belongs to a board is one file in `board`.
+//! The main loop is [`foreground::run`]. It queues one event at a time, because each step depends
+//! on the switches at that moment. The step interrupt writes CLOCK and CW/CCW of four L297 chips.
+//! Everything that belongs to a board is in one file of `board`.
 #![no_std]
 #![no_main]
 
@@ -17,12 +17,12 @@ use husillo_controllers::{
 use husillo_transports::microfactory::{ByteTable, Device};
 use switches::Switches;
 
-/// Moves of a figure that there is room for.
+/// The largest number of moves in a figure.
 const MOVES: usize = 500;
 
 type Controller = MicrofactoryStation<MOVES>;
 
-/// That of the simulated one: a jog ends half a second after it was sent last.
+/// As in the host's emulation: a jog ends after half a second unless it is repeated.
 const CONFIG: MicrofactoryConfig = MicrofactoryConfig {
     dead_man_ticks: Some(500_000),
     ..MicrofactoryConfig::ORIGINAL
@@ -42,13 +42,13 @@ const PULSE_US: u32 = 10;
 static INTERRUPTS: Shared<Interrupts<Microfactory, 1, CLOCKS, PULSE_US>> =
     Shared::new(Interrupts::new(()));
 
-/// A wait is over: CLOCKs of a step rise, or fall.
+/// A wait is over: the CLOCKs of a step rise or fall.
 #[unsafe(no_mangle)]
 fn on_time(section: CriticalSection<'_>) {
     INTERRUPTS.within(section, |now| now.on_time(section));
 }
 
-/// The foreground takes all bytes: at most one step waits.
+/// Does nothing: the foreground handles every byte, and meanwhile at most one step is queued.
 #[unsafe(no_mangle)]
 fn on_byte(_: u8, _: CriticalSection<'_>) {}
 
@@ -68,7 +68,7 @@ fn main() -> ! {
     foreground::run(&mut machine, &mut station, &INTERRUPTS)
 }
 
-/// The microfactory at the pins.
+/// The pins of the microfactory.
 struct Microfactory {
     /// CW/CCW of the motors, bits 4 to 7; their CLOCKs are bits 0 to 3.
     directions: u8,
@@ -95,7 +95,7 @@ impl Product for Microfactory {
             MicrofactoryEvent::Reset { .. } => self.switch(self.outputs & !NOT_RESET),
             MicrofactoryEvent::Enable(true) => self.switch(self.outputs | ENABLE),
             MicrofactoryEvent::Enable(false) => self.switch(self.outputs & !ENABLE),
-            // There is no panel.
+            // The board has no panel.
             MicrofactoryEvent::Dwell { .. }
             | MicrofactoryEvent::Report(_)
             | MicrofactoryEvent::Idle => {}
@@ -107,7 +107,7 @@ impl Product for Microfactory {
         })
     }
 
-    /// A reset ends with its wait.
+    /// RESET ends when its wait is over.
     fn made(&mut self) {
         self.switch(self.outputs | NOT_RESET);
     }
@@ -119,8 +119,8 @@ impl Microfactory {
         board::switch(outputs);
     }
 
-    /// The CLOCKs of a step. Its CW/CCW are written now: long before the step, and after the pulse
-    /// of the step before.
+    /// Returns the CLOCKs of a step, and writes its CW/CCW. This is long before the step, and after
+    /// the pulse of the previous step.
     fn clocks(&mut self, delta: &[i8; MICROFACTORY_MOTORS]) -> u8 {
         let bits = |is_set: fn(i8) -> bool| {
             delta

@@ -1,17 +1,19 @@
-//! What the microfactory sees: home switches of X, Y and Z, the tool at the work piece.
+//! The inputs of the microfactory: the home switches of X, Y and Z, and the contact of the tool
+//! with the work piece.
 
 use husillo_controllers::{MICROFACTORY_MOTORS, MicrofactoryInputs};
 
-/// Inputs of the board from bit 0: X, Y, Z, contact. Those of a simulated machine follow from the
-/// positions of its loads.
+/// Inputs of the board from bit 0: X, Y, Z, contact. Without the feature `switches` of `board`,
+/// they are computed from the positions of a simulated machine.
 pub struct Switches {
-    /// Steps of the motors ahead of their loads, and of the loads from where they were at first.
+    /// The take-up of each axis: how many steps its motor is ahead of its load.
     ahead: [i32; 3],
+    /// The position of each load in steps, counted from power-on.
     loads: [i32; 3],
 }
 
 impl Switches {
-    /// A simulated machine stands somewhere.
+    /// The simulated machine at power-on.
     pub fn new() -> Self {
         Switches {
             ahead: LASH,
@@ -19,7 +21,7 @@ impl Switches {
         }
     }
 
-    /// A simulated machine moves; its spindle closes no switch.
+    /// Moves the simulated machine by these steps. Its spindle closes no switch.
     pub fn moved(&mut self, delta: &[i8; MICROFACTORY_MOTORS]) {
         let axes = self.ahead.iter_mut().zip(&mut self.loads);
         for ((ahead, load), (delta, lash)) in axes.zip(delta.iter().zip(LASH)) {
@@ -29,7 +31,7 @@ impl Switches {
         }
     }
 
-    /// The switches.
+    /// Reads the switches.
     pub fn inputs(&self) -> MicrofactoryInputs {
         let [x, y, z] = self.loads;
         let simulated = [x <= -420, y <= -380, z <= -900, y >= 1200];
@@ -42,5 +44,5 @@ impl Switches {
     }
 }
 
-/// As `MicrofactoryConfig::ORIGINAL` has it.
+/// The backlash of each axis in steps, as in `MicrofactoryConfig::ORIGINAL`.
 const LASH: [i32; 3] = [200, 0, 200];

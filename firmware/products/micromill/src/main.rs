@@ -1,7 +1,7 @@
 //! The firmware of the micro mill.
 //!
-//! The main loop is that of [`foreground`], with a queue of events: the controller plans ahead.
-//! Everything that belongs to a board is one file in `board`.
+//! The main loop is [`foreground::run`]. It fills a queue of events, because the controller plans
+//! ahead. Everything that belongs to a board is in one file of `board`.
 #![no_std]
 #![no_main]
 
@@ -14,10 +14,10 @@ use husillo_gcode::SpindleDirection;
 use husillo_stepper::{Driver, Mode, Sequencer};
 use motors::Motors;
 
-/// The machine. Another machine is another constant.
+/// The machine. For another machine, use another constant.
 static CONFIG: MicromillConfig = MicromillConfig::MICROMILL;
 
-/// Events that may wait for their time.
+/// Slots of the queue of events.
 const AHEAD: usize = 16;
 
 type Controller = husillo_controllers::Micromill<'static, 16, AHEAD, 80>;
@@ -30,7 +30,7 @@ fn on_time(section: CriticalSection<'_>) {
     INTERRUPTS.within(section, |now| now.on_time(section));
 }
 
-/// A byte that stops acts at once: the foreground may be busy for some steps.
+/// A stopping byte acts at once, because the foreground may be busy for the time of some steps.
 #[unsafe(no_mangle)]
 fn on_byte(byte: u8, section: CriticalSection<'_>) {
     INTERRUPTS.within(section, |now| now.on_byte(byte));
@@ -41,7 +41,7 @@ fn on_byte(byte: u8, section: CriticalSection<'_>) {
 fn main() -> ! {
     board::start();
     let Ok(motor) = Sequencer::new(Driver::Pbl3717a, Mode::Full) else {
-        // This driver has that mode.
+        // Never reached: this driver has that mode.
         loop {
             core::hint::spin_loop();
         }
@@ -54,7 +54,7 @@ fn main() -> ! {
     foreground::run(&mut mill, &mut controller, &INTERRUPTS)
 }
 
-/// The mill at the pins.
+/// The pins of the mill.
 struct Micromill {
     motors: Motors,
 }
@@ -64,8 +64,9 @@ impl Product for Micromill {
     /// The masks of a step: its axes, and those that step backwards.
     type Undo = [u8; 2];
 
-    /// The home switches. Those of a simulated machine close at 400 steps below the position at
-    /// power-on: outside of the travel, once the machine is homed.
+    /// Reads the home switches. Without the feature `switches` of `board`, each closes 400 steps
+    /// below the position at power-on. Once the machine is homed, that is outside the travel, so
+    /// all are open.
     #[inline]
     fn inputs(&mut self, controller: &Controller) -> MicromillInputs {
         let simulated = if controller.is_homed() {
@@ -93,7 +94,7 @@ impl Product for Micromill {
                     delta: masks,
                 });
             }
-            // Its speed is set by hand.
+            // The speed of the spindle is set by hand.
             MicromillEvent::Spindle { direction, .. } => board::switch(spindle(direction)),
             // The host asks the operator for the tool and waits.
             MicromillEvent::Tool { .. } => {}
@@ -101,13 +102,13 @@ impl Product for Micromill {
         None
     }
 
-    /// The motors go back to the phases of the steps that were made.
+    /// Returns the motors to the phases before a dropped step.
     fn undo(&mut self, [axes, negative]: [u8; 2]) {
         self.motors.step([axes, axes & !negative]);
     }
 }
 
-/// Forwards and backwards.
+/// The outputs of the spindle: bit 0 for forwards, bit 1 for backwards.
 fn spindle(direction: SpindleDirection) -> u8 {
     match direction {
         SpindleDirection::Off => 0b00,

@@ -1,35 +1,35 @@
-//! The motors' drivers: three pairs of PH, in full steps both I0 and I1 stay low.
+//! The drivers of the motors: two PH inputs for each motor. In full steps, I0 and I1 stay low.
 
 use husillo_stepper::{CoilDriver, Levels, Sequencer};
 
 /// X, Y and Z, stepped together.
 pub struct Motors {
-    /// Where in its cycle of four states each motor is: two bits, X has the lowest.
+    /// The state of each motor in its cycle of four states: two bits per motor, X lowest.
     at: u8,
-    /// PH of both phases of X, Y and Z, from bit 0, for each of that.
+    /// PH of both phases of X, Y and Z, from bit 0, for each value of `at`.
     levels: [u8; 64],
 }
 
-/// Two bits per axis, for masks of the axes that step and, from bit 3, of those that step
-/// backwards: one for a step forwards, three for a step backwards.
+/// The change of `at` for each pair of masks: the axes that step, and from bit 3 the axes that step
+/// backwards. The two bits of an axis are 1 for a step forwards and 3 for a step backwards.
 const STEPS: [u8; 64] = {
     let mut steps = [0; 64];
-    let mut ways = 0;
-    while ways < 64 {
-        let (axes, negative) = (ways as u8, ways as u8 >> 3);
-        steps[ways] = spread(axes) | spread(negative) << 1;
-        ways += 1;
+    let mut masks = 0;
+    while masks < 64 {
+        let (axes, negative) = (masks as u8, masks as u8 >> 3);
+        steps[masks] = spread(axes) | spread(negative) << 1;
+        masks += 1;
     }
     steps
 };
 
-/// Three bits, each of them followed by an empty one.
+/// Spreads three bits: above each of them is an empty bit.
 const fn spread(bits: u8) -> u8 {
     bits & 1 | (bits & 2) << 1 | (bits & 4) << 2
 }
 
 impl Motors {
-    /// At rest, where the sequencer of full steps begins.
+    /// All motors are at the first state of the sequencer.
     pub fn new(mut motor: Sequencer) -> Self {
         let cycle = [0, 1, 1, 1].map(|step| phases(motor.step(step)));
         let mut levels = [0; 64];
@@ -39,11 +39,12 @@ impl Motors {
         Motors { at: 0, levels }
     }
 
-    /// The pins after a step of these axes, of which those of the second mask go backwards.
+    /// Makes a step of the axes of the first mask. Those of the second mask step backwards. Returns
+    /// the levels of the pins.
     #[inline]
     pub fn step(&mut self, [axes, negative]: [u8; 2]) -> u8 {
         let step = STEPS[usize::from(axes | negative << 3) % 64];
-        // A sum in each two bits, with no carry to the next ones.
+        // Adds within each pair of bits. No carry reaches the next pair.
         const LOW: u8 = 0b010101;
         self.at = ((self.at & LOW) + (step & LOW)) ^ ((self.at ^ step) & !LOW);
         self.levels[usize::from(self.at % 64)]

@@ -1,4 +1,5 @@
-//! The firmware of a servo module: the network by the UART, the axis by a timer's interrupt.
+//! The firmware of a servo module. The UART connects it to the network, and the interrupt of a
+//! timer runs the axis.
 //!
 //! ```text
 //! UART interrupt ──bytes──► ┌─────────────┐ ──► UART, driver enable: foreground
@@ -7,7 +8,7 @@
 //!  encoder, probe, index
 //! ```
 //!
-//! Everything that belongs to a board is one file in `board`.
+//! Everything that belongs to a board is in one file of `board`.
 #![no_std]
 #![no_main]
 
@@ -18,12 +19,12 @@ use board::{CriticalSection, Shared};
 use foreground::Transmitter;
 use servo::Servo;
 
-/// A servo period, that of the original's chip.
+/// The servo period of the original chip.
 const PERIOD_US: u32 = 512;
 
 static SERVO: Shared<Option<Servo>> = Shared::new(None);
 
-/// Works on the servo, once there is one.
+/// Accesses the servo. Before it exists, this returns the default value.
 fn with_servo<R: Default>(work: impl FnOnce(&mut Servo) -> R) -> R {
     SERVO.with(|servo| servo.as_mut().map(work).unwrap_or_default())
 }
@@ -35,13 +36,13 @@ fn on_time(section: CriticalSection<'_>) {
     with_servo(Servo::tick);
 }
 
-/// The module takes a byte at once: it stops sending when it hears one.
+/// The module takes a byte at once, because a received byte ends its reply.
 #[unsafe(no_mangle)]
 fn on_byte(byte: u8, _: CriticalSection<'_>) {
     with_servo(|servo| servo.hear(byte));
 }
 
-/// Sends the replies. The servo periods are in the interrupt, so their time does not vary.
+/// Sends the replies. The servo runs in the interrupt, so its period does not vary.
 #[board::entry]
 fn main() -> ! {
     board::start();
@@ -58,7 +59,7 @@ fn main() -> ! {
         } else if !is_driven {
             board::sleep(|_| !with_servo(|servo| servo.has_reply()));
         } else if board::is_sent() {
-            // The last stop bit is out.
+            // The last stop bit has been sent.
             with_servo(Servo::be_silent);
             is_driven = false;
         }

@@ -1,4 +1,4 @@
-//! The module and what is at its pins, or simulated.
+//! The servo module with its motor and encoder, at the pins or simulated.
 
 use husillo_controllers::ServoModule;
 use husillo_encoder::Extended;
@@ -6,7 +6,8 @@ use husillo_machine::ServoInputs;
 
 use crate::plant::Plant;
 
-/// Inputs, 1 for closed: a low ADDR_IN, and the motor's supply.
+/// Inputs of the board: 1 is closed. ADDR_IN is closed when it is low, SUPPLY when the motor has
+/// its supply.
 const LIMIT_1: u8 = 1;
 const LIMIT_2: u8 = 2;
 const INDEX: u8 = 4;
@@ -20,8 +21,8 @@ const AMPLIFIER: u8 = 2;
 const REVERSE: u8 = 4;
 const ADDR_OUT: u8 = 8;
 
-/// Counts at which the probe of a simulated motor closes: up to the first value, and from the
-/// second value on.
+/// Faces of the simulated machine, in counts. The probe is closed at the first value and below, and
+/// at the second value and above.
 const FACES: [i32; 2] = [-1500, 1500];
 
 /// Counts between the index pulses of a simulated encoder.
@@ -37,7 +38,7 @@ pub struct Servo {
 }
 
 impl Servo {
-    /// After power-up.
+    /// The module after power-up.
     pub fn new() -> Self {
         Servo {
             module: ServoModule::new(4),
@@ -48,12 +49,12 @@ impl Servo {
         }
     }
 
-    /// A byte of the line.
+    /// Takes a byte from the line.
     pub fn hear(&mut self, byte: u8) {
         self.module.link().push(byte);
     }
 
-    /// A servo period.
+    /// Runs one servo period.
     pub fn tick(&mut self) {
         let inputs = self.read();
         let output = self.module.tick(&inputs);
@@ -71,7 +72,7 @@ impl Servo {
 
     fn read(&mut self) -> ServoInputs {
         let mut simulated = ADDR_IN | SUPPLY;
-        let mut current = 0; // no converter is read
+        let mut current = 0; // no board has a converter
         if !board::HAS_MOTOR {
             self.plant.tick(self.drive);
             let counts = self.plant.counts();
@@ -107,7 +108,7 @@ impl Servo {
         }
     }
 
-    /// The next byte of a reply, if there is one: the line is driven before it begins.
+    /// The next byte of a reply, if there is one. The driver of the line is enabled before it.
     pub fn speak(&mut self) -> Option<u8> {
         let byte = self.module.link().transmit();
         if byte.is_some() {
@@ -117,13 +118,13 @@ impl Servo {
         byte
     }
 
-    /// Lets go of the line.
+    /// Releases the line.
     pub fn be_silent(&mut self) {
         self.switch(TRANSMIT, false);
         board::switch(self.outputs);
     }
 
-    /// Whether a reply waits.
+    /// Whether a reply is waiting to be sent.
     pub fn has_reply(&mut self) -> bool {
         self.module.link().is_sending()
     }

@@ -1,4 +1,4 @@
-//! Counts the methods that make motion. Run by `check`.
+//! Counts the methods that make motion. `firmware/check counts` runs this program.
 #![no_std]
 #![no_main]
 

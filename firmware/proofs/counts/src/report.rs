@@ -7,11 +7,10 @@ mod board;
 use kernels::Count;
 use semihosting::{println, process};
 
-/// Prints the instructions that each kernel executes per event, loop included:
-/// `kernel instructions`.
+/// Prints a line `kernel instructions` for each kernel: the instructions per event, loop included.
 pub fn report(all: fn(Count<'_>)) -> ! {
     board::start();
-    // The overhead around the work.
+    // The overhead of the measurement.
     let frame = board::instructions(&mut || ());
     all(&mut |name, events, work| {
         let instructions = board::instructions(work).saturating_sub(frame);

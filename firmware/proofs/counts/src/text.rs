@@ -1,4 +1,4 @@
-//! Counts the stages from a line of text to its events. Run by `check`.
+//! Counts the stages from a line of text to its events. `firmware/check counts` runs this program.
 #![no_std]
 #![no_main]
 

@@ -1,9 +1,9 @@
-//! Compares the public functions of the `no_std` crates with those that the panic proof names.
-//! Nothing is proved about a function that it does not link. The exit status is 1 if one is
+//! Compares the public functions of the `no_std` crates with those that the panic proof names. The
+//! proof does not cover a function that it does not link. The exit status is 1 if a function is
 //! missing.
 //!
-//! The sources are read as rustfmt leaves them: items in column 0, methods in column 4, tests last.
-//! Functions that a macro generates are not found, nor are the default methods of a trait.
+//! The sources must be formatted by rustfmt: items in column 0, methods in column 4, tests last.
+//! Functions that a macro generates are not found, and neither are the default methods of a trait.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -26,7 +26,7 @@ const CRATES: [&str; 13] = [
 ];
 
 /// Traits whose implementations need not be in the proof. They are derived, print text, or only
-/// call functions that are in it.
+/// call functions that are in the proof.
 const EXCUSED_TRAITS: [&str; 15] = [
     "Clone",
     "Copy",
@@ -42,11 +42,11 @@ const EXCUSED_TRAITS: [&str; 15] = [
     "PartialOrd",
     "ErrorType",
     "ExactSizeIterator",
-    // A private trait of interp, which the iterators call.
+    // A private trait of interp, whose functions the iterators call.
     "Method",
 ];
 
-/// Single functions that need not be in the proof, as `crate Type::function`, with the reason.
+/// Functions that need not be in the proof, as `crate Type::function`, each with the reason.
 const EXCUSED_FUNCTIONS: [(&str, &str); 0] = [];
 
 fn main() {
@@ -117,8 +117,8 @@ fn rust_files(folder: &Path, files: &mut Vec<PathBuf>) {
     files.sort();
 }
 
-/// The file that decides what is public in `file`, if that is in a module that the library declares
-/// with `pub mod`, or exports with `pub use` from another one.
+/// The file whose exports determine which items of `file` are public. There is one only if `file`
+/// is in a module that the library declares with `pub mod` or exports with `pub use`.
 fn public_module(file: &Path, source: &Path, library: &str) -> Option<PathBuf> {
     let inside = file.strip_prefix(source).expect("a file of this crate");
     let module = inside.with_extension("");
@@ -136,7 +136,8 @@ fn public_module(file: &Path, source: &Path, library: &str) -> Option<PathBuf> {
     Some(source.join(path).with_extension("rs"))
 }
 
-/// Every word of the statements that begin with `begin`: `pub use`, or `pub use` with a path.
+/// Every word of the statements that begin with `begin`, which is `pub use` or `pub use` with a
+/// path.
 fn exported_names(library: &str, begin: &str) -> BTreeSet<String> {
     let mut names = BTreeSet::new();
     for statement in library.split(begin).skip(1) {
@@ -272,7 +273,7 @@ fn named(entry: &str) -> String {
         Some((item, function)) => (item, function),
         None => return entry.to_string(),
     };
-    // A module before the type is not a part of its name.
+    // Modules before the type are not part of its name.
     let is_module = |path: &str| path.starts_with(|first: char| first.is_ascii_lowercase());
     let mut item = item.trim_start_matches('<');
     while let Some((module, rest)) = item.split_once("::") {

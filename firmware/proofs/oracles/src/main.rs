@@ -1,24 +1,24 @@
-//! Runs the crates' oracle tests on a chip: the same files as `cargo test`, made callable by the
-//! build script.
+//! Runs the oracle tests of the crates on a board. `cargo test` runs the same files. The build
+//! script turns their tests into functions that can be called.
 #![no_std]
 #![no_main]
 
 extern crate alloc;
 
-// The heap needs its critical sections.
+// The heap needs the critical sections of this crate.
 #[cfg(target_arch = "arm")]
 use cortex_m as _;
 use embedded_alloc::LlffHeap;
 use semihosting::println;
 
-/// What the tests import on a host.
+/// Items that the tests import from `std` on a host.
 mod surroundings {
     pub use alloc::format;
     pub use alloc::string::String;
     pub use alloc::vec;
     pub use alloc::vec::Vec;
 
-    /// Functions of numbers that `core` lacks.
+    /// Functions of numbers that `core` does not have.
     pub trait Real {
         /// The square root.
         fn sqrt(self) -> Self;
@@ -71,13 +71,13 @@ include!(concat!(env!("OUT_DIR"), "/tests.rs"));
 #[global_allocator]
 static HEAP: LlffHeap = LlffHeap::empty();
 
-/// Enough for the largest oracle as a tree of JSON values.
+/// Enough for a tree of the JSON values of the largest oracle file.
 const HEAP_BYTES: usize = 3 << 20;
 
 #[cfg_attr(target_arch = "arm", cortex_m_rt::entry)]
 #[cfg_attr(target_arch = "riscv32", riscv_rt::entry)]
 fn main() -> ! {
-    // SAFETY: once, before anything is allocated.
+    // SAFETY: this is called once, before anything is allocated.
     unsafe {
         embedded_alloc::init!(HEAP, HEAP_BYTES);
     }

@@ -1,10 +1,11 @@
-//! Proves that no public function of the leaves, of `machine` and of `controllers` can panic: this
-//! program links only if no panic is left.
+//! Proves that no public function of the leaves, of `machine` and of `controllers` can panic. This
+//! program links only if no function can reach a panic.
 //!
-//! Each module lists the functions of one crate and takes their addresses, so that each is compiled
-//! for any argument and any state. A path to a panic keeps the panic handler, and the handler calls
-//! a symbol that nothing defines. Generic functions are proved for the instances named. With
-//! `--profile release-checked`, an overflow is a panic, too.
+//! Each module lists the functions of one crate and takes their addresses, so that each function is
+//! compiled for any argument and any state. If a function can panic, the panic handler stays in the
+//! program. The handler calls a symbol that nothing defines, so the program does not link. Generic
+//! functions are proved for the instances named. With `--profile release-checked`, an overflow is
+//! also a panic.
 #![no_std]
 #![no_main]
 
@@ -22,7 +23,7 @@ mod stepper;
 mod store;
 mod transports;
 
-/// The linker's entry point. Never run.
+/// The linker's entry point. It never runs.
 #[unsafe(no_mangle)]
 extern "C" fn _start() -> ! {
     gcode::keep();

@@ -161,7 +161,7 @@ impl OutputPin for Pin {
     }
 }
 
-/// A port that takes and returns any byte, or is not ready.
+/// A port that takes any byte and returns any byte, or is not ready.
 struct Port;
 
 impl serial::ErrorType for Port {
@@ -213,7 +213,7 @@ impl embedded_io::ReadReady for Port {
     }
 }
 
-/// The drill's link, whose types have the same names as those of the servo network.
+/// The link of the drill. Its types have the same names as those of the servo network.
 mod drill {
     use core::hint::black_box;
 

@@ -1,4 +1,4 @@
-//! From a line to words, blocks and commands.
+//! Reads a line into words, a block and commands.
 #![no_std]
 #![no_main]
 

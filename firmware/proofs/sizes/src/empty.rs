@@ -1,4 +1,4 @@
-//! An empty program: its start-up code and its vectors.
+//! An empty program: only the start-up code and the vectors.
 #![no_std]
 #![no_main]
 

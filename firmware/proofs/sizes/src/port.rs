@@ -1,10 +1,10 @@
-//! A port register that the optimiser cannot see through, and the panic handler.
+//! A port register whose value the optimiser does not know, and the panic handler.
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
 static PORT: AtomicU32 = AtomicU32::new(0);
 
-/// The next byte, as from a receive register.
+/// Returns the next byte, as a receive register would.
 pub fn receive() -> u8 {
     PORT.load(Ordering::Relaxed) as u8
 }

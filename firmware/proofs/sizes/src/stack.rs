@@ -1,4 +1,5 @@
-//! Measures how deep the stack is below a call, from what the call overwrites. Run by `check`.
+//! Measures the depth of the stack below a call by the memory that the call overwrites.
+//! `firmware/check sizes` runs this program.
 #![no_std]
 #![no_main]
 
@@ -9,11 +10,11 @@ use semihosting::{println, process};
 
 /// Bytes of stack that are examined.
 const DEPTH: usize = 4096;
-/// Bytes below the caller that are left alone.
+/// Bytes below the caller that are not overwritten.
 const MARGIN: usize = 64;
 const PAINT: u32 = 0xa5a5_5a5a;
 
-/// Bytes of stack below this function that `work` uses.
+/// Returns the bytes of stack below this function that `work` uses.
 #[inline(never)]
 fn depth(work: &mut dyn FnMut()) -> usize {
     let top = cortex_m::register::msp::read() as usize - MARGIN;
@@ -30,8 +31,8 @@ fn depth(work: &mut dyn FnMut()) -> usize {
     DEPTH + MARGIN - 4 * untouched.count()
 }
 
-/// Lines of every kind, good and bad. With them calls go nearly as deep as they can; `bound` is the
-/// limit.
+/// Lines of every kind, valid and invalid. With them, the stack gets nearly as deep as it can.
+/// `bound` is the limit.
 const LINES: &[&str] = &[
     "G1 X12.345 Y-6.789 F600",
     "G0 X1.234567891 Y0.1234567895",
@@ -48,7 +49,7 @@ const LINES: &[&str] = &[
     "G53 G0 X0 Y0",
     "G38.2 Z-5 F10",
     "G43.1 Z5.5",
-    // Numbers of many digits, in every word where one is read and scaled.
+    // Numbers of many digits, in every word whose number is read and scaled.
     "G1 X12.3456789012 Y-6.78901234567 Z0.123456789012 F600.123456789",
     "G1 X.0000000000000000001234567891",
     "G53 G1 X1.23456789012",

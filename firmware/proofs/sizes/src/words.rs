@@ -1,4 +1,4 @@
-//! From a line to words.
+//! Reads a line into words.
 #![no_std]
 #![no_main]
 

@@ -1,8 +1,8 @@
-//! The simulated Cortex-M boards: SysTick as a clock of executed instructions.
+//! The emulated Cortex-M boards. SysTick counts the executed instructions.
 //!
 //! Under `-icount shift=6` an instruction takes 64 ns of virtual time. SysTick counts down 24 bits
-//! at 25 MHz (mps2-an386: 40 ns per tick) or 16 MHz (microbit: 62.5 ns per tick). So an instruction
-//! takes more than one tick, and every count is exact, up to 10 million instructions per
+//! at 25 MHz (mps2-an386: 40 ns per tick) or 16 MHz (microbit: 62.5 ns per tick). An instruction
+//! takes more than one tick, so every count is exact, up to 10 million instructions per
 //! measurement.
 
 use cortex_m::Peripherals;
@@ -30,13 +30,13 @@ pub fn start() {
     peripherals.SYST.enable_counter();
 }
 
-/// Instructions that `work` executes, the frame around it included.
+/// The instructions that `work` executes, with the overhead of the measurement.
 #[inline(never)]
 pub fn instructions(work: &mut dyn FnMut()) -> u64 {
     let before = SYST::get_current();
     work();
     let after = SYST::get_current();
     let ticks = u64::from(before.wrapping_sub(after) & 0x00ff_ffff);
-    // Whole ticks at both ends: exact to an instruction.
+    // Both readings are whole ticks, so rounding gives the exact number of instructions.
     (ticks * TICK_TENTHS_NS + INSTRUCTION_NS * 5) / (INSTRUCTION_NS * 10)
 }

@@ -1,12 +1,12 @@
-//! The simulated RISC-V board (`virt`, RV32IMAC). It counts its own instructions, exactly under
-//! `-icount`.
+//! The emulated RISC-V board (`virt`, RV32IMAC). It counts its own instructions. Under `-icount`
+//! the count is exact.
 
 use riscv::register::minstret;
 
-/// There is nothing to start.
+/// Does nothing: the counter always runs.
 pub fn start() {}
 
-/// Instructions that `work` executes, at most 2^32, the frame around it included.
+/// The instructions that `work` executes, at most 2^32, with the overhead of the measurement.
 #[inline(never)]
 pub fn instructions(work: &mut dyn FnMut()) -> u64 {
     let before = minstret::read();

@@ -1,5 +1,5 @@
-//! Full circles of 1000 steps radius about a whole-step centre: four quadrant changes in about 6000
-//! events.
+//! Full circles with a radius of 1000 steps around a centre on the grid. Each has four changes of
+//! quadrant in about 6000 events.
 
 use core::hint::black_box;
 
@@ -30,7 +30,7 @@ pub fn all(count: Count<'_>) {
     if let Ok(search) = DirectSearchPrinted::new(&CIRCLE) {
         walk(count, "direct_search_printed", &search);
     }
-    // A centre between steps, which needs the general arc.
+    // A centre with fractions of a step, which needs the general arc.
     let between = ArcMove {
         fraction_bits: 16,
         ..CIRCLE

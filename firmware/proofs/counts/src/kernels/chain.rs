@@ -1,4 +1,4 @@
-//! From text to moves, and the whole chain below the text: path, take-up, timer.
+//! From text to moves, and the whole chain after the text: path, take-up, timer.
 
 use core::hint::black_box;
 
@@ -65,8 +65,8 @@ fn machine(count: Count<'_>) {
         ("machine_line_event", b"G1 X12.345 Y6.789 F60".as_slice()),
         ("machine_arc_event", b"G3 X0 Y0 I-0.15 J0 F60"),
     ] {
-        // With a queue of four moves it fits the RAM of a microbit. An arc is walked once here,
-        // when it begins.
+        // With a queue of four moves, the machine fits in the RAM of a microbit. An arc is walked
+        // once before the count, when it begins.
         let mut machine = Machine::<3, Path<3>, Backlash, 4>::new(config);
         let taken = machine.line(text);
         assert!(taken.is_ok(), "the line means a move");
@@ -79,8 +79,8 @@ fn machine(count: Count<'_>) {
     }
 }
 
-/// A machine with an encoder on every motor. Returning it moves it, so its queue has two moves, and
-/// no line is read here: the stack of a microbit has no room for more.
+/// A machine with an encoder on every motor. The returned machine is copied on the stack, and the
+/// stack of a microbit is small. So the queue has two moves, and no line is read here.
 #[inline(never)]
 fn watched(config: Config<3>) -> ClosedLoop<3, Path<3>, Backlash, 2> {
     let encoder = AxisEncoder {
@@ -95,7 +95,7 @@ fn watched(config: Config<3>) -> ClosedLoop<3, Path<3>, Backlash, 2> {
     ClosedLoop::new(Machine::new(config), [Some(encoder); 3])
 }
 
-/// The line of `machine_line_event` with an encoder on every motor.
+/// Counts the line of `machine_line_event` with an encoder on every motor.
 #[inline(never)]
 fn closed_loop(count: Count<'_>) {
     let Some(config) = config() else { return };
@@ -119,8 +119,8 @@ fn closed_loop(count: Count<'_>) {
     });
 }
 
-/// A servo module on a trapezoid of 4000 counts, a quarter of it ramps. The motor follows one
-/// period late. This is all that the servo interrupt does, except pins.
+/// Counts a servo module on a trapezoid of 4000 counts, of which a quarter are ramps. The motor
+/// follows one period late. This is the whole work of the servo interrupt, except the pins.
 #[inline(never)]
 fn servo_module(count: Count<'_>) {
     let mut module = ServoModule::new(4);

@@ -1,4 +1,4 @@
-//! Encoder samples, as many as fit in a port's memory. The position is read once at the end.
+//! 256 samples of an encoder. The position is read once at the end.
 
 use core::hint::black_box;
 
@@ -10,7 +10,8 @@ use crate::Count;
 
 const SAMPLES: u32 = 256;
 
-/// Levels of a forward motion with rests and reversals: two counts in three samples.
+/// Levels of a forward motion with rests and reversals: eight samples have six counts, of which one
+/// is backwards.
 fn walk() -> [u8; SAMPLES as usize] {
     let mut quarters = 0_u8;
     let mut sample = 0_u8;
@@ -39,7 +40,7 @@ pub fn all(count: Count<'_>) {
             black_box((encoder.position(), encoder.skipped(), encoder.direction()));
         });
     }
-    // As in an interrupt: the decoder is in memory before and after each sample.
+    // The decoder is in memory before and after each sample, as in an interrupt.
     let mut encoder = Quadrature::new(Scale::X4, 0);
     count("quadrature_in_memory", SAMPLES, &mut || {
         for levels in black_box(&samples) {
@@ -76,7 +77,7 @@ fn velocity(count: Count<'_>, samples: &[u8]) {
             black_box(velocity.update((*sample).into()));
         }
     });
-    // A count every fourth sample; the velocity is read at every sample.
+    // Every fourth sample is a count. The velocity is read at every sample.
     count("velocity_by_period_4", SAMPLES, &mut || {
         let mut velocity = VelocityByPeriod::<4>::new(black_box(1_000_000), 100_000, 0);
         let mut ticks = 0_u32;

@@ -1,10 +1,10 @@
-//! The kernels that are counted: every method of the crates, iterated as an interrupt would.
+//! The kernels that are counted. Each iterates a method of the crates as an interrupt would.
 //!
-//! A stream is moved into a local and iterated to its end:
-//! `for step in stream { black_box(masks) }`. So a count includes the loop, the test for the end of
-//! the move, and work that is due only every so many events. It does not include the set-up. The
-//! same kernels run on simulated microcontrollers (the programs `counts` and `counts-text`) and on
-//! the host (`husillo-bench`).
+//! A stream is moved into a local variable and iterated to its end: `for step in stream {
+//! black_box(masks) }`. So a count includes the loop, the test for the end of the move, and work
+//! that is not done at every event. It does not include the set-up. The same kernels run on
+//! emulated microcontrollers (the programs `counts` and `counts-text`) and on the host
+//! (`husillo-bench`).
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -34,8 +34,8 @@ pub fn all(count: Count<'_>) {
     text(count);
 }
 
-/// Interpolation, planning and the stages behind them. The groups are not inlined, because their
-/// moves would all be on the stack at once.
+/// Interpolation, planning and the stages after them. The groups are not inlined: otherwise the
+/// moves of all groups would be on the stack at once.
 pub fn methods(count: Count<'_>) {
     lines::all(count);
     arcs::all(count);
@@ -48,7 +48,7 @@ pub fn methods(count: Count<'_>) {
     probe::all(count);
 }
 
-/// From text to events. Together with the methods it would not fit in a microbit.
+/// From text to events. Together with the methods, this would not fit in a microbit.
 pub fn text(count: Count<'_>) {
     words::all(count);
     words::line(count);

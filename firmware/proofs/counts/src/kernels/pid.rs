@@ -1,5 +1,5 @@
-//! Controllers, one sample at a time. The error stays within the limits unless the name says
-//! otherwise.
+//! Controllers, one sample at a time. The output stays within its limits, except in the kernels
+//! with `limit` in their names.
 
 use core::hint::black_box;
 
@@ -48,7 +48,7 @@ pub fn all(count: Count<'_>) {
     servo(count);
 }
 
-/// A controller that stays within its limits, and one that does not.
+/// A controller that stays within its limits, and one that reaches them.
 fn controllers(rule: Integration) -> Option<(Controller, Controller)> {
     let gains = Gains {
         proportional: I16F16::lit("2.5"),
@@ -138,7 +138,7 @@ fn pieces(count: Count<'_>, pid: &Controller) {
     });
 }
 
-/// The law of the servo module, with every option on.
+/// The control law of the servo module, with every option on.
 fn servo(count: Count<'_>) {
     let gains = ServoGains {
         proportional: 100,

@@ -32,7 +32,7 @@ pub fn all(count: Count<'_>) {
             black_box(timer.wait(black_box(12_345_678)));
         }
     });
-    // 1 mm up and 1 mm down.
+    // The speed rises for 1 mm, then falls for 1 mm.
     ramp(count, "ramp_speeding_or_braking", &LINE, 0);
     let cruise = Stretch {
         start_nm_per_s: 100_000_000,
@@ -46,7 +46,7 @@ pub fn all(count: Count<'_>) {
     spindle(count);
 }
 
-/// Each axis with its own timing. An item is a tick at which at least one axis steps.
+/// Counts axes with separate timing. An event is a tick at which at least one axis steps.
 fn axes(count: Count<'_>) {
     let timers = AxisTimers::new(2_000_000, [EVENTS, 1_300, 7]);
     let items = timers.clone().map(|_| 1).sum();
@@ -82,7 +82,8 @@ fn bursts(count: Count<'_>) {
     });
 }
 
-/// A thread of 1.5 mm in steps of 1 um, 4096 counts per turn. It is polled at every count.
+/// Counts a thread of 1.5 mm in steps of 1 um, at 4096 counts per turn. It is polled at every
+/// count.
 fn spindle(count: Count<'_>) {
     let Some(follower) = Follower::new(4096, 1500, 0, -1) else {
         return;
@@ -115,7 +116,8 @@ fn ramp(count: Count<'_>, name: &str, line: &Stretch, exit_squared: u64) {
     });
 }
 
-/// Moves of 20 um, 32 of them in the queue: 0.64 mm, less than the braking distance.
+/// Counts moves of 20 um. The queue has 32 of them, 0.64 mm, which is less than the braking
+/// distance.
 #[inline(never)]
 fn queue(count: Count<'_>) {
     let chord = Stretch {
@@ -146,8 +148,8 @@ fn queue(count: Count<'_>) {
     });
 }
 
-/// The work for a line before it is in the queue: its direction, its limits, and the corner before
-/// it.
+/// Counts the work for a line before it enters the queue: its direction, its limits, and the corner
+/// before it.
 fn junction(count: Count<'_>) {
     let junction = Junction {
         jump_nm_per_s: Some([10_000_000; 3]),

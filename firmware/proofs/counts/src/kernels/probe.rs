@@ -1,4 +1,5 @@
-//! From a contact to a point: one sample of debounce and latch, one tick of a cycle, one point.
+//! From a contact to a point. An event is a sample of debounce or latch, a tick of a cycle, or a
+//! point.
 
 use core::hint::black_box;
 
@@ -12,7 +13,7 @@ const EVENTS: u32 = 1000;
 
 #[inline(never)]
 pub fn all(count: Count<'_>) {
-    // A contact that bounces every fourth sample, so that runs begin and are interrupted.
+    // The contact bounces at every fourth sample, so that runs begin and are interrupted.
     let pin = |sample: u32| black_box(sample & 3 == 0);
     count("debounce_sample", EVENTS, &mut || {
         let mut contact = black_box(Debounce::new(4, false));
@@ -61,7 +62,7 @@ pub fn all(count: Count<'_>) {
             latched: [0; 3],
             still: true,
         };
-        // To the approach point, and beyond.
+        // The move to the approach point, and the start of the search.
         cycle.tick(black_box(&input));
         cycle.tick(black_box(&input));
         input.still = false;

@@ -8,7 +8,7 @@ use crate::{Count, time};
 
 const EVENTS: u32 = 2000;
 
-/// From standstill to standstill, never at the top rate.
+/// From standstill to standstill, always below the top rate.
 const RAMP: Rates = Rates {
     timer_hz: 1_000_000,
     start_rate_hz: 0,
@@ -60,8 +60,8 @@ pub fn all(count: Count<'_>) {
     servo(count);
 }
 
-/// Servo moves of 4000 counts: one at top velocity for nine tenths of the distance, one of ramps
-/// only.
+/// Counts servo moves of 4000 counts. One is at top velocity for nine tenths of the distance, the
+/// other consists of ramps.
 fn servo(count: Count<'_>) {
     for (name, velocity, acceleration) in [
         ("servo_profile_slew", 0x1_0000, 0x100),

@@ -34,8 +34,8 @@ pub fn all(count: Count<'_>) {
             black_box(stage.before(black_box(&delta), black_box([10, 20, 30])));
         }
     });
-    // The micro mill's area in four by three positions. X has reversed, so every event is looked
-    // up.
+    // A map of the micro mill's area with four by three positions. X has reversed, so every event
+    // is looked up in the map.
     let along_x: &[i32] = &[0, 23_810, 47_619, 71_429];
     let along_y: &[i32] = &[0, 25_000, 50_000];
     let lash: &[u32] = &[

@@ -1,4 +1,4 @@
-//! The servo network. An event is a byte of the line.
+//! The servo network. An event is a byte or a packet of the line.
 
 use core::hint::black_box;
 
@@ -29,7 +29,7 @@ pub fn all(count: Count<'_>) {
             }
         }
     });
-    // Packets for other modules: followed, not executed.
+    // Packets for other modules are followed, but not executed.
     count("nmc_module_byte", events, &mut || {
         let mut module = Module::new(4);
         module.set_enabled(true);

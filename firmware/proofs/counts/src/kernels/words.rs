@@ -1,4 +1,4 @@
-//! From text to words. An event is a byte. The texts are the beginnings of the programs with which
+//! From text to words. An event is a byte. The texts are the first lines of the programs with which
 //! `husillo-bench` compares parsers.
 
 use core::hint::black_box;
@@ -48,7 +48,7 @@ pub fn all(count: Count<'_>) {
     }
 }
 
-/// Takes a line from its bytes to its command, in place.
+/// Counts a line from its bytes to its command, in reused memory. An event is a line.
 #[inline(never)]
 pub fn line(count: Count<'_>) {
     let dialect = Dialect::RS274;
