@@ -1,4 +1,4 @@
-//! Findings about programs and machine files: values, collected. [`drawing`] prints them.
+//! Findings about programs and machine files, and collections of them. [`drawing`] prints them.
 
 mod drawing;
 
@@ -14,7 +14,7 @@ pub use drawing::Format;
 pub enum Severity {
     /// The program cannot run.
     Error,
-    /// The program runs, and perhaps not as meant.
+    /// The program runs, but perhaps not as intended.
     Warning,
 }
 
@@ -27,7 +27,7 @@ impl Severity {
     }
 }
 
-/// A piece of one line of a file.
+/// A part of one line of a file.
 #[derive(Clone, Debug)]
 pub struct Place {
     file: String,
@@ -37,7 +37,7 @@ pub struct Place {
 }
 
 impl Place {
-    /// The bytes `span` of line number `line` (from 1) of `file`; the line may be any bytes.
+    /// The bytes `span` of line number `line` (from 1) of `file`. The line may contain any bytes.
     pub fn new(file: &str, line: usize, bytes: &[u8], span: Range<usize>) -> Self {
         let end = span.end.min(bytes.len());
         let start = span.start.min(end);
@@ -65,51 +65,51 @@ impl Place {
         Self::new(file, line, bytes, start - line_start..end - line_start)
     }
 
-    /// The piece as bytes of the line as it is drawn: what [`Fix`] counts in.
+    /// The span in bytes of the line as it is shown. [`Fix`] uses the same count.
     pub fn span(&self) -> Range<usize> {
         self.span.clone()
     }
 
-    /// Column of the first character, from 1, in characters.
+    /// Column of the first character, counted in characters from 1.
     fn column(&self) -> usize {
         self.text[..self.span.start].chars().count() + 1
     }
 
-    /// Column behind the last character, from 1, in characters.
+    /// Column after the last character, counted in characters from 1.
     fn end_column(&self) -> usize {
         self.text[..self.span.end].chars().count() + 1
     }
 }
 
-/// A change that makes the finding go away.
+/// A change that removes the finding.
 #[derive(Clone, Debug)]
 pub struct Fix {
-    /// Bytes of the line that go, as it is drawn: see [`Place::span`].
+    /// Bytes to remove, counted in the line as it is shown: see [`Place::span`].
     pub span: Range<usize>,
-    /// Text that comes in their place.
+    /// Text that replaces them.
     pub text: String,
 }
 
 /// One error or warning.
 #[derive(Clone, Debug)]
 pub struct Finding {
-    /// `E0301`, `W0601`.
+    /// The code, as in `E0301` or `W0601`.
     pub code: String,
     /// Error or warning.
     pub severity: Severity,
-    /// What is wrong, lower case, no full stop.
+    /// The fault, in lower case and without a full stop.
     pub message: String,
-    /// Where; `None` for findings about the whole program.
+    /// Its place; `None` for findings about the whole program.
     pub place: Option<Place>,
-    /// What is written under the place.
+    /// The text under the place.
     pub label: String,
     /// Another place that explains the first, with its label.
     pub elsewhere: Option<(Place, String)>,
     /// Explanations.
     pub notes: Vec<String>,
-    /// What to do.
+    /// Advice.
     pub help: Option<String>,
-    /// The change `help` speaks of, on the line of `place`.
+    /// The change that `help` describes, on the line of `place`.
     pub fix: Option<Fix>,
 }
 
@@ -163,7 +163,7 @@ impl Finding {
         self
     }
 
-    /// Sets the change the advice speaks of.
+    /// Sets the change that the advice describes.
     pub fn fix(mut self, span: Range<usize>, text: impl Into<String>) -> Self {
         self.fix = Some(Fix {
             span,
@@ -173,12 +173,12 @@ impl Finding {
     }
 }
 
-/// Findings, in the order in which they were found: counted all, and kept up to a limit.
+/// Findings in their order. All are counted, and the first ones are kept up to a limit.
 #[derive(Debug)]
 pub struct Findings {
     kept: Vec<Finding>,
     most: u64,
-    /// Line, first byte and code of what was reported, once a program comes to lines again.
+    /// Line, first byte and code of each reported finding. `None` while lines do not repeat.
     reported: Option<HashSet<(usize, usize, String)>>,
     /// Number of errors, kept or not.
     pub errors: u64,
@@ -187,7 +187,7 @@ pub struct Findings {
 }
 
 impl Findings {
-    /// None yet; keeps at most so many.
+    /// No findings; keeps at most `most`.
     pub const fn new(most: u64) -> Self {
         Self {
             kept: Vec::new(),
@@ -198,12 +198,13 @@ impl Findings {
         }
     }
 
-    /// From now on takes the same about the same place once only: the program has loops.
+    /// From now on ignores a finding that repeats an earlier code and place. It is for programs
+    /// with loops.
     pub fn report_once(&mut self) {
         self.reported.get_or_insert_default();
     }
 
-    /// Counts the finding, and keeps it while the limit allows.
+    /// Counts a finding, and keeps it if the limit allows.
     pub fn add(&mut self, finding: Finding) {
         if let (Some(reported), Some(place)) = (&mut self.reported, &finding.place) {
             let key = (place.line, place.span.start, finding.code.clone());
@@ -220,22 +221,22 @@ impl Findings {
         }
     }
 
-    /// Number of findings that were counted and not kept.
+    /// Number of findings that were counted but not kept.
     pub const fn hidden(&self) -> u64 {
         (self.errors + self.warnings).saturating_sub(self.most)
     }
 
-    /// Each that was kept as one line of text, without what a terminal obeys.
+    /// Each kept finding as one line of text, without control characters.
     pub fn short(&self) -> Vec<String> {
         let short = |finding: &Finding| shown(&finding.short());
         self.kept.iter().map(short).collect()
     }
 
-    /// Prints those that were kept.
+    /// Prints the kept findings.
     ///
     /// # Errors
     ///
-    /// What the writer says.
+    /// The writer fails.
     pub fn print(&self, format: Format, colour: bool, out: &mut impl Write) -> io::Result<()> {
         let mut kept = self.kept.iter();
         kept.try_for_each(|finding| finding.print(format, colour, out))
@@ -247,7 +248,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn places_in_a_text() {
+    fn a_span_of_a_text_has_its_line_and_column() {
         let place = Place::in_text("m.toml", "a = 1\nbaklash = 2\n", 6..13);
         assert_eq!(
             (place.line, place.column(), place.text.as_str()),
@@ -256,7 +257,7 @@ mod tests {
     }
 
     #[test]
-    fn all_are_counted_and_some_are_kept() {
+    fn all_findings_are_counted_and_some_are_kept() {
         let mut findings = Findings::new(2);
         let at = |line| Place::new("p.nc", line, b"G0", 0..2);
         findings.add(Finding::warning("W0001", "one", at(1)));

@@ -1,4 +1,5 @@
-//! The geometry of moves, apart from the integers that make them: paths, and distances from them.
+//! The exact geometry of moves: paths, and distances from them. It is independent of the integer
+//! interpolators.
 
 pub mod path;
 pub mod turn;

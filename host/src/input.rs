@@ -1,26 +1,27 @@
-//! Files that a command reads, kept in mind so that no output of it takes the place of one.
+//! Files that a command reads. They are remembered, so that no output replaces one of them.
 
 use std::fs::{File, Metadata};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-/// What some editors write before a text in UTF-8: no part of the program.
+/// Some editors write these bytes before a text in UTF-8. They are not part of the program.
 pub const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
-/// Which file something is, under whatever name.
+/// The identity of a file, which does not depend on its name.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Identity {
-    /// Device and number on it.
+    /// Device, and number on the device.
     #[cfg(unix)]
     number: (u64, u64),
-    /// Its path without links.
+    /// Path without links.
     #[cfg(not(unix))]
     path: PathBuf,
 }
 
 impl Identity {
-    /// Of a regular file; `None` of anything else, which may be read and written at once.
+    /// The identity of a regular file. `None` for anything else, which may be read and written at
+    /// the same time.
     pub fn of(path: &Path, metadata: &Metadata) -> Option<Self> {
         if !metadata.is_file() {
             return None;
@@ -40,14 +41,14 @@ impl Identity {
     }
 }
 
-/// What was read so far, by the names it was given.
+/// The files that were read, with their names.
 static READ: Mutex<Vec<(Identity, PathBuf)>> = Mutex::new(Vec::new());
 
-/// Opens a file to be read.
+/// Opens a file for reading.
 ///
 /// # Errors
 ///
-/// It cannot be opened, or is a directory.
+/// The file cannot be opened, or is a directory.
 pub fn open(path: impl AsRef<Path>) -> io::Result<File> {
     let path = path.as_ref();
     let file = File::open(path)?;
@@ -60,29 +61,29 @@ pub fn open(path: impl AsRef<Path>) -> io::Result<File> {
     Ok(file)
 }
 
-/// The bytes of a file.
+/// Reads the bytes of a file.
 ///
 /// # Errors
 ///
-/// It cannot be read.
+/// The file cannot be read.
 pub fn read(path: impl AsRef<Path>) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     open(path)?.read_to_end(&mut bytes)?;
     Ok(bytes)
 }
 
-/// The text of a file.
+/// Reads the text of a file.
 ///
 /// # Errors
 ///
-/// It cannot be read, or is no text in UTF-8.
+/// The file cannot be read, or is not text in UTF-8.
 pub fn read_to_string(path: impl AsRef<Path>) -> io::Result<String> {
     let mut text = String::new();
     open(path)?.read_to_string(&mut text)?;
     Ok(text)
 }
 
-/// Standard input; a file that it comes from is an input, too.
+/// Standard input. If it comes from a file, that file is remembered too.
 pub fn stdin() -> io::Stdin {
     let stdin = io::stdin();
     #[cfg(unix)]
@@ -105,7 +106,7 @@ fn keep(path: &Path, metadata: &Metadata) {
     }
 }
 
-/// The name under which a file was read; `None` if it was not.
+/// The name under which a file was read. `None` if it was not read.
 pub fn name_of(identity: &Identity) -> Option<PathBuf> {
     let read = READ.lock().unwrap_or_else(PoisonError::into_inner);
     let known = read.iter().find(|(known, _)| known == identity);

@@ -1,4 +1,4 @@
-//! Lash by place: in machine files, measured by the two-line test, and what it leaves on the work.
+//! Backlash by position: measured by the two-line test, and what remains of it on the work.
 
 mod bench;
 mod calibrating;

@@ -1,4 +1,4 @@
-//! Machine files: read, checked, listed, and what follows from them.
+//! Reads, checks and lists machine files.
 
 pub mod bytes_file;
 pub mod encoder_file;

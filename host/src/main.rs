@@ -10,7 +10,7 @@
 //! | `holes` | drill files: read, placed, sorted, written back |
 //! | `machines` | machine files, and what follows from them |
 //! | `measuring`, `calibrating` | the measuring machine and its errors |
-//! | `lash`, `tuning` | backlash by place; servo axes |
+//! | `lash`, `tuning` | backlash by position; servo axes |
 //! | `micromill`, `drill`, `microfactory` | programs and commands for these machines |
 //! | `console` | the terminal: what is shown, typed lines, Ctrl-C |
 //! | `emulate` | simulated controllers behind a port |

@@ -35,17 +35,17 @@ use routine::{Ending, Routine};
 use session::{AnyPort, Session};
 use std::io::{self, ErrorKind, Write};
 
-/// How a command on a measuring machine ended without being done.
+/// Why a command on a measuring machine has failed.
 pub enum Stopped {
-    /// Bad command line or file.
+    /// The command line or a file is bad.
     Usage(String),
     /// The machine file has mistakes, or cannot be read.
     File(LoadError),
-    /// Something on the machine.
+    /// The machine has failed.
     Machine(String),
     /// The results cannot be written.
     Output(io::Error),
-    /// All is told; this is the exit status.
+    /// The message is printed already. This is the exit status.
     Told(u8),
 }
 
@@ -57,18 +57,18 @@ impl From<String> for Stopped {
 
 /// Exit status of a routine that found something out of tolerance.
 const OUT_OF_TOLERANCE: u8 = 1;
-/// Exit status of a routine with mistakes; nothing has moved.
+/// Exit status of a routine with mistakes. Nothing has moved.
 const WRONG: u8 = 2;
-/// Exit status of a routine that stopped on the way.
+/// Exit status of a routine that stopped before its end.
 const TROUBLE: u8 = 3;
-/// Exit status where an axis has met something where nothing was to be touched.
+/// Exit status of a collision: the probe touched something during a move without a search.
 const COLLISION: u8 = 4;
 
-/// `husillo measure`: prints the results to `out`, and what `-o` asks for to `table`.
+/// `husillo measure`: prints the results to `out`, and writes the file of `-o` to `table`.
 ///
 /// # Errors
 ///
-/// [`Stopped`]; the results before it are printed.
+/// [`Stopped`]. The results before the failure are printed.
 pub fn measure(args: &Measure, out: &mut dyn Write, table: &mut Vec<u8>) -> Result<(), Stopped> {
     let machine = file::load(args.machine.as_deref().unwrap_or("cmm")).map_err(Stopped::File)?;
     let interrupt = Interrupt::listen()?;
@@ -85,16 +85,16 @@ pub fn measure(args: &Measure, out: &mut dyn Write, table: &mut Vec<u8>) -> Resu
     }
 }
 
-/// The action that comes last, and takes over.
+/// What follows after the actions.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Last<'a> {
     /// Run a routine.
     Run(&'a str),
     /// Record a routine.
     Record(&'a str),
-    /// Read actions from the standard input.
+    /// Read actions from standard input.
     Session,
-    /// None of these.
+    /// Nothing.
     None,
 }
 
@@ -112,12 +112,13 @@ impl<'a> Last<'a> {
             [] => Last::None,
             ["session", ..] => {
                 return Err(
-                    "`session` is the last action: others come from the standard input".into(),
+                    "`session` is the last action: further actions come from standard input".into(),
                 );
             }
             [verb, ..] => {
-                let message =
-                    format!("`{verb}` what? As in `{verb} part.routine`, as the last action");
+                let message = format!(
+                    "`{verb}` is the last action and needs a file, as in `{verb} part.routine`"
+                );
                 return Err(message);
             }
         };
@@ -125,7 +126,8 @@ impl<'a> Last<'a> {
     }
 }
 
-/// Writes results: JSON or CSV to `out`, CSV to `table` always. Text was written before.
+/// Writes all results: JSON or CSV to `out`, and CSV to `table` in every format. Text is already
+/// written.
 fn write_rows(
     format: Results,
     rows: &[ResultRow],
@@ -171,15 +173,15 @@ fn measure_by(
     let (mut is_refused, mut has_collided) = (false, false);
     let result = Head::start(line, machine, args.repeat).and_then(|head| {
         let mut head = Calibrated::new(head, machine.errors.clone());
-        let mut tell = |row: &ResultRow| {
+        let mut report = |row: &ResultRow| {
             if args.format == Results::Text && written.is_ok() {
                 written = writeln!(out, "{}", row.text(scale)).and_then(|()| out.flush());
             }
             rows.push(row.clone());
         };
-        let done = session.run(&actions, &mut head, &mut tell);
+        let done = session.run(&actions, &mut head, &mut report);
         let done = done.and_then(|()| match last == Last::Session {
-            true => typed(&mut session, &mut head, interrupt, tell),
+            true => typed(&mut session, &mut head, interrupt, report),
             false => Ok(false),
         });
         has_collided = head.has_collided();
@@ -194,7 +196,7 @@ fn measure_by(
         }
         result => result.map_err(|trouble| Stopped::Machine(told(&trouble)))?,
     }
-    // A reader that has gone away hides nothing of what happened at the machine.
+    // The state of the machine outranks a failed output, for example a closed pipe.
     if has_collided {
         return Err(Stopped::Told(COLLISION));
     }
@@ -204,17 +206,18 @@ fn measure_by(
     written.map_err(Stopped::Output)
 }
 
-/// Actions as they are typed, line by line, until `end` or the end of the input. A line that is not
-/// understood, or fails, is reported, and the next one is read. Returns whether there was one.
+/// Carries out actions as they are typed, one line at a time, until `end` or the end of the input.
+/// A line that is not understood, or fails, is reported, and the session goes on. Returns whether
+/// there was such a line.
 ///
 /// # Errors
 ///
-/// The standard input, or Ctrl-C.
+/// Standard input cannot be read, or the user pressed Ctrl-C.
 fn typed(
     session: &mut Session,
     head: &mut Calibrated<Head<AnyPort>>,
     interrupt: &Interrupt,
-    mut tell: impl FnMut(&ResultRow),
+    mut report: impl FnMut(&ResultRow),
 ) -> Result<bool, Trouble> {
     let mut is_refused = false;
     for line in std::io::stdin().lines() {
@@ -223,25 +226,25 @@ fn typed(
         if matches!(line.trim(), "end" | "quit") {
             break;
         }
-        let told = match session.actions(&words) {
+        let message = match session.actions(&words) {
             Err(message) => format!("error: {message}"),
-            Ok(actions) => match session.run(&actions, head, &mut tell) {
+            Ok(actions) => match session.run(&actions, head, &mut report) {
                 Ok(()) => continue,
                 Err(trouble) if interrupt.has_stopped() => return Err(trouble),
                 Err(trouble) => told(&trouble),
             },
         };
         is_refused = true;
-        eprintln!("{told}");
+        eprintln!("{message}");
     }
     Ok(is_refused)
 }
 
-/// The actions before a routine, on the machine with its servos on.
+/// Carries out the actions before a routine. Returns the probe.
 ///
 /// # Errors
 ///
-/// [`Stopped`], the trouble told.
+/// [`Stopped`]. A trouble is printed.
 fn prepared(
     args: &Measure,
     (session, actions): (&mut Session, &[Action]),
@@ -251,7 +254,7 @@ fn prepared(
     let scale = session.scale;
     let mut written = Ok(());
     let result = session.run(actions, head, |row| {
-        // Anything but text would not be one table.
+        // JSON and CSV hold the features of the routine only.
         if args.format == Results::Text && written.is_ok() {
             written = writeln!(out, "{}", row.text(scale)).and_then(|()| out.flush());
         }
@@ -267,7 +270,7 @@ fn prepared(
     Ok(session.stylus())
 }
 
-/// The piece of this file on a machine.
+/// The work piece of this file, mounted on a machine.
 fn mounted(path: Option<&str>, machine: &Machine) -> Result<Option<Mounted>, Stopped> {
     let piece = path.map(piece_file::load).transpose();
     let piece = piece.map_err(Stopped::File)?;
@@ -309,7 +312,7 @@ fn record_routine(
     ended(ending.map_err(|error| format!("{path}: {error}"))?)
 }
 
-/// The machine with its servos on.
+/// Switches the servos on. Returns the machine.
 fn started(
     args: &Measure,
     machine: &Machine,
@@ -317,8 +320,8 @@ fn started(
 ) -> Result<Calibrated<Head<AnyPort>>, Stopped> {
     if machine.scale.unit() != "mm" {
         let message = format!(
-            "{}: nobody has said what a count is worth, and a routine is in mm: `count` in the \
-             machine file, or -m cmm3",
+            "{}: a routine is in mm, and the machine file has no `count` (the length of a count). \
+             Add it, or use -m cmm3",
             machine.title
         );
         return Err(Stopped::Usage(message));
@@ -342,7 +345,7 @@ const fn ended(ending: Ending) -> Result<(), Stopped> {
     }
 }
 
-/// A trouble with what to look at.
+/// The error message of a trouble, with its hint.
 pub fn told(trouble: &Trouble) -> String {
     match help::help(trouble) {
         Some(help) => format!("error: {trouble}\n  help: {help}"),
@@ -384,7 +387,7 @@ pub fn emulate(args: &Emulate, out: &mut dyn Write) -> Result<(), Stopped> {
     })
 }
 
-/// `husillo emulate`, where there are no pseudo-terminals.
+/// `husillo emulate` on a system without pseudo-terminals.
 ///
 /// # Errors
 ///

@@ -1,4 +1,4 @@
-//! Interpolation methods, one beside the other on the bare grid.
+//! Compares interpolation methods on the bare grid.
 
 pub mod compare;
 pub mod compare_page;

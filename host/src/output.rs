@@ -1,9 +1,9 @@
-//! Files that a command writes: all of them whole, or none.
+//! Files that a command writes: either all of them completely, or none.
 //!
-//! Each is written beside its place under another name and renamed when all of the command are
-//! whole, in the order in which they were begun. Until then, and where the program is killed or the
-//! device is full, the old files are what they were. What is no plain file (a terminal, a pipe,
-//! `/dev/null`, `-`) is written as it comes.
+//! Each file is written under a temporary name in its own folder. When all files of the command are
+//! complete, they are renamed in the order in which they were begun. Until then the old files stay
+//! unchanged, also if the program is killed or the device is full. Outputs that are not regular
+//! files (a terminal, a pipe, `/dev/null`, `-`) are written directly.
 
 use crate::console;
 use crate::console::stop::on_request;
@@ -13,47 +13,47 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-/// Names of files that are not whole yet: what Ctrl-C removes.
+/// Temporary files that are not complete yet. Ctrl-C removes them.
 static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
-/// Exit status of a program that was asked to end: 128 and the number of the signal of Ctrl-C.
+/// Exit status of a program that was requested to end: 128 plus the number of the signal of Ctrl-C.
 const INTERRUPTED: i32 = 130;
 
-/// Room of a writer, so that rows of a table do not go to the system one by one.
+/// Buffer of a writer, bytes. It keeps rows of a table from going to the system one by one.
 const BUFFER: usize = 1 << 18;
 
 /// The files of one command.
 #[derive(Debug, Default)]
 pub struct Outputs {
     files: Vec<Unfinished>,
-    /// What went wrong with what is written as it comes.
+    /// Errors of outputs that are written directly.
     direct: Vec<Fault>,
-    /// A file may take the place of the one it was read from, as in `format`.
+    /// An output may replace the file that was read, as in `format`.
     rewrites: bool,
-    /// Nobody else listens to Ctrl-C.
+    /// Whether Ctrl-C must be handled here, because no other part of the program does.
     listens: bool,
 }
 
 /// The first error of a writer, with the name of its file.
 type Fault = Arc<OnceLock<(io::ErrorKind, String)>>;
 
-/// A file that is not in its place yet.
+/// A file that is not renamed yet.
 #[derive(Debug)]
 struct Unfinished {
-    /// As it was named.
+    /// Its name as given by the user.
     name: String,
-    /// Where it goes, behind all links.
+    /// Its final path, with all links resolved.
     place: PathBuf,
-    /// Where it is written.
+    /// Its temporary path.
     beside: PathBuf,
-    /// Which file it replaces.
+    /// The file that it replaces.
     old: Option<Identity>,
-    /// For the order to write it down.
+    /// The open file, to flush it to the device.
     file: File,
     fault: Fault,
 }
 
-/// Where the bytes of one output go. What it still holds is written when it is dropped.
+/// Writes one output. It flushes its buffer when it is dropped.
 pub struct Writer {
     name: String,
     out: BufWriter<Box<dyn Write + Send>>,
@@ -61,14 +61,15 @@ pub struct Writer {
 }
 
 impl Outputs {
-    /// No file yet.
+    /// Starts without files.
     pub fn new() -> Self {
         let mut outputs = Self::default();
         outputs.listens = true;
         outputs
     }
 
-    /// The same, and a file may take the place of one that was read: nothing of it is lost.
+    /// As [`Outputs::new`], but an output may replace a file that was read. It is complete by then,
+    /// so nothing is lost.
     pub fn rewriting() -> Self {
         let mut outputs = Self::new();
         outputs.rewrites = true;
@@ -79,7 +80,7 @@ impl Outputs {
     ///
     /// # Errors
     ///
-    /// It would take the place of a file that was read, or of another output, or cannot be written.
+    /// The file would replace one that was read, or another output, or it cannot be written.
     pub fn create(&mut self, name: &str) -> io::Result<Writer> {
         if matches!(name, "-" | "/dev/stdout") {
             return Ok(self.direct(name, console::data()));
@@ -89,7 +90,7 @@ impl Outputs {
         if old.as_ref().is_some_and(Metadata::is_dir) {
             return Err(named(io::ErrorKind::IsADirectory.into()));
         }
-        // Handles of this process lead to files that somebody else has opened.
+        // Handles of this process lead to files that another program has opened.
         let handles = ["/dev/fd/", "/dev/stderr", "/proc/"];
         let is_handle = handles.iter().any(|start| name.starts_with(start));
         if is_handle || old.as_ref().is_some_and(|old| !old.is_file()) {
@@ -100,7 +101,7 @@ impl Outputs {
         let old_file = old.as_ref().and_then(|old| Identity::of(&place, old));
         self.expect_own(name, &place, old_file.as_ref())?;
         if old.is_some() {
-            // A file that may not be written may not be replaced, either.
+            // A file without write permission must not be replaced either.
             OpenOptions::new().write(true).open(&place).map_err(named)?;
         }
         let (file, beside) = begun(&place, old, self.listens).map_err(named)?;
@@ -123,22 +124,23 @@ impl Outputs {
         Writer::new(name, out, fault)
     }
 
-    /// Writes a whole file, which comes to its place with the others.
+    /// Writes a whole file, which is renamed together with the others.
     ///
     /// # Errors
     ///
-    /// Those of [`Outputs::create`], or it cannot be written.
+    /// As [`Outputs::create`], or the file cannot be written.
     pub fn write(&mut self, name: &str, bytes: &[u8]) -> io::Result<()> {
         let mut out = self.create(name)?;
         out.write_all(bytes)?;
         out.flush()
     }
 
-    /// Begins a file that others may read while it grows: it is in its place from now on, empty.
+    /// Begins a file that others may read while it grows. From now on it has its final name; it is
+    /// empty at first.
     ///
     /// # Errors
     ///
-    /// Those of [`Outputs::create`] and [`Outputs::finish`].
+    /// As [`Outputs::create`] and [`Outputs::finish`].
     pub fn stream(name: &str) -> io::Result<Writer> {
         let mut outputs = Self::default();
         let writer = outputs.create(name)?;
@@ -146,19 +148,19 @@ impl Outputs {
         Ok(writer)
     }
 
-    /// Puts all files into their places. Their writers must have been dropped, or flushed.
+    /// Renames all files to their final names. Their writers must be dropped or flushed before.
     ///
     /// # Errors
     ///
-    /// A file is not whole, and then none is put anywhere; or one cannot be put into its place, and
-    /// then those before it were.
+    /// A file is not complete; then none is renamed. Or a file cannot be renamed; then those before
+    /// it are renamed already.
     pub fn finish(mut self) -> io::Result<()> {
         let faults = self.files.iter().map(|file| &file.fault);
         if let Some((kind, message)) = faults.chain(&self.direct).find_map(|fault| fault.get()) {
             return Err(io::Error::new(*kind, message.clone()));
         }
         for file in &self.files {
-            // Read after the output was begun.
+            // The file may have been read after the output was begun.
             if let Some(old) = &file.old {
                 self.expect_not_read(&file.name, old)?;
             }
@@ -166,12 +168,12 @@ impl Outputs {
                 .sync_all()
                 .map_err(|error| named(&file.name, &error))?;
         }
-        // Ctrl-C waits until all are renamed.
+        // The lock makes Ctrl-C wait until all are renamed.
         let mut unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
         while let Some(file) = self.files.first() {
             if let Err(error) = std::fs::rename(&file.beside, &file.place) {
                 let error = named(&file.name, &error);
-                // Which is wanted where the rest is dropped.
+                // `self` is dropped on return and needs the lock.
                 drop(unfinished);
                 return Err(error);
             }
@@ -181,7 +183,7 @@ impl Outputs {
         Ok(())
     }
 
-    /// Whether a place is that of no other output of this command, and of no input.
+    /// Checks that a path belongs to no other output of this command, and to no input.
     fn expect_own(&self, name: &str, place: &Path, old: Option<&Identity>) -> io::Result<()> {
         let mut others = self.files.iter();
         let same = others
@@ -197,7 +199,7 @@ impl Outputs {
         match input::name_of(old).filter(|_| !self.rewrites) {
             None => Ok(()),
             Some(read) => Err(refused(format!(
-                "{name} would take the place of {}, which is read: nothing is written",
+                "{name} would replace {}, which is read: nothing is written",
                 read.display()
             ))),
         }
@@ -262,8 +264,7 @@ fn refused(message: String) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidInput, message)
 }
 
-/// The path of a file behind all links, with its folder as the system names it. The file need not
-/// be there, nor its folder, which is made then.
+/// The path of a file with all links resolved. The file need not exist. A missing folder is made.
 fn place(path: &Path) -> io::Result<PathBuf> {
     let mut path = path.to_owned();
     for _ in 0..MOST_LINKS {
@@ -272,7 +273,7 @@ fn place(path: &Path) -> io::Result<PathBuf> {
             _ => Path::new("."),
         };
         if !folder.exists() {
-            // One folder, such as `out`, and no path that was mistyped.
+            // Makes one folder, such as `out`, but no chain of folders, which may be mistyped.
             std::fs::create_dir(folder).map_err(|error| {
                 io::Error::new(
                     error.kind(),
@@ -291,17 +292,17 @@ fn place(path: &Path) -> io::Result<PathBuf> {
     Err(io::Error::other("too many links"))
 }
 
-/// Links behind one another: as many as Linux follows.
+/// Longest chain of links; Linux follows as many.
 const MOST_LINKS: u32 = 40;
 
-/// A new file beside a place, with the permissions of the old one.
+/// Makes a temporary file in the folder of `place`, with the permissions of the old file.
 fn begun(place: &Path, old: Option<Metadata>, listens: bool) -> io::Result<(File, PathBuf)> {
     let mut number = 0;
     loop {
         let mut name = place.as_os_str().to_owned();
         name.push(format!(".{}-{number}.new", std::process::id()));
         let beside = PathBuf::from(name);
-        // The list is locked so that Ctrl-C finds what is made here.
+        // The list is locked, so that Ctrl-C finds the new file.
         let mut unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
         match OpenOptions::new()
             .write(true)
@@ -316,14 +317,14 @@ fn begun(place: &Path, old: Option<Metadata>, listens: bool) -> io::Result<(File
                 if let Some(old) = old {
                     let set = file.set_permissions(old.permissions());
                     set.inspect_err(|_| {
-                        // Nothing was written to it.
+                        // The new file is still empty.
                         let _ = std::fs::remove_file(&beside);
                         unfinished.pop();
                     })?;
                 }
                 return Ok((file, beside));
             }
-            // Left by a program that was killed, and had the same number.
+            // A killed program with the same process number has left this file.
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists && number < 1000 => {
                 number += 1
             }
@@ -332,11 +333,11 @@ fn begun(place: &Path, old: Option<Metadata>, listens: bool) -> io::Result<(File
     }
 }
 
-/// From now on Ctrl-C, or a request to end, removes what is not whole and ends the program. Where
-/// somebody listens already, that is an orderly end, in which this happens, too.
+/// From now on Ctrl-C, or a request to end, removes incomplete files and ends the program. If the
+/// program already has a handler, its orderly end removes them too.
 fn remove_when_interrupted() {
     let _ = on_request(|| {
-        // Kept locked: nothing comes to its place any more.
+        // The lock is kept, so that no file is renamed any more.
         let mut unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
         for path in unfinished.drain(..) {
             let _ = std::fs::remove_file(path);

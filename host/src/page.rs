@@ -1,4 +1,4 @@
-//! What the reports are made of.
+//! The parts of the reports.
 
 pub mod chart;
 pub mod frame;

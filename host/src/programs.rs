@@ -1,4 +1,4 @@
-//! Programs: read, checked, listed, written back, fed to a machine.
+//! Reads, checks, lists and rewrites programs, and feeds them to a machine.
 
 pub mod blocks;
 pub mod check;

@@ -1,4 +1,4 @@
-//! A program on the simulated machine: what its events do, and what is seen of it.
+//! Runs a program on the simulated machine and observes it.
 //!
 //! [`run::Run`] gives every event to [`mechanics::Mechanics`], which makes the step. Then each
 //! [`observer::Observer`] gets the step together with the state of the machine after it.

@@ -1,4 +1,4 @@
-//! How values are written, for people and for programs: what several commands share.
+//! Formats values for people and for programs; shared by several commands.
 
 pub mod duration;
 pub mod escape;

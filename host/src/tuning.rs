@@ -1,4 +1,4 @@
-//! `husillo tune`: the gains of a servo.
+//! `husillo tune`: finds and tests the gains of a servo.
 
 mod listing;
 mod page;
@@ -19,11 +19,11 @@ use husillo_sim::DcMotorModel;
 use husillo_transports::nmc::Gains;
 use std::io::{self, Write};
 
-/// Runs the experiment, prints what it found to `out`, and puts the page into `page`.
+/// Runs the experiment, prints its results to `out`, and writes the page to `page`.
 ///
 /// # Errors
 ///
-/// [`Stopped`]; what was found before is printed.
+/// [`Stopped`]. The results before the failure are printed.
 pub fn tune(args: &Tune, out: &mut dyn Write, page: &mut String) -> Result<(), Stopped> {
     let machine = file::load(args.machine.as_deref().unwrap_or("cmm")).map_err(Stopped::File)?;
     let mut file = machine.axis(args.axis)?;
@@ -35,7 +35,7 @@ pub fn tune(args: &Tune, out: &mut dyn Write, page: &mut String) -> Result<(), S
     let mut outcome = Outcome::new(args.method.name(), title, file.letter, port);
     let mut stand = Stand::new(rig, file).map_err(|trouble| Stopped::Machine(told(&trouble)))?;
     let result = experiment(args, size).run(&mut stand, &mut outcome);
-    // The line is free again for what switches the motor off.
+    // The line is free again for the command that switches the motor off.
     interrupt.see_to();
     stand.release();
     interrupt.set_moving(false);
@@ -63,19 +63,20 @@ pub fn tune(args: &Tune, out: &mut dyn Write, page: &mut String) -> Result<(), S
     }
 }
 
-/// Gains of the file with what the command line says.
+/// The gains of the file, replaced by those of the command line.
 fn given(args: &Tune, file: &Gains) -> Result<Gains, String> {
     if args.current.is_some_and(|current| current % 2 == 0) {
         return Err(
-            "--current: the module takes even limits for a sense that shrinks with the \
-             current; give an odd one"
+            "--current: use an odd limit. With an even one the module expects a sense signal that \
+             falls with the current"
                 .into(),
         );
     }
     let given = [args.p, args.i, args.d, args.integral_limit];
     if args.method != TuneMethod::Step && given.iter().any(Option::is_some) {
         return Err(
-            "--p, --i, --d and --integral-limit are for --method step: the others find them".into(),
+            "--p, --i, --d and --integral-limit are for --method step: the other methods find them"
+                .into(),
         );
     }
     Ok(Gains {
@@ -90,7 +91,7 @@ fn given(args: &Tune, file: &Gains) -> Result<Gains, String> {
     })
 }
 
-/// The step of an experiment, which must be within what the servo takes for an error.
+/// The step of an experiment. It must be below the error limit of the servo, and fit the travel.
 fn step_size(args: &Tune, file: &AxisSettings) -> Result<i32, String> {
     let size = args.size;
     let limit = i32::from(file.gains.error_limit);
@@ -98,18 +99,18 @@ fn step_size(args: &Tune, file: &AxisSettings) -> Result<i32, String> {
     if size >= limit {
         return Err(format!(
             "--size {size}: a step is a position error at once, and beyond {limit} counts \
-             (error_limit) the servo goes off"
+             (error_limit) the servo switches off"
         ));
     }
     if low > -2 * size || high < 2 * size {
         return Err(format!(
-            "--size {size}: the travel of {low} to {high} counts leaves no room for it"
+            "--size {size}: too large for the travel of {low} to {high} counts"
         ));
     }
     Ok(size)
 }
 
-/// The axis at the port of the arguments.
+/// Opens the axis at the port of the arguments.
 fn open(
     args: &Tune,
     machine: &Machine,
@@ -133,14 +134,14 @@ fn open(
     };
     let line = Line::new(port).with_operator(User::new(interrupt, args.raw));
     let linked = Linked::start(line, machine, file);
-    // The motor runs in all of the experiment, with or without its servo.
+    // The motor runs during the whole experiment, with or without its servo.
     interrupt.set_moving(linked.is_ok());
     Ok(Box::new(
         linked.map_err(|trouble| Stopped::Machine(told(&trouble)))?,
     ))
 }
 
-/// Why an experiment has no end, with the trial in which it was, and what to do.
+/// Why an experiment was aborted, with its last trial and a hint.
 fn message(failed: &Failed, outcome: &Outcome) -> String {
     let trouble = match failed {
         Failed::Trouble(trouble) => trouble,
@@ -157,23 +158,23 @@ fn message(failed: &Failed, outcome: &Outcome) -> String {
     });
     let help = match trouble {
         Trouble::PositionError { .. } => {
-            "\n  help: the servo is off now; lower --size, or raise --error-limit if the axis has \
-             the room"
+            "\n  help: the servo is off now; lower --size, or raise --error-limit if the travel \
+             allows it"
         }
         Trouble::OverCurrent { .. } => {
             "\n  help: the motor is off now; lower --size or --amplitude, or raise --current if \
-             the motor bears it"
+             the motor allows it"
         }
         _ => "",
     };
     format!("{trouble}{when}: aborted{help}")
 }
 
-/// Why a relay found nothing, and the options that change it.
+/// Why a relay experiment found nothing, and the options that change it.
 fn no_relay(none: &NoRelay) -> String {
     match none {
         NoRelay::Still => {
-            format!("{none}: give it more PWM than friction takes (--amplitude)")
+            format!("{none}: raise --amplitude above the PWM that overcomes friction")
         }
         NoRelay::WithinHysteresis => {
             format!("{none}: lower --hysteresis or raise --amplitude")
@@ -183,7 +184,7 @@ fn no_relay(none: &NoRelay) -> String {
     }
 }
 
-/// What is wrong with the gains that were found.
+/// The fault of the gains that were found, if they have one.
 fn verdict(outcome: &Outcome) -> Option<String> {
     let check = outcome.check.filter(|check| !check.is_good())?;
     Some(if check.within_1_count < check.moves {
@@ -193,13 +194,13 @@ fn verdict(outcome: &Outcome) -> Option<String> {
         )
     } else {
         format!(
-            "the axis hunts: held at its goal it goes up to {} counts from it",
+            "the axis hunts: while it is held, it moves up to {} counts away from its goal",
             check.rest_error
         )
     })
 }
 
-/// What the arguments ask for.
+/// The experiment of the arguments.
 fn experiment(args: &Tune, size: i32) -> Experiment {
     Experiment {
         method: match args.method {
@@ -215,7 +216,7 @@ fn experiment(args: &Tune, size: i32) -> Experiment {
         size,
         relay: RelaySettings {
             amplitude: args.amplitude,
-            // On a line a count of jitter would turn it over, late.
+            // On a line, one count of jitter would switch a relay without hysteresis.
             hysteresis: args.hysteresis.unwrap_or(u16::from(args.port != "sim")),
         },
         moves: args.moves.unwrap_or(match args.method {

@@ -39,7 +39,7 @@ fn an_interruption_stops_the_axes() {
         assert_eq!(child.wait().unwrap().code(), Some(130), "{told:?}");
         assert!(
             told.iter()
-                .any(|line| line.contains("interrupted: all axes have been told to stop"))
+                .any(|line| line.contains("interrupted: all axes have been commanded to stop"))
         );
         // STOP_MOTOR, smoothly and with the amplifier on, to each of them.
         for module in 1..=3 {

@@ -552,7 +552,9 @@ fn the_machine_is_shown_without_a_travel_of_z() {
         .args(["machines", "show", "drill"])
         .assert()
         .success()
-        .stdout(contains("travel 0 to 220 mm").and(contains("Z  9.3458 um a step, moved by")))
+        .stdout(
+            contains("travel 0 to 220 mm").and(contains("Z  9.3458 um per step, moved only by")),
+        )
         .stdout(contains("0.001").not());
 }
 

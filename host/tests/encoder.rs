@@ -58,7 +58,7 @@ fn what_is_lost_is_told_and_given_again() {
     assert_eq!(status, 0);
     let told = correct["encoders"].as_array().unwrap();
     assert_eq!(told.len(), 2, "{correct}");
-    assert!(told[1].as_str().unwrap().starts_with("X is right again"));
+    assert!(told[1].as_str().unwrap().starts_with("X is corrected"));
     let x = |results: &Value| results["end_nm"][0].as_i64().unwrap();
     // 8 steps of 140 nm.
     assert_eq!(x(&correct) - x(&report), 8 * 140);

@@ -138,7 +138,7 @@ fn no_output_takes_the_place_of_an_input() {
                 .husillo(&args)
                 .assert()
                 .code(2)
-                .stderr(contains(format!("{name} would take the place of")).and(contains(input)));
+                .stderr(contains(format!("{name} would replace")).and(contains(input)));
             assert_eq!(folder.get(input), before, "{args:?}");
         }
         #[cfg(unix)]
@@ -166,7 +166,7 @@ fn a_manifest_and_its_records_are_inputs() {
     let before: Vec<_> = folder.names().iter().map(|name| folder.get(name)).collect();
     compile("b.toml", "b.cod")
         .code(2)
-        .stderr(contains("would take the place of"));
+        .stderr(contains("would replace"));
     let after: Vec<_> = folder.names().iter().map(|name| folder.get(name)).collect();
     assert_eq!(before, after);
     compile("b.toml", "other.cod").success();

@@ -387,7 +387,7 @@ fn others_are_quoted_as_they_are() {
         (
             "rs274",
             "F1 G2 X1 I0 J0\n",
-            "where the arc starts",
+            "is the start of the arc",
             "needs `I`",
         ),
         (

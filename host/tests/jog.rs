@@ -454,7 +454,7 @@ fn the_bytes_are_those_of_the_machine_file() {
         .args(["jog", "-m", twice.to_str().unwrap(), "home"])
         .assert()
         .code(2)
-        .stderr(contains("means two things"));
+        .stderr(contains("have the same byte"));
 }
 
 #[test]

@@ -50,7 +50,7 @@ fn a_map_leaves_less_than_two_micrometres() {
     for (letter, largest) in [("X", 33.0), ("Y", 27.0)] {
         let line = lines.next().unwrap();
         assert!(
-            line.starts_with(&format!("# {letter}: 315 places")),
+            line.starts_with(&format!("# {letter}: 315 positions")),
             "{line}"
         );
         for (before, after) in span(line, "one value")
@@ -224,7 +224,7 @@ fn bands_are_read_from_a_table() {
         "{text}"
     );
     assert!(
-        text.starts_with("# X: 3 places, lash 187.0 to 201.0 um; left with one value -17.0"),
+        text.starts_with("# X: 3 positions, backlash 187.0 to 201.0 um; left with one value -17.0"),
         "{text}"
     );
 
@@ -247,7 +247,7 @@ fn bands_are_read_from_a_table() {
     fails("axis,programmed,measured\nX,0.3,0.3\n", "where it was made");
     fails(
         "axis,x,programmed,measured\nX,1,0.3,-0.4\nX,3,0.3,0.3\n",
-        "a lash of -496 um",
+        "a backlash of -496 um",
     );
     fails(
         "axis,x,programmed,measured\nX,100,0.3,0.3\n",
@@ -270,7 +270,7 @@ fn maps_are_shown_and_counted() {
     let machine = machine.to_str().unwrap();
     let shown = printed(&["machines", "show", machine]);
     assert!(
-        shown.contains("lash by place: 140.0 to 280.0 um, 2 places along X"),
+        shown.contains("backlash by position: 140.0 to 280.0 um, 2 positions along X"),
         "{shown}"
     );
     assert!(shown.contains("lash 1271 steps (177.9 um)"), "{shown}");
@@ -283,7 +283,7 @@ fn maps_are_shown_and_counted() {
     std::fs::write(&program, "G21 G90 G1 F8\nX5\nX0\nX5\nM2\n").unwrap();
     let said = printed(&["check", program.to_str().unwrap(), "-m", machine]);
     assert!(
-        said.contains("2 on X at 7.35 s (140 um to 210 um by place)"),
+        said.contains("2 on X at 7.35 s (140 um to 210 um by position)"),
         "{said}"
     );
 }

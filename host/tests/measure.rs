@@ -218,8 +218,8 @@ fn a_table_of_errors_needs_a_home() {
         command.args(["measure", "-m", &machine]).args(args);
         command.assert()
     };
-    let not_homed = "error: X is not homed: its table of errors belongs to places, and counts \
-         begin anywhere\n  help: `home` it first";
+    let not_homed =
+        "error: X is not homed: its table of errors counts from the index\n  help: `home` it first";
     for args in [
         &["goto", "Y1"][..],
         &["touch", "+x"],
@@ -500,7 +500,7 @@ fn a_calibration_finds_the_pre_travel_and_is_used_from_then_on() {
         .args(["measure", "calibrate", "sphere", "X0", "Y0", "R10"])
         .assert()
         .code(2)
-        .stderr(contains("`calibrate sphere` where, and how large?"));
+        .stderr(contains("`calibrate sphere` needs a centre and a radius"));
 }
 
 #[test]
@@ -734,7 +734,7 @@ fn a_pre_travel_that_no_probe_has_is_refused() {
             .assert()
             .code(1)
             .stderr(contains(format!(
-                "a pre-travel of {found}, where 0 to 100 counts"
+                "a pre-travel of {found}, but only 0 to 100 counts"
             )));
     }
 }

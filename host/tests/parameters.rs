@@ -54,5 +54,5 @@ fn a_dialect_without_parameters_says_so() {
         "G0 X#1\n",
     )
     .failure()
-    .stdout(contains("E0102").and(contains("not of this dialect")));
+    .stdout(contains("E0102").and(contains("this dialect does not have them")));
 }

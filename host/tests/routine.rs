@@ -144,7 +144,7 @@ fn a_collision_is_exit_status_4_and_nothing_is_good() {
     let told = contains("through.routine:4:1")
         .and(contains("]: collision: a contact at X 30.0"))
         .and(contains(", Y 9.0"))
-        .and(contains("Y went at about 2.").or(contains("YZ went at about 2.")));
+        .and(contains("Y moved at about 2.").or(contains("YZ moved at about 2.")));
     run("text", &page).stderr(told).stdout(
         contains("1 feature, spoiled by a collision: none of 1 tolerances counts as kept")
             .and(contains("tolerances kept").not()),
@@ -214,12 +214,12 @@ fn mistakes_are_told_before_anything_moves() {
         .args(["measure", "-m", "cmm", "run"])
         .arg(&routine)
         .assert();
-    run.code(2).stderr(contains("what a count is worth"));
+    run.code(2).stderr(contains("has no `count`"));
     measure()
         .arg("run")
         .assert()
         .code(2)
-        .stderr(contains("`run` what?"));
+        .stderr(contains("`run` is the last action and needs a file"));
 }
 
 #[test]
@@ -348,7 +348,7 @@ fn probing_there_and_away() {
         .stderr(contains("nothing to leave"));
     probe("G38.2 Z-9\nG38.4 X1")
         .code(3)
-        .stderr(contains("contact all the way from"));
+        .stderr(contains("the contact lasted all the way from"));
     probe("G38.2 Z-9\nG38.2 Z-9")
         .code(3)
         .stderr(contains("contact at start"));

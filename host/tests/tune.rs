@@ -217,17 +217,17 @@ fn mistakes_are_told() {
                 "--error-limit",
                 "16000",
             ],
-            "leaves no room",
+            "too large for the travel",
         ),
         (
             &["--method", "relay", "--p", "100"],
-            "are for --method step: the others find them",
+            "are for --method step: the other methods find them",
         ),
         (
             &["--method", "step", "--axis", "y"],
             "has no axis Y: there is X",
         ),
-        (&["--method", "step", "--current", "40"], "give an odd one"),
+        (&["--method", "step", "--current", "40"], "use an odd limit"),
         (
             &["--method", "step", "--port", "/dev/no-such-port"],
             "/dev/no-such-port: ",
@@ -250,7 +250,7 @@ fn mistakes_are_told() {
         .assert()
         .code(1)
         .stderr(contains(
-            "give it more PWM than friction takes (--amplitude)",
+            "raise --amplitude above the PWM that overcomes friction",
         ));
 }
 
@@ -267,7 +267,7 @@ fn a_page_stands_alone() {
     assert_eq!(page.matches("<svg").count(), 2);
     assert_eq!(page.matches("<svg").count(), page.matches("</svg>").count());
     for text in [
-        "the axis swings",
+        "the axis oscillates",
         "Ziegler-Nichols",
         "position, counts",
         "gains = { p = ",

@@ -1,4 +1,4 @@
-//! The errors of a machine: found from reference lengths, bars and bodies, and taken off.
+//! The errors of a machine: found from reference lengths, bars and bodies, and corrected.
 
 mod axis_fit;
 pub mod backlash;

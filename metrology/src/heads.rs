@@ -1,4 +1,5 @@
-//! What carries a probe: one to three servo axes on a line, moved together in straight lines.
+//! The head that carries a probe: one to three servo axes on a line. They move together in straight
+//! lines.
 //!
 //! ```text
 //! Prober ◄── Head ──► servo, way, touching, homing, jog, collision ──► Line ──► Port

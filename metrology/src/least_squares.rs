@@ -1,7 +1,7 @@
 //! Linear least squares with few unknowns.
 
-/// Least squares of `y = x (1 + scale) + offset` through points `(x, y)`: scale and offset. `None`
-/// where all `x` are one.
+/// Fits `y = x (1 + scale) + offset` to the points `(x, y)` by least squares. Returns scale and
+/// offset. `None`: all `x` are equal.
 pub fn straight_line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
     let count = points.len() as f64;
     let middle = points.iter().map(|(x, _)| x).sum::<f64>() / count;
@@ -15,11 +15,12 @@ pub fn straight_line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
     Some((scale, error - scale * middle))
 }
 
-/// The change of the free unknowns with the least squares of `row . change - left`, where each row
-/// comes with what is `left`; unknowns that are not free get 0. `None` where it is not determined.
+/// Finds the change of the free unknowns that minimises the sum of squares of
+/// `row . change - left`. `rows` yields `(row, left)`. The change of an unknown that is not free is
+/// 0. `None`: the rows do not determine the change.
 ///
-/// The normal equations by Gauss-Jordan elimination. Columns are scaled alike first, so unknowns
-/// may be of any magnitude.
+/// Solves the normal equations by Gauss-Jordan elimination. The columns are normalised first, so
+/// unknowns may be of any magnitude.
 pub fn least_squares<const N: usize>(
     rows: impl Iterator<Item = ([f64; N], f64)>,
     free: [bool; N],
@@ -54,7 +55,7 @@ pub fn least_squares<const N: usize>(
 }
 
 /// Gauss-Jordan elimination: `right` becomes the solution. The matrix is positive definite with a
-/// diagonal of 1, so that the diagonal will do for pivots; `None` where one of them vanishes.
+/// diagonal of 1, so its diagonal provides the pivots. `None`: a pivot vanishes.
 fn eliminate<const N: usize>(normal: &mut [[f64; N]; N], right: &mut [f64; N]) -> Option<()> {
     for i in 0..N {
         let pivot = normal[i][i];
@@ -85,7 +86,8 @@ mod tests {
         let rows = points.map(|(x, y)| ([1.0, x], y));
         let [offset, slope] = least_squares(rows.into_iter(), [true; 2]).unwrap();
         assert!((offset - 3.1).abs() < 1e-12 && (slope - 2.0).abs() < 1e-12);
-        // Without its slope it is the mean; unknowns of very different magnitude are as exact.
+        // Without a slope the result is the mean. Unknowns of very different magnitudes are as
+        // exact.
         let [mean, none] = least_squares(rows.into_iter(), [true, false]).unwrap();
         assert!((mean - 3.1).abs() < 1e-12 && none == 0.0);
         let rows = points.map(|(x, y)| ([1e-9, 1e9 * x], y));

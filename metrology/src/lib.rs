@@ -7,7 +7,7 @@
 //! calibration ──┘                         tuning ──┘ └──► Operator
 //! ```
 //!
-//! `routine`, `calibration`, `tuning` and `simulated` use `heads`; `heads` uses none of them.
+//! `routine`, `calibration`, `tuning` and `simulated` use `heads`. `heads` uses none of them.
 
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]

@@ -1,14 +1,14 @@
-//! Quantities of machine files: `"0.14 um"`, `"170 Hz"`, `"400 steps"`, exact from text to
-//! fraction.
+//! Quantities of machine files, such as `"0.14 um"`, `"170 Hz"` and `"400 steps"`. The fraction is
+//! exactly the number in the text.
 
-/// A value with its unit, exact: `value` in the unit's base.
+/// An exact value in the base unit of its kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// A length in nanometres.
     Length(Fraction),
     /// A number of motor steps, or of encoder counts.
     Steps(Fraction),
-    /// A rate in events a second.
+    /// A rate in events per second.
     Rate(Fraction),
     /// An acceleration in steps/s^2.
     Acceleration(Fraction),
@@ -16,11 +16,11 @@ pub enum Quantity {
     AxisAcceleration(Fraction),
     /// A jerk in steps/s^3.
     Jerk(Fraction),
-    /// A path speed in nanometres a minute.
+    /// A path speed in nanometres per minute.
     Speed(Fraction),
     /// A time in microseconds.
     Time(Fraction),
-    /// A way for a way, in parts in 10^9.
+    /// A length per length, in parts in 10^9.
     Ratio(Fraction),
     /// An angle in degrees.
     Angle(Fraction),
@@ -112,8 +112,8 @@ pub fn parse(text: &str) -> Result<Quantity, String> {
     })
 }
 
-/// Digits and decimal places of a plain number; at most 18 digits, so that every factor above fits
-/// 128 bits.
+/// Digits and decimal places of a plain number. At most 18 digits, so that the products with all
+/// factors above fit 128 bits.
 fn decimal(text: &str) -> Option<(i128, u32)> {
     let (sign, body) = match text.strip_prefix('-') {
         Some(rest) => (-1, rest),
@@ -166,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn lash_in_whole_steps() {
+    fn backlash_in_whole_steps() {
         let step = Fraction { num: 140, den: 1 };
         assert_eq!(
             Fraction {

@@ -1,5 +1,5 @@
-//! Measuring routines: what is touched, what features come of it, and whether they are within their
-//! tolerances.
+//! Measuring routines: the touches, the features that are fitted to them, and whether they are
+//! within their tolerances.
 //!
 //! ```text
 //! text ─► words ─► line_reader ─► clauses, jobs ─► parser ─► statement ─► runner ─► feature

@@ -1,25 +1,25 @@
-//! What a count of an encoder is worth.
+//! The length of a count of an encoder.
 
 use crate::quantity::{self, Fraction, Quantity};
 
-/// The way of a count, where it is known. Amounts are in nanometres then, and in counts where not.
+/// The length of a count, if it is known. Amounts are in nanometres if it is known, else in counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Scale {
     count: Option<Fraction>,
 }
 
 impl Scale {
-    /// Counts of this many nanometres; `None`: nobody knows.
+    /// `count` is the length of a count in nanometres. `None`: it is not known.
     pub const fn new(count: Option<Fraction>) -> Self {
         Self { count }
     }
 
-    /// The way of a count in mm, where it is known.
+    /// The length of a count in mm, if it is known.
     pub fn count_mm(self) -> Option<f64> {
         self.count.map(|nm| nm.num as f64 / nm.den as f64 / 1e6)
     }
 
-    /// The unit of what is read and printed.
+    /// The unit of numbers that are read and printed.
     pub const fn unit(self) -> &'static str {
         match self.count {
             Some(_) => "mm",
@@ -27,7 +27,7 @@ impl Scale {
         }
     }
 
-    /// Reads a number, in the unit where it has none of its own.
+    /// Reads a number. A number without a unit is in [`unit`](Self::unit).
     ///
     /// # Errors
     ///
@@ -40,8 +40,8 @@ impl Scale {
         }
     }
 
-    /// A position or a length as whole counts, to the nearest; `None` where it is none or does not
-    /// fit.
+    /// A position or a length in counts, rounded to the nearest. `None`: it is no length, or it
+    /// does not fit.
     pub fn counts(self, quantity: Quantity) -> Option<i32> {
         match quantity {
             Quantity::Length(length) => i32::try_from(length.over(self.count?)?).ok(),
@@ -50,7 +50,7 @@ impl Scale {
         }
     }
 
-    /// A length as an amount, to the nearest.
+    /// A length as an amount, rounded to the nearest.
     pub fn amount(self, quantity: Quantity) -> Option<i64> {
         match (quantity, self.count) {
             (Quantity::Length(length), Some(_)) => Some(length.rounded()),
@@ -73,7 +73,7 @@ impl Scale {
         self.amount(Quantity::Steps(counts)).unwrap_or(counts.num)
     }
 
-    /// An amount as counts, to the nearest.
+    /// An amount in counts, rounded to the nearest.
     pub fn to_counts(self, amount: i64) -> i64 {
         let amount = Fraction {
             num: amount,
@@ -84,12 +84,12 @@ impl Scale {
             .unwrap_or(amount.num)
     }
 
-    /// Counts a second for people.
+    /// A rate in counts/s as text with its unit.
     pub fn text_of_rate(self, rate: i64) -> String {
         format!("{}/s", self.text(self.of_counts(rate)))
     }
 
-    /// A speed in counts a second; at least 1.
+    /// A speed in counts/s, at least 1. `None`: it is no speed, or it does not fit.
     pub fn rate(self, quantity: Quantity) -> Option<u32> {
         let rate = match quantity {
             Quantity::Rate(rate) => rate.rounded(),
@@ -105,7 +105,8 @@ impl Scale {
         u32::try_from(rate).ok().filter(|rate| *rate > 0)
     }
 
-    /// An acceleration in counts/s^2; at least 1.
+    /// An acceleration in counts/s^2, at least 1. `None`: it is no acceleration, or it does not
+    /// fit.
     pub fn acceleration(self, quantity: Quantity) -> Option<u32> {
         let acceleration = match quantity {
             Quantity::Acceleration(acceleration) => acceleration.rounded(),
@@ -115,7 +116,7 @@ impl Scale {
         u32::try_from(acceleration).ok().filter(|value| *value > 0)
     }
 
-    /// An amount in the unit, as a number.
+    /// An amount as a number in the unit.
     pub fn number(self, amount: i64) -> f64 {
         match self.count {
             // Below 2^53 nm: exact before the division.
@@ -124,7 +125,7 @@ impl Scale {
         }
     }
 
-    /// An amount with its unit, for people.
+    /// An amount as text with its unit.
     pub fn text(self, amount: i64) -> String {
         match self.count {
             Some(_) => format!("{:.4} mm", self.number(amount)),

@@ -1,5 +1,5 @@
-//! A measuring machine to test against: servo modules on a simulated line, DC motors, a work piece
-//! and a touch probe.
+//! A simulated measuring machine: servo modules on a line, DC motors, a work piece and a touch
+//! probe.
 
 mod chain;
 mod contact;

@@ -1,4 +1,4 @@
-//! Why nothing was measured.
+//! The error of an action that has no result.
 
 use husillo_transports::nmc;
 use std::fmt;
@@ -9,13 +9,13 @@ use std::io;
 pub enum Trouble {
     /// The port failed.
     Port(io::Error),
-    /// The link did.
+    /// The link failed.
     Link(nmc::Failure),
-    /// The link would not send it.
+    /// The link refused to send the command.
     Refused(nmc::Refused),
-    /// Nobody on the line.
+    /// No module answers.
     NoModules,
-    /// Fewer on the line than the machine has.
+    /// The line has fewer modules than the machine.
     NoModule {
         /// Highest address of a module that the machine has.
         wanted: u8,
@@ -34,16 +34,16 @@ pub enum Trouble {
         /// Its letter.
         axis: char,
     },
-    /// The profiles of the axes are not of one time.
+    /// The modules of the axes have profiles of different periods.
     Periods,
     /// Not all modules have begun a move.
     NotTogether,
-    /// A module has not seen what the others have.
+    /// A module has not seen the event that the others have seen.
     NotSeen {
         /// Its letter.
         axis: char,
     },
-    /// The servo has given up.
+    /// The position error was beyond its limit.
     PositionError {
         /// Where.
         at: String,
@@ -58,9 +58,9 @@ pub enum Trouble {
         /// Where.
         at: String,
     },
-    /// Ctrl-C.
+    /// The operator wanted a stop.
     Interrupted,
-    /// A calibration found a pre-travel that no probe has.
+    /// A calibration found an impossible pre-travel.
     PreTravel {
         /// What was found.
         found: String,
@@ -69,65 +69,65 @@ pub enum Trouble {
     },
     /// The move did not end at its goal.
     NotThere {
-        /// Where it was to be.
+        /// The goal.
         goal: String,
         /// Where.
         at: String,
     },
-    /// What is known of an axis' errors belongs to places of it, and nobody knows where it is.
+    /// The table of errors of an axis counts from its index, and the axis is not homed.
     NotHomed {
         /// Its letter.
         axis: char,
     },
     /// The goal is not within the travel.
     OutsideTravel {
-        /// Where it was to go.
+        /// The goal.
         goal: String,
         /// Both ends of the travel.
         travel: [String; 2],
     },
-    /// A contact where nothing was to be touched; the speed is that of the last reading before it.
+    /// A contact outside of a search.
     Collision {
         /// Letters of the axes that moved.
         axes: String,
         /// Where.
         at: String,
-        /// How fast they went; `None`: they began to move.
+        /// Their speed, from the last readings before the contact. `None`: they began to move.
         speed: Option<String>,
     },
-    /// A contact that was told once, and not again.
+    /// A contact that a second reading does not confirm.
     DoubtfulContact,
-    /// No index on the way.
+    /// The move passed no index.
     NoIndex {
         /// Its letter.
         axis: char,
     },
-    /// No contact on the way.
+    /// The move met no contact.
     NoContact {
         /// Where the move began.
         from: String,
         /// Where it ended.
         to: String,
     },
-    /// Nothing touched where the end of a contact was to be found.
+    /// There was no contact at the start of a search for its end.
     NotTouching,
     /// The contact changed only after the search had ended.
     NotLatched {
         /// Where.
         at: String,
     },
-    /// The contact lasted all the way.
+    /// The contact lasted to the end of the move.
     Kept {
         /// Where the move began.
         from: String,
         /// Where it ended.
         to: String,
     },
-    /// Another end of the probing cycle.
+    /// Another failure of the probing cycle.
     Probe(husillo_probe::Failure),
-    /// A plan that is none.
+    /// An impossible plan of the probing cycle.
     Plan(husillo_probe::PlanError),
-    /// Touches that are not of the body they should be of.
+    /// The touches do not lie on the body.
     Fit(husillo_probe::FitError),
 }
 
@@ -152,25 +152,25 @@ impl fmt::Display for Trouble {
             Self::Port(error) => write!(out, "the port failed: {error}"),
             Self::Link(failure) => failure.fmt(out),
             Self::Refused(refused) => refused.fmt(out),
-            Self::NoModules => out.write_str("no answer: no module on the line, at any rate"),
+            Self::NoModules => out.write_str("no answer: no module on the line at any baud rate"),
             Self::NoModule { wanted, modules } => {
                 write!(out, "no answer of module {wanted}: {modules} on the line")
             }
             Self::Doubtful => {
-                out.write_str("no undamaged answer while the modules got their addresses")
+                out.write_str("only damaged answers while the modules got their addresses")
             }
             Self::NoPower { axis } => write!(out, "no motor power on {axis}"),
             Self::NoAxis { axis } => write!(out, "the machine has no axis {axis}"),
-            Self::Periods => out.write_str("the modules of the axes do not step in one time"),
+            Self::Periods => out.write_str("the modules of the axes have different periods"),
             Self::NotTogether => out.write_str("not all modules have begun the move"),
             Self::NotSeen { axis } => write!(out, "the module of {axis} has not seen the contact"),
             Self::PositionError { at } => write!(out, "position error at {at}"),
             Self::OverCurrent { at } => write!(out, "current beyond its limit at {at}"),
             Self::StillMoving { at } => write!(out, "still moving, at {at}"),
-            Self::Interrupted => out.write_str("interrupted: all axes have been told to stop"),
+            Self::Interrupted => out.write_str("interrupted: all axes have been commanded to stop"),
             Self::PreTravel { found, most } => write!(
                 out,
-                "a pre-travel of {found}, where 0 to {most} (`over_travel`) is possible"
+                "a pre-travel of {found}, but only 0 to {most} (`over_travel`) is possible"
             ),
             Self::NotThere { goal, at } => write!(out, "stands at {at} instead of {goal}"),
             Self::OutsideTravel { goal, travel } => {
@@ -179,29 +179,26 @@ impl fmt::Display for Trouble {
             }
             Self::NotHomed { axis } => write!(
                 out,
-                "{axis} is not homed: its table of errors belongs to places, and counts begin \
-                 anywhere"
+                "{axis} is not homed: its table of errors counts from the index"
             ),
             Self::NoIndex { axis } => write!(out, "no index of {axis} up to the end of the travel"),
             Self::NoContact { from, to } => write!(out, "no contact from {from} to {to}"),
             Self::Collision { axes, at, speed } => {
-                write!(
-                    out,
-                    "collision: a contact at {at}, where nothing was to be touched"
-                )?;
+                write!(out, "collision: a contact at {at}, outside of a search")?;
                 match speed {
-                    Some(speed) => write!(out, ", as {axes} went at about {speed}")?,
-                    None => write!(out, ", as {axes} began to move")?,
+                    Some(speed) => write!(out, ", while {axes} moved at about {speed}")?,
+                    None => write!(out, ", when {axes} began to move")?,
                 }
                 out.write_str("; all axes have been stopped")
             }
             Self::DoubtfulContact => out.write_str(
-                "a contact was told that a second reading does not confirm: all axes have been \
-                 stopped",
+                "a second reading does not confirm a reported contact: all axes have been stopped",
             ),
             Self::NotTouching => out.write_str("nothing to leave: no contact at start"),
             Self::NotLatched { at } => write!(out, "contact, not latched, at {at}"),
-            Self::Kept { from, to } => write!(out, "contact all the way from {from} to {to}"),
+            Self::Kept { from, to } => {
+                write!(out, "the contact lasted all the way from {from} to {to}")
+            }
             Self::Probe(failure) => failure.fmt(out),
             Self::Plan(error) => error.fmt(out),
             Self::Fit(error) => error.fmt(out),

@@ -1,4 +1,4 @@
-//! The gains of a servo axis, found by experiment.
+//! Experiments that find the gains of a servo axis.
 //!
 //! ```text
 //! Experiment ─► step, ultimate, relay, stepwise ─► Stand ─► Rig ─┬─► Direct  the simulated axis

@@ -1,11 +1,11 @@
-//! Tables of text with a heading.
+//! Tables in text files, with a heading.
 
 use std::io::Read;
 
-/// Rows of a table by the names of their columns.
+/// A table whose fields are found by the names of their columns.
 pub struct Columns {
     names: Vec<String>,
-    /// Number of the line, and its fields.
+    /// Line number and fields of each row.
     rows: Vec<(usize, Vec<String>)>,
 }
 
@@ -21,7 +21,7 @@ impl Columns {
     ///
     /// # Errors
     ///
-    /// A sentence: it cannot be read, or [`Columns::parse`].
+    /// The file cannot be read, or [`Columns::parse`] fails.
     pub fn read(path: &str, known: &[&str]) -> Result<Self, String> {
         let mut text = String::new();
         let read = if path == "-" {
@@ -33,12 +33,13 @@ impl Columns {
         Self::parse(&text, known).map_err(|why| format!("{path}: {why}"))
     }
 
-    /// Reads a text with commas, semicolons or tabs. Empty lines and lines that begin with `#` are
-    /// left out.
+    /// Reads a text whose fields are separated by commas, semicolons or tabs. Empty lines and lines
+    /// that begin with `#` are ignored.
     ///
     /// # Errors
     ///
-    /// A sentence: no heading, a column that nobody knows, a line with too many fields or too few.
+    /// The heading is missing, a column is not in `known`, or a line has too many or too few
+    /// fields.
     pub fn parse(text: &str, known: &[&str]) -> Result<Self, String> {
         let text = text.trim_start_matches('\u{feff}');
         let mut lines = (1..).zip(text.lines()).filter(|(_, line)| {
@@ -59,7 +60,7 @@ impl Columns {
         if let Some((line, fields)) = rows.iter().find(|(_, row)| row.len() != names.len()) {
             let (there, wanted) = (fields.len(), names.len());
             return Err(format!(
-                "line {line}: {there} fields, {wanted} in the heading"
+                "line {line}: {there} fields, but {wanted} in the heading"
             ));
         }
         Ok(Self { names, rows })
@@ -87,11 +88,11 @@ impl Row<'_> {
         self.fields.get(column).map(String::as_str)
     }
 
-    /// The field of a column as `parse` reads it.
+    /// The field of a column, converted by `parse`.
     ///
     /// # Errors
     ///
-    /// A sentence with the line.
+    /// The table does not have the column, or `parse` fails. The message then has the line number.
     pub fn parsed<T>(
         &self,
         name: &str,
@@ -109,7 +110,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn columns_in_any_order() {
+    fn columns_stand_in_any_order() {
         let text = "# gauge 7\nReading; nominal\n1.0; 2\n\n3;4\n";
         let table = Columns::parse(text, &["nominal", "reading", "direction"]).unwrap();
         let nominal: Vec<_> = table
@@ -121,10 +122,13 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_said() {
+    fn bad_tables_are_refused_with_their_line() {
         let why = |text| Columns::parse(text, &["a", "b"]).err().unwrap();
         assert_eq!(why(""), "expected a heading with a, b");
         assert!(why("a,c\n").starts_with("line 1: unknown column `c`"));
-        assert_eq!(why("a,b\n1,2\n3\n"), "line 3: 1 fields, 2 in the heading");
+        assert_eq!(
+            why("a,b\n1,2\n3\n"),
+            "line 3: 1 fields, but 2 in the heading"
+        );
     }
 }

@@ -118,7 +118,8 @@ pub struct Emulate {
     /// Address for clients to connect to, as tcp:HOST:PORT; port 0 chooses a free one
     #[arg(long, value_name = "HOST:PORT", conflicts_with = "link", value_parser = address)]
     pub listen: Option<String>,
-    /// Work piece: the probe, at limit 1 of all modules, closes from COUNT on, or up to ..COUNT; may be repeated
+    /// Work piece: the probe, at limit 1 of all modules, closes from COUNT on, or up to ..COUNT;
+    /// may be repeated
     #[arg(long, value_name = "MODULE:COUNT")]
     pub contact: Vec<husillo_metrology::simulated::Contact>,
     /// Work piece: solids and a probe, as in examples/piece.toml

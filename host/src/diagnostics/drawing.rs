@@ -1,4 +1,4 @@
-//! How findings are printed: drawn text, one line each, or JSON.
+//! Prints findings as drawn text, as one line each, or as JSON.
 
 use super::{Finding, Place, Severity};
 use crate::console::{is_obeyed, shown};
@@ -6,20 +6,20 @@ use annotate_snippets::{AnnotationKind, Group, Level, Patch, Renderer, Snippet};
 use serde::Serialize;
 use std::io::{self, Write};
 
-/// How findings are printed.
+/// The form in which findings are printed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Format {
     /// Drawn under the line of the program.
     Text,
     /// `file:line:column: error[E0301]: message`, for editors and screen readers.
     Short,
-    /// One JSON object a line.
+    /// One JSON object per line.
     Json,
 }
 
 impl Place {
-    /// The same place without what a terminal obeys. What the renderer does not replace itself
-    /// becomes something as long.
+    /// The same place without control characters. Those that the renderer does not replace become
+    /// a character of the same length.
     fn shown(&self) -> Self {
         let visible = |one: char| match one.len_utf8() {
             2 if is_obeyed(one) => '\u{bf}',
@@ -40,7 +40,7 @@ impl Finding {
     ///
     /// # Errors
     ///
-    /// What the writer says.
+    /// The writer fails.
     pub fn print(&self, format: Format, colour: bool, out: &mut impl Write) -> io::Result<()> {
         match format {
             Format::Text => writeln!(out, "{}\n", self.drawn(colour)),
@@ -54,7 +54,7 @@ impl Finding {
         shown.drawn_as_it_is(colour)
     }
 
-    /// The same finding without what a terminal obeys; columns stay what they are.
+    /// The same finding without control characters. Its columns stay the same.
     fn shown(&self) -> Self {
         Self {
             code: self.code.clone(),
@@ -170,7 +170,7 @@ fn drawn_at<'a>(
         .annotation(mark)
 }
 
-/// What `--format json` prints for one finding.
+/// One finding of `--format json`.
 #[derive(Serialize)]
 struct JsonFinding<'a> {
     code: &'a str,
@@ -199,7 +199,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_finding_in_three_forms() {
+    fn a_finding_is_printed_in_three_forms() {
         let place = Place::new("part.nc", 2, b"N050 G01 X2.0 U0.4 F12", 14..18);
         let finding = Finding::error("E0201", "unknown word `U`", place)
             .label("no axis or parameter named `U`")

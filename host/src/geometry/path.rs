@@ -1,9 +1,9 @@
-//! The exact programmed path of a move, and how far a point is from it: cheap enough for every
-//! step.
+//! The exact programmed path of a move, and the distance of a point from it. It is cheap enough for
+//! every step.
 //!
-//! Everything is in nanometres as `f64`: products stay below 2^53 * 2^-10 for moves up to 1 m. So
-//! the rounding of this measurement is far below a picometre, and is not taken for an error of the
-//! integer path that is measured.
+//! Lengths are in nanometres as `f64`. Products stay below 2^53 * 2^-10 for moves up to 1 m. So the
+//! rounding of this measurement is far below a picometre, and does not count as an error of the
+//! integer path that it measures.
 
 use crate::geometry::turn;
 use husillo_gcode::{Command, Direction, Nm};
@@ -12,7 +12,7 @@ use std::f64::consts::TAU;
 /// The exact programmed path of one move.
 #[derive(Clone, Debug)]
 pub enum Path {
-    /// From a point along a unit vector.
+    /// A straight line.
     Line {
         /// Start.
         from: [f64; 3],
@@ -25,18 +25,18 @@ pub enum Path {
     Arc(ArcPath),
 }
 
-/// An arc in a plane, with a straight part across it for a helix.
+/// An arc in a plane. A helix also has a linear motion across the plane.
 #[derive(Clone, Debug)]
 pub struct ArcPath {
     /// Axes of the plane.
     pub plane: [usize; 2],
-    /// The axis across it.
+    /// The axis across the plane.
     pub across: usize,
     /// Centre in the plane.
     pub centre: [f64; 2],
     /// Start and end.
     pub ends: [[f64; 3]; 2],
-    /// Smallest and largest radius of the path: equal for a circle.
+    /// Smallest and largest radius of the path; equal for a circle.
     pub radii: [f64; 2],
     /// Swept angle, positive counter-clockwise, in radians.
     pub sweep: f64,
@@ -61,8 +61,8 @@ impl Path {
         }
     }
 
-    /// A circular move; `radius` is the radius of a circle, or `None` for the band between the
-    /// radii of its ends.
+    /// A circular move. `radius` is the radius of a circle; `None` means the band between the radii
+    /// of its ends.
     pub fn arc(
         plane: [usize; 2],
         from: [f64; 3],
@@ -92,8 +92,8 @@ impl Path {
         })
     }
 
-    /// The path of a command that moves; `half_step` decides whether an arc is a circle or a
-    /// spiral.
+    /// The path of a command, if it moves. An arc whose radii differ by at most `half_step` is a
+    /// circle, otherwise it is a spiral.
     pub fn programmed(from: [Nm; 3], command: &Command<3>, half_step: f64) -> Option<Self> {
         let nm = |p: [Nm; 3]| p.map(|at| at.0 as f64);
         match command {
@@ -137,7 +137,8 @@ impl Path {
     /// Returns the square of the distance from `tool` to the path. Points of a helix must come in
     /// order.
     ///
-    /// By reference: copying what was just written in parts reads it whole, and waits for it.
+    /// `tool` is a reference for speed: a copy would read the point as a whole right after it was
+    /// written in parts, and the processor would wait for the writes.
     #[inline]
     pub fn distance_squared(&mut self, tool: &[f64; 3]) -> f64 {
         match self {
@@ -153,8 +154,8 @@ impl Path {
                     let rest = subtract(p, along.map(|a| a * beyond));
                     return dot(rest, rest);
                 }
-                // The cross product, not |p|^2 - t^2: the difference of two large squares would
-                // lose the nanometres.
+                // The cross product instead of |p|^2 - t^2: the difference of two large squares
+                // would lose the nanometres.
                 let cross = [
                     p[1] * along[2] - p[2] * along[1],
                     p[2] * along[0] - p[0] * along[2],
@@ -201,8 +202,8 @@ impl ArcPath {
         ]
     }
 
-    /// How far a radius is outside of the band; `f64::max` would care for NaN, which does not come
-    /// here.
+    /// The distance of a radius from the band. It does not use `f64::max`, which also handles NaN;
+    /// there is none here.
     #[inline]
     fn outside(&self, r: f64) -> f64 {
         if r > self.radii[1] {
@@ -214,7 +215,7 @@ impl ArcPath {
         }
     }
 
-    /// Whether the direction of `p` from the centre is one the arc passes.
+    /// Whether the arc passes the direction of `p` from the centre.
     #[inline]
     fn covers(&self, p: [f64; 2]) -> bool {
         if self.sweep.abs() >= std::f64::consts::TAU - 1e-9 {
@@ -255,7 +256,7 @@ impl ArcPath {
             let across = tool[self.across] - self.ends[0][self.across];
             return radial * radial + across * across;
         }
-        // A helix: where along it the tool is follows from the angle turned so far.
+        // A helix: the angle turned so far gives the position along it.
         let angle = p[1].atan2(p[0]);
         let mut turned = angle - self.last_angle;
         if turned > std::f64::consts::PI {
@@ -268,8 +269,8 @@ impl ArcPath {
         let part = (self.turned / self.sweep).clamp(0.0, 1.0);
         let across = tool[self.across] - (self.ends[0][self.across] + rise * part);
         let radial = self.outside(r);
-        // The helix rises at a slope, so the distance square to it is shorter than the one straight
-        // up.
+        // The helix has a slope, so the perpendicular distance is shorter than the one along the
+        // axis.
         let slope = rise / (self.sweep * r.max(1.0));
         radial * radial + across * across / (1.0 + slope * slope)
     }
@@ -290,7 +291,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_segment_has_ends() {
+    fn distances_beyond_the_ends_of_a_line() {
         let mut line = Path::line([0.0; 3], [100.0, 0.0, 0.0]);
         assert_eq!(line.distance_squared(&[50.0, 3.0, 4.0]), 25.0);
         assert_eq!(line.distance_squared(&[-3.0, 4.0, 0.0]), 25.0);
@@ -299,7 +300,7 @@ mod tests {
     }
 
     #[test]
-    fn a_quarter_has_ends_too() {
+    fn distances_beyond_the_ends_of_an_arc() {
         let mut arc = Path::arc(
             [0, 1],
             [100.0, 0.0, 0.0],
@@ -316,7 +317,7 @@ mod tests {
     }
 
     #[test]
-    fn three_quarters_the_other_way() {
+    fn a_clockwise_arc_covers_the_other_three_quarters() {
         let mut arc = Path::arc(
             [0, 1],
             [100.0, 0.0, 0.0],
@@ -331,7 +332,7 @@ mod tests {
     }
 
     #[test]
-    fn a_helix_is_followed() {
+    fn points_of_a_helix_have_no_distance() {
         let mut arc = Path::arc(
             [0, 1],
             [100.0, 0.0, 0.0],

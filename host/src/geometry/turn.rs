@@ -2,11 +2,11 @@
 
 use std::f64::consts::TAU;
 
-/// Ends that are nearer than this are one: the arc is a full turn. Two points of a circle of 1 km
-/// that are 1 nm apart differ by as much.
+/// Ends whose angles differ by less are equal, and the arc is a full turn. Two points 1 nm apart on
+/// a circle of 1 km differ by this angle.
 const SAME_ANGLE: f64 = 1e-12;
 
-/// The angle of a point about a centre.
+/// The angle of a point around a centre.
 pub fn angle(point: [f64; 2], centre: [f64; 2]) -> f64 {
     (point[1] - centre[1]).atan2(point[0] - centre[0])
 }
@@ -19,7 +19,7 @@ pub fn turned(from: f64, to: f64, counter_clockwise: bool) -> f64 {
     }
 }
 
-/// The angle of an arc between its ends. It is positive, and a full turn if the ends are one.
+/// The angle of an arc between its ends. It is positive, and a full turn if the ends are equal.
 pub fn sweep(from: f64, to: f64, counter_clockwise: bool) -> f64 {
     let forward = turned(from, to, true);
     match counter_clockwise {
@@ -35,7 +35,7 @@ mod tests {
     use std::f64::consts::FRAC_PI_2;
 
     #[test]
-    fn arcs_turn_as_they_are_programmed() {
+    fn arcs_sweep_in_their_direction() {
         assert_eq!(sweep(0.0, FRAC_PI_2, true), FRAC_PI_2);
         assert_eq!(sweep(0.0, FRAC_PI_2, false), 3.0 * FRAC_PI_2);
         assert_eq!(sweep(-3.0, 3.0, true), 6.0);

@@ -1,4 +1,4 @@
-//! A machine and the simulated screws behind it, block by block.
+//! A machine that drives simulated screws, one block at a time.
 
 use crate::machines::machine_file::MachineFile;
 use crate::programs::setup::{self, Micromill};
@@ -17,16 +17,16 @@ pub struct SimulatedBench {
 }
 
 impl SimulatedBench {
-    /// A machine that takes up what `maps` say.
+    /// A machine that takes up the backlash of `maps`.
     ///
     /// # Errors
     ///
-    /// Mistakes of the machine file, or no `[simulated_lash]`.
+    /// The machine file has mistakes, or no `[simulated_lash]`.
     pub fn new(file: &MachineFile, maps: [Map; 3]) -> Result<Self, String> {
         let steps = file.axes.each_ref().map(|axis| axis.step);
         let field = file.lash.field(steps).ok_or_else(|| {
             format!(
-                "{}: no [simulated_lash]: what the simulated screws are like has to be known",
+                "{}: no [simulated_lash], which describes the simulated screws",
                 file.path
             )
         })?;

@@ -14,7 +14,7 @@ use husillo_metrology::calibration::backlash::{
 use husillo_metrology::quantity::{self, Quantity};
 use std::io::Write;
 
-/// What a calibration makes besides what it prints.
+/// The files that a calibration writes.
 pub struct Calibrated {
     /// The report.
     pub page: String,
@@ -22,11 +22,12 @@ pub struct Calibrated {
     pub machine: String,
 }
 
-/// Measures, or reads what was measured, and prints the sections of the machine file.
+/// Measures on the simulated machine or reads measured values, and prints the sections of the
+/// machine file.
 ///
 /// # Errors
 ///
-/// A sentence about the file, the readings or the machine.
+/// A message about the file, the readings or the machine.
 pub fn calibrate_backlash(
     args: &BacklashArgs,
     file: &MachineFile,
@@ -108,7 +109,7 @@ pub fn calibrate_backlash(
     })
 }
 
-/// The pairs of lines: from the file of readings, or cut on the simulated machine.
+/// The pairs of lines, from the file of readings or cut on the simulated machine.
 fn pairs(
     args: &BacklashArgs,
     file: &MachineFile,
@@ -127,7 +128,7 @@ fn pairs(
     Ok(readings)
 }
 
-/// Prints what is left of the backlash of an axis, with one value and with its map.
+/// Prints the remaining backlash of an axis, with one value and with its map.
 fn print_left(
     letter: u8,
     um: &[f64],
@@ -139,8 +140,8 @@ fn print_left(
     let ([one_low, one_high], [low_left, high_left]) = (before.span_um, after.span_um);
     writeln!(
         out,
-        "# {}: {} places, lash {low:.1} to {high:.1} um; left with one value {one_low:+.1} to \
-         {one_high:+.1} um, with this map {low_left:+.2} to {high_left:+.2} um",
+        "# {}: {} positions, backlash {low:.1} to {high:.1} um; left with one value {one_low:+.1} \
+         to {one_high:+.1} um, with this map {low_left:+.2} to {high_left:+.2} um",
         char::from(letter),
         um.len()
     )
@@ -153,7 +154,7 @@ fn travel(file: &MachineFile) -> Result<[[f64; 2]; 2], String> {
         let Travel::Range(range) = axis.travel else {
             let letter = char::from(axis.letter);
             return Err(format!(
-                "{}: the travel of {letter} is not known",
+                "{}: the travel of {letter} must be known",
                 file.path
             ));
         };
@@ -162,7 +163,7 @@ fn travel(file: &MachineFile) -> Result<[[f64; 2]; 2], String> {
     Ok(travel_mm)
 }
 
-/// The two-line test everywhere on the simulated machine.
+/// Runs the two-line test all over the work area of the simulated machine.
 fn simulated_pairs(
     args: &BacklashArgs,
     file: &MachineFile,
@@ -173,7 +174,7 @@ fn simulated_pairs(
         Ok(Quantity::Length(length)) if length.num >= 100_000 => {
             length.num as f64 / length.den as f64 / 1e6
         }
-        Ok(_) => return Err("--every: a length from 0.1 mm".into()),
+        Ok(_) => return Err("--every: expected a length of at least 0.1 mm".into()),
         Err(why) => return Err(format!("--every: {why}")),
     };
     let run_up_mm = if args.uncompensated {
@@ -196,14 +197,13 @@ fn surveyed(
     pairs.enumerate().collect()
 }
 
-/// The text of a machine file with these sections in place of its own.
+/// The text of a machine file with these sections instead of its own.
 fn with_sections(text: &str, sections: &str) -> String {
     let mut kept = String::new();
     let mut is_lash = false;
     for line in text.lines() {
         if line.trim_start().starts_with('[') && !line.trim_start().starts_with("[[") {
-            // A list of lists continues with `[`, but not at the beginning of a line that names a
-            // table.
+            // The next line of a list of lists may also begin with `[`, but no name follows there.
             let name = line.trim_start().trim_start_matches('[');
             if name.starts_with(|letter: char| letter.is_ascii_alphabetic()) {
                 is_lash = name.starts_with("lash.") || name.starts_with("lash]");
@@ -222,7 +222,7 @@ mod tests {
     use super::with_sections;
 
     #[test]
-    fn a_map_takes_the_place_of_the_one_before() {
+    fn a_map_replaces_the_one_before() {
         let text = "a = 1\n[lash.x]\num = [\n    [1, 2],\n]\n\n[idle]\npolicy \
              = \"off\"\n[lash.y]\num = [3]\n";
         let made = with_sections(text, "[lash.x]\num = [9]\n");

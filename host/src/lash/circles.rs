@@ -1,5 +1,5 @@
-//! `husillo calibrate circles`: what is left at the ends of circles, next to the values measured on
-//! the original.
+//! `husillo calibrate circles`: the remaining backlash at the ends of circles, next to the values
+//! measured on the original.
 
 use super::bench::SimulatedBench;
 use crate::calibrating::CirclesArgs;
@@ -9,19 +9,19 @@ use husillo_metrology::calibration::backlash::{CIRCLE_ENDS, left_at_ends};
 use std::io::Write;
 
 /// Radius in mm, and the values measured at the four ends of such a circle, um. The source does not
-/// name the ends.
+/// say which end is which.
 const MEASURED: [(f64, [u32; 4]); 3] = [
     (3.0, [21, 51, 8, 30]),
     (2.0, [21, 25, 9, 13]),
     (1.0, [18, 12, 9, 3]),
 ];
 
-/// Cuts the circles with one value per axis, and with the map of the file if it has one, and prints
+/// Cuts the circles with one value per axis, and with the map of the file if it has one. Prints
 /// both next to the measured values.
 ///
 /// # Errors
 ///
-/// A sentence: a work area that the circles do not fit, or no simulated screws.
+/// The circles do not fit into the work area, or the machine has no simulated screws.
 pub fn print_circles(
     args: &CirclesArgs,
     file: &MachineFile,
@@ -42,14 +42,14 @@ pub fn print_circles(
     let ends = CIRCLE_ENDS.join("  ");
     writeln!(
         out,
-        "Left at the ends of circles around X{:.1} Y{:.1}, um; measured: in the order of the \
-         description, which does not name the ends\n\n\
+        "Left at the ends of circles around X{:.1} Y{:.1}, um. The measured values are in the \
+         order of their source, which does not name the ends\n\n\
          radius  screws                 {ends}   measured",
         centre[0], centre[1]
     )
     .map_err(failed)?;
     for (radius, measured) in MEASURED {
-        let mut rows = vec![("one value an axis", setup::one_value(file))];
+        let mut rows = vec![("one value per axis", setup::one_value(file))];
         if has_map {
             rows.push(("the file's map", setup::maps(file)?));
         }

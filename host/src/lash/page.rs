@@ -1,4 +1,4 @@
-//! The report of `husillo calibrate backlash`: one value an axis and the map, side by side.
+//! The report of `husillo calibrate backlash`: one value per axis and the map, side by side.
 
 use crate::page::frame;
 use husillo_metrology::calibration::backlash::Field;
@@ -11,7 +11,7 @@ pub struct Panel {
     pub letter: char,
     /// The one value.
     pub value_um: f64,
-    /// What is left with one value, and with the map.
+    /// The remaining backlash with one value, and with the map.
     pub fields: [Field; 2],
 }
 
@@ -25,22 +25,21 @@ th:first-child{text-align:left}";
 
 /// Width of a picture.
 const WIDTH: f64 = 480.0;
-/// Room for figures.
+/// Margin for the figures.
 const MARGIN: f64 = 34.0;
 
 /// Writes the page.
 pub fn html(title: &str, readings: usize, is_simulated: bool, panels: &[Panel]) -> String {
     let whence = if is_simulated {
-        "cut and measured on the simulated machine, then the axes sent to and fro over the work \
-         area"
+        "cut and measured on the simulated machine, which then moves to and fro over the work area"
     } else {
-        "as measured, at the places that were measured"
+        "as measured, at the measured positions"
     };
     let name = format!("{title}: backlash");
     let line = format!("{readings} two-line tests, {whence}");
     let mut page = frame::open(&name, &name, &line, PICTURE);
     page.push_str(
-        "<section><h2>What is left</h2><table><tr><th>axis</th><th>one value</th>\
+        "<section><h2>Remaining backlash</h2><table><tr><th>axis</th><th>one value</th>\
          <th>left with it</th><th>left with the map</th></tr>\n",
     );
     for panel in panels {
@@ -59,8 +58,8 @@ pub fn html(title: &str, readings: usize, is_simulated: bool, panels: &[Panel]) 
         let full = spans.fold(0.1_f64, |full, um| full.max(um.abs()));
         let _ = writeln!(
             page,
-            "<section><h2>{}</h2><p>The strongest colour is {full:.1} um; orange: the tool is too \
-             far in the positive direction, blue: in the negative one.</p><div class=\"pairs\">",
+            "<section><h2>{}</h2><p>The strongest colour is {full:.1} um. Orange: the tool is too \
+             far in the positive direction. Blue: in the negative one.</p><div class=\"pairs\">",
             panel.letter
         );
         for (field, name) in panel.fields.iter().zip(["One value", "The map"]) {
@@ -89,8 +88,8 @@ fn picture(page: &mut String, field: &Field, full_um: f64, name: &str) {
     };
     let _ = writeln!(
         page,
-        "<figure><svg viewBox=\"0 0 {WIDTH} {height:.0}\" role=\"img\" aria-label=\"{name}: what \
-         is left over the work area\">"
+        "<figure><svg viewBox=\"0 0 {WIDTH} {height:.0}\" role=\"img\" aria-label=\"{name}: \
+         remaining backlash over the work area\">"
     );
     let cells = up
         .windows(2)

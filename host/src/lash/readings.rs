@@ -1,14 +1,14 @@
-//! Readings of the two-line test from a file.
+//! Reads the readings of the two-line test from a file.
 
 use crate::calibrating::columns::{Columns, Row};
 use husillo_metrology::calibration::backlash::LinePair;
 use husillo_metrology::quantity::{self, Quantity};
 
-/// Reads readings.
+/// Reads a file of readings.
 ///
 /// # Errors
 ///
-/// A sentence with the line.
+/// The file cannot be read, or a line is bad. The message then has the line number.
 pub fn read(path: &str) -> Result<Vec<LinePair>, String> {
     let columns = Columns::read(path, &["axis", "x", "y", "programmed", "measured"])?;
     let length = |row: &Row<'_>, name: &str| row.parsed(name, length_nm);
@@ -33,7 +33,7 @@ pub fn read(path: &str) -> Result<Vec<LinePair>, String> {
     readings.map_err(|why| format!("{path}: {why}"))
 }
 
-/// Millimetres, or a length with its unit.
+/// Reads millimetres, or a length with its unit.
 fn length_nm(text: &str) -> Result<f64, String> {
     if let Ok(mm) = text.parse::<f64>() {
         if mm.is_finite() && mm.abs() < 1e6 {
@@ -42,6 +42,6 @@ fn length_nm(text: &str) -> Result<f64, String> {
     }
     match quantity::parse(text)? {
         Quantity::Length(length) => Ok(length.num as f64 / length.den as f64),
-        _ => Err(format!("`{text}` is no length")),
+        _ => Err(format!("`{text}` is not a length")),
     }
 }

@@ -1,9 +1,10 @@
-//! The bytes of a link of byte commands in a machine file.
+//! `[bytes]` of a machine file: the bytes of a link that takes byte commands.
 
 use crate::machines::table::Table;
 use husillo_transports::microfactory::ByteTable;
 
-/// Reads `[bytes]`: a character each, two a motor; what is not there is as in the table of our own.
+/// Reads `[bytes]`: one character per command, two per motor. Missing ones are those of
+/// [`ByteTable::DEFAULT`].
 pub fn read(table: &mut Table<'_, '_>) -> ByteTable {
     let mut bytes = ByteTable::DEFAULT;
     let [first, second] = &mut bytes.machines;
@@ -30,16 +31,15 @@ pub fn read(table: &mut Table<'_, '_>) -> ByteTable {
         .into_iter()
         .zip(&mut bytes.motors)
     {
-        if let Some(both) = characters(table, key, "two ASCII characters, of forward and backward")
-        {
+        if let Some(both) = characters(table, key, "two ASCII characters, forward and backward") {
             *motor = both;
         }
     }
     if !bytes.is_unambiguous() {
         table.wrong(
             table.span(),
-            "a byte of `bytes` means two things",
-            "each command needs a byte of its own, and `?` is the answer to what is not taken",
+            "two commands of `bytes` have the same byte",
+            "each command needs its own byte, and `?` is reserved for the answer to a refused one",
         );
     }
     bytes

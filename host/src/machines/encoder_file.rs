@@ -1,20 +1,20 @@
-//! `[axis.x.encoder]` of a machine file, and losses to try it with.
+//! `[axis.x.encoder]` of a machine file, and simulated losses to test it.
 
 use crate::machines::table::Table;
 use husillo_machine::{AxisEncoder, OnLoss};
 use husillo_metrology::quantity::{Fraction, Quantity};
 use std::str::FromStr;
 
-/// How an encoder and its counts are.
+/// The encoder of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EncoderFile {
-    /// As the machine takes it; its times are filled in with the timer of the machine.
+    /// The settings without their times, which need the timer of the machine.
     pub encoder: AxisEncoder,
     settle_us: u64,
 }
 
 impl EncoderFile {
-    /// Reads the table of an axis with this step in nm and this rate.
+    /// Reads the table of an axis with this step in nm and this largest rate.
     pub fn read(table: &mut Table<'_, '_>, step: Fraction, max_rate: u32) -> Option<Self> {
         let counts_per_mm = table.integer("counts_per_mm", 1..=1_000_000);
         if counts_per_mm.is_none() {
@@ -50,7 +50,7 @@ impl EncoderFile {
             },
         );
         let attempts = table.integer("attempts", 1..=255);
-        // Counts of a step: counts_per_mm * step / 10^6 nm.
+        // Counts per step: counts_per_mm * step / 10^6 nm.
         let ratio = Fraction::new(
             i128::from(counts_per_mm?) * i128::from(step.num),
             i128::from(step.den) * 1_000_000,
@@ -59,7 +59,7 @@ impl EncoderFile {
         let ratio = ratio.and_then(|ratio| Some((short(ratio.num)?, short(ratio.den)?)));
         let Some((counts, steps)) = ratio else {
             if let Some((_, span)) = table.value("counts_per_mm") {
-                let label = "counts and steps have no common measure below 2^20";
+                let label = "the ratio of counts to steps needs integers up to 2^20";
                 table.wrong(span, "`counts_per_mm` does not fit the step", label);
             }
             return None;
@@ -78,7 +78,7 @@ impl EncoderFile {
         })
     }
 
-    /// For a machine with this timer.
+    /// The settings for a machine with this timer.
     pub fn encoder(&self, timer_hz: u32) -> AxisEncoder {
         let ticks = self.settle_us.saturating_mul(timer_hz.into()) / 1_000_000;
         AxisEncoder {
@@ -88,14 +88,14 @@ impl EncoderFile {
     }
 }
 
-/// A simulated loss: at a step event the motor of an axis is pushed.
+/// A simulated loss: something pushes the motor of an axis before a step event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Push {
     /// 0 for X to 2 for Z.
     pub axis: usize,
-    /// The step event before which it happens.
+    /// Number of the step event.
     pub event: u64,
-    /// By how many steps, signed.
+    /// Steps that the motor is pushed, signed.
     pub steps: i32,
 }
 

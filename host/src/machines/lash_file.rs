@@ -11,7 +11,7 @@ use std::ops::Range;
 use std::sync::Arc;
 use toml::de::DeValue;
 
-/// A table as it is written in a machine file, for an axis.
+/// The table of an axis, as it is written in a machine file.
 pub fn section(table: &PlaceTable, letter: u8) -> String {
     let list = |values: &[f64]| {
         let texts = values.iter().map(|value| shortest(*value, 2));
@@ -44,9 +44,9 @@ pub fn section(table: &PlaceTable, letter: u8) -> String {
 /// the positions of X and Y.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wave {
-    /// Micrometres.
+    /// Mean, um.
     pub mean_um: f64,
-    /// Micrometres.
+    /// Amplitude around the mean, um.
     pub swing_um: f64,
     /// Period along the own axis, mm.
     pub sine_mm: f64,
@@ -55,14 +55,14 @@ pub struct Wave {
 }
 
 impl Wave {
-    /// Play at a place in mm, in um.
+    /// Backlash in um at a position in mm.
     pub fn lash_um(&self, own_mm: f64, other_mm: f64) -> f64 {
         let (sine, cosine) = (TAU * own_mm / self.sine_mm, TAU * other_mm / self.cosine_mm);
         self.mean_um + self.swing_um * sine.sin() * cosine.cos()
     }
 
     fn read(table: &mut Table<'_, '_>) -> Option<Wave> {
-        // All of them first: a key is known though another one is wrong.
+        // Reads all keys before it returns: an unread key would be reported as unknown.
         let mean_um = table.required_number("mean_um", 0.0..=1e4);
         let swing_um = table.required_number("swing_um", 0.0..=1e3);
         let sine_mm = table.required_number("sine_mm", 0.1..=1e5);
@@ -76,12 +76,12 @@ impl Wave {
     }
 }
 
-/// What a machine file says of lash by place.
+/// Backlash by position in a machine file.
 #[derive(Clone, Debug, Default)]
 pub struct LashFile {
-    /// What the controller takes up on X, Y and Z, where that is another at every place.
+    /// The backlash that the controller takes up on X, Y and Z, if it depends on the position.
     pub maps: [Option<Map>; 3],
-    /// What the simulated screws of X and Y have, where that is asked for.
+    /// The backlash of the simulated screws of X and Y, if the file describes them.
     pub simulated: Option<[Wave; 2]>,
 }
 
@@ -106,14 +106,14 @@ impl LashFile {
             if let Some((table, span)) = table {
                 match table.map(own, steps) {
                     Ok(map) => *axis = Some(map),
-                    Err(why) => root.wrong(span, "this is no map of lash", &why.to_string()),
+                    Err(why) => root.wrong(span, "the backlash map is invalid", &why.to_string()),
                 }
             }
         }
         file
     }
 
-    /// The play of the simulated screws, in steps.
+    /// The backlash of the simulated screws, in steps.
     pub fn field(&self, steps: [Fraction; 3]) -> Option<Arc<dyn LashField<3>>> {
         let [wave_x, wave_y] = self.simulated?;
         let [x_nm, y_nm, _] = steps.map(|step| step.num as f64 / step.den as f64);
@@ -128,7 +128,7 @@ impl LashFile {
     }
 }
 
-/// Numbers in a list.
+/// Reads a list of numbers.
 fn numbers(value: &DeValue<'_>) -> Option<Vec<f64>> {
     let number = |value: &DeValue<'_>| -> Option<f64> {
         let text = match (value.as_float(), value.as_integer()) {
@@ -155,8 +155,8 @@ fn read_places(table: &mut Table<'_, '_>) -> Option<(PlaceTable, Range<usize>)> 
                 None => {
                     table.wrong(
                         span,
-                        &format!("`{key}` is no list of numbers"),
-                        "places in mm",
+                        &format!("`{key}` is not a list of numbers"),
+                        "expected positions in mm",
                     );
                     is_wrong = true;
                 }
@@ -193,11 +193,11 @@ fn read_places(table: &mut Table<'_, '_>) -> Option<(PlaceTable, Range<usize>)> 
         _ => None,
     };
     if found.is_none() {
-        let form = "with places along one axis a list of them, along two a list of lists: one for \
-             every place of the second";
+        let form = "positions along one axis need a list of values, along two a list of lists: one \
+             for every position of the second";
         table.wrong(
             span.clone(),
-            "`um` has not one number for every place",
+            "`um` needs one number for every position",
             form,
         );
     }
@@ -211,7 +211,7 @@ mod tests {
     const MICROMILL: &str = include_str!("../../../machines/micromill.toml");
 
     #[test]
-    fn bands_and_grids() {
+    fn bands_and_grids_become_maps() {
         let text = format!(
             "{MICROMILL}\n[lash.x]\ny_mm = [1.2, 3.5, 5.8]\num = [190, 201, 187]\n\
              [lash.y]\nx_mm = [0, 10]\ny_mm = [0, 7]\num = [[178, 178], [178, 164]]\n"
@@ -219,7 +219,7 @@ mod tests {
         let file = MachineFile::parse("mine.toml", &text).unwrap();
         let [x, y, z] = file.lash.maps;
         let x = x.unwrap();
-        // 201 um and half the way to 187 um.
+        // 201 um, and halfway to 187 um.
         assert_eq!(x.steps([25_000, 0]), 1436);
         assert_eq!(x.steps([33_214, 0]), 1386);
         let y = y.unwrap();
@@ -229,19 +229,19 @@ mod tests {
     }
 
     #[test]
-    fn mistakes_are_told() {
+    fn mistakes_are_reported() {
         let wrong = |section: &str| {
             let text = format!("{MICROMILL}\n{section}\n");
             let findings = MachineFile::parse("mine.toml", &text).unwrap_err();
             findings[0].message.clone()
         };
-        assert!(wrong("[lash.x]\ny_mm = [1, 2]\num = [190]").contains("no map"));
+        assert!(wrong("[lash.x]\ny_mm = [1, 2]\num = [190]").contains("map is invalid"));
         assert!(
-            wrong("[lash.x]\ny_mm = [1, 2]\nx_mm = [0]\num = [190, 2]").contains("every place")
+            wrong("[lash.x]\ny_mm = [1, 2]\nx_mm = [0]\num = [190, 2]").contains("every position")
         );
-        assert!(wrong("[lash.x]\ny_mm = [2, 1]\num = [190, 190]").contains("no map"));
-        assert!(wrong("[lash.x]\ny_mm = [1, 1.1]\num = [100, 190]").contains("no map"));
+        assert!(wrong("[lash.x]\ny_mm = [2, 1]\num = [190, 190]").contains("map is invalid"));
+        assert!(wrong("[lash.x]\ny_mm = [1, 1.1]\num = [100, 190]").contains("map is invalid"));
         assert!(wrong("[lash.q]\ny_mm = [1, 1.1]\num = [100, 190]").contains("unknown key"));
-        assert!(wrong("[lash.x]\ny_mm = \"1\"\num = [100, 190]").contains("no list"));
+        assert!(wrong("[lash.x]\ny_mm = \"1\"\num = [100, 190]").contains("not a list"));
     }
 }

@@ -1,4 +1,4 @@
-//! `husillo machines`: what is known of the machines.
+//! `husillo machines`: lists the machines and shows their figures.
 
 use crate::machines::machine_file::{AxisFile, MachineFile, Travel};
 use crate::machines::power::Power;
@@ -6,7 +6,7 @@ use husillo_metrology::calibration::backlash::Map;
 use serde::Serialize;
 use std::fmt::Write;
 
-/// Electrical cycles a second at which the current of a winding is told.
+/// Electrical cycles per second at which the current of a winding is shown.
 const CYCLES_HZ: [f64; 6] = [10.0, 30.0, 60.0, 100.0, 131.2, 200.0];
 
 /// A machine as it is shown.
@@ -21,14 +21,14 @@ pub struct Shown {
 #[derive(Serialize)]
 struct ShownAxis {
     axis: char,
-    /// nm a step.
+    /// nm per step.
     step_nm: f64,
     travel_mm: Option<[f64; 2]>,
-    /// Programs have no way along it: the machine moves it by itself.
+    /// The machine alone moves this axis; programs cannot.
     is_fixed: bool,
     lash_steps: u32,
     lash_um: f64,
-    /// Where the file has a map of it.
+    /// Its backlash by position, if the file has a map.
     lash_map: Option<ShownMap>,
     max_rate_hz: u32,
     max_speed_mm_per_min: f64,
@@ -39,7 +39,7 @@ struct ShownAxis {
 #[derive(Serialize)]
 struct ShownMotor {
     time_constant_ms: f64,
-    /// Full steps a second.
+    /// Full steps per second.
     pull_out_full_steps_hz: Option<f64>,
     chopper: Option<ShownChopper>,
     filter_inductance_uh: f64,
@@ -62,16 +62,16 @@ struct ShownCurrent {
     torque_nm: f64,
 }
 
-/// Lash by place.
+/// Backlash by position.
 #[derive(Serialize)]
 struct ShownMap {
-    /// Along which axes, and how many places along each.
+    /// Each axis of the map, with its number of positions.
     along: Vec<(char, usize)>,
     least_um: f64,
     most_um: f64,
 }
 
-/// What is known of a machine.
+/// Collects the figures of a machine.
 pub fn show(machine: &MachineFile) -> Shown {
     Shown {
         name: machine.name.clone(),
@@ -144,7 +144,7 @@ fn motor(power: &Power) -> ShownMotor {
 }
 
 impl Shown {
-    /// For people.
+    /// Lines for people.
     pub fn text(&self) -> String {
         let mut text = format!("{}: {} ({})\n", self.name, self.title, self.file);
         for axis in &self.axes {
@@ -159,7 +159,7 @@ impl ShownAxis {
     fn write(&self, out: &mut String) -> std::fmt::Result {
         write!(
             out,
-            "\n  {}  {:.4} um a step",
+            "\n  {}  {:.4} um per step",
             self.axis,
             self.step_nm / 1e3
         )?;
@@ -167,16 +167,16 @@ impl ShownAxis {
             write!(out, ", travel {low} to {high} mm")?;
         }
         if self.is_fixed {
-            write!(out, ", moved by the machine itself, from sensor to sensor")?;
+            write!(out, ", moved only by the machine, from sensor to sensor")?;
         }
         if let Some(map) = &self.lash_map {
             let along = map
                 .along
                 .iter()
-                .map(|(axis, places)| format!("{places} places along {axis}"));
+                .map(|(axis, places)| format!("{places} positions along {axis}"));
             write!(
                 out,
-                ", lash by place: {:.1} to {:.1} um, {}",
+                ", backlash by position: {:.1} to {:.1} um, {}",
                 map.least_um,
                 map.most_um,
                 along.collect::<Vec<_>>().join(" and ")
@@ -184,7 +184,7 @@ impl ShownAxis {
         } else if self.lash_steps > 0 {
             write!(
                 out,
-                ", lash {} steps ({:.1} um)",
+                ", backlash {} steps ({:.1} um)",
                 self.lash_steps, self.lash_um
             )?;
         }
@@ -195,7 +195,7 @@ impl ShownAxis {
             self.max_rate_hz
         )?;
         if let Some(rate) = self.pull_out_rate_hz {
-            writeln!(out, "     started at once it loses steps above {rate} Hz")?;
+            writeln!(out, "     loses steps above {rate} Hz without a ramp")?;
         }
         match &self.motor {
             Some(motor) => motor.write(out),
@@ -225,9 +225,9 @@ impl ShownMotor {
         match self.pull_out_full_steps_hz {
             Some(hz) => writeln!(
                 out,
-                "     pull-out {hz:.0} full steps a second under its load"
+                "     pull-out {hz:.0} full steps per second under its load"
             )?,
-            None => writeln!(out, "     pull-out the load is more than the motor holds")?,
+            None => writeln!(out, "     pull-out none: the motor does not turn the load")?,
         }
         writeln!(out, "     cycles/s  supply A   rms A  peak A  torque mN m")?;
         for row in &self.current {
@@ -245,11 +245,11 @@ impl ShownMotor {
     }
 }
 
-/// The machines that need no file, a line each.
+/// The built-in machines, one per line.
 ///
 /// # Errors
 ///
-/// None of them should have a mistake; if one has, it is named.
+/// The file of a built-in machine has a mistake. The message names the machine.
 pub fn list() -> Result<String, String> {
     let mut text = String::new();
     for name in MachineFile::names() {
@@ -263,9 +263,10 @@ pub fn list() -> Result<String, String> {
 mod tests {
     use super::*;
 
-    /// Measured on the machine: 0.95 A at 10 Hz, 0.39 A at 131.2 Hz, above which it lost steps.
+    /// Measured on the machine: 0.95 A at 10 Hz and 0.39 A at 131.2 Hz. It lost steps above
+    /// 131.2 Hz.
     #[test]
-    fn the_microfactory_as_measured() {
+    fn current_and_pull_out_of_the_microfactory_equal_the_measured_ones() {
         let machine = MachineFile::load("microfactory").unwrap();
         let motor = show(&machine).axes.remove(0).motor.unwrap();
         let at = |hz: f64| {
@@ -278,10 +279,10 @@ mod tests {
         assert!((pull_out / 524.8 - 1.0).abs() < 0.01, "{pull_out}");
     }
 
-    /// The formulas of the power stage, by hand: 0.69 * 56 k * 0.82 n, 0.083 * 5 / 1, a tenth of 10
-    /// mH, 4e-10 / 1 mH.
+    /// The formulas of the power stage, calculated by hand: 0.69 * 56 k * 0.82 n, 0.083 * 5 / 1, a
+    /// tenth of 10 mH, 4e-10 / 1 mH.
     #[test]
-    fn chopper_and_filter_by_hand() {
+    fn chopper_and_filter_equal_a_calculation_by_hand() {
         let machine = MachineFile::load("micromill").unwrap();
         let text = show(&machine).text();
         for part in ["T_off 31.7 us, I_peak 0.415 A", "L 1800 uH, C 222.2 nF"] {

@@ -3,28 +3,29 @@
 use crate::machines::table::Table;
 use husillo_sim::{Chopper, Rotor, Winding};
 
-/// Peak of the PBL3717A at full current: 0.083 of the reference voltage over the sense resistor
-/// (data sheet: 420 mV at 5 V).
+/// Sense voltage of the PBL3717A at full current, per reference voltage (data sheet: 420 mV at
+/// 5 V). The peak current is this voltage divided by the sense resistor.
 const PEAK_OF_REFERENCE: f64 = 0.083;
-/// Ratio of the time off to R C of the PBL3717A's pulse time: ln 2.
+/// Off time of the PBL3717A per R C of its timing network: ln 2.
 const OFF_OF_RC: f64 = 0.69;
-/// The filter before the motor: a tenth of its inductance, and L C = 4e-10 s^2, a corner of 8 kHz.
+/// Inductance of the filter before the motor, per inductance of the winding.
 const FILTER_OF_WINDING: f64 = 0.1;
+/// L C of this filter, s^2: a corner of 8 kHz.
 const FILTER_LC: f64 = 4e-10;
 
-/// Winding, chopper and what the motor turns.
+/// Winding, chopper, rotor and load of a motor.
 #[derive(Clone, Copy, Debug)]
 pub struct Power {
     /// The winding, with the chopper if there is one.
     pub winding: Winding,
-    /// What the current pulls.
+    /// The rotor that the current turns.
     pub rotor: Rotor,
     /// Torque of friction and gear, N m.
     pub load_nm: f64,
 }
 
 impl Power {
-    /// Reads `[axis.x.motor]`; what is missing or wrong is told.
+    /// Reads `[axis.x.motor]`. Missing and wrong keys become findings.
     pub fn read(table: &mut Table<'_, '_>) -> Option<Self> {
         let mut number = |key, range| table.required_number(key, range);
         let resistance_ohm = number("resistance_ohm", 0.01..=10_000.0);

@@ -1,5 +1,4 @@
-//! A TOML table that is read key by key. Keys that are unknown, missing or of the wrong kind become
-//! findings.
+//! A TOML table that is read key by key. Unknown, missing and wrong keys become findings.
 
 use crate::diagnostics::{Finding, Place};
 use husillo_metrology::quantity::{self, Quantity};
@@ -7,11 +6,11 @@ use std::ops::{Range, RangeInclusive};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// The document of a machine file.
+/// Parses the text of a machine file.
 ///
 /// # Errors
 ///
-/// The text is no TOML: where, and why.
+/// The text is not TOML. The finding has the place and the reason.
 pub fn document<'a>(path: &str, text: &'a str) -> Result<Spanned<DeTable<'a>>, Vec<Finding>> {
     DeTable::parse(text).map_err(|error| {
         let place = Place::in_text(path, text, error.span().unwrap_or(0..0));
@@ -31,7 +30,7 @@ pub struct Table<'a, 'f> {
 }
 
 impl<'a, 'f> Table<'a, 'f> {
-    /// Starts reading `table`, which is called `name` in messages.
+    /// Starts reading `table`. Messages call it `name`.
     pub fn new(
         path: &'a str,
         text: &'a str,
@@ -59,25 +58,25 @@ impl<'a, 'f> Table<'a, 'f> {
             .map(|value| (value.get_ref(), value.span()))
     }
 
-    /// A string.
+    /// Reads a string.
     pub fn string(&mut self, key: &str) -> Option<String> {
         let (value, span) = self.value(key)?;
         let string = value.as_str().map(str::to_owned);
         if string.is_none() {
             self.wrong(
                 span,
-                &format!("`{key}` is no string"),
+                &format!("`{key}` is not a string"),
                 "expected text in quotes",
             );
         }
         string
     }
 
-    /// The name of the machine, which is not empty.
+    /// Reads the name of the machine, which must not be empty.
     pub fn name(&mut self) -> String {
         let name = self.string("name").unwrap_or_default();
         if let (Some((value, span)), true) = (self.value("name"), name.trim().is_empty()) {
-            // What is no string has been reported.
+            // `string` has reported a value that is not a string.
             if value.as_str().is_some() {
                 self.wrong(span, "`name` is empty", "expected a name");
             }
@@ -85,7 +84,7 @@ impl<'a, 'f> Table<'a, 'f> {
         name
     }
 
-    /// An integer within a range.
+    /// Reads an integer within a range.
     pub fn integer(&mut self, key: &str, range: RangeInclusive<i64>) -> Option<i64> {
         let (value, span) = self.value(key)?;
         let integer = value
@@ -103,7 +102,7 @@ impl<'a, 'f> Table<'a, 'f> {
         integer
     }
 
-    /// A number that must be there, within a range; its unit is in the name of the key.
+    /// Reads a required number within a range. The name of the key has its unit.
     pub fn required_number(&mut self, key: &str, range: RangeInclusive<f64>) -> Option<f64> {
         let Some((value, span)) = self.value(key) else {
             self.missing(key);
@@ -126,7 +125,7 @@ impl<'a, 'f> Table<'a, 'f> {
         number
     }
 
-    /// A quantity with its unit, as `accept` wants it.
+    /// Reads a quantity with its unit, if `accept` takes it. `form` describes it in messages.
     pub fn quantity<T>(
         &mut self,
         key: &str,
@@ -159,7 +158,7 @@ impl<'a, 'f> Table<'a, 'f> {
         }
     }
 
-    /// One of a few names.
+    /// Reads one of several names.
     pub fn choice<T: Copy>(&mut self, key: &str, choices: &[(&str, T)]) -> Option<T> {
         let (value, span) = self.value(key)?;
         let name = value.as_str().unwrap_or_default();
@@ -178,7 +177,7 @@ impl<'a, 'f> Table<'a, 'f> {
         found
     }
 
-    /// A table that must be there.
+    /// Reads a required table.
     pub fn table<T>(&mut self, key: &str, read: impl FnOnce(&mut Table<'a, '_>) -> T) -> Option<T> {
         let found = self.optional_table(key, read);
         if found.is_none() && self.table.get(key).is_none() {
@@ -187,7 +186,7 @@ impl<'a, 'f> Table<'a, 'f> {
         found
     }
 
-    /// A table that may be there.
+    /// Reads an optional table.
     pub fn optional_table<T>(
         &mut self,
         key: &str,
@@ -195,13 +194,13 @@ impl<'a, 'f> Table<'a, 'f> {
     ) -> Option<T> {
         let (value, span) = self.value(key)?;
         let Some(table) = value.as_table() else {
-            self.wrong(span, &format!("`{key}` is no table"), "expected a table");
+            self.wrong(span, &format!("`{key}` is not a table"), "expected a table");
             return None;
         };
         Some(self.inner(key, span, table, read))
     }
 
-    /// A list of tables that may be there.
+    /// Reads an optional list of tables.
     pub fn optional_tables<T>(
         &mut self,
         key: &str,
@@ -217,7 +216,7 @@ impl<'a, 'f> Table<'a, 'f> {
         let Some(tables) = tables else {
             self.wrong(
                 span,
-                &format!("`{key}` is no list of tables"),
+                &format!("`{key}` is not a list of tables"),
                 "expected tables",
             );
             return None;
@@ -249,10 +248,10 @@ impl<'a, 'f> Table<'a, 'f> {
         result
     }
 
-    /// Reports a key that must be there and is not.
+    /// Reports a missing key. A key that is present has already been reported as wrong.
     pub fn missing(&mut self, key: &str) {
         if self.table.get(key).is_some() {
-            return; // there, and already reported as wrong
+            return;
         }
         let (span, name) = (self.span.clone(), &self.name);
         let message = format!("missing key `{key}` in {name}");
@@ -260,7 +259,7 @@ impl<'a, 'f> Table<'a, 'f> {
             .push(Finding::error("E0802", message, self.place(span)));
     }
 
-    /// Where the whole table stands.
+    /// The span of the whole table.
     pub fn span(&self) -> Range<usize> {
         self.span.clone()
     }
@@ -271,7 +270,7 @@ impl<'a, 'f> Table<'a, 'f> {
             .push(Finding::error("E0802", message, self.place(span)).label(label));
     }
 
-    /// Reports every key that was not asked for.
+    /// Reports every key that was not read.
     pub fn finish(&mut self) {
         let mut unknown: Vec<_> = self
             .table
@@ -307,7 +306,8 @@ impl<'a, 'f> Table<'a, 'f> {
     }
 }
 
-/// Edits (insert, delete, replace) between two words; rows of the usual table.
+/// Edit distance of two words: the number of characters to insert, delete or replace. It keeps
+/// one row of the usual table.
 pub fn distance(a: &str, b: &str) -> usize {
     let b: Vec<char> = b.chars().collect();
     let mut row: Vec<usize> = (0..=b.len()).collect();
@@ -328,7 +328,7 @@ mod tests {
     use super::distance;
 
     #[test]
-    fn edits() {
+    fn edits_are_counted() {
         assert_eq!(distance("backlash", "baklash"), 1);
         assert_eq!(distance("step", "steps"), 1);
         assert_eq!(distance("", "abc"), 3);

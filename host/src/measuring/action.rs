@@ -1,20 +1,20 @@
-//! What to do with a machine, one thing after another.
+//! The actions of `husillo measure`.
 
 use super::direction::Towards;
 use husillo_metrology::Scale;
 use husillo_metrology::calibration::{Body, ReferenceBody};
 use husillo_metrology::quantity::{self, Quantity};
 
-/// One action. Axes are 0 for X to 2 for Z, lengths amounts of the scale.
+/// One action. An axis is 0 for X to 2 for Z. A length is an amount of the scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Action {
-    /// Go to this position in a straight line; axes without one stay.
+    /// Move to this position in a straight line. Axes without a value stay where they are.
     GoTo([Option<i64>; 3]),
-    /// Call the present place of these axes 0.
+    /// Make the present position of these axes 0.
     Zero([bool; 3]),
-    /// Search the index of an axis and call it 0.
+    /// Search the index of an axis and make it 0.
     Home(usize),
-    /// Run an axis for some seconds.
+    /// Move an axis for a time.
     Jog {
         towards: Towards,
         seconds: f64,
@@ -22,20 +22,20 @@ pub enum Action {
     },
     /// Touch the work piece.
     Touch(Towards),
-    /// Touch a face at a known place and find the pre-travel.
+    /// Touch a face at a known position and find the pre-travel.
     Calibrate(Towards),
     /// Calibrate the probe on a sphere or a ring.
     CalibrateOn(ReferenceBody),
-    /// Say where axes are and how they do; none for all.
+    /// Report position and state of these axes; none means all.
     Status([bool; 3]),
 }
 
 impl Action {
-    /// Reads words such as `goto X12 Y3 touch -z`; `axis` is the one meant where none is named.
+    /// Reads words such as `goto X12 Y3 touch -z`. An action that names no axis means `axis`.
     ///
     /// # Errors
     ///
-    /// A sentence about the first that is not understood.
+    /// A message about the first word that is not understood.
     pub fn parse(words: &[String], scale: Scale, axis: usize) -> Result<Vec<Self>, String> {
         let mut words = words.iter().map(String::as_str).peekable();
         let mut actions = Vec::new();
@@ -49,8 +49,9 @@ impl Action {
                     }
                     if goal == [None; 3] {
                         let text = words.next();
-                        let text =
-                            text.ok_or("`goto` where? As in `goto 1200` or `goto X10 Y-2.5`")?;
+                        let text = text.ok_or(
+                            "`goto` needs a position, as in `goto 1200` or `goto X10 Y-2.5`",
+                        )?;
                         goal[axis] = Some(position(word, text, scale)?);
                     }
                     Self::GoTo(goal)
@@ -70,7 +71,9 @@ impl Action {
                 "jog" => {
                     let towards = towards(word, words.next(), axis)?;
                     if towards.axis.is_none() {
-                        return Err("`jog` goes along an axis, as in `jog +x 2s`".into());
+                        return Err(
+                            "`jog` needs the direction of an axis, as in `jog +x 2s`".into()
+                        );
                     }
                     let time = words.next().unwrap_or_default();
                     Self::Jog {
@@ -86,16 +89,19 @@ impl Action {
                 "calibrate" => {
                     let towards = towards(word, words.next(), axis)?;
                     if towards.axis.is_none() {
-                        return Err("`calibrate` goes along an axis, as in `calibrate +x`".into());
+                        return Err(
+                            "`calibrate` needs the direction of an axis, as in `calibrate +x`"
+                                .into(),
+                        );
                     }
                     Self::Calibrate(towards)
                 }
                 "status" => Self::Status(axes(&mut words)),
                 other => {
                     return Err(format!(
-                        "unknown action `{other}`: there are goto POSITION, zero, home, jog \
-                         DIRECTION TIME, touch DIRECTION, calibrate DIRECTION, status; and as the \
-                         last run FILE, record FILE, session"
+                        "unknown action `{other}`: there are goto POSITION, zero, home, \
+                         jog DIRECTION TIME, touch DIRECTION, calibrate DIRECTION, status; \
+                         and as the last one run FILE, record FILE, session"
                     ));
                 }
             });
@@ -103,7 +109,7 @@ impl Action {
         Ok(actions)
     }
 
-    /// The axes it names, 0 to 2; none for all.
+    /// The axes that it names, 0 to 2; none means all.
     pub fn axes(&self) -> Vec<usize> {
         match self {
             Self::GoTo(goal) => (0..3).filter(|axis| goal[*axis].is_some()).collect(),
@@ -117,7 +123,7 @@ impl Action {
     }
 }
 
-/// `x` as an axis.
+/// Reads `x` as an axis.
 fn letter(word: &str) -> Option<usize> {
     let word = word.to_ascii_uppercase();
     "XYZ".find(&word).filter(|_| word.len() == 1)
@@ -133,23 +139,23 @@ fn axes<'a>(words: &mut std::iter::Peekable<impl Iterator<Item = &'a str>>) -> [
     named
 }
 
-/// `X-1.5` as axis and number.
+/// Reads `X-1.5` as an axis and a number.
 fn named(word: &str) -> Option<(usize, &str)> {
     let letter = word.chars().next()?.to_ascii_uppercase();
     let axis = "XYZ".find(letter)?;
-    // A letter of one byte.
+    // The letter is one byte.
     let number = word.get(1..)?;
     let begins = number.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '+' | '-' | '.'));
     begins.then_some((axis, number))
 }
 
-/// A time such as `2s` or `300ms`.
+/// Reads a time such as `2s` or `300ms`.
 fn seconds(text: &str) -> Result<f64, String> {
     match quantity::parse(text) {
         Ok(Quantity::Time(us)) if us.num >= 0 => Ok(us.num as f64 / us.den as f64 / 1e6),
-        _ if text.is_empty() => Err("`jog` how long? As in `jog +x 2s`".into()),
+        _ if text.is_empty() => Err("`jog` needs a time, as in `jog +x 2s`".into()),
         _ => Err(format!(
-            "`jog` how long? `{text}` is no time; as in `jog +x 2s`"
+            "`jog` needs a time, as in `jog +x 2s`: `{text}` is none"
         )),
     }
 }
@@ -163,7 +169,7 @@ fn body(word: &str) -> Option<Body> {
     }
 }
 
-/// `sphere X-25 Y25 Z-20 R10`.
+/// Reads `sphere X-25 Y25 Z-20 R10`.
 fn reference<'a>(
     words: &mut impl Iterator<Item = &'a str>,
     scale: Scale,
@@ -186,8 +192,8 @@ fn reference<'a>(
     let words: Vec<&str> = words.take(4).collect();
     let (centre, radius) = place(&words).ok_or_else(|| {
         format!(
-            "`calibrate {name}` where, and how large? As in `calibrate {name} X-25 Y25 Z-20 \
-             R10`: its centre and its radius"
+            "`calibrate {name}` needs a centre and a radius, as in \
+             `calibrate {name} X-25 Y25 Z-20 R10`"
         )
     })?;
     Ok(ReferenceBody {
@@ -209,7 +215,7 @@ fn towards(action: &str, word: Option<&str>, axis: usize) -> Result<Towards, Str
     let towards = word.and_then(|word| Towards::parse(word, axis));
     towards.ok_or_else(|| {
         format!(
-            "`{action}` in which direction? As in `{action} +`, `{action} -z` or `{action} 1,0,-1`"
+            "`{action}` needs a direction, as in `{action} +`, `{action} -z` or `{action} 1,0,-1`"
         )
     })
 }

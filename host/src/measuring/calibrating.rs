@@ -10,16 +10,16 @@ use husillo_metrology::calibration::{AxisFit, Ends, Reading, SquareFit};
 use husillo_metrology::heads::Machine;
 use std::io::Write;
 
-/// `husillo calibrate axis`: the lines go to `out`.
+/// `husillo calibrate axis`: writes the lines for the machine file to `out`.
 ///
 /// # Errors
 ///
-/// [`Stopped`]: a bad file, or readings that are no calibration.
+/// [`Stopped`]: the file is bad, or its readings do not determine a calibration.
 pub fn calibrate_axis(args: &AxisArgs, out: &mut dyn Write) -> Result<(), Stopped> {
     let machine = load(&args.machine)?;
     let letter = args.axis.to_ascii_uppercase();
-    let place = machine.axes.iter().position(|axis| axis.letter == letter);
-    let index = "XYZ".find(letter).filter(|_| place.is_some());
+    let axis = machine.axes.iter().position(|axis| axis.letter == letter);
+    let index = "XYZ".find(letter).filter(|_| axis.is_some());
     let index = index.ok_or_else(|| format!("{} has no axis {letter}", machine.title))?;
     let columns = Columns::read(&args.file, &["nominal", "reading", "direction"])?;
     let readings: Result<Vec<Reading>, String> = columns
@@ -31,7 +31,7 @@ pub fn calibrate_axis(args: &AxisArgs, out: &mut dyn Write) -> Result<(), Stoppe
             };
             Ok(Reading {
                 nominal: length(&machine, &row, "nominal")?,
-                // What the file corrects already is put back.
+                // Takes back the correction that the machine file makes already.
                 reading: machine.errors.axes[index]
                     .reading_nm(length(&machine, &row, "reading")?, flank),
                 flank,
@@ -45,15 +45,15 @@ pub fn calibrate_axis(args: &AxisArgs, out: &mut dyn Write) -> Result<(), Stoppe
     let [before, scaled, after] = fit.spans.map(|nm| nm / 1e3);
     let knots = fit.table.knots().len();
     let noise = fit.noise / 1e3;
-    let told = if knots > 0 {
+    let table = if knots > 0 {
         format!("{after:.2} um with its table of {knots} as well")
     } else {
-        "no table: what is left is noise, or it was not asked for".to_owned()
+        "no table: it was not requested, or only noise is left".to_owned()
     };
     write!(
         out,
         "# {letter}: {} readings of {} lengths, a mean of them good to {noise:.2} um\n\
-         # errors span {before:.2} um; {scaled:.2} um with the scale; {told}\n{}",
+         # errors span {before:.2} um; {scaled:.2} um with the scale; {table}\n{}",
         readings.len(),
         fit.places,
         axis_lines(letter, &fit.table)
@@ -61,24 +61,24 @@ pub fn calibrate_axis(args: &AxisArgs, out: &mut dyn Write) -> Result<(), Stoppe
     .map_err(Stopped::Output)
 }
 
-/// `husillo calibrate squareness`: the lines go to `out`.
+/// `husillo calibrate squareness`: writes the lines for the machine file to `out`.
 ///
 /// # Errors
 ///
-/// [`Stopped`]: a bad file, or a bar that tells nothing.
+/// [`Stopped`]: the file is bad, or its readings do not determine an angle.
 pub fn calibrate_squareness(args: &SquarenessArgs, out: &mut dyn Write) -> Result<(), Stopped> {
     let machine = load(&args.machine)?;
     let names = ["x1", "y1", "z1", "x2", "y2", "z2"];
     let columns = Columns::read(&args.file, &names)?;
     let end = |row: &Row<'_>, names: [&str; 3]| -> Result<[i64; 3], String> {
-        let mut place = [0; 3];
-        for (place, name) in place.iter_mut().zip(names) {
+        let mut position = [0; 3];
+        for (coordinate, name) in position.iter_mut().zip(names) {
             // A machine of two axes has no Z.
             if !name.starts_with('z') || columns.has(name) {
-                *place = length(&machine, row, name)?;
+                *coordinate = length(&machine, row, name)?;
             }
         }
-        Ok(machine.errors.squareness.reading_nm(place))
+        Ok(machine.errors.squareness.reading_nm(position))
     };
     let places: Result<Vec<Ends>, String> = columns
         .rows()
@@ -98,11 +98,11 @@ pub fn calibrate_squareness(args: &SquarenessArgs, out: &mut dyn Write) -> Resul
     };
     let fit = SquareFit::new(&places, given).map_err(|why| format!("{}: {why}", args.file))?;
     let [before, after] = fit.worst.map(|nm| nm / 1e3);
-    let whose = if given.is_some() { "" } else { " by itself" };
+    let origin = if given.is_some() { "" } else { " (fitted)" };
     writeln!(
         out,
-        "# {} places of a bar of {:.4} mm{whose}: off by {before:.2} um at most before, {after:.2} \
-         um after",
+        "# {} places of a bar of {:.4} mm{origin}: off by {before:.2} um at most before, \
+         {after:.2} um after",
         places.len(),
         fit.length / 1e6
     )
@@ -122,8 +122,7 @@ fn load(name: &str) -> Result<Machine, Stopped> {
     if machine.scale.unit() == "mm" {
         Ok(machine)
     } else {
-        let why =
-            "has no `count`: nobody knows there how long a count is, so lengths cannot be compared";
+        let why = "has no `count` (the length of a count), so lengths cannot be compared";
         Err(Stopped::Usage(format!("{name} {why}")))
     }
 }
@@ -143,5 +142,5 @@ fn length(machine: &Machine, row: &Row<'_>, name: &str) -> Result<i64, String> {
 fn amount(machine: &Machine, text: &str) -> Result<i64, String> {
     let quantity = machine.scale.parse(text)?;
     let amount = machine.scale.amount(quantity);
-    amount.ok_or_else(|| format!("`{text}` is no length"))
+    amount.ok_or_else(|| format!("`{text}` is not a length"))
 }

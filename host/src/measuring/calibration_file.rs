@@ -1,4 +1,4 @@
-//! `[axis.x.calibration]` and `[squareness]` of a machine file: read, and written for it.
+//! Reads and writes `[axis.x.calibration]` and `[squareness]` of a machine file.
 
 use crate::machines::table::Table;
 use husillo_backlash::{ErrorTable, Knot, Squareness};
@@ -7,10 +7,10 @@ use husillo_metrology::quantity::{self, Quantity};
 use std::fmt::Write;
 
 const RATIO: &str = "as in \"50 um/m\", at most 10000 um/m";
-const ENTRY: &str = "expected [\"-200 mm\", \"0.3 um\", \"-0.1 um\"]: reading, and its correction \
-     after a positive and a negative way";
+const ENTRY: &str = "expected [\"-200 mm\", \"0.3 um\", \"-0.1 um\"]: the reading, and its \
+     correction after a move in the positive and in the negative direction";
 
-/// Reads `calibration` of an axis; without one there are no errors.
+/// Reads `calibration` of an axis. An axis without it has no errors.
 pub fn read_axis(table: &mut Table<'_, '_>, scale: Scale) -> ErrorTable<Vec<Knot>> {
     let span = table.value("calibration").map(|(_, span)| span);
     let errors = table.optional_table("calibration", |table| {
@@ -38,12 +38,12 @@ pub fn read_axis(table: &mut Table<'_, '_>, scale: Scale) -> ErrorTable<Vec<Knot
     let span = span.unwrap_or_default();
     if scale.unit() != "mm" {
         let why = "a calibration needs a `count`";
-        table.wrong(span, why, "nobody knows here how long a count is");
+        table.wrong(span, why, "the file does not give the length of a count");
         return ErrorTable::default();
     }
     ErrorTable::new(scale_ppb, knots).unwrap_or_else(|error| {
         let label = "entries are counted from 0";
-        table.wrong(span, &format!("this is no calibration: {error}"), label);
+        table.wrong(span, &format!("the calibration is invalid: {error}"), label);
         ErrorTable::default()
     })
 }
@@ -58,8 +58,8 @@ pub fn read_squareness(table: &mut Table<'_, '_>, axes: &str) -> Squareness {
                 .chars()
                 .all(|axis| axes.contains(axis));
             if let (true, Some((_, span))) = (lean != 0 && !is_there, table.value(key)) {
-                let message = format!("`{key}` of a machine without one of these axes");
-                table.wrong(span, &message, &format!("there is {axes}"));
+                let message = format!("`{key}`: the machine does not have both axes");
+                table.wrong(span, &message, &format!("it has {axes}"));
             }
             lean
         };
@@ -72,7 +72,7 @@ pub fn read_squareness(table: &mut Table<'_, '_>, axes: &str) -> Squareness {
     squareness.unwrap_or_default()
 }
 
-/// Parts in 10^9; 0 where there is none.
+/// Reads a ratio in parts in 10^9. A missing one is 0.
 fn ratio(table: &mut Table<'_, '_>, key: &'static str) -> i32 {
     let ratio = table.quantity(key, RATIO, |quantity| match quantity {
         Quantity::Ratio(ratio) => i32::try_from(ratio.rounded()).ok(),
@@ -81,7 +81,7 @@ fn ratio(table: &mut Table<'_, '_>, key: &'static str) -> i32 {
     ratio.unwrap_or_default()
 }
 
-/// `["-200 mm", "0.3 um", "-0.1 um"]`.
+/// Reads `["-200 mm", "0.3 um", "-0.1 um"]`.
 fn knot(entry: &toml::de::DeValue<'_>, scale: Scale) -> Option<Knot> {
     let length = |text: &str| scale.amount(quantity::parse(text).ok()?);
     let lengths = entry.as_array()?.iter();
@@ -96,7 +96,7 @@ fn knot(entry: &toml::de::DeValue<'_>, scale: Scale) -> Option<Knot> {
     }
 }
 
-/// The lines of an axis.
+/// The lines of `calibration` of an axis.
 pub fn axis_lines(letter: char, table: &ErrorTable<Vec<Knot>>) -> String {
     let mut text = format!(
         "[axis.{}.calibration]\nscale = \"{}\"\n",
@@ -104,7 +104,7 @@ pub fn axis_lines(letter: char, table: &ErrorTable<Vec<Knot>>) -> String {
         per_metre(table.scale_ppb())
     );
     if !table.knots().is_empty() {
-        text += "table = [ # reading, correction after a positive and after a negative way\n";
+        text += "table = [ # reading, correction after a positive and after a negative move\n";
         for knot in table.knots() {
             // Writing to a string cannot fail.
             let _ = writeln!(
@@ -120,7 +120,7 @@ pub fn axis_lines(letter: char, table: &ErrorTable<Vec<Knot>>) -> String {
     text
 }
 
-/// The lines of the angles.
+/// The lines of `[squareness]`.
 pub fn squareness_lines(squareness: &Squareness) -> String {
     format!(
         "[squareness]\nxy = \"{}\"\nxz = \"{}\"\nyz = \"{}\"\n",
@@ -140,7 +140,7 @@ mod tests {
     use crate::measuring::file;
 
     #[test]
-    fn what_is_written_is_read_again() {
+    fn written_calibration_reads_back_unchanged() {
         let knot = |reading_nm, positive_nm, negative_nm| Knot {
             reading_nm,
             positive_nm,

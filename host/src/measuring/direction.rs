@@ -1,13 +1,13 @@
-//! Directions of touches, as they are written.
+//! Directions on the command line.
 
 use husillo_probe::UnitVector;
 
-/// A direction and the axis it is along, if it is along one.
+/// A direction. It knows its axis if it lies along one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Towards {
-    /// Which way.
+    /// The direction.
     pub direction: UnitVector,
-    /// 0 for X to 2 for Z.
+    /// 0 for X to 2 for Z; `None` if it lies along no axis.
     pub axis: Option<usize>,
 }
 
@@ -45,14 +45,14 @@ impl Towards {
             })
             .collect();
         let parts: [f64; 3] = parts?.try_into().ok()?;
-        // Below 10^15: whole millionths fit.
+        // At most 10^6 times 10^9: fits 64 bits.
         let direction = UnitVector::new(parts.map(|part| (part * 1e9).round() as i64))?;
         let whole = direction.components().map(|part| part.abs() == 1);
         let axis = whole.iter().position(|is_whole| *is_whole);
         Some(Self { direction, axis })
     }
 
-    /// Along an axis.
+    /// The positive or negative direction of an axis.
     pub fn along(axis: usize, is_positive: bool) -> Self {
         let direction = match axis {
             0 => UnitVector::X,
@@ -69,7 +69,7 @@ impl Towards {
         }
     }
 
-    /// `+`, `-`, or the components.
+    /// `+` or `-` along an axis, otherwise the three components.
     pub fn text(&self) -> String {
         let parts = self.direction.components();
         match self.axis {

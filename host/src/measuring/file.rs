@@ -57,11 +57,11 @@ pub fn parse(path: &str, text: &str) -> Result<Machine, Vec<Finding>> {
         let mut read = |axis: &mut Table<'_, '_>, letter, errors: &mut _| {
             *errors = calibration_file::read_axis(axis, scale);
             let read = read_axis(axis, letter, scale);
-            // 0 is reported as missing.
+            // 0 stands for a missing module, which is reported separately.
             let is_taken = read.module > 0 && taken.contains(&read.module);
             if let (true, Some((_, span))) = (is_taken, axis.value("module")) {
-                let message = format!("module {} is that of another axis", read.module);
-                axis.wrong(span, &message, "an address is one axis's alone");
+                let message = format!("module {} belongs to another axis", read.module);
+                axis.wrong(span, &message, "each axis needs its own address");
             }
             taken.push(read.module);
             read
@@ -134,32 +134,33 @@ fn read_probe(table: &mut Table<'_, '_>, scale: Scale) -> ProbeSettings {
     }
 }
 
-/// Whether a search can brake within the over-travel on every axis: `v^2 / 2a`.
+/// Checks that a search can brake within the over-travel on every axis: `v^2 / 2a`.
 fn check_braking(
     table: &mut Table<'_, '_>,
     probe: &ProbeSettings,
     axes: &[AxisSettings],
     scale: Scale,
 ) {
-    // 0 stands for what is reported as missing.
+    // 0 stands for a missing acceleration, which is reported separately.
     let known = axes.iter().filter(|axis| axis.acceleration > 0);
-    let ways = known.map(|axis| {
-        // 64 bits; what is not whole counts more.
+    let distances = known.map(|axis| {
+        // The square of 32 bits fits 64 bits. The distance is rounded up.
         let rate = u64::from(probe.rate.min(axis.rate));
         (rate * rate).div_ceil(2 * u64::from(axis.acceleration))
     });
-    let most = ways.max().unwrap_or_default();
+    let most = distances.max().unwrap_or_default();
     if probe.over_travel == 0 || most <= u64::from(probe.over_travel) {
         return;
     }
     if let Some((_, span)) = table.value("over_travel") {
-        let way = scale.text(scale.of_counts(i64::try_from(most).unwrap_or(i64::MAX)));
-        let label = format!("a search at `rate` takes {way} to brake: v^2 / 2a");
+        let distance = scale.text(scale.of_counts(i64::try_from(most).unwrap_or(i64::MAX)));
+        let label = format!("a search at `rate` needs {distance} to brake: v^2 / 2a");
         table.wrong(span, "`over_travel` is too short", &label);
     }
 }
 
-/// One for the positive and one for the negative direction of every axis, or a list by direction.
+/// Reads the pre-travel: one length for the positive and one for the negative direction of every
+/// axis, or a list by direction.
 fn read_pre_travel(table: &mut Table<'_, '_>, scale: Scale) -> PreTravel<PLACES> {
     let is_list = |table: &mut Table<'_, '_>| {
         let value = table.value("pre_travel");
@@ -200,13 +201,13 @@ fn read_pre_travel(table: &mut Table<'_, '_>, scale: Scale) -> PreTravel<PLACES>
     let entries: Vec<_> = entries.into_iter().flatten().flatten().collect();
     PreTravel::of(&entries).unwrap_or_else(|| {
         if let Some((_, span)) = table.value("pre_travel") {
-            table.wrong(span, "too many entries", &format!("{PLACES} at most"));
+            table.wrong(span, "too many entries", &format!("at most {PLACES}"));
         }
         both_ways([0; 2])
     })
 }
 
-/// A short length as an amount of the scale; 0 where there is none.
+/// Reads a short length as an amount of the scale. A missing one is 0.
 fn short(table: &mut Table<'_, '_>, key: &'static str, scale: Scale) -> i32 {
     let amount = table.quantity(key, LENGTH, |quantity| {
         i32::try_from(scale.amount(quantity)?).ok()
@@ -223,14 +224,14 @@ fn read_link(table: &mut Table<'_, '_>) -> Baud {
     });
     if let (Some(_), None, Some((_, span))) = (bits_per_s, baud, table.value("baud")) {
         let label = "one of 9600, 19200, 57600, 115200, 230400";
-        table.wrong(span, "no rate of these modules", label);
+        table.wrong(span, "these modules do not have this rate", label);
     }
     baud.unwrap_or_default()
 }
 
-const LENGTH: &str = "a length as in \"60 counts\", or \"0.12 mm\" where the file has a `count`";
+const LENGTH: &str = "a length as in \"60 counts\", or \"0.12 mm\" if the file has a `count`";
 
-/// A length above 0 in counts.
+/// Reads a length above 0, counts.
 fn length(table: &mut Table<'_, '_>, key: &'static str, scale: Scale) -> u32 {
     needed(table, key, LENGTH, |quantity| {
         let counts = u32::try_from(scale.counts(quantity)?).ok();
@@ -238,13 +239,13 @@ fn length(table: &mut Table<'_, '_>, key: &'static str, scale: Scale) -> u32 {
     })
 }
 
-/// A speed in counts/s.
+/// Reads a speed, counts/s.
 fn rate(table: &mut Table<'_, '_>, key: &'static str, scale: Scale) -> u32 {
-    let form = "a speed as in \"1200 counts/s\", or \"2.4 mm/s\" where the file has a `count`";
+    let form = "a speed as in \"1200 counts/s\", or \"2.4 mm/s\" if the file has a `count`";
     needed(table, key, form, |quantity| scale.rate(quantity))
 }
 
-/// A quantity that must be there.
+/// Reads a required quantity.
 fn needed<T: Default>(
     table: &mut Table<'_, '_>,
     key: &'static str,
@@ -258,7 +259,7 @@ fn needed<T: Default>(
     value.unwrap_or_default()
 }
 
-/// An integer of few bits; missing where it has no default.
+/// Reads an integer of few bits. It is required if it has no default.
 fn small<T: TryFrom<i64> + Default>(
     table: &mut Table<'_, '_>,
     key: &'static str,
@@ -273,7 +274,7 @@ fn small<T: TryFrom<i64> + Default>(
     value.or(default).unwrap_or_default()
 }
 
-/// `["-8000 counts", "8000 counts"]`.
+/// Reads `["-8000 counts", "8000 counts"]`.
 fn travel(table: &mut Table<'_, '_>, scale: Scale) -> [i32; 2] {
     let Some((value, span)) = table.value("travel") else {
         table.missing("travel");
@@ -289,7 +290,7 @@ fn travel(table: &mut Table<'_, '_>, scale: Scale) -> [i32; 2] {
         Some(&[low, high]) if low < high => [low, high],
         _ => {
             let label =
-                "expected [\"-8000 counts\", \"8000 counts\"], or mm where the file has a `count`";
+                "expected [\"-8000 counts\", \"8000 counts\"], or mm if the file has a `count`";
             table.wrong(span, "travel is not understood", label);
             [0, 0]
         }
@@ -300,16 +301,16 @@ fn travel(table: &mut Table<'_, '_>, scale: Scale) -> [i32; 2] {
 mod tests {
     use super::*;
 
-    /// Tests of the library run on what the simulated machines of the program are.
+    /// The tests of the library run on the same simulated machines as the program.
     #[test]
-    fn the_machines_of_the_library_are_those_of_the_files() {
+    fn the_machines_of_the_library_equal_those_of_the_files() {
         use husillo_metrology::simulated::{one_axis, three_axes};
         assert_eq!(load("cmm").unwrap(), one_axis());
         assert_eq!(load("cmm3").unwrap(), three_axes());
     }
 
     #[test]
-    fn the_machines_that_are_built_in() {
+    fn built_in_machines_are_read() {
         let one = load("cmm").unwrap();
         assert_eq!((one.axes.len(), one.scale.unit()), (1, "counts"));
         assert_eq!(one.axes[0].travel, [-8000, 8000]);
@@ -323,11 +324,11 @@ mod tests {
     }
 
     #[test]
-    fn modules_are_one_each_and_a_search_can_brake() {
+    fn two_axes_on_one_module_and_a_search_that_cannot_brake_are_refused() {
         let text = CMM3.replacen("module = 2", "module = 1", 1);
         let findings = parse("mine.toml", &text).unwrap_err();
         assert_eq!(findings.len(), 1);
-        assert_eq!(findings[0].message, "module 1 is that of another axis");
+        assert_eq!(findings[0].message, "module 1 belongs to another axis");
         // 200 counts/s and 6000 counts/s^2: 3.3 counts.
         for (over_travel, is_enough) in [("4 counts", true), ("3 counts", false)] {
             let text = CMM.replacen("\"100 counts\"", &format!("\"{over_travel}\""), 1);
@@ -340,7 +341,7 @@ mod tests {
     }
 
     #[test]
-    fn a_length_needs_a_scale() {
+    fn a_length_in_mm_needs_a_scale() {
         let text = CMM.replacen("\"60 counts\"", "\"0.1 mm\"", 1);
         let findings = parse("mine.toml", &text).unwrap_err();
         assert_eq!(findings[0].message, "`back_off` does not fit");

@@ -9,22 +9,22 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Exit status of a program that Ctrl-C has ended: 128 and the number of the signal.
 pub const INTERRUPTED: u8 = 130;
 
-/// Whether the user, or the system, wants an end.
+/// A request of the user or the system to end the program.
 #[derive(Clone, Debug, Default)]
 pub struct Interrupt {
     is_asked: Arc<AtomicBool>,
-    /// Motors run, or may: the end has to wait until they are stopped.
+    /// Motors run or may run. The end waits until they are stopped.
     is_moving: Arc<AtomicBool>,
     has_stopped: Arc<AtomicBool>,
 }
 
 impl Interrupt {
-    /// Listens from now on. While nothing moves, Ctrl-C ends the program at once. Otherwise
-    /// [`is_asked`](Self::is_asked) reports it.
+    /// Listens from now on. Ctrl-C ends the program at once while nothing moves. Otherwise it sets
+    /// [`is_asked`](Self::is_asked).
     ///
     /// # Errors
     ///
-    /// The system does not hand it over.
+    /// The system refuses to pass Ctrl-C on.
     pub fn listen() -> Result<Self, String> {
         let interrupt = Self::default();
         let heard = interrupt.clone();
@@ -38,35 +38,35 @@ impl Interrupt {
         Ok(interrupt)
     }
 
-    /// Asks for the end.
+    /// Requests the end.
     pub fn ask(&self) {
         self.is_asked.store(true, Ordering::SeqCst);
     }
 
-    /// Whether it is wanted and nobody has seen to it.
+    /// Whether the end is requested and the motors are not yet stopped.
     pub fn is_asked(&self) -> bool {
         self.is_asked.load(Ordering::SeqCst)
     }
 
-    /// Whether motors may run from now on.
+    /// Sets whether motors may run from now on.
     pub fn set_moving(&self, is_moving: bool) {
         self.is_moving.store(is_moving, Ordering::SeqCst);
     }
 
-    /// Somebody stops the motors now: the line is free for it.
+    /// The caller stops the motors now. The request is cleared, so the line is free for the stop.
     pub fn see_to(&self) {
         if self.is_asked.swap(false, Ordering::SeqCst) {
             self.has_stopped.store(true, Ordering::SeqCst);
         }
     }
 
-    /// Whether it was wanted and has been seen to.
+    /// Whether the end was requested and the motors were stopped.
     pub fn has_stopped(&self) -> bool {
         self.has_stopped.load(Ordering::SeqCst)
     }
 }
 
-/// The user at the terminal, before whom the machine stands.
+/// The user at the terminal, next to the machine.
 #[derive(Clone, Debug)]
 pub struct User {
     interrupt: Interrupt,
@@ -75,7 +75,7 @@ pub struct User {
 }
 
 impl User {
-    /// Who may interrupt, and is shown all bytes where `is_raw`.
+    /// A user who may interrupt. If `is_raw`, standard error shows all bytes.
     pub fn new(interrupt: &Interrupt, is_raw: bool) -> Self {
         Self {
             interrupt: interrupt.clone(),
@@ -117,6 +117,6 @@ impl Operator for User {
     }
 
     fn stop_is_unanswered(&self) {
-        eprintln!("warning: not every axis has answered the stop: be ready to switch off");
+        eprintln!("warning: not every axis has confirmed the stop: be ready to switch off");
     }
 }

@@ -1,10 +1,10 @@
-//! A list of modules, as `emulate` takes it.
+//! The list of modules of `husillo emulate`.
 
-/// Versions of a list such as `servo:4,servo:4`, from the far end.
+/// Reads the versions from a list such as `servo:4,servo:4`. The farthest module comes first.
 ///
 /// # Errors
 ///
-/// A sentence about the list.
+/// An unknown module, or too many of them.
 pub fn versions(list: &str) -> Result<Vec<u8>, String> {
     let version = |module: &str| match module {
         "servo" | "servo:4" => Some(4),
@@ -14,10 +14,10 @@ pub fn versions(list: &str) -> Result<Vec<u8>, String> {
     };
     let versions: Option<Vec<u8>> = list.split(',').map(version).collect();
     let versions = versions.ok_or_else(|| {
-        format!("`{list}`: expected servo:4, servo:5 or servo:10, with commas between")
+        format!("`{list}`: expected servo:4, servo:5 or servo:10, separated by commas")
     })?;
     if versions.len() > usize::from(husillo_transports::nmc::LAST_ADDRESS) {
-        return Err(format!("{} modules: a line has 32 at most", versions.len()));
+        return Err(format!("{} modules: a line has at most 32", versions.len()));
     }
     Ok(versions)
 }

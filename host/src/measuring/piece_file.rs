@@ -84,7 +84,7 @@ fn read_solid(table: &mut Table<'_, '_>) -> Solid {
         },
         Kind::Plane => Shape::Plane {
             point_mm: point(table, "point"),
-            // The length does not matter, the unit neither.
+            // Neither length nor unit matters.
             outward: point(table, "outward"),
         },
     };
@@ -99,7 +99,7 @@ fn read_solid(table: &mut Table<'_, '_>) -> Solid {
     }
 }
 
-/// Where the drawing lies, and how it is turned about Z and tilted about X.
+/// Reads where the drawing lies, and how it is turned about Z and tilted about X.
 fn read_place(table: &mut Table<'_, '_>) -> Place {
     let at_mm = point(table, "at");
     let degrees = |quantity| match quantity {
@@ -120,11 +120,11 @@ fn read_probe(table: &mut Table<'_, '_>) -> TouchProbe {
         noise_mm: length(table, "noise").unwrap_or_default(),
     };
     let seed = table.integer("seed", 0..=i64::MAX).unwrap_or(1);
-    // Not negative.
+    // The range excludes negative numbers.
     TouchProbe::new(model, seed as u64)
 }
 
-/// A length above 0 that must be there, mm.
+/// Reads a required length above 0, mm.
 fn size(table: &mut Table<'_, '_>, key: &'static str) -> f64 {
     let found = length(table, key);
     if found.is_none() {
@@ -140,7 +140,7 @@ fn size(table: &mut Table<'_, '_>, key: &'static str) -> f64 {
     found.unwrap_or(1.0)
 }
 
-/// A length of at least 0, mm.
+/// Reads a length of at least 0, mm.
 fn length(table: &mut Table<'_, '_>, key: &'static str) -> Option<f64> {
     table.quantity(key, LENGTH, |quantity| mm(quantity).filter(|mm| *mm >= 0.0))
 }
@@ -152,7 +152,7 @@ fn mm(quantity: Quantity) -> Option<f64> {
     }
 }
 
-/// A point that must be there, mm.
+/// Reads a required point, mm.
 fn point(table: &mut Table<'_, '_>, key: &'static str) -> PointMm {
     let Some((value, span)) = table.value(key) else {
         table.missing(key);
@@ -179,7 +179,7 @@ mod tests {
     const EXAMPLE: &str = include_str!("../../../examples/piece.toml");
 
     #[test]
-    fn the_example() {
+    fn the_example_is_read() {
         let piece = parse("piece.toml", EXAMPLE).unwrap();
         assert_eq!(piece.work.solids.len(), 3);
         // The top of the block, the middle of its bore, the top of the reference sphere.
@@ -190,10 +190,10 @@ mod tests {
     }
 
     #[test]
-    fn a_piece_elsewhere() {
+    fn a_place_moves_and_turns_the_piece() {
         let place = "[place]\nat = [\"100 mm\", \"0 mm\", \"0 mm\"]\nturn = \"90 deg\"\n\n[probe]";
         let piece = parse("piece.toml", &EXAMPLE.replacen("[probe]", place, 1)).unwrap();
-        // What was drawn at X 30, Y 12 is at X 100 - 12, Y 30.
+        // The point at X 30, Y 12 of the drawing is at X 100 - 12, Y 30.
         assert!((piece.work.distance_mm([88.0, 30.0, -19.0]) - 1.0).abs() < 1e-9);
     }
 

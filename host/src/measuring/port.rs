@@ -5,7 +5,7 @@ use husillo_metrology::heads;
 use husillo_transports::nmc::{Baud, Timing};
 use std::io;
 
-/// A serial device or a socket with a chain of modules behind it.
+/// A serial device or a socket that leads to a chain of modules.
 #[derive(Debug)]
 pub struct ChainPort(Port);
 
@@ -14,7 +14,7 @@ impl ChainPort {
     ///
     /// # Errors
     ///
-    /// It cannot be opened.
+    /// The device or socket cannot be opened.
     pub fn open(name: &str) -> io::Result<Self> {
         Ok(Self(Port::open(name, Baud::default().bits_per_s())?))
     }
@@ -26,7 +26,7 @@ impl heads::Port for ChainPort {
     }
 
     /// The vendor's 50 ms until a reply are enough for an adapter. But this computer, or a
-    /// simulated chain on it, may delay the bytes for longer, and a late reply costs a flush.
+    /// simulated chain on it, may delay the bytes for longer. A late reply costs a flush.
     fn timing_of_known(&self, baud: Baud) -> Timing {
         Timing {
             reply_us: 250_000,

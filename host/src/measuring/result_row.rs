@@ -33,7 +33,7 @@ impl fmt::Display for Numbers {
     }
 }
 
-/// What came of an action, in the machine's unit.
+/// The result of an action, in the unit of the machine.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct ResultRow {
     /// Name of the action.
@@ -42,31 +42,31 @@ pub struct ResultRow {
     pub axis: String,
     /// `mm` or `counts`.
     pub unit: &'static str,
-    /// Where the axes stand.
+    /// Position of the axes.
     pub position: Numbers,
-    /// Of a touch.
+    /// Figures of a touch.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     pub touch: Option<TouchFigures>,
-    /// Of a calibration on a body of known size.
+    /// Figures of a calibration on a body of known size.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub calibration: Option<CalibrationFigures>,
-    /// Of a status.
+    /// Figures of a status.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     pub status: Option<StatusFigures>,
 }
 
-/// What the module of an axis says of itself.
+/// The state of the module of an axis.
 #[derive(Clone, Debug, Serialize)]
 pub struct StatusFigures {
-    /// Where the axis is told to be.
+    /// The commanded position.
     pub held: f64,
-    /// The same less where it is.
+    /// The commanded minus the actual position.
     pub position_error: f64,
     /// Motor current, units of the module's converter.
     pub current: u8,
-    /// The names of the bits that are set.
+    /// The names of the status bits that are set.
     pub bits: Vec<&'static str>,
-    /// Those of the auxiliary status.
+    /// The names of the bits of the auxiliary status that are set.
     pub auxiliary: Vec<&'static str>,
     /// Version of the module.
     pub version: u8,
@@ -75,40 +75,41 @@ pub struct StatusFigures {
 /// The figures of a touch.
 #[derive(Clone, Debug, Serialize)]
 pub struct TouchFigures {
-    /// `+` or `-` of an axis, or a unit vector.
+    /// `+` or `-` along an axis, otherwise a unit vector.
     pub direction: String,
-    /// What was latched, mean of the touches.
+    /// The latched position, mean of the touches.
     pub trigger: Numbers,
-    /// Less pre-travel and ball: the place of the face, taken as across the direction.
+    /// The latched position, corrected for pre-travel and ball: a point of the face, if the face
+    /// is at right angles to the direction.
     pub corrected: Numbers,
-    /// The pre-travel used, or found by a calibration.
+    /// The pre-travel that was used, or that a calibration found.
     pub pre_travel: f64,
     /// Touches averaged.
     pub touches: u8,
-    /// The farthest of them less the nearest.
+    /// Distance between the nearest and the farthest touch.
     pub spread: f64,
-    /// The longest way beyond the contact.
+    /// The longest distance beyond the contact.
     pub over_travel: f64,
-    /// Of a calibration that changed a table of pre-travel by direction: what it is now.
+    /// The new table, if a calibration changed a table of pre-travel by direction.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub table: Option<Vec<Entry>>,
 }
 
-/// What a calibration on a body found.
+/// The figures of a calibration on a body.
 #[derive(Clone, Debug, Serialize)]
 pub struct CalibrationFigures {
     /// `sphere` or `ring`.
     pub body: &'static str,
     /// Its centre.
     pub centre: Numbers,
-    /// Touches that were fitted.
+    /// Number of touches in the fit.
     pub touches: u32,
-    /// The farthest distance minus the nearest, with one pre-travel for all directions: the error
-    /// that the table corrects.
+    /// The farthest minus the nearest distance from the centre, with one pre-travel for all
+    /// directions. The table corrects this error.
     pub form: f64,
-    /// Radius of the ball, as it was given.
+    /// Given radius of the ball.
     pub ball_radius: f64,
-    /// The same less the mean pre-travel: what the ball measures like.
+    /// Given radius minus the mean pre-travel. The ball measures as if it had this radius.
     pub effective_radius: f64,
     /// The pre-travel by direction.
     pub table: Vec<Entry>,
@@ -117,13 +118,13 @@ pub struct CalibrationFigures {
 /// One direction of travel and its pre-travel.
 #[derive(Clone, Debug, Serialize)]
 pub struct Entry {
-    /// As whole numbers.
+    /// A vector of whole numbers; its length has no meaning.
     pub direction: [i64; 3],
-    /// From touch to signal.
+    /// Distance from touch to signal.
     pub length: f64,
 }
 
-/// Pre-travel by direction as lines of a machine file.
+/// The pre-travel by direction, as lines of a machine file.
 fn pre_travel(table: &[Entry], unit: &str) -> String {
     let entry = |Entry { direction, length }: &Entry| {
         format!("\n        {{ direction = {direction:?}, length = \"{length} {unit}\" }},")
@@ -133,14 +134,14 @@ fn pre_travel(table: &[Entry], unit: &str) -> String {
 }
 
 impl CalibrationFigures {
-    /// For people, and for the machine file.
+    /// Lines for people, with those for the machine file.
     fn text(&self, head: &str, unit: &str, places: usize) -> String {
         // The touched half does not separate Z of the centre from the bending of the stylus along
         // Z.
         let doubt = match self.body {
             "sphere" => {
-                "\n    its Z and pre-travel along Z cannot be told apart: `calibrate -z` on a face \
-                 at a known height does"
+                "\n    its Z and pre-travel along Z cannot be separated: use `calibrate -z` on a \
+                 face at a known height"
             }
             _ => "",
         };

@@ -1,7 +1,7 @@
 //! Measuring routines: `husillo measure run` and `husillo measure record`.
 //!
-//! `husillo-metrology` reads them and carries them out; here are their files, what is said of their
-//! mistakes, and the reports.
+//! `husillo-metrology` reads routines and carries them out. This module reads their files, shows
+//! their mistakes and writes the reports.
 
 mod findings;
 mod job;

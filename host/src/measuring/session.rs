@@ -1,4 +1,4 @@
-//! `husillo measure`: actions on a machine, and what they give.
+//! `husillo measure`: carries out actions on a machine and reports their results.
 
 use super::action::Action;
 use super::direction::Towards;
@@ -17,14 +17,14 @@ use husillo_transports::nmc::{Auxiliary, Reply, Status};
 /// The port of a machine: simulated or real.
 pub type AnyPort = Box<dyn Port>;
 
-/// All that `husillo measure` was asked for.
+/// A session with a machine: its settings, and the probe as far as it is calibrated.
 pub struct Session {
     /// The unit of the machine.
     pub scale: Scale,
-    /// The axis that is meant where an action names none.
+    /// The axis of an action that names none.
     axis: usize,
     machine: Machine,
-    /// X, Y and Z as far as the machine has them.
+    /// The axes that the machine has, of 0 for X to 2 for Z.
     axes: Vec<usize>,
     stylus: Stylus,
     reference: Option<i64>,
@@ -35,7 +35,7 @@ impl Session {
     ///
     /// # Errors
     ///
-    /// A sentence about them.
+    /// A message about an argument that is not understood or does not fit the machine.
     pub fn new(args: &Measure, machine: &Machine) -> Result<Self, String> {
         let scale = machine.scale;
         let axis = machine.axis(args.axis)?.coordinate();
@@ -52,7 +52,7 @@ impl Session {
         })
     }
 
-    /// The probe as it is known now.
+    /// The probe, as calibrated so far.
     pub const fn stylus(&self) -> Stylus {
         self.stylus
     }
@@ -61,7 +61,7 @@ impl Session {
     ///
     /// # Errors
     ///
-    /// A sentence about the first that is not understood, or that the machine cannot do.
+    /// A message about the first action that is not understood, or that the machine cannot do.
     pub fn actions(&self, words: &[String]) -> Result<Vec<Action>, String> {
         let actions = Action::parse(words, self.scale, self.axis)?;
         for letter in letters(&actions.iter().flat_map(Action::axes).collect::<Vec<_>>()).chars() {
@@ -69,12 +69,12 @@ impl Session {
         }
         let calibrates = |action: &Action| matches!(action, Action::Calibrate { .. });
         if self.reference.is_none() && actions.iter().any(calibrates) {
-            return Err("`calibrate` needs --reference, the place of the face".into());
+            return Err("`calibrate` needs --reference, the position of the face".into());
         }
         Ok(actions)
     }
 
-    /// Calibrates the probe on the face of the reference, if there is one.
+    /// Calibrates the probe on the face of `--reference`, if it is given.
     fn calibrate_on_face(
         &mut self,
         towards: &Towards,
@@ -89,24 +89,24 @@ impl Session {
         Ok(())
     }
 
-    /// Reports the status of axes, a row each.
+    /// Reports the status of axes, one row per axis.
     fn status(
         &self,
         axes: &[usize],
         row: &ResultRow,
         head: &mut Calibrated<Head<AnyPort>>,
-        tell: &mut impl FnMut(&ResultRow),
+        report: &mut impl FnMut(&ResultRow),
     ) -> Result<(), Trouble> {
         for axis in axes.iter().copied() {
             let reply: Reply = head.inner().status(axis)?;
-            let (held, place) = (head.held()[axis], head.position()?);
-            tell(&ResultRow {
+            let (held, position) = (head.held()[axis], head.position()?);
+            report(&ResultRow {
                 action: "status",
                 axis: letters(&[axis]),
-                position: self.numbers(place, &[axis]),
+                position: self.numbers(position, &[axis]),
                 status: Some(StatusFigures {
                     held: self.scale.number(held),
-                    position_error: self.scale.number(held - place[axis]),
+                    position_error: self.scale.number(held - position[axis]),
                     current: reply.readings.current,
                     bits: names(reply.status),
                     auxiliary: auxiliary(reply.readings.auxiliary),
@@ -118,16 +118,16 @@ impl Session {
         Ok(())
     }
 
-    /// Does everything in turn; each result goes to `tell`.
+    /// Carries out the actions in turn. `report` gets each result.
     ///
     /// # Errors
     ///
-    /// The first action that fails ends it.
+    /// The first action that fails. The actions after it are not carried out.
     pub fn run(
         &mut self,
         actions: &[Action],
         head: &mut Calibrated<Head<AnyPort>>,
-        mut tell: impl FnMut(&ResultRow),
+        mut report: impl FnMut(&ResultRow),
     ) -> Result<(), Trouble> {
         for action in actions.iter().copied() {
             let mut axes = action.axes();
@@ -183,7 +183,7 @@ impl Session {
                 }
                 Action::CalibrateOn(body) => {
                     row.action = "calibrate";
-                    // Four times the way back after a touch.
+                    // Four times the distance that the axis moves back after a touch.
                     let clearance = self
                         .scale
                         .of_counts(i64::from(head.inner().probe().back_off) * 4);
@@ -192,17 +192,17 @@ impl Session {
                     row.calibration = Some(self.found(&found, body.body));
                 }
                 Action::Status(_) => {
-                    self.status(&axes, &row, head, &mut tell)?;
+                    self.status(&axes, &row, head, &mut report)?;
                     continue;
                 }
             }
             row.position = self.numbers(head.position()?, &axes);
-            tell(&row);
+            report(&row);
         }
         Ok(())
     }
 
-    /// The pre-travel by direction, where it is by more than the ways of the axes.
+    /// The pre-travel by direction. `None` if it has only the directions of the axes.
     fn table(&self) -> Option<Vec<Entry>> {
         let entry = |(direction, nm): &(UnitVector, i32)| Entry {
             direction: direction
@@ -258,9 +258,9 @@ impl Session {
         }
     }
 
-    /// Of these axes.
-    fn numbers(&self, place: [i64; 3], axes: &[usize]) -> Numbers {
-        let of = |axis: &usize| self.scale.number(place[*axis]);
+    /// The coordinates of these axes.
+    fn numbers(&self, position: [i64; 3], axes: &[usize]) -> Numbers {
+        let of = |axis: &usize| self.scale.number(position[*axis]);
         Numbers(axes.iter().map(of).collect())
     }
 }
@@ -275,12 +275,12 @@ fn letters(axes: &[usize]) -> String {
 ///
 /// # Errors
 ///
-/// A sentence about it.
+/// A message about an argument that is not understood or does not fit.
 pub fn stylus(args: &Measure, machine: &Machine) -> Result<Stylus, String> {
     let mut stylus = machine.probe.stylus;
     if let Some(amount) = amount(machine.scale, "--pretravel", args.pretravel.as_deref())? {
         let amount = i32::try_from(amount);
-        let amount = amount.map_err(|_| "--pretravel: no probe bends as far")?;
+        let amount = amount.map_err(|_| "--pretravel: too long for a probe")?;
         stylus.pre_travel = both_ways([amount; 2]);
     }
     if let Some(amount) = amount(machine.scale, "--ball", args.ball.as_deref())? {
@@ -290,7 +290,7 @@ pub fn stylus(args: &Measure, machine: &Machine) -> Result<Stylus, String> {
     Ok(stylus)
 }
 
-/// The length behind an option, as an amount of the scale.
+/// The length given with an option, as an amount of the scale.
 fn amount(scale: Scale, option: &str, text: Option<&str>) -> Result<Option<i64>, String> {
     let Some(text) = text else { return Ok(None) };
     match scale.parse(text).map(|length| scale.amount(length)) {
@@ -307,7 +307,7 @@ fn amount(scale: Scale, option: &str, text: Option<&str>) -> Result<Option<i64>,
 ///
 /// # Errors
 ///
-/// A sentence about it.
+/// The port cannot be opened, or arguments of the simulation are given for a real port.
 pub fn open(
     args: &Measure,
     machine: &Machine,
@@ -323,14 +323,15 @@ pub fn open(
         Box::new(port.map_err(|error| format!("{}: {error}", args.port))?)
     } else {
         return Err(
-            "--contact, --piece and --noise are for --port sim; `husillo emulate` has its own"
+            "--contact, --piece and --noise are for --port sim; `husillo emulate` has these \
+             options too"
                 .into(),
         );
     };
     Ok(Line::new(port))
 }
 
-/// The bits of a status that are set.
+/// The names of the status bits that are set.
 fn names(status: Status) -> Vec<&'static str> {
     let names = [
         (Status::MOVE_DONE, "move done"),
@@ -345,7 +346,7 @@ fn names(status: Status) -> Vec<&'static str> {
     set.map(|(_, name)| name).collect()
 }
 
-/// The bits of an auxiliary status that are set.
+/// The names of the bits of an auxiliary status that are set.
 fn auxiliary(auxiliary: Auxiliary) -> Vec<&'static str> {
     let names = [
         (Auxiliary::INDEX, "index"),

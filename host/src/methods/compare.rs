@@ -1,4 +1,4 @@
-//! `husillo compare`: all methods on one move, or on every feed move of a program.
+//! `husillo compare`: runs all methods on one move, or on every feed move of a program.
 
 use crate::cli::{Compare, Turning};
 use crate::methods::curve::Curve;
@@ -9,14 +9,14 @@ use crate::methods::trial::{Speed, Tally};
 use husillo_interp::{ArcMove, Direction, Rim};
 use serde::Serialize;
 
-/// What one method did.
+/// The results of one method.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
     /// Its name.
     pub method: &'static str,
     /// `line` or `arc`.
     pub shape: &'static str,
-    /// Moves made.
+    /// Number of moves.
     pub moves: u64,
     /// Passes of its loop.
     pub iterations: u64,
@@ -26,48 +26,48 @@ pub struct Row {
     pub max_error_blu: f64,
     /// Root mean square of the distance, steps.
     pub rms_error_blu: f64,
-    /// With equal time for every pass.
+    /// Speed if every pass takes the same time.
     #[serde(flatten)]
     pub equal_time: Speed,
-    /// With the time of its own path for every event.
+    /// Speed if every event takes the time of its own path.
     pub vector_feed: Option<Speed>,
-    /// Additions and subtractions of an event by the method itself, at most.
+    /// Most additions and subtractions per event, by the method alone.
     pub additions: u32,
-    /// Sign tests of an event by the method itself, at most.
+    /// Most sign tests per event, by the method alone.
     pub tests: u32,
-    /// Instructions of an event.
+    /// Instructions per event.
     pub instructions: Instructions,
-    /// What it gets in the decision matrix.
+    /// Its points in the decision matrix.
     pub points: Points,
-    /// Where the largest error is.
+    /// Position of the largest error.
     #[serde(skip)]
     pub worst_at: [f64; 2],
 }
 
-/// Instructions of an event, from the counts the firmware's check keeps.
+/// Instructions per event, from the counts that the check of the firmware keeps.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Instructions {
     /// On a Cortex-M0.
     pub cortex_m0: Option<f64>,
     /// On a Cortex-M4F.
     pub cortex_m4f: Option<f64>,
-    /// On a RISC-V of 32 bits.
+    /// On a 32-bit RISC-V.
     pub riscv: Option<f64>,
 }
 
 /// One move and its exact curve.
 #[derive(Clone, Debug)]
 pub struct Move {
-    /// On the grid.
+    /// The move on the grid.
     pub shape: Shape,
-    /// With its centre rounded to a whole step, for the methods that know no others.
+    /// The move with its centre rounded to a whole step, for methods without fractional centres.
     pub rounded: Option<Shape>,
-    /// Exactly.
+    /// The exact curve.
     pub curve: Curve,
 }
 
 impl Move {
-    /// The move as a method can take it.
+    /// The move in the form that a method accepts.
     fn shape_for(&self, method: &Method) -> &Shape {
         match &self.rounded {
             Some(rounded) if !method.takes_fractions() => rounded,
@@ -76,22 +76,22 @@ impl Move {
     }
 }
 
-/// Everything to print.
+/// The results of a comparison.
 #[derive(Debug)]
 pub struct Comparison {
-    /// What was compared, one line.
+    /// The subject of the comparison, one line.
     pub title: String,
-    /// Rows of lines, then of arcs.
+    /// Rows of lines, then rows of arcs.
     pub rows: Vec<Row>,
-    /// The move, when it was only one.
+    /// The move, if there was only one.
     pub one: Option<Move>,
     /// Weights of the matrix.
     pub weights: Weights,
-    /// What could not be done, one line each.
+    /// Moves that could not be made, one line per cause.
     pub notes: Vec<String>,
 }
 
-/// The sums of all methods over moves.
+/// Runs the methods and sums their results over all moves.
 #[derive(Debug)]
 pub struct Bench {
     only: Option<Vec<String>>,
@@ -100,7 +100,7 @@ pub struct Bench {
 }
 
 impl Bench {
-    /// All methods, or `only` some.
+    /// Compares all methods, or `only` some.
     ///
     /// # Errors
     ///
@@ -124,8 +124,8 @@ impl Bench {
         })
     }
 
-    /// Makes a move of a program with every method, if all of them can make it. Sums over different
-    /// moves cannot be compared.
+    /// Makes a move of a program with every method. Leaves out a move that not all of them can
+    /// make, because sums over different moves cannot be compared.
     pub fn add_common(&mut self, one: &Move) {
         let unable = method::of(&one.shape)
             .iter()
@@ -168,7 +168,7 @@ impl Bench {
         }
     }
 
-    /// Something that could not be done; the same things are counted.
+    /// Notes a move that could not be made. Equal notes are counted.
     pub fn note(&mut self, note: String) {
         match self.notes.iter_mut().find(|(known, _)| *known == note) {
             Some((_, count)) => *count += 1,
@@ -176,7 +176,7 @@ impl Bench {
         }
     }
 
-    /// The rows, lines first, with their points.
+    /// Finishes the comparison and rates the methods. Rows of lines come first.
     pub fn finish(self, title: String, one: Option<Move>, weights: Weights) -> Comparison {
         let mut rows: Vec<Row> = Vec::new();
         for shape in ["line", "arc"] {
@@ -230,8 +230,8 @@ fn row(method: &Method, shape: &'static str, tally: &Tally) -> Row {
     }
 }
 
-/// A centre as `X,Y`, and its fractional bits. They are 0 for whole coordinates, because the
-/// published methods have no others.
+/// Reads a centre `X,Y`. Also returns its number of fractional bits, which is 0 for whole
+/// coordinates, because the published methods take no others.
 fn centre_of(text: &str) -> Result<([i64; 2], u8), String> {
     let centre = text.split(',').map(|text| scaled(text, 16));
     let centre: [i64; 2] = centre
@@ -245,11 +245,11 @@ fn centre_of(text: &str) -> Result<([i64; 2], u8), String> {
     })
 }
 
-/// The move that `circle`, `arc` or `line` names, and its title. `None` for the name of a file.
+/// The move of `circle`, `arc` or `line`, and its title. `None` for the name of a file.
 ///
 /// # Errors
 ///
-/// What is wrong with the options.
+/// A message about a wrong option.
 pub fn one_move(args: &Compare) -> Result<Option<(Move, String)>, String> {
     let needs = |option: &Option<String>, name: &str| {
         option
@@ -277,7 +277,7 @@ pub fn one_move(args: &Compare) -> Result<Option<(Move, String)>, String> {
             let mut delta = [0; AXES];
             delta[..to.len()].copy_from_slice(&to);
             if delta == [0; AXES] {
-                return Err("--to is where the line begins".to_owned());
+                return Err("--to is the start of the line".to_owned());
             }
             let curve = Curve::line([0.0; AXES], delta.map(f64::from));
             let title = format!("Line to {}", list(&to));

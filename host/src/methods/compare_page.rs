@@ -1,4 +1,4 @@
-//! The page of `husillo compare`: tables, the matrix with weights to change, the picture.
+//! The page of `husillo compare`: tables, the matrix with adjustable weights, the picture.
 
 use crate::methods::compare::{Comparison, Row};
 use crate::methods::compare_picture;
@@ -8,7 +8,7 @@ use crate::methods::trial::{Speed, WINDOWS};
 use crate::page::frame;
 use std::fmt::Write;
 
-/// Colours tell the families apart, width and dashes the printed ones from the others.
+/// Styles of the methods. A colour marks a family. Width and dashes mark the printed methods.
 const METHODS: &str = "\
 :root{--staircase:#9a6700;--dda:#8a2fa3;--direct-search:#0b5cad}\
 @media(prefers-color-scheme:dark){:root{--staircase:#f0c419;--dda:#d795ee;--direct-search:#5aa9ff}}\
@@ -29,7 +29,7 @@ input[type=number]{width:4.5rem;font:inherit;color:inherit;background:var(--pane
 solid var(--line);text-align:right}\
 .best{font-weight:700}table{margin:.6rem 0 1.2rem}";
 
-/// Totals of every matrix as its weights are.
+/// Computes the totals of every matrix from its weights.
 const SCRIPT: &str = "\
 for(const table of document.querySelectorAll('table.matrix')){\
 const inputs=[...table.querySelectorAll('input')],\
@@ -124,10 +124,9 @@ fn figures(page: &mut String, rows: &[&Row]) {
 
 fn speeds(page: &mut String, rows: &[&Row]) {
     page.push_str(
-        "<section><h2>Speed</h2><p>Mean speed by the programmed feed, and the slowest and fastest \
-         of all windows of so many events \
-         against the mean, in per cent. Equal time: every pass takes the time of a BLU (idle \
-         passes of dda-printed take none). \
+        "<section><h2>Speed</h2><p>Mean speed divided by the programmed feed, and the slowest and \
+         fastest of all windows of so many events, relative to the mean, in per cent. Equal time: \
+         every pass takes the time of a BLU (idle passes of dda-printed take none). \
          Vector feed: every event takes the time of its own path.</p><div \
          class=\"scroll\"><table>\n",
     );
@@ -164,10 +163,9 @@ fn speeds(page: &mut String, rows: &[&Row]) {
 fn matrix(page: &mut String, of: &Comparison, rows: &[&Row]) {
     page.push_str(
         "<section><h2>Decision matrix</h2><p>Points from 0 to 100. Error, iterations and work: the \
-         best method's value by the \
-         method's own. Evenness: 100 less the ripple over 32 events from slowest to fastest, with \
-         vector feed where there is one, \
-         as printed with equal time. Change the weights.</p><div class=\"scroll\"><table \
+         value of the best method divided by that of the method. Evenness: 100 minus the ripple \
+         over 32 events from slowest to fastest, with vector feed if the method has one; printed \
+         methods with equal time. The weights can be changed.</p><div class=\"scroll\"><table \
          class=\"matrix\">\n",
     );
     let mut columns = vec!["method"];

@@ -1,4 +1,5 @@
-//! The methods drawn over the exact curve of one move: the whole of it, and where they differ.
+//! Draws the methods over the exact curve of one move: the whole move, and places where the methods
+//! differ.
 
 use crate::geometry::turn;
 use crate::methods::compare::{Move, Row};
@@ -10,7 +11,7 @@ use std::fmt::Write;
 
 /// Half the side of a zoom, BLU.
 const HALF: f64 = 8.5;
-/// Moves of more events are drawn whole as their curve alone.
+/// The picture of a whole move with more events shows only its exact curve.
 const MOST_EVENTS: u64 = 4000;
 
 /// A square of the plane.
@@ -43,7 +44,7 @@ impl Frame {
         }
     }
 
-    /// Lines through every step of both axes.
+    /// Draws a line at every step of both axes.
     fn grid(&self, page: &mut String) {
         let mut path = String::new();
         for axis in [0, 1] {
@@ -60,7 +61,7 @@ impl Frame {
         let _ = writeln!(page, "<path class=\"grid\" d=\"{path}\"/>");
     }
 
-    /// The part of the curve that is near; all of it where `is_whole`.
+    /// Draws the part of the curve near the frame, or the whole curve if `is_whole`.
     fn curve(&self, page: &mut String, curve: &Curve, is_whole: bool) {
         let middle = curve.part([self.low[0] + 0.5 * self.side, self.low[1] + 0.5 * self.side]);
         let reach = if is_whole {
@@ -78,13 +79,13 @@ impl Frame {
     }
 }
 
-/// The section of a page.
+/// Writes the section of the page.
 pub fn section(page: &mut String, one: &Move, rows: &[Row]) {
     page.push_str(
         "<section><h2>The methods over the exact curve</h2>\n\
-         <p>The thin line is the exact curve, every grid line a step. Methods as printed are \
-         narrow and dashed, the others wide. \
-         Frames in the whole move are the places shown larger.</p>\n<p class=\"show\">",
+         <p>The thin line is the exact curve. Grid lines are one step apart. Methods as printed \
+         are narrow and dashed, the others wide. \
+         Frames in the whole move mark the magnified places.</p>\n<p class=\"show\">",
     );
     for row in rows {
         let _ = write!(
@@ -135,7 +136,7 @@ pub fn section(page: &mut String, one: &Move, rows: &[Row]) {
     page.push_str("</div></section>\n");
 }
 
-/// The whole, and the places to look at closely.
+/// The frames of the whole move and of the magnified places.
 fn frames(one: &Move, rows: &[Row]) -> Vec<(String, Frame)> {
     let points: Vec<[f64; 2]> = (0..=360_u32)
         .map(|k| one.curve.at(f64::from(k) / 360.0))
@@ -160,7 +161,7 @@ fn frames(one: &Move, rows: &[Row]) -> Vec<(String, Frame)> {
         }
     };
     if let Curve::Arc { begin, sweep, .. } = one.curve {
-        // Inside the sweep, so that there is something on both sides.
+        // Well inside the sweep, so that the arc continues on both sides.
         let within = |angle: f64| {
             let part = turn::turned(begin, angle, sweep > 0.0) / sweep.abs();
             let edge = 3.0 / one.curve.length().max(1.0);
@@ -193,7 +194,7 @@ fn frames(one: &Move, rows: &[Row]) -> Vec<(String, Frame)> {
     frames
 }
 
-/// The path of every method in every frame.
+/// The path of each method in each frame.
 fn paths(one: &Move, rows: &[Row], frames: &[(String, Frame)]) -> Vec<Vec<String>> {
     let mut all = Vec::new();
     for row in rows {
@@ -226,7 +227,7 @@ fn paths(one: &Move, rows: &[Row], frames: &[(String, Frame)]) -> Vec<Vec<String
     all
 }
 
-/// Whether there is something to see: a plane curve.
+/// Whether the move is a plane curve, which can be drawn.
 pub fn is_flat(one: &Move) -> bool {
     match &one.shape {
         Shape::Line(delta) => delta[2..].iter().all(|d| *d == 0),

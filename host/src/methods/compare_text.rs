@@ -1,4 +1,4 @@
-//! The tables of `husillo compare` for people.
+//! The tables of `husillo compare` as text.
 
 use crate::methods::compare::{Comparison, Row};
 use crate::methods::decision::{CRITERIA, ORIGINAL};
@@ -26,7 +26,7 @@ pub fn print(of: &Comparison, out: &mut impl Write) -> io::Result<()> {
         )?;
         speeds(
             &rows,
-            "vector feed, every event with the time of its path",
+            "vector feed, every event takes the time of its path",
             |row| row.vector_feed.as_ref(),
             out,
         )?;
@@ -65,7 +65,7 @@ fn figures(rows: &[&Row], shape: &str, out: &mut impl Write) -> io::Result<()> {
     Ok(())
 }
 
-/// Instructions of an event on all processors.
+/// Instructions per event on all processors.
 pub fn instructions(row: &Row) -> String {
     let of = &row.instructions;
     [of.cortex_m0, of.cortex_m4f, of.riscv]
@@ -84,7 +84,7 @@ fn speeds(
     }
     writeln!(
         out,
-        "\n{title}: speed by programmed feed, ripple in % over windows of events"
+        "\n{title}: speed per programmed feed, ripple in % over windows of events"
     )?;
     write!(out, "{:<22} {:>6}", "", "mean")?;
     for events in crate::methods::trial::WINDOWS {

@@ -1,4 +1,5 @@
-//! The exact curve of one move on the grid: distance from it, progress along it. Everything in BLU.
+//! The exact curve of one move on the grid: distances from it and progress along it. All lengths
+//! are in BLU.
 
 use crate::geometry::turn;
 use crate::methods::method::AXES;
@@ -8,7 +9,7 @@ use std::f64::consts::TAU;
 /// The curve of a move.
 #[derive(Clone, Debug)]
 pub enum Curve {
-    /// From `from` along a unit vector.
+    /// A straight line.
     Line {
         /// Start.
         from: [f64; AXES],
@@ -17,7 +18,7 @@ pub enum Curve {
         /// Length.
         length: f64,
     },
-    /// A circle, or a spiral as the band between its radii, in the first two axes.
+    /// A circle in the first two axes. A spiral is the band between its radii.
     Arc {
         /// Centre.
         centre: [f64; 2],
@@ -72,7 +73,7 @@ impl Curve {
         }
     }
 
-    /// The curve an arc on the grid stands for, with `radius` as in [`Curve::arc`].
+    /// The curve of an arc on the grid, with `radius` as in [`Curve::arc`].
     pub fn of(arc: &ArcMove, radius: Option<f64>) -> Self {
         let one = (1_u64 << arc.fraction_bits) as f64;
         Self::arc(
@@ -95,7 +96,8 @@ impl Curve {
         }
     }
 
-    /// Distance of a point: square to a line, radially to an arc, outside of the band of a spiral.
+    /// Distance of a point: perpendicular to a line, radial to an arc. It is 0 within the band of a
+    /// spiral.
     pub fn distance(&self, at: &[f64; AXES]) -> f64 {
         match self {
             Self::Line { from, along, .. } => {
@@ -115,7 +117,7 @@ impl Curve {
         }
     }
 
-    /// How far along the path a step leads.
+    /// Progress of a step along the path.
     pub fn progress(&self, from: &[f64; AXES], to: &[f64; AXES]) -> f64 {
         match self {
             Self::Line { along, .. } => (0..AXES)
@@ -195,7 +197,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_quarter() {
+    fn a_quarter_circle_has_its_length_and_ends() {
         let arc = Curve::arc(
             [[10.0, 0.0], [0.0, 10.0], [0.0; 2]],
             Direction::CounterClockwise,
@@ -216,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn off_the_line() {
+    fn distance_and_progress_along_a_line() {
         let line = Curve::line([0.0; AXES], [3.0, 4.0, 0.0, 0.0, 0.0, 0.0]);
         assert_eq!(line.length(), 5.0);
         assert!((line.distance(&[4.0, -3.0, 0.0, 0.0, 0.0, 12.0]) - 13.0).abs() < 1e-9);

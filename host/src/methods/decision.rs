@@ -1,29 +1,28 @@
-//! The decision matrix: methods against weighted criteria.
+//! The decision matrix: rates the methods by weighted criteria.
 
 use crate::methods::compare::Row;
 use serde::Serialize;
 
 /// Names of the criteria, in the order of the weights.
 pub const CRITERIA: [&str; 4] = ["error", "iterations", "evenness", "work"];
-/// What that machine's builders got, with criteria they did not pass on.
-pub const ORIGINAL: &str = "With the same weights and criteria of their own the micro mill's \
-     builders gave direct search 90.5, \
-     DDA 84.4 and the staircase 72.1 points.";
+/// The points that the builders of the micro mill gave. They did not publish their criteria.
+pub const ORIGINAL: &str = "The builders of the micro mill used the same weights with their own \
+     criteria. They gave direct search 90.5, DDA 84.4 and the staircase 72.1 points.";
 
 /// Weights of the criteria: none negative, some positive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weights(pub [f64; CRITERIA.len()]);
 
-/// Points of one method, 0 to 100 each.
+/// Points of one method, from 0 to 100.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Points {
-    /// Smallest largest error by its own.
+    /// Largest error of the best method, in per cent of that of this method.
     pub error: f64,
-    /// Fewest iterations by its own.
+    /// Iterations of the best method, in per cent of those of this method.
     pub iterations: f64,
-    /// 100 less the ripple over 32 events, in per cent from slowest to fastest.
+    /// 100 minus the ripple over 32 events, in per cent from slowest to fastest.
     pub evenness: f64,
-    /// Least work of an event by its own.
+    /// Work per event of the best method, in per cent of that of this method.
     pub work: f64,
     /// Weighted mean.
     pub total: f64,
@@ -34,7 +33,7 @@ impl Weights {
     ///
     /// # Errors
     ///
-    /// A sentence about the text.
+    /// The text is not four such numbers.
     pub fn parse(text: &str) -> Result<Self, String> {
         let wrong =
             || format!("--weights: `{text}` is not four numbers from 0 up, one of them above 0");
@@ -73,7 +72,7 @@ fn work(rows: &[Row]) -> Vec<f64> {
     })
 }
 
-/// Gives the rows of one shape their points.
+/// Rates the rows of one shape.
 pub fn rate(rows: &mut [Row], weights: Weights) {
     let column = |values: Vec<f64>| -> Vec<f64> {
         let best = values.iter().copied().fold(f64::INFINITY, f64::min);
@@ -92,7 +91,7 @@ pub fn rate(rows: &mut [Row], weights: Weights) {
     let iterations = column(rows.iter().map(|row| row.iterations as f64).collect());
     let work = column(work(rows));
     for (index, row) in rows.iter_mut().enumerate() {
-        // As printed means as it ran: every pass with the same time.
+        // A printed method is rated as it originally ran, with the same time for every pass.
         let even = match &row.vector_feed {
             Some(speed) if !row.method.ends_with("-printed") => speed,
             _ => &row.equal_time,
@@ -119,7 +118,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn weights() {
+    fn weights_are_read_and_averaged() {
         assert_eq!(Weights::parse("3,3,3,1"), Ok(Weights([3.0, 3.0, 3.0, 1.0])));
         for text in ["", "1,2,3", "0,0,0,0", "1,1,1,-1", "1,1,1,nan", "1,2,3,4,5"] {
             assert!(Weights::parse(text).is_err(), "{text}");

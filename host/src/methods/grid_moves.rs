@@ -1,4 +1,4 @@
-//! Programmed moves on the grid of a machine, for methods that are to make them.
+//! Puts programmed moves on the grid of a machine, for the methods.
 
 use crate::methods::compare::Move;
 use crate::methods::curve::Curve;
@@ -8,12 +8,12 @@ use husillo_interp::{ArcMove, Rim, fraction_bits_for};
 use husillo_machine::{Config, Scale};
 use std::f64::consts::PI;
 
-/// Why a move is left out.
+// Why a move is left out.
 const TOO_LARGE: &str = "moves beyond 2^31 steps are left out";
-const UNEQUAL: &str = "arcs in axes of unequal steps are left out";
+const UNEQUAL: &str = "arcs in axes with unequal steps are left out";
 const TINY: &str = "arcs smaller than the grid are left out";
 
-/// A straight move; `None` when the grid has nothing to do.
+/// A straight move. `None` if it has no step.
 ///
 /// # Errors
 ///
@@ -37,7 +37,7 @@ pub fn line(config: &Config<3>, from: [Nm; 3], to: [Nm; 3]) -> Result<Option<Mov
     }))
 }
 
-/// An arc in its plane; of a helix the arc alone.
+/// An arc in its plane. A helix counts without its motion across the plane.
 ///
 /// # Errors
 ///
@@ -80,11 +80,11 @@ pub fn arc(config: &Config<3>, from: [Nm; 3], arc: &Arc<3>) -> Result<Option<Mov
     one.centre = whole_centre(&one, exact[2], radius);
     one.rim = between(&one);
     let bits = fraction_bits_for(radius as u64);
-    // |centre| 2^16 < 2^48: exact in `f64`.
+    // |centre| 2^16 < 2^48 is exact in `f64`.
     let fine = exact[2].map(|at| (at * f64::from(1_u32 << bits)).round() as i64);
     let residue = |p: [i32; 2]| {
         let [x, y] = [0, 1].map(|axis| (i128::from(p[axis]) << bits) - i128::from(fine[axis]));
-        // Both squares are below 2^62: the radius is rounded to 2^-20 of a step at the worst.
+        // Both squares are below 2^62, so the radius has an error of at most 2^-20 of a step.
         let scaled = radius * f64::from(1_u32 << bits);
         let over = (x * x + y * y) as f64 - scaled * scaled;
         (over / f64::from(1_u32 << bits)).round() as i64
@@ -102,8 +102,8 @@ pub fn arc(config: &Config<3>, from: [Nm; 3], arc: &Arc<3>) -> Result<Option<Mov
         },
         ..one
     };
-    // Ends that the grid merges, or moves past each other: a full turn more or less would be
-    // another move.
+    // The grid may merge the ends or move them past each other. The move would then have a full
+    // turn more or less.
     let turned = |curve: &Curve| curve.length();
     for grid in [&one, &general] {
         if (turned(&Curve::of(grid, Some(radius))) - turned(&curve)).abs() > PI * radius {
@@ -117,14 +117,14 @@ pub fn arc(config: &Config<3>, from: [Nm; 3], arc: &Arc<3>) -> Result<Option<Mov
     }))
 }
 
-/// The whole-step centre that bends the arc least: near the exact one, and at about the same
+/// The whole-step centre that distorts the arc least: near the exact one, and at about the same
 /// distance from both ends.
 fn whole_centre(arc: &ArcMove, exact: [f64; 2], radius: f64) -> [i64; 2] {
     let near = exact.map(|at| at.round() as i64);
     let wrong = |centre: [i64; 2]| {
         let distance = |p: [f64; 2]| (p[0] - centre[0] as f64).hypot(p[1] - centre[1] as f64);
         let [start, end] = [arc.from, arc.to].map(|p| distance(p.map(f64::from)));
-        // A circle between both ends is less than a step off either, up to here.
+        // Up to one step of difference, a circle between both ends is less than a step from each.
         let apart = ((end - start).abs() - 1.0).max(0.0);
         distance(exact) + (0.5 * (start + end) - radius).abs() + 2.0 * apart
     };
@@ -138,7 +138,7 @@ fn whole_centre(arc: &ArcMove, exact: [f64; 2], radius: f64) -> [i64; 2] {
     best
 }
 
-/// The circle between both ends of an arc about a whole step.
+/// The circle between both ends of an arc with a whole-step centre.
 fn between(arc: &ArcMove) -> Rim {
     let square = |p: [i32; 2]| {
         let [x, y] = [0, 1].map(|axis| i64::from(p[axis]) - arc.centre[axis]);
@@ -153,7 +153,7 @@ fn between(arc: &ArcMove) -> Rim {
     }
 }
 
-/// A length in steps.
+/// Converts a length to steps.
 fn steps(scale: Scale, at: Nm) -> f64 {
     at.0 as f64 * f64::from(scale.steps()) / f64::from(scale.nm())
 }

@@ -1,4 +1,4 @@
-//! `husillo interpolate`: one move on the bare integer grid, with its error.
+//! `husillo interpolate`: makes one move on the bare integer grid, and measures its error.
 
 use crate::cli::{ArcShape, LineShape, Output, Turning};
 use crate::methods::curve::Curve;
@@ -7,7 +7,7 @@ use husillo_interp::{ArcMove, Direction, Rim};
 use serde::Serialize;
 use std::io::{self, Write};
 
-/// What is printed about a move.
+/// The results of a move.
 #[derive(Debug, Serialize)]
 pub struct Walk {
     iterations: usize,
@@ -18,7 +18,7 @@ pub struct Walk {
     steps: Steps,
 }
 
-/// The steps: one character an iteration for two axes, one string an iteration for more.
+/// The steps: one character per iteration for two axes, one string per iteration for more.
 #[derive(Debug, Serialize)]
 #[serde(untagged)]
 enum Steps {
@@ -54,11 +54,11 @@ impl Walk {
     }
 }
 
-/// Walks a line.
+/// Makes a line.
 ///
 /// # Errors
 ///
-/// What is wrong with the arguments.
+/// A message about a wrong argument.
 pub fn line(shape: &LineShape) -> Result<Walk, String> {
     let method = method::by_name(&method::LINES, &shape.method, "lines")?;
     let to = integers(&shape.to, "--to")?;
@@ -84,11 +84,11 @@ pub fn line(shape: &LineShape) -> Result<Walk, String> {
     Ok(record.finish(at[..to.len()].to_vec()))
 }
 
-/// Walks an arc.
+/// Makes an arc.
 ///
 /// # Errors
 ///
-/// What is wrong with the arguments.
+/// A message about a wrong argument.
 pub fn arc(shape: &ArcShape) -> Result<Walk, String> {
     let method = method::by_name(&method::ARCS, &shape.method, "arcs")?;
     if shape.centre_bits > 16 {
@@ -157,7 +157,7 @@ pub fn arc(shape: &ArcShape) -> Result<Walk, String> {
     Ok(record.finish(at.map(i64::from).to_vec()))
 }
 
-const TOO_LARGE: &str = "--radius-squared does not belong to these points";
+const TOO_LARGE: &str = "--radius-squared does not fit these points";
 
 #[derive(Default)]
 struct Record {
@@ -193,7 +193,7 @@ impl Record {
     }
 }
 
-/// `0` is (-1, -1), `4` is (0, 0), `8` is (+1, +1); the second axis counts ones, the first threes.
+/// The code of a step: 3 (dx + 1) + dy + 1. `0` is (-1, -1), `4` is (0, 0), `8` is (+1, +1).
 fn code(delta: &[i8]) -> char {
     let digit = delta.iter().fold(0, |code, d| code * 3 + (d + 1) as u8);
     char::from(b'0' + digit)
@@ -206,38 +206,38 @@ fn signs(delta: &[i8]) -> String {
         .collect()
 }
 
-/// Two whole numbers.
+/// Reads two whole numbers. `name` is the option, for messages.
 ///
 /// # Errors
 ///
-/// What is wrong with them.
+/// The text is not two whole numbers.
 pub fn pair(text: &str, name: &str) -> Result<[i32; 2], String> {
     <[i32; 2]>::try_from(integers(text, name)?).map_err(|_| format!("{name} takes X,Y"))
 }
 
-/// Whole numbers between commas.
+/// Reads whole numbers, separated by commas. `name` is the option, for messages.
 ///
 /// # Errors
 ///
-/// The number that is none.
+/// A message about the first part that is not a whole number.
 pub fn integers(text: &str, name: &str) -> Result<Vec<i32>, String> {
     text.split(',')
         .map(|number| {
             number
                 .trim()
                 .parse()
-                .map_err(|_| format!("{name}: `{number}` is no whole number of steps"))
+                .map_err(|_| format!("{name}: `{number}` is not a whole number of steps"))
         })
         .collect()
 }
 
-/// A decimal in units of 2^-bits.
+/// Reads a decimal number in units of 2^-bits.
 ///
 /// # Errors
 ///
-/// What is wrong with it.
+/// The text is not a decimal number of at most 28 digits, or not a multiple of 2^-bits.
 pub fn scaled(text: &str, bits: u8) -> Result<i64, String> {
-    let wrong = || format!("--centre: `{text}` is no decimal number");
+    let wrong = || format!("--centre: `{text}` is not a decimal number");
     let text = text.trim();
     let (negative, body) = match text.strip_prefix('-') {
         Some(rest) => (true, rest),
@@ -248,7 +248,7 @@ pub fn scaled(text: &str, bits: u8) -> Result<i64, String> {
     if digits.is_empty() || digits.len() > 28 || !digits.bytes().all(|b| b.is_ascii_digit()) {
         return Err(wrong());
     }
-    // 28 digits are below 2^94, so 16 bits more still fit.
+    // 28 digits are below 2^94, so 16 more bits fit.
     let value = digits.parse::<i128>().map_err(|_| wrong())? << bits;
     let power = 10_i128.pow(u32::try_from(part.len()).map_err(|_| wrong())?);
     if value % power != 0 {
@@ -271,7 +271,7 @@ mod tests {
     }
 
     #[test]
-    fn a_circle_of_thirty_steps() {
+    fn a_circle_of_thirty_steps_has_the_known_errors() {
         for (method, iterations, moving, largest) in [
             ("direct-search", 168, 168, 0.453),
             ("direct-search-printed", 168, 168, 0.453),

@@ -5,7 +5,7 @@ use husillo_interp::{
     Step,
 };
 
-/// Axes of a line at most; those it has not got are zero.
+/// Most axes of a line. Missing ones are zero.
 pub const AXES: usize = 6;
 
 /// A straight move in steps, or an arc in the first two axes.
@@ -17,17 +17,17 @@ pub enum Shape {
     Arc(ArcMove),
 }
 
-/// What is known about a method without running it.
+/// The fixed properties of a method.
 #[derive(Debug)]
 pub struct Method {
     /// Its name in commands, JSON and machine files.
     pub name: &'static str,
-    /// Whether a pass without a step takes its time; those of the printed DDA do not.
+    /// Whether a pass without a step takes time. Such passes of the printed DDA take none.
     pub times_idle: bool,
-    /// Additions and subtractions, then sign tests, of one event at most, two axes, by the method
-    /// itself. The borders of quadrants and the end of the move cost more.
+    /// Most additions and subtractions, then sign tests, per event with two axes, by the method
+    /// alone. The borders of quadrants and the end of the move cost more.
     pub operations: [u32; 2],
-    /// Name of its kernel in the instruction counts.
+    /// Its name in the instruction counts.
     kernel: &'static str,
 }
 
@@ -95,7 +95,7 @@ pub const ARCS: [Method; 6] = [
 
 /// Columns of the instruction counts: Cortex-M0, Cortex-M4F, RISC-V.
 const PROCESSORS: [&str; 3] = ["thumbv6m", "thumbv7em", "rv32imac"];
-/// Instructions of an event, counted under QEMU for the firmware's own check.
+/// Instructions per event, counted under QEMU for the check of the firmware.
 const GOLDEN: &str = include_str!("../../../firmware/proofs/counts/golden.txt");
 
 /// The events of a move, and the units of their sweep per BLU of path. `None` if every event is one
@@ -110,11 +110,11 @@ pub const fn of(shape: &Shape) -> &'static [Method] {
     }
 }
 
-/// The method of a name.
+/// Finds a method by its name.
 ///
 /// # Errors
 ///
-/// A sentence with the names there are.
+/// The name is unknown. The message lists the known names.
 pub fn by_name(
     methods: &'static [Method],
     name: &str,
@@ -136,7 +136,7 @@ pub fn by_name(
 }
 
 impl Method {
-    /// Makes a move.
+    /// The events of a move.
     ///
     /// # Errors
     ///
@@ -192,13 +192,13 @@ impl Method {
         })
     }
 
-    /// Whether it takes centres between the steps.
+    /// Whether it accepts centres between the steps.
     pub fn takes_fractions(&self) -> bool {
         self.name == "direct-search"
     }
 
-    /// Instructions of one event on every processor of [`PROCESSORS`]. `None` if none are on
-    /// record. Direct search about a centre between the steps is another kernel.
+    /// Instructions per event on each of [`PROCESSORS`]. `None` without a count. Direct search with
+    /// a centre between the steps has a separate count.
     pub fn instructions(&self, is_between: bool) -> [Option<f64>; PROCESSORS.len()] {
         let kernel = if is_between && self.takes_fractions() {
             "arc_32_bits"
@@ -209,7 +209,7 @@ impl Method {
     }
 }
 
-/// The entry of a table whose second line names the columns.
+/// The entry of a table. Its second line names the columns.
 fn instructions(golden: &str, processor: &str, kernel: &str) -> Option<f64> {
     let mut lines = golden.lines().skip(1).map(str::split_whitespace);
     let column = lines.next()?.position(|name| name == processor)?;
@@ -236,7 +236,7 @@ mod tests {
     }
 
     #[test]
-    fn unknown_names_are_told_the_known_ones() {
+    fn the_error_of_an_unknown_name_lists_the_known_ones() {
         assert!(
             by_name(&LINES, "ratio", "lines")
                 .unwrap_err()

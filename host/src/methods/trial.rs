@@ -1,18 +1,18 @@
-//! One method measured on one move or on many: iterations, error, speed and its ripple.
+//! Measures one method on one or many moves: iterations, error, speed and ripple.
 
 use crate::methods::curve::Curve;
 use crate::methods::method::{AXES, Method, Shape};
 use serde::Serialize;
 
-/// Events of the windows the ripple is taken over.
+/// Numbers of events of the windows of the ripple.
 pub const WINDOWS: [usize; 4] = [1, 8, 32, 128];
-/// Timer ticks of a BLU of path under vector feed.
+/// Timer ticks per BLU of path under vector feed.
 const TICKS_PER_BLU: f64 = 1000.0;
 
-/// Speed over windows of events, and the time of everything.
+/// Lowest and highest speed over windows of events.
 #[derive(Clone, Debug)]
 struct Pace {
-    /// Path and time at the last events, by event number modulo the length.
+    /// Path and time of the last events. The index is the event number modulo the length.
     ring: Vec<[f64; 2]>,
     events: usize,
     extremes: [[f64; 2]; WINDOWS.len()],
@@ -27,7 +27,7 @@ impl Pace {
         }
     }
 
-    /// An event `path` BLU and `time` after the start.
+    /// Adds an event at `path` BLU and `time` from the start.
     fn add(&mut self, path: f64, time: f64) {
         self.events += 1;
         let length = self.ring.len();
@@ -45,8 +45,8 @@ impl Pace {
         self.ring[self.events % length] = [path, time];
     }
 
-    /// Lowest and highest speed of every window relative to the mean, in per cent. A move shorter
-    /// than a window has none.
+    /// Lowest and highest speed over windows of each length, relative to the mean, in per cent.
+    /// They are 0 if the move is shorter than a window.
     fn ripple(&self) -> [[f64; 2]; WINDOWS.len()] {
         let [path, time] = self.ring[self.events % self.ring.len()];
         let mean = path / time;
@@ -60,14 +60,14 @@ impl Pace {
     }
 }
 
-/// How the speed along the path keeps to the programmed one.
+/// The speed along the path, relative to the programmed one.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Speed {
-    /// Length by time; 1 is the programmed feed.
+    /// Length per time; 1 is the programmed feed.
     pub mean_speed: f64,
-    /// Larger deviation from the mean over 32 events, per cent.
+    /// The larger deviation from the mean over 32 events, per cent.
     pub ripple_percent: f64,
-    /// Both deviations over every window.
+    /// Both deviations for each length of window.
     pub ripple_percent_windows: Vec<Ripple>,
 }
 
@@ -76,13 +76,13 @@ pub struct Speed {
 pub struct Ripple {
     /// Events of the window.
     pub events: usize,
-    /// Slowest against the mean, per cent.
+    /// Slowest, relative to the mean, per cent.
     pub low: f64,
-    /// Fastest against the mean, per cent.
+    /// Fastest, relative to the mean, per cent.
     pub high: f64,
 }
 
-/// Sums over moves of one kind of timing.
+/// Sums over all moves for one kind of timing.
 #[derive(Clone, Debug, Default)]
 struct Timing {
     time: f64,
@@ -119,15 +119,15 @@ impl Timing {
     }
 }
 
-/// Six decimals.
+/// Rounds to six decimals.
 fn rounded(value: f64) -> f64 {
     (value * 1e6).round() / 1e6 + 0.0
 }
 
-/// What one method did on all moves so far.
+/// The results of one method on all moves so far.
 #[derive(Clone, Debug, Default)]
 pub struct Tally {
-    /// Moves made.
+    /// Number of moves.
     pub moves: u64,
     /// Passes of the loop.
     pub iterations: u64,
@@ -135,9 +135,9 @@ pub struct Tally {
     pub moving: u64,
     /// Largest error, BLU.
     pub max_error_blu: f64,
-    /// Where it is, in the first two axes.
+    /// Position of the largest error, in the first two axes.
     pub worst_at: [f64; 2],
-    /// Whether a centre was between the steps.
+    /// Whether any centre was between the steps.
     pub is_between: bool,
     sum_of_squares: f64,
     length: f64,
@@ -150,7 +150,7 @@ impl Tally {
     ///
     /// # Errors
     ///
-    /// Why the method cannot make it.
+    /// Why the method cannot make the move.
     pub fn walk(&mut self, method: &Method, shape: &Shape, curve: &Curve) -> Result<(), String> {
         let (events, units) = method.events(shape)?;
         let mut at = start(shape);
@@ -197,18 +197,19 @@ impl Tally {
         (self.sum_of_squares / (self.iterations.max(1) as f64)).sqrt()
     }
 
-    /// One BLU of path time for every timed pass.
+    /// The speed if every timed pass takes the time of one BLU.
     pub fn equal_time(&self) -> Speed {
         self.equal.speed(self.length)
     }
 
-    /// Every event with the time of its own path; `None` for methods whose passes are all one BLU.
+    /// The speed if every event takes the time of its own path. `None` for methods whose passes are
+    /// all one BLU.
     pub fn vector_feed(&self) -> Option<Speed> {
         self.vector.as_ref().map(|timing| timing.speed(self.length))
     }
 }
 
-/// Where a move begins.
+/// The start of a move.
 pub fn start(shape: &Shape) -> [f64; AXES] {
     let mut at = [0.0; AXES];
     if let Shape::Arc(arc) = shape {
@@ -217,7 +218,7 @@ pub fn start(shape: &Shape) -> [f64; AXES] {
     at
 }
 
-/// A point one step on.
+/// The point after one step.
 pub fn stepped(at: &[f64; AXES], delta: &[i8; AXES]) -> [f64; AXES] {
     std::array::from_fn(|axis| at[axis] + f64::from(delta[axis]))
 }
@@ -245,10 +246,10 @@ mod tests {
         tally
     }
 
-    /// Measured by an independent program: per cent of the mean over 1, 8, 32 and 128 events, R =
-    /// 1000.
+    /// The table was measured by an independent program: per cent of the mean over 1, 8, 32 and 128
+    /// events, with a radius of 1000.
     #[test]
-    fn ripple_as_measured_elsewhere() {
+    fn ripple_equals_that_of_an_independent_program() {
         let table = [
             (
                 "staircase-printed",
@@ -279,7 +280,7 @@ mod tests {
     }
 
     #[test]
-    fn vector_feed_is_even() {
+    fn vector_feed_has_an_even_speed() {
         let speed = circle("direct-search", 1000).vector_feed().unwrap();
         assert!((speed.mean_speed - 1.0).abs() < 1e-4, "{speed:?}");
         assert!(speed.ripple_percent_windows[0].high < 0.21, "{speed:?}");

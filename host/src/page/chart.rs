@@ -4,20 +4,20 @@ use crate::simulation::speed::{Band, Column, Speed, WINDOW_EVENTS};
 use crate::text::duration::duration;
 use std::fmt::Write;
 
-/// Where time begins in the picture.
+/// Left end of the time axis.
 pub const LEFT: f64 = 78.0;
-/// Where it ends.
+/// Right end of the time axis.
 pub const RIGHT: f64 = 990.0;
-/// Millimetres a minute of a nanometre a second.
+/// Millimetres per minute of one nanometre per second.
 const MM_PER_MIN: f64 = 60.0 / 1e6;
-/// Millimetres of a nanometre.
+/// Millimetres of one nanometre.
 const MM: f64 = 1e-6;
 
-/// One of the two stacked pictures.
+/// One of the two stacked charts.
 pub struct Panel {
-    /// Where its top is in the picture.
+    /// Top edge in the picture.
     pub top: f64,
-    /// Where its bottom is.
+    /// Bottom edge in the picture.
     pub bottom: f64,
     /// The value at the bottom.
     pub low: f64,
@@ -26,13 +26,13 @@ pub struct Panel {
 }
 
 impl Panel {
-    /// Where a value is; those beyond the panel are at its edge.
+    /// The height of a value. A value beyond the panel is at its edge.
     pub fn y(&self, value: f64) -> f64 {
         let part = (value.clamp(self.low, self.high) - self.low) / (self.high - self.low);
         self.bottom - part * (self.bottom - self.top)
     }
 
-    /// Lines and figures at round values, and the unit.
+    /// Draws lines and figures at round values, and the name with its unit.
     pub fn scale(&self, page: &mut String, name: &str) {
         let step = round_up((self.high - self.low) / 5.0 - 1e-9);
         let mut at = (self.low / step).ceil() * step;
@@ -55,11 +55,11 @@ impl Panel {
         );
     }
 
-    /// A line through the bands of all columns: up and down where one holds more than a line is
-    /// wide.
+    /// Draws a line through the bands of all columns. A band that is wider than the line is drawn
+    /// as a vertical stroke.
     fn trace(&self, page: &mut String, class: &str, width: f64, bands: impl Iterator<Item = Band>) {
         let mut path = String::new();
-        // Where the line ends, and the level it may still go on at.
+        // End of the line, and the level at which it may continue.
         let mut pen: Option<(f64, f64)> = None;
         for (index, band) in bands.enumerate() {
             let x = LEFT + width * (index as f64 + 0.5);
@@ -82,7 +82,7 @@ impl Panel {
                     }
                     let _ = write!(path, "H{end:.1}L{x:.1} {:.1}", ends[0]);
                 }
-                // Half a column wide at least: one alone is still to be seen.
+                // At least half a column wide, so that a single column is visible.
                 None => {
                     let _ = write!(path, "M{:.1} {:.1}H{x:.1}", x - 0.5 * width, ends[0]);
                 }
@@ -101,12 +101,12 @@ impl Panel {
     }
 }
 
-/// The largest values of a chart, nm and seconds.
+/// The largest values of a chart; speeds in nm/s.
 struct Largest {
     feed: Option<f64>,
     rapid: Option<f64>,
     programmed: f64,
-    /// In both directions, mm/s^2.
+    /// Largest magnitude, mm/s^2.
     acceleration: f64,
 }
 
@@ -126,13 +126,13 @@ impl Largest {
         }
     }
 
-    /// The speed that sets the scale: that of the feed, if there is any.
+    /// The speed that sets the scale: that of feed moves if there are any, otherwise of rapids.
     fn top(&self) -> Option<f64> {
         self.feed.or(self.rapid).filter(|top| *top > 0.0)
     }
 
-    /// The top of the chart of speeds, mm/min. The picture is about cutting: much faster rapids run
-    /// along its edge.
+    /// The top of the chart of speeds, mm/min. The chart is about cutting, so much faster rapids
+    /// run along its edge.
     fn high(&self, top: f64) -> f64 {
         let rapid = self.rapid.filter(|rapid| *rapid < 3.0 * top).unwrap_or(top);
         let is_near = self.programmed < 2.0 * top;
@@ -140,7 +140,7 @@ impl Largest {
         ceiling(1.05 * MM_PER_MIN * top.max(rapid).max(programmed), 5.0)
     }
 
-    /// Sentences about the speeds that are beyond the top.
+    /// Sentences about the speeds beyond the top.
     fn beyond(&self, high: f64) -> String {
         let mut beyond = String::new();
         if let Some(rapid) = self.rapid.filter(|rapid| MM_PER_MIN * rapid > high) {
@@ -154,7 +154,7 @@ impl Largest {
         if programmed > high {
             let _ = write!(
                 beyond,
-                " The programmed feed, up to {} mm/min, lies beyond the top.",
+                " The programmed feed, up to {} mm/min, is beyond the top.",
                 figure(programmed, programmed / 20.0)
             );
         }
@@ -162,7 +162,7 @@ impl Largest {
     }
 }
 
-/// Adds the section to a report; `has_ramps` tells why the speed jumps where it does.
+/// Adds the section to a report. Without `has_ramps` it explains why the speed jumps.
 pub fn section(page: &mut String, speed: &Speed, has_ramps: bool) {
     let (columns, column_seconds) = speed.columns();
     let largest = Largest::of(columns);
@@ -198,7 +198,7 @@ pub fn section(page: &mut String, speed: &Speed, has_ramps: bool) {
     page.push_str("</section>\n");
 }
 
-/// A band in the unit of a chart.
+/// Converts a band to the unit of a chart.
 fn scaled(band: Band, factor: f64) -> Band {
     Band {
         low: band.low * factor as f32,
@@ -219,14 +219,14 @@ fn speeds(page: &mut String, columns: &[Column], width: f64, high: f64) {
         (0..columns.len()).map(move |index| {
             let column = &columns[index];
             let moving = band(column);
-            let is_beside_stop = [index.wrapping_sub(1), index, index + 1]
+            let is_next_to_stop = [index.wrapping_sub(1), index, index + 1]
                 .iter()
                 .any(|near| {
                     columns
                         .get(*near)
                         .is_none_or(|near| near.take_up || near.dwell)
                 });
-            if moving.is_empty() || !is_beside_stop {
+            if moving.is_empty() || !is_next_to_stop {
                 return scaled(moving, MM_PER_MIN);
             }
             scaled(Band { low: 0.0, ..moving }, MM_PER_MIN)
@@ -272,20 +272,19 @@ fn caption(page: &mut String, speed: &Speed, has_ramps: bool) {
     };
     let _ = writeln!(
         page,
-        "<p>Of the simulated tool, over windows of {window}; every column shows the smallest and \
-         the largest value in it. \
-         Acceleration is the change of speed from window to window, without the one across the \
-         path.{}</p>",
+        "<p>Speed of the simulated tool over windows of {window}. Each column shows its smallest \
+         and its largest value. Acceleration is the change of speed from window to window; \
+         acceleration across the path is not included.{}</p>",
         if has_ramps {
             ""
         } else {
-            " This machine has no ramps: its speed jumps, and the acceleration is the jump over a \
-             window."
+            " This machine has no ramps: its speed jumps, and the acceleration is that of a jump \
+             over one window."
         }
     );
 }
 
-/// Bars under the axis while the tool stands.
+/// Draws bars under the axis while the tool stands still.
 fn stops(page: &mut String, columns: &[Column], width: f64, y: f64) {
     let bars = |is_stop: fn(&Column) -> bool| {
         let (mut path, mut index) = (String::new(), 0);
@@ -309,8 +308,8 @@ fn stops(page: &mut String, columns: &[Column], width: f64, y: f64) {
     }
 }
 
-/// Figures and lines of the time, which is as long as the picture is wide, below panels that end at
-/// 250 and 440.
+/// Draws ticks and figures of the time below panels that end at 250 and 440. The time fills the
+/// width of the picture.
 pub fn time_scale(page: &mut String, seconds: f64) {
     let (unit, name) = match seconds {
         s if s < 1.0 => (1e-3, "ms"),
@@ -361,13 +360,13 @@ fn legend(page: &mut String) {
     page.push_str("</svg>\n");
 }
 
-/// The next multiple of a round step, of which there are no more than `parts`.
+/// Rounds up to a multiple of a round step. The result has at most `parts` such steps.
 pub fn ceiling(value: f64, parts: f64) -> f64 {
     let step = round_up(value / parts);
     (value / step).ceil() * step
 }
 
-/// The next of 1, 2 or 5 times a power of ten.
+/// Rounds up to 1, 2 or 5 times a power of ten.
 pub fn round_up(value: f64) -> f64 {
     let power = 10_f64.powf(value.log10().floor());
     [1.0, 2.0, 5.0, 10.0]
@@ -377,7 +376,7 @@ pub fn round_up(value: f64) -> f64 {
         .unwrap_or(value)
 }
 
-/// A value with the decimals its step needs.
+/// A value with as many decimals as its step needs.
 pub fn figure(value: f64, step: f64) -> String {
     let decimals = (-step.max(1e-9).log10().floor()).clamp(0.0, 9.0) as usize;
     let text = format!("{value:.decimals$}");
@@ -397,7 +396,7 @@ mod tests {
     use crate::simulation::speed::{Move, Stop};
 
     #[test]
-    fn a_picture_with_a_stop() {
+    fn a_motion_with_a_stop_is_drawn() {
         let mut speed = Speed::new(1_000_000, Some(1000));
         speed.turn(Move {
             circle: None,
@@ -415,14 +414,14 @@ mod tests {
     }
 
     #[test]
-    fn nothing_moves_nothing_is_drawn() {
+    fn nothing_is_drawn_without_motion() {
         let mut page = String::new();
         section(&mut page, &Speed::new(1_000_000, None), false);
         assert_eq!(page, "");
     }
 
     #[test]
-    fn round_values() {
+    fn values_are_rounded_up() {
         assert_eq!([0.9, 1.0, 1.1, 230.0].map(round_up), [1.0, 1.0, 2.0, 500.0]);
         assert_eq!(
             (figure(0.25, 0.05), figure(-0.0, 1.0)),

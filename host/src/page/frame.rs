@@ -1,9 +1,9 @@
-//! What every page has: head, style, header, figures, notes.
+//! The common parts of all pages: head, style, header, figures, notes.
 
 use crate::text::escape::escape;
 use std::fmt::{Display, Write};
 
-/// Colours and shapes of every page, light and dark.
+/// Colours and shapes of all pages, light and dark.
 const STYLE: &str = "\
 :root{color-scheme:light dark;--ground:#fff;--ink:#1b1f24;--soft:#57606a;--line:#d0d7de;\
 --panel:#f6f8fa;\
@@ -40,9 +40,9 @@ stroke-opacity:.45}\
 .stop{stroke-width:5}.dwell{stroke:var(--jog);stroke-dasharray:2 2}\
 text{fill:var(--soft);font:12px system-ui,sans-serif}";
 
-/// Begins a page: one HTML file with everything inside, and no network.
+/// Begins a page: one self-contained HTML file that needs no network.
 ///
-/// `heading` is a text; `style` is added to the style of all pages.
+/// `title`, `heading` and `line` are plain text. `style` is added to the style of all pages.
 pub fn open(title: &str, heading: &str, line: &str, style: &str) -> String {
     let (title, heading, line) = (escape(title), escape(heading), escape(line));
     format!(
@@ -54,7 +54,7 @@ pub fn open(title: &str, heading: &str, line: &str, style: &str) -> String {
     )
 }
 
-/// Writes figures, each a name and a value.
+/// Writes figures. Each has a name and a value.
 pub fn figures<N: Display>(page: &mut String, figures: impl IntoIterator<Item = (N, String)>) {
     page.push_str("<dl>\n");
     for (name, value) in figures {
@@ -95,7 +95,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_cannot_end_their_element() {
+    fn names_are_escaped() {
         let page = close(open("</title>", "<b>", "a & b", ""), None);
         assert!(page.contains("<title>&lt;/title&gt;</title>"));
         assert!(page.contains("<h1>&lt;b&gt;</h1><p>a &amp; b</p>"));

@@ -1,4 +1,4 @@
-//! The report: one HTML file with everything inside, no script, no network.
+//! The report of a run: one self-contained HTML file without scripts, which needs no network.
 
 use crate::page::chart;
 use crate::page::frame;
@@ -10,7 +10,7 @@ use crate::text::escape::escape;
 use crate::text::length::{length, millimetres};
 use std::fmt::Write;
 
-/// Everything a report shows.
+/// The content of a report.
 #[derive(Debug)]
 pub struct Report {
     /// Name of the program.
@@ -19,17 +19,17 @@ pub struct Report {
     pub machine: String,
     /// Rows of the table of figures: name and value.
     pub figures: Vec<(&'static str, String)>,
-    /// One row an axis.
+    /// One row per axis.
     pub axes: Vec<AxisRow>,
     /// The path of the tool.
     pub drawing: Drawing,
-    /// The programmed path, exact.
+    /// The exact programmed path.
     pub ideal: Vec<Ideal>,
-    /// Whether `ideal` has every move; otherwise the points of `drawing` stand in.
+    /// Whether `ideal` has every move. Otherwise the report uses the points of `drawing`.
     pub ideal_is_whole: bool,
-    /// The axes to the right and up.
+    /// The axes of the pictures, to the right and up.
     pub view: [char; 2],
-    /// Work area in them, nm, in the frame of the drawing.
+    /// Work area in these axes, nm, in the frame of the drawing.
     pub area: Option<[[f64; 2]; 2]>,
     /// Largest deviation in nm.
     pub largest_nm: f64,
@@ -39,7 +39,7 @@ pub struct Report {
     pub has_ramps: bool,
     /// Coil currents of the first steps.
     pub phases: Vec<Motor>,
-    /// Warnings, as `short` prints them.
+    /// Warnings, one line each.
     pub warnings: Vec<String>,
 }
 
@@ -50,13 +50,13 @@ pub struct AxisRow {
     pub letter: char,
     /// Smallest and largest position of the tool, nm, work frame.
     pub extent_nm: [f64; 2],
-    /// Limits in the same frame.
+    /// Limits, nm, work frame.
     pub travel_nm: Option<[f64; 2]>,
-    /// Where the tool ends.
+    /// Last position of the tool, nm, work frame.
     pub end_nm: f64,
-    /// Take-ups.
+    /// Number of take-ups.
     pub reversals: u64,
-    /// Steps its motor did not follow.
+    /// Steps that its motor lost.
     pub lost_steps: u64,
 }
 
@@ -84,10 +84,10 @@ fn warnings(page: &mut String, warnings: &[String]) {
     page.push_str("</ul></section>\n");
 }
 
-/// Maps nanometres to the picture, Y up.
+/// Maps nanometres to the picture; Y points up.
 pub struct Frame {
     low: [f64; 2],
-    /// Units of the picture a nanometre.
+    /// Units of the picture per nanometre.
     pub scale: f64,
     size: [f64; 2],
 }
@@ -96,7 +96,7 @@ const WIDTH: f64 = 1000.0;
 const MARGIN: f64 = 36.0;
 
 impl Frame {
-    /// As large as its width, or a height of 800, allows.
+    /// A frame around these corners. It is as large as the width, or a height of 800, allows.
     pub fn around([low, high]: [[f64; 2]; 2]) -> Self {
         let span = [(high[0] - low[0]).max(1.0), (high[1] - low[1]).max(1.0)];
         let scale = ((WIDTH - 2.0 * MARGIN) / span[0]).min(800.0 / span[1]);
@@ -110,7 +110,7 @@ impl Frame {
         }
     }
 
-    /// Where a point is in the picture.
+    /// The position of a point in the picture.
     pub fn at(&self, p: [f64; 2]) -> [f64; 2] {
         [
             MARGIN + (p[0] - self.low[0]) * self.scale,
@@ -131,7 +131,7 @@ impl Frame {
         );
     }
 
-    /// A bar of a round length in the lower left corner.
+    /// Draws a bar of a round length in the lower left corner.
     pub fn scale_bar(&self, page: &mut String) {
         let mut nm = 1.0;
         while nm * 10.0 * self.scale < 0.4 * WIDTH {
@@ -376,23 +376,23 @@ fn deviation_section(page: &mut String, report: &Report) {
     let size = (high[0] - low[0]).max(high[1] - low[1]).max(1.0);
     let factor = round_down(0.04 * size / report.largest_nm);
     if factor <= 1.0 {
-        return; // the tool path shows it as it is
+        return; // The picture of the tool path shows it without magnification.
     }
     let pad = 0.06 * size;
     let frame = Frame::around([[low[0] - pad, low[1] - pad], [high[0] + pad, high[1] + pad]]);
     let _ = writeln!(
         page,
-        "<section><h2>Deviation, {factor:.0} times as large as it is</h2>\
-         <p>Thin line: the programmed path. Each point of the tool is drawn {factor:.0} times as \
-         far from it as it was; the largest distance is {}.</p>",
+        "<section><h2>Deviation, magnified {factor:.0} times</h2>\
+         <p>The thin line is the programmed path. The distance of each point of the tool from it \
+         is drawn {factor:.0} times as large; the largest distance is {}.</p>",
         length(report.largest_nm)
     );
     frame.open(
         page,
         "deviation",
-        "Deviation of the tool from the programmed path, exaggerated",
+        "Deviation of the tool from the programmed path, magnified",
         &format!(
-            "Exaggerated {factor:.0} times; largest deviation {}.",
+            "Magnified {factor:.0} times; largest deviation {}.",
             length(report.largest_nm)
         ),
     );
@@ -404,7 +404,7 @@ fn deviation_section(page: &mut String, report: &Report) {
     page.push_str("</svg></section>\n");
 }
 
-/// 1, 2 or 5 times a power of ten, at most `value`, at least 1.
+/// Rounds down to 1, 2 or 5 times a power of ten; the result is at least 1.
 pub fn round_down(value: f64) -> f64 {
     let mut power = 1.0;
     while power * 10.0 <= value {
@@ -517,7 +517,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_page_stands_alone() {
+    fn a_page_is_self_contained() {
         let mut drawing = Drawing::new();
         let point = |x: f64, y: f64| Point {
             tool: [x, y],
@@ -553,7 +553,7 @@ mod tests {
     }
 
     #[test]
-    fn round_factors() {
+    fn factors_are_rounded_down() {
         assert_eq!(
             [0.3, 1.0, 4.9, 7.0, 1999.0].map(round_down),
             [1.0, 1.0, 2.0, 5.0, 1000.0]

@@ -7,10 +7,10 @@ use husillo_gcode::{Block, Dialect, Error, ErrorKind, FramingError, Modal, Recei
 use std::io;
 use std::ops::ControlFlow;
 
-/// Room for parameters and calls: far more than a controller has.
+/// Capacity for parameters and calls: far more than a controller has.
 type Whole<'t> = Program<'t, 4096, 2048, 128>;
 
-/// Room for the contour of a turning cycle.
+/// Capacity for the contour of a turning cycle.
 type Turned<'t> = Contours<'t, 1024>;
 
 /// A block's place in the file.
@@ -20,17 +20,17 @@ pub struct Given<'a> {
     pub number: usize,
     /// The whole line.
     pub bytes: &'a [u8],
-    /// Where in it the block stands.
+    /// Position of the block in the line, bytes.
     pub at: usize,
     /// The text of the block.
     pub text: &'a [u8],
-    /// Whether the line goes on behind what was read of it, and this is its last block.
+    /// Whether this is the last block that was read of a line that is too long.
     pub overlong: bool,
-    /// Whether the line may come again: the program has loops or subroutines.
+    /// Whether the line may be executed again, because the program has loops or subroutines.
     pub repeats: bool,
 }
 
-/// The `%` before a program and behind it.
+/// The `%` before and after a program.
 #[derive(Debug, Default)]
 struct Percent {
     begun: bool,
@@ -38,8 +38,8 @@ struct Percent {
 }
 
 impl Percent {
-    /// Whether the program is over at this line: at the second `%` of one that begins with a `%`,
-    /// as in LinuxCNC. Grbl passes over all of them.
+    /// Whether the program ends at this line. As in LinuxCNC, a program that begins with `%` ends
+    /// at the second `%`. Grbl ignores all of them.
     fn ends(&mut self, line: &[u8], dialect: &Dialect) -> bool {
         let line = line.trim_ascii();
         let is_percent = line.first() == Some(&b'%') && dialect.name() != Dialect::GRBL.name();
@@ -50,8 +50,8 @@ impl Percent {
     }
 }
 
-/// The text of a line without its checksum, or what is wrong with the line; then the number behind
-/// it is expected.
+/// Checks number and checksum of a line, and returns its text without them. After an error it
+/// expects the number that follows.
 pub fn unframed<'a>(receiver: &mut Receiver, line: &'a [u8]) -> Result<&'a [u8], Error> {
     receiver.check(line).map_err(|error| {
         if let FramingError::Number { given, .. } = error {
@@ -73,11 +73,11 @@ pub fn unframed<'a>(receiver: &mut Receiver, line: &'a [u8]) -> Result<&'a [u8],
     })
 }
 
-/// The longest line of Grbl (its LINE_BUFFER_SIZE is 80, with the end of the text), blanks and
-/// comments not counted.
+/// Longest line of Grbl without blanks and comments. Its LINE_BUFFER_SIZE is 80, including the end
+/// of the text.
 const GRBL_LINE: u8 = 79;
 
-/// Whether Grbl has room for a line.
+/// Checks that a line fits into the buffer of Grbl.
 fn fits(text: &[u8], dialect: &Dialect) -> Result<(), Error> {
     if *dialect != Dialect::GRBL || text.len() <= usize::from(GRBL_LINE) {
         return Ok(());
@@ -111,13 +111,13 @@ pub fn is_numbering(text: &[u8]) -> bool {
 
 /// Calls `each` with every block until it breaks, or the program ends.
 ///
-/// Lines are read one at a time until one has a parameter, an expression, an O-word or a cycle
-/// along a contour; from that line on the program is kept in memory, and `modal` tells the state of
-/// the machine that its expressions may ask for.
+/// Lines are read one at a time, up to the first one with a parameter, an expression, an O-word or
+/// a cycle along a contour. From that line on the program is kept in memory. `modal` returns the
+/// state of the machine, which expressions may read.
 ///
 /// # Errors
 ///
-/// Those of reading and of `each`.
+/// Reading fails, or `each` does.
 pub fn each_block<C>(
     source: &mut Source,
     dialect: Dialect,
@@ -134,8 +134,8 @@ pub fn each_block<C>(
     as_a_whole(&text, first, dialect, &mut percent, context, modal, each)
 }
 
-/// Gives the blocks of lines that mean the same wherever they stand. Returns the number of the
-/// first line that does not, which is still to be read; `None` where the program is over.
+/// Gives the blocks of the lines that need no other line. Returns the number of the first line that
+/// does, which is not given yet. Returns `None` at the end of the program.
 fn by_lines(
     source: &mut Source,
     dialect: Dialect,
@@ -164,7 +164,7 @@ fn by_lines(
         let text = match &mut receiver {
             None => line.bytes,
             Some(receiver) => match unframed(receiver, line.bytes) {
-                // What it says is for the receiver.
+                // The receiver has already used the number.
                 Ok(text) if is_numbering(text) => continue,
                 Ok(text) => text,
                 Err(error) => {
@@ -191,7 +191,7 @@ fn by_lines(
     }
 }
 
-/// Gives the blocks of a text in the order of execution; its first line has the number `first`.
+/// Gives the blocks of a text in the order of execution. `first` is the number of its first line.
 fn as_a_whole<C>(
     text: &[u8],
     first: usize,
@@ -239,7 +239,7 @@ fn as_a_whole<C>(
 mod tests {
     use super::*;
 
-    /// The numbers of the lines that are read.
+    /// The numbers of the lines whose blocks are given.
     fn lines(dialect: Dialect, text: &'static str) -> Vec<usize> {
         let mut source = Source::from_reader(Box::new(text.as_bytes()));
         let mut context = (Modal::new(dialect), Vec::new());
@@ -258,7 +258,7 @@ mod tests {
     }
 
     #[test]
-    fn the_second_percent_ends() {
+    fn the_second_percent_ends_a_program() {
         let rs274 = |text| lines(Dialect::RS274, text);
         assert_eq!(rs274("\n%\nG0 X1\n % \nG0 X2\n"), [1, 2, 3]);
         assert_eq!(rs274("%\n#1=1\nG0 X#1\n%\nG0 X2\n"), [1, 2, 3]);

@@ -1,4 +1,4 @@
-//! `husillo check`: everything that can be said about a program before anything moves.
+//! `husillo check`: checks a program before anything moves.
 
 use crate::diagnostics::{Finding, Findings, Place, Severity};
 use crate::machines::machine_file::{MachineFile, Travel};
@@ -14,23 +14,23 @@ use husillo_gcode::{Arc, Command, Feed, Nm};
 use husillo_machine::{Config, MoveError};
 use std::io;
 
-/// What a check finds out besides the findings.
+/// The figures of a checked program.
 #[derive(Debug)]
 pub struct Facts {
     /// Length of all feed moves in nm.
     pub feed_nm: f64,
     /// Length of all rapid moves in nm.
     pub rapid_nm: f64,
-    /// Step events, about.
+    /// Approximate number of step events.
     pub events: f64,
-    /// How often every axis turns round, the first motion counted where it is backwards.
+    /// Reversals of each axis. A first motion in negative direction counts as one.
     pub reversals: [u64; 3],
-    /// The first move that leaves the travel of an axis: for
+    /// The first move that leaves the travel of an axis, for
     /// [`crate::programs::zero::report_beyond`].
     pub beyond: Option<(Place, MoveError)>,
 }
 
-/// What is said once about a program, and what adds up along it.
+/// Findings that are reported once per program, and sums over its moves.
 struct Checker<'a> {
     machine: &'a MachineFile,
     config: &'a Config<3>,
@@ -44,7 +44,7 @@ struct Checker<'a> {
     beyond: Option<(Place, MoveError)>,
 }
 
-/// Checks one program against a machine; every finding goes to `findings`, but those about travel,
+/// Checks one program against a machine. `findings` gets every finding, except those about travel,
 /// which need a second reading.
 ///
 /// # Errors
@@ -62,7 +62,7 @@ pub fn check(
         machine,
         config,
         turns: Turns::new(
-            // Where a lash is out of range, `run` says so.
+            // `run` reports a backlash that is out of range.
             setup::maps(machine).unwrap_or_else(|_| setup::no_lash()),
             (machine.axes.each_ref()).map(|axis| axis.step.num as f64 / axis.step.den as f64),
         ),
@@ -88,7 +88,8 @@ pub fn check(
     )?;
     if is_empty && findings.errors == 0 {
         let message = "no command in the program".to_string();
-        let note = "nothing would move: empty, comments only, or cut off".to_string();
+        let note = "nothing would move: the program is empty, has only comments, or is cut off"
+            .to_string();
         findings.add(Finding::general(Severity::Warning, "W0602", message).note(note));
     }
     if let Some(finding) = checker.reversals() {
@@ -114,7 +115,7 @@ impl Checker<'_> {
         let end = program::target(command);
         match self.config.check(&from, command) {
             Ok(()) => {}
-            // One cause, whatever the number of moves: reported when all of them are known.
+            // All moves beyond the travel have one cause. It is reported when all are known.
             Err(error @ MoveError::Travel { axis, .. }) => {
                 if self.beyond.is_none() {
                     let letter = self.machine.axes[axis.min(2)].letter;
@@ -203,7 +204,7 @@ impl Checker<'_> {
                 let name = means.name();
                 let message = format!("{} has no means for {name}", self.machine.name);
                 Finding::error("E0404", message, at.whole())
-                    .label("understood, but not made here")
+                    .label("understood, but this machine cannot do it")
                     .note("`husillo commands` shows what it means")
             }
             _ => {
@@ -224,7 +225,7 @@ impl Checker<'_> {
         let mut finding = Finding::warning("W0402", message, at.word(letter))
             .label("moves here for the first time");
         if let Some(place) = self.machine.travel_place(axis) {
-            finding.elsewhere = Some((place, "said here".to_owned()));
+            finding.elsewhere = Some((place, "declared here".to_owned()));
         }
         finding
     }
@@ -236,21 +237,21 @@ impl Checker<'_> {
             self.machine.name
         );
         Finding::warning("W0403", message, at.whole())
-            .label("is made as it stands")
-            .note("said once for the whole program")
+            .label("the move is made as programmed")
+            .note("reported once for the whole program")
     }
 
     fn arc(&self, arc: &Arc<3>, at: &At<'_>, findings: &mut Findings) {
         let [a, _] = arc.plane.axes();
         let step = self.machine.axes[a].step;
         let mismatch = i128::from(arc.mismatch.0);
-        // max(2 BLU, 1.5 units of the last printed digit), without a rounding.
+        // At most 2 steps or 1.5 units of the last printed digit, compared without rounding.
         let silent = mismatch * i128::from(step.den) <= 2 * i128::from(step.num)
             || 2 * mismatch <= 3 * i128::from(arc.resolution.0);
         if silent {
             return;
         }
-        // Nearest: 559 nm are 4 steps of 140 nm.
+        // Rounded to nearest: 559 nm are 4 steps of 140 nm.
         let steps = (2 * mismatch * i128::from(step.den) / i128::from(step.num) + 1) / 2;
         let message = format!(
             "the end point is not on the arc: radius differs by {} ({steps} steps)",
@@ -260,11 +261,11 @@ impl Checker<'_> {
             .find(|letter| matches!(letter, b'X' | b'Y' | b'Z'))
             .map_or(at.whole(), |span| at.place(span));
         let finding = Finding::warning("W0302", message, end)
-            .label("the end has another distance from the centre than the start")
+            .label("start and end have different distances from the centre")
             .note("the tool follows a spiral between the two radii")
             .note(format!(
-                "silent up to 2 steps ({}) or 1.5 units of the last digit; `motion.arc_tolerance` \
-                 makes it an error",
+                "no warning up to 2 steps ({}) or 1.5 units of the last digit; \
+                 `motion.arc_tolerance` makes it an error",
                 length(2.0 * step.num as f64 / step.den as f64)
             ));
         findings.add(finding);
@@ -306,7 +307,7 @@ impl Checker<'_> {
         }
         self.warned_feed = Some(rate);
         let message = format!(
-            "feed {} mm/min is above what the axes reach here",
+            "feed {} mm/min is above the limit of the axes here",
             shortest(rate.0 as f64 / 1e6, 3)
         );
         let finding = Finding::warning("W0503", message, at.word(b'F'))
@@ -314,7 +315,7 @@ impl Checker<'_> {
                 "this move is made at {} mm/min",
                 shortest(reached / 1e6, 3)
             ))
-            .note("said once for each feed rate; grbl and LinuxCNC limit it silently");
+            .note("reported once for each feed rate; grbl and LinuxCNC limit it silently");
         findings.add(finding);
     }
 
@@ -338,7 +339,7 @@ impl Checker<'_> {
                 let by_place = if least == most {
                     least
                 } else {
-                    format!("{least} to {most} by place")
+                    format!("{least} to {most} by position")
                 };
                 parts.push(format!(
                     "{count} on {} at {:.2} s ({by_place})",

@@ -1,4 +1,4 @@
-//! `husillo commands`: the commands a program means, one a line.
+//! `husillo commands`: lists the commands of a program, one per line.
 
 mod json;
 

@@ -1,11 +1,11 @@
-//! What the errors of a block look like to a person: labels, notes, help.
+//! Explains the errors of a block to the user: labels, notes, help.
 
 use crate::diagnostics::{Finding, Place};
 use crate::programs::explain_flow;
 use husillo_gcode::{Block, Dialect, Error, ErrorKind, words};
 use std::ops::Range;
 
-/// A line of the program that a finding is about.
+/// The block of a program that a finding is about, with its line.
 #[derive(Clone, Copy, Debug)]
 pub struct At<'a> {
     /// Name of the file.
@@ -14,16 +14,16 @@ pub struct At<'a> {
     pub line: usize,
     /// The whole line.
     pub bytes: &'a [u8],
-    /// Where in it the block stands.
+    /// Position of the block in the line, bytes.
     pub block: usize,
-    /// Length of the block.
+    /// Length of the block, bytes.
     pub length: usize,
     /// The language of the program.
     pub dialect: Dialect,
 }
 
 impl At<'_> {
-    /// A place in the block, given in bytes of the block.
+    /// The place of a span of the block, in bytes of the block.
     pub fn place(&self, span: Range<usize>) -> Place {
         Place::new(
             self.file,
@@ -33,7 +33,7 @@ impl At<'_> {
         )
     }
 
-    /// The words of the whole block.
+    /// The place of the whole block without blanks around it.
     pub fn whole(&self) -> Place {
         let text = self.text();
         let start = text
@@ -47,7 +47,7 @@ impl At<'_> {
         self.place(start..end)
     }
 
-    /// The word with this letter, or the whole block.
+    /// The place of the word with this letter, or that of the whole block.
     pub fn word(&self, letter: u8) -> Place {
         match self.find(|word| word == letter) {
             Some(span) => self.place(span),
@@ -55,7 +55,7 @@ impl At<'_> {
         }
     }
 
-    /// The first word whose letter satisfies a condition.
+    /// The span of the first word whose letter satisfies a condition.
     pub fn find(&self, wanted: impl Fn(u8) -> bool) -> Option<Range<usize>> {
         words(self.text())
             .flatten()
@@ -63,13 +63,14 @@ impl At<'_> {
             .map(|word| word.at..word.end)
     }
 
-    /// Bytes of the block as bytes of the line as it is drawn, where bytes that are no text take
-    /// more room.
+    /// Converts a span of the block to a span of the line as it is shown. Bytes that are no text
+    /// take more room there.
     fn drawn(&self, span: Range<usize>) -> Range<usize> {
         self.place(span).span()
     }
 
-    /// A word and the blank behind it, or where none follows the one before it, to be removed.
+    /// The span to remove with a word: the word and the blank after it. If no blank follows, it
+    /// includes the blank before it.
     fn removal(&self, span: Range<usize>) -> Range<usize> {
         let text = self.text();
         let blank = |at: Option<usize>| {
@@ -81,12 +82,13 @@ impl At<'_> {
         self.drawn(start..span.end + usize::from(behind))
     }
 
-    /// Behind the last byte of the block that is no blank.
+    /// The end of the block without trailing blanks.
     fn end(&self) -> usize {
         self.text().trim_ascii_end().len()
     }
 
-    /// Whether digits follow a comma, and no other comma or point behind them: not `1,234.5`.
+    /// Whether the digits after a comma are followed by no other comma, point or sign. It is false
+    /// for `1,234.5`.
     fn is_only_mark(&self, comma: usize) -> bool {
         let behind = self.text().get(comma + 1..).unwrap_or_default();
         let next = behind
@@ -95,7 +97,8 @@ impl At<'_> {
         !matches!(next, Some(b',' | b'.' | b'+' | b'-'))
     }
 
-    /// Whether a comma follows the digits of a number, not those of a parameter, and not a bracket.
+    /// Whether a comma follows the digits of a number. Digits of a parameter, or a bracket, do not
+    /// count.
     fn is_behind_digits(&self, comma: usize) -> bool {
         let before = self.text().get(..comma).unwrap_or_default();
         let mut others = before.iter().rev();
@@ -116,8 +119,8 @@ impl At<'_> {
     }
 }
 
-/// Turns an error of a block into a finding. It offers no fix on a line with a checksum, which
-/// would then be wrong.
+/// Turns an error of a block into a finding. It offers no fix on a line with a checksum, because
+/// the fix would make the checksum wrong.
 pub fn finding(error: &Error, at: &At<'_>) -> Finding {
     let finding = described(error, at);
     let is_summed = at.dialect.framing().is_some() && at.bytes.contains(&b'*');
@@ -139,7 +142,7 @@ fn described(error: &Error, at: &At<'_>) -> Finding {
     let message = message(error, at);
     let finding = Finding::error(&code, message, place);
     match error.kind {
-        // What moves cannot be left out.
+        // A word that moves an axis cannot be left out.
         ErrorKind::UnknownWord(letter @ (b'A' | b'B' | b'C' | b'E' | b'U' | b'V' | b'W')) => {
             finding.label(format!("this machine has no {} axis", char::from(letter)))
         }
@@ -158,11 +161,12 @@ fn described(error: &Error, at: &At<'_>) -> Finding {
             .label("a number must follow the letter")
             .note("grbl: `error:2`"),
         ErrorKind::MalformedNumber => finding
-            .label("the number goes wrong here")
+            .label("the number is malformed here")
             .note("grbl reads the first part, then answers `error:1` at the rest"),
-        ErrorKind::Expression => finding
-            .label("not of this dialect")
-            .help("choose another with `--dialect`, or let the post-processor write plain numbers"),
+        ErrorKind::Expression => finding.label("this dialect does not have them").help(
+            "choose another dialect with `--dialect`, or let the post-processor write plain \
+             numbers",
+        ),
         ErrorKind::Program(fault) => explain_flow::finding(fault, finding),
         ErrorKind::NumberTooLarge => finding
             .label("too large")
@@ -175,18 +179,18 @@ fn described(error: &Error, at: &At<'_>) -> Finding {
             .label("not in the list of codes")
             .note(unknown_code(letter)),
         ErrorKind::RepeatedWord(_) => finding
-            .label("given a second time")
+            .label("occurs a second time")
             .note("grbl: `error:25`"),
         ErrorKind::TwoCodesOfOneGroup => finding
             .label("only one of them can be in effect")
             .note("grbl: `error:21`")
             .help("write them on two lines"),
         ErrorKind::TwoUsersOfWords => finding
-            .label("the words can serve one code only")
+            .label("only one code can use the words")
             .note("grbl: `error:24`")
             .help("write them on two lines"),
         ErrorKind::AxisWordsWithoutMotion => finding
-            .label("what to do with it is not said")
+            .label("no code uses it")
             .note("grbl: `error:31`")
             .help("write G0 or G1 before the axis words"),
         ErrorKind::NoAxisWords => finding
@@ -199,13 +203,13 @@ fn described(error: &Error, at: &At<'_>) -> Finding {
             .fix(at.removal(span), ""),
         ErrorKind::ZNotAlone => finding
             .label("this machine interpolates X and Y only")
-            .help("move Z in a string of its own, before or after"),
+            .help("move Z in a separate string, before or after"),
         ErrorKind::NoCentre
             if at
                 .find(|letter| matches!(letter, b'I' | b'J' | b'K'))
                 .is_some() =>
         {
-            finding.label("the centre given is the place where the arc starts")
+            finding.label("the given centre is the start of the arc")
         }
         ErrorKind::NoCentre => finding
             .label("needs `I` and `J`, or `R`")
@@ -221,18 +225,18 @@ fn described(error: &Error, at: &At<'_>) -> Finding {
         ErrorKind::EndOffArc(_) => finding
             .label("start and end have different distances from the centre")
             .note(
-                "an error from 0.5 mm on, or from 5 um and 0.1 % of the radius on: as grbl and \
-                 LinuxCNC have it",
+                "an error from 0.5 mm, or from 5 um and 0.1 % of the radius, as in grbl and \
+                 LinuxCNC",
             )
             .help("check the centre words; absolute centres need G90.1"),
         ErrorKind::RadiusAndCentre => finding
-            .label("one of them is too much")
+            .label("only one of them is allowed")
             .note("grbl: `error:36`; LinuxCNC: \"Mixed radius ijk format for arc\""),
         ErrorKind::RadiusTooSmall(_) => finding
             .label("does not reach the end")
             .note("grbl: `error:34`; LinuxCNC: \"Arc radius too small to reach end point\""),
         ErrorKind::RadiusToSamePoint => finding
-            .label("a radius does not say where the centre is")
+            .label("a radius does not determine the centre of a full circle")
             .note("grbl: `error:33`")
             .help("write a full circle with `I` and `J`"),
         ErrorKind::NoEnd => finding
@@ -248,10 +252,10 @@ fn described(error: &Error, at: &At<'_>) -> Finding {
         ErrorKind::NoInverseTime => finding
             .label("no `F` on this line")
             .note(
-                "under G93 an F is the inverse of the minutes of one move and is not kept for \
-                 the next",
+                "under G93 F is the inverse of the minutes of one move and does not apply to the \
+                 next",
             )
-            .help("add F, or G94 for feed rates that stay"),
+            .help("add F, or G94 for feed rates that stay in effect"),
         ErrorKind::Negative(_) => finding
             .label("must not be negative")
             .note("grbl: `error:4`"),
@@ -259,7 +263,7 @@ fn described(error: &Error, at: &At<'_>) -> Finding {
             let finding = finding.label("this dialect has no such code");
             // The languages of machines that can do nothing else.
             if [Dialect::MICROMILL, Dialect::DRILL].contains(&at.dialect) {
-                return finding.help("leave the code out: this machine has no such thing");
+                return finding.help("leave the code out: this machine has no such function");
             }
             let finding = match at.dialect {
                 Dialect::GRBL => finding.note("grbl: `error:20`"),
@@ -278,82 +282,84 @@ fn described(error: &Error, at: &At<'_>) -> Finding {
             }
         }
         ErrorKind::NumberNotAlone => finding
-            .label("stands alone at the start of a program")
-            .help("put the other words on a line of their own"),
+            .label("must be alone on its line at the start of a program")
+            .help("put the other words on a separate line"),
         ErrorKind::Checksum { .. } => finding
             .label("bytes of this line were lost or changed")
-            .help("write the program anew; or leave line numbers and checksums out"),
-        ErrorKind::NoChecksum => finding.help("write `*` and the checksum behind the line"),
+            .help("write the program again, or leave line numbers and checksums out"),
+        ErrorKind::NoChecksum => finding.help("write `*` and the checksum after the line"),
         ErrorKind::LineNumber(_) => finding
-            .label("a line is missing, or there twice")
-            .help("number the lines one by one; `M110 N..` starts anew"),
+            .label("a line is missing or occurs twice")
+            .help("number the lines consecutively; `M110 N..` sets a new start"),
         ErrorKind::DecimalComma => {
             let finding = finding
-                .label("decimals stand behind a point")
+                .label("the decimal separator is a point")
                 .note("grbl: `error:1`; LinuxCNC: \"Bad character ',' used\"");
             if at.is_only_mark(span.start) && at.is_behind_digits(span.start) {
                 let mark = at.drawn(span.start..span.start + 1);
                 finding.help("write a point").fix(mark, ".")
             } else {
-                finding.help("one point at most, and nothing between thousands")
+                finding.help("write at most one point, and no separator between thousands")
             }
         }
         ErrorKind::UnclosedComment => finding
-            .label("goes on to the end of the line")
+            .label("extends to the end of the line")
             .note("LinuxCNC: \"Unclosed comment found\"")
             .help("close it")
             .fix(at.drawn(at.end()..at.end()), ")"),
         ErrorKind::OutOfRange(_) => finding.label("not a value this code takes"),
         ErrorKind::TooManyPasses => finding.label("more than 65536 pecks or passes"),
-        ErrorKind::ToolTableFull => finding.label("the table holds eight tools"),
+        ErrorKind::ToolTableFull => finding.label("the table holds at most eight tools"),
         ErrorKind::UnknownTool => finding
-            .label("nothing is known of this tool's radius")
+            .label("the radius of this tool is not known")
             .note("LinuxCNC: \"Requested tool not found in the tool table\"")
-            .help("write its radius first: G10 L1 P<tool> R<radius>"),
+            .help("set its radius first: G10 L1 P<tool> R<radius>"),
         ErrorKind::SpindleStopped => finding
-            .label("the spindle stands, or turns the other way")
+            .label("the spindle does not turn, or turns in the other direction")
             .note("LinuxCNC: \"Spindle not turning\"")
             .help("start it with M3 or M4 before"),
         ErrorKind::WrongFeedMode => finding.label("needs G94"),
         ErrorKind::RetractBelowBottom => finding
             .label("`R` lies below the bottom of the hole")
             .note("LinuxCNC: \"R value less than Z value in canned cycle\""),
-        ErrorKind::RotaryInCycle(_) => finding.label("move this axis on a line of its own"),
-        ErrorKind::ContourOfBlocks => finding.label("the contour stands on other lines"),
+        ErrorKind::RotaryInCycle(_) => finding.label("move this axis on a separate line"),
+        ErrorKind::ContourOfBlocks => finding.label("the contour is on other lines"),
         ErrorKind::NoContour(_) => finding
             .label("the contour is not found")
-            .note("G71 and G72: it begins right behind the cycle; G70 takes the last one before it")
+            .note("the contour of G71 and G72 follows the cycle; G70 takes the last one before it")
             .help("write N and this number at the start of its first (P) and its last (Q) block"),
         ErrorKind::NotOfContour => finding
-            .label("lines and arcs of X and Z under G18, and first of all a straight move")
-            .note("F, S, M3 to M9 and G40 to G42 may stand there too"),
+            .label("a contour has lines and arcs of X and Z under G18, and begins with a line")
+            .note("F, S, M3 to M9 and G40 to G42 are also allowed there"),
         ErrorKind::Pocket(_) => finding
-            .label("goes back here")
-            .note("roughing cycles cut contours that rise all the way in both axes (type I)")
-            .help("turn the pocket in a cycle of its own"),
+            .label("the contour goes back here")
+            .note("roughing cycles cut contours that rise monotonically in both axes (type I)")
+            .help("turn the pocket in a separate cycle"),
         ErrorKind::ThreadStart => finding.label(
-            "start and end of the cycle lie on the same side of the crest, outside of it, \
-                 and apart along it",
+            "start and end of the cycle must be on the same side of the crest, outside of it, \
+             and apart along it",
         ),
-        ErrorKind::TooManyWaiting => finding.label("four at most wait for the corner").help(
-            "move these commands before the compensation, or put a move in the plane between \
+        ErrorKind::TooManyWaiting => finding
+            .label("at most four commands can wait for the corner")
+            .help(
+                "move these commands before the compensation, or put a move in the plane between \
                  them",
-        ),
-        ErrorKind::ContourTooLong => finding.label("1024 moves at most"),
+            ),
+        ErrorKind::ContourTooLong => finding.label("at most 1024 moves"),
         ErrorKind::ContourStart => finding
             .label(
-                "the first move of the contour goes down from the start of the cycle, its end \
-                 lies along the cut",
+                "the first move of the contour must go down from the start of the cycle, and its \
+                 end must lie along the cut",
             )
-            .note("G71 goes down in X and cuts along Z, G72 the other way round"),
+            .note("G71 goes down in X and cuts along Z; G72 goes down in Z and cuts along X"),
         ErrorKind::SplinePlane => finding.label("needs G17, and only X and Y"),
         ErrorKind::NoProbeMove => finding.label("ends where it starts"),
-        ErrorKind::UnderCompensation => finding.help("end the compensation with G40 before"),
+        ErrorKind::UnderCompensation => finding.help("end the compensation with G40 first"),
         ErrorKind::CompensationEntry => {
-            finding.label("neither an arc nor a move along the third axis can be it")
+            finding.label("the entry move must not be an arc or a move along the third axis")
         }
         ErrorKind::EntryTooShort(_) => finding
-            .label("the tool has no room to come to the contour")
+            .label("the tool has no room to reach the contour")
             .note(
                 "LinuxCNC: \"Length of cutter compensation entry move is not greater than the \
                  tool radius\"",
@@ -366,19 +372,19 @@ fn described(error: &Error, at: &At<'_>) -> Finding {
             .label("the tool does not fit into this arc")
             .note("LinuxCNC: \"Arc radius too small to reach end point\" with compensation"),
         ErrorKind::NoDwellTime => finding
-            .label("how long is not said")
+            .label("the time is missing")
             .note("grbl: `error:28`; LinuxCNC: \"Dwell time missing with g4\""),
         _ => finding,
     }
 }
 
-/// What others say of a code that is in no list.
+/// The messages of other programs for an unknown code.
 fn unknown_code(letter: u8) -> String {
     let small = char::from(letter.to_ascii_lowercase());
     format!("grbl: `error:20`; LinuxCNC: \"Unknown {small} code used\"")
 }
 
-/// The first dialect with a code, given by its letter and its number in tenths.
+/// The first dialect that has a code. `tenths` is ten times its number.
 fn dialect_with(letter: u8, tenths: u16) -> Option<&'static str> {
     let code = format!("{}{}.{}", char::from(letter), tenths / 10, tenths % 10);
     let has = |dialect: &Dialect| {
@@ -426,7 +432,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_dialect_that_has_a_code_is_named() {
+    fn a_dialect_that_has_the_code_is_found() {
         assert_eq!(dialect_with(b'G', 410), Some("rs274"));
         assert_eq!(dialect_with(b'G', 710), Some("lathe"));
         assert_eq!(dialect_with(b'M', 60), Some("rs274"));
@@ -434,7 +440,7 @@ mod tests {
     }
 
     #[test]
-    fn a_word_goes_with_one_blank() {
+    fn a_word_is_removed_with_one_blank() {
         let removed = |bytes: &str, letter| {
             let at = At {
                 file: "p",

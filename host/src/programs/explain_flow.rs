@@ -1,4 +1,4 @@
-//! What the errors of parameters, expressions and O-words look like to a person.
+//! Explains the errors of parameters, expressions and O-words to the user.
 
 use crate::diagnostics::Finding;
 use husillo_gcode::parameters::Fault;
@@ -8,10 +8,10 @@ pub fn finding(fault: Fault, finding: Finding) -> Finding {
     match fault {
         Fault::NoValue => finding.label("a number, `#`, `[` or a function belongs here"),
         Fault::NoOperator => finding
-            .label("does not go on here")
+            .label("an operator or a closing bracket belongs here")
             .note("operators: ** * / MOD + - EQ NE GT GE LT LE AND OR XOR"),
         Fault::OpenBracket => finding
-            .label("no counterpart on this line")
+            .label("has no counterpart on this line")
             .note("LinuxCNC: \"Unclosed expression\""),
         Fault::UnknownFunction => finding.label("not a function").note(
             "functions: ABS ACOS ASIN ATAN COS EXISTS EXP FIX FUP LN ROUND SIN SQRT TAN; \
@@ -19,16 +19,18 @@ pub fn finding(fault: Fault, finding: Finding) -> Finding {
         ),
         Fault::NoBracket => finding.label("`[` belongs here"),
         Fault::NoSecondValue => finding
-            .label("the angle of a point takes two values")
-            .help("write ATAN[y]/[x]; ATAN[y]/[1] for one"),
-        Fault::MalformedName => finding.label("a name stands between `<` and `>`"),
+            .label("ATAN takes the two coordinates of a point")
+            .help("write ATAN[y]/[x], or ATAN[y]/[1] for one value"),
+        Fault::MalformedName => finding.label("a name must be between `<` and `>`"),
         Fault::TooNested => finding
             .label("more than 24 operations wait for their right side")
             .help("split it over two lines"),
         Fault::NoAssignment => finding
             .label("nothing uses it")
-            .help("write a letter before it, or `=` and a value behind it"),
-        Fault::TooManyAssignments => finding.label("the eleventh").help("go on on the next line"),
+            .help("write a letter before it, or `=` and a value after it"),
+        Fault::TooManyAssignments => finding
+            .label("the eleventh assignment of this line")
+            .help("continue on the next line"),
         Fault::DivisionByZero => finding
             .label("the divisor is zero")
             .note("LinuxCNC: \"Attempt to divide by zero\""),
@@ -45,37 +47,33 @@ pub fn finding(fault: Fault, finding: Finding) -> Finding {
             .note("LinuxCNC: \"Named parameter not defined\"")
             .help("give it a value before, or ask EXISTS[#<name>]"),
         Fault::ReadOnly => finding
-            .label("the machine gives it")
+            .label("the machine sets this parameter")
             .help("G10 L2 and G92 set frames, G28.1 and G30.1 positions"),
-        Fault::ParametersFull => finding.label("no room for another one; the program ends here"),
+        Fault::ParametersFull => finding.label("too many parameters; the program ends here"),
         Fault::UnknownKeyword => finding
-            .label("no keyword of an O-word")
+            .label("not a keyword of an O-word")
             .note(
                 "sub endsub call return if elseif else endif while endwhile do repeat endrepeat \
                  break continue",
             )
             .help("`O1234` alone is the number of a program in `--dialect iso`"),
         Fault::MalformedLabel => finding.label("a number or `<name>` belongs here"),
-        Fault::NotAlone => finding.label("belongs on a line of its own"),
-        Fault::TooManyArguments => finding.label("30 at most"),
+        Fault::NotAlone => finding.label("must be alone on its line"),
+        Fault::TooManyArguments => finding.label("at most 30"),
         Fault::NoSuchSubroutine => finding
-            .label("no `sub` of this label in the file")
-            .note("subroutines in files of their own are not looked for"),
-        Fault::NotOpened => {
-            finding.label("its counterpart is not before it, or not with this label")
-        }
-        Fault::NotClosed => {
-            finding.label("its counterpart is not behind it, or not with this label")
-        }
+            .label("no `sub` with this label in the file")
+            .note("other files are not searched for subroutines"),
+        Fault::NotOpened => finding.label("no counterpart with this label before it"),
+        Fault::NotClosed => finding.label("no counterpart with this label after it"),
         Fault::NestedSubroutine => finding
             .label("another `sub` comes before its `endsub`")
             .note("LinuxCNC: \"Nested subroutine definition\""),
-        Fault::NoLoop => finding.label("no loop with this label is under way"),
-        Fault::NoCall => finding.label("no subroutine is under way"),
-        Fault::TooDeep => finding.label("128 calls and 128 loops at most"),
+        Fault::NoLoop => finding.label("not inside a loop with this label"),
+        Fault::NoCall => finding.label("not inside a subroutine"),
+        Fault::TooDeep => finding.label("at most 128 calls and 128 loops"),
         Fault::OutOfSteps => finding
             .label("an endless loop?")
-            .note("10 million lines, those passed over included"),
+            .note("the limit is 10 million lines, including skipped ones"),
         Fault::FlowNotOfDialect => finding
             .label("this dialect has no O-words")
             .help("choose another dialect with `--dialect`"),

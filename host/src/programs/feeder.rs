@@ -1,4 +1,4 @@
-//! Lines of a checked program into the machine, its events out to whoever wants them.
+//! Feeds the lines of a checked program to the machine, and passes its events on.
 
 use crate::programs::blocks;
 use crate::programs::setup::{ClosedMicromill, Micromill};
@@ -8,11 +8,12 @@ use husillo_machine::{Event, Followed, Pause, Refused};
 use std::io;
 use std::ops::ControlFlow;
 
-/// Runs a program to its end; `each` gets the machine and every event it gives.
+/// Runs a program to its end. `each` gets the machine and each of its events.
 ///
 /// # Errors
 ///
-/// Reading or writing fails, or the machine refuses a line. A check before prevents the latter.
+/// Reading or writing fails, or the machine refuses a line. It refuses no line of a program that
+/// was checked before.
 pub fn feed(
     source: &mut Source,
     machine: &mut Micromill,
@@ -34,7 +35,7 @@ pub fn feed(
         machine,
         |machine| machine.modal(),
         |machine, given, block| {
-            // As far ahead as the queue goes, then events until a place is free.
+            // Fills the queue, then takes events until a slot is free.
             while !machine.has_room() {
                 if pull(machine, &mut each)? == Pulled::End {
                     ended = true;
@@ -45,7 +46,7 @@ pub fn feed(
                 .map_err(Refused::from)
                 .and_then(|block| machine.block(&block))
                 .map_err(|refused| io::Error::other(format!("line {}: {refused}", given.number)))?;
-            // What follows the end of a program may be anything.
+            // Any text may follow the end of a program.
             Ok(if machine.has_ended() {
                 ControlFlow::Break(())
             } else {
@@ -60,12 +61,12 @@ pub fn feed(
     Ok(())
 }
 
-/// Runs a program to its end, or until the machine stops, on a machine with encoders. `each` gets
+/// Runs a program on a machine with encoders, to its end or until the machine stops. `each` gets
 /// every entry and returns the counts after it.
 ///
 /// # Errors
 ///
-/// Those of [`feed`].
+/// As [`feed`].
 pub fn feed_followed(
     source: &mut Source,
     machine: &mut ClosedMicromill,
@@ -120,17 +121,17 @@ pub fn feed_followed(
     if ended {
         return Ok(());
     }
-    // Behind the end of the program the axes are still looked at.
+    // The machine still checks the axes after the end of the program.
     while pull(machine)? != Pulled::Nothing && !machine.is_stopped() {}
     Ok(())
 }
 
-/// What an attempt to pull an event gave.
+/// Result of an attempt to take an event.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Pulled {
     /// An event.
     Event,
-    /// None: all that was taken has been given out.
+    /// No event: the queue is empty.
     Nothing,
     /// The end of the program.
     End,
@@ -141,8 +142,8 @@ fn pull(
     machine: &mut Micromill,
     each: &mut impl FnMut(&Micromill, &Event<3>) -> io::Result<()>,
 ) -> io::Result<Pulled> {
-    // By reference: moving the event would read as a whole what was just written in parts, and wait
-    // for it.
+    // By reference for speed: a move would read the event as a whole right after it was written in
+    // parts, and the processor would wait for the writes.
     let Some(ref event) = machine.next_event() else {
         return Ok(Pulled::Nothing);
     };

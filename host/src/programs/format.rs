@@ -1,4 +1,4 @@
-//! `husillo format`: a program written back in one form, a line at a time.
+//! `husillo format`: rewrites a program in a uniform form, one line at a time.
 
 use crate::diagnostics::{Finding, Findings};
 use crate::input::BYTE_ORDER_MARK;
@@ -8,21 +8,21 @@ use crate::programs::source::{LONGEST_LINE, read_line};
 use husillo_gcode::{Dialect, Error, Receiver, formatted};
 use std::io::{self, BufRead, Write};
 
-/// How lines are written.
+/// The form of the lines.
 #[derive(Clone, Copy, Debug)]
 pub struct Form {
     /// The language of the program.
     pub dialect: Dialect,
-    /// What ends a line: LF or CR LF.
+    /// The line end: LF or CR LF.
     pub line_end: &'static [u8],
 }
 
-/// Writes the program of `reader` to `out` in its form; lines with errors go to `findings` and stay
-/// as they are. Returns whether anything changed.
+/// Writes the program of `reader` to `out` in the uniform form. Lines with errors are reported to
+/// `findings` and stay unchanged. Returns whether anything changed.
 ///
-/// A byte order mark stays. Memory does not grow with the program; a line longer than
-/// [`LONGEST_LINE`] is copied as it comes. Every line gets its end, the last one too. Behind the
-/// end of a program (M2, M30) there may be any text: it is no error there.
+/// A byte order mark stays. Memory does not grow with the program. A line longer than
+/// [`LONGEST_LINE`] is copied unchanged. Every line gets a line end, also the last one. Any text
+/// may follow the end of a program (M2, M30); it is no error there.
 ///
 /// # Errors
 ///
@@ -52,7 +52,7 @@ pub fn write(
             let at = at(file, number, text, form.dialect);
             let place = at.place(LONGEST_LINE - 1..LONGEST_LINE);
             let message = format!("line longer than {LONGEST_LINE} characters");
-            findings.add(Finding::error("E0104", message, place).label("it stays as it is"));
+            findings.add(Finding::error("E0104", message, place).label("the line stays unchanged"));
             out.write_all(text)?;
             changed |= copy_rest(reader, out)?;
             continue;
@@ -62,7 +62,7 @@ pub fn write(
             None => formed(text, &form.dialect, &mut made),
             Some(receiver) => blocks::unframed(receiver, text).and_then(|inside| {
                 if blocks::is_numbering(inside) {
-                    // For the receiver, not for the machine.
+                    // M110 is for the receiver, not for the machine.
                     made.extend_from_slice(text);
                     return Ok(());
                 }
@@ -87,7 +87,7 @@ pub fn write(
             }
         }
         if made.len() > LONGEST_LINE {
-            // It would be too long to be read again.
+            // A longer line could not be read again.
             made.clear();
             made.extend_from_slice(text);
         }
@@ -98,13 +98,13 @@ pub fn write(
     Ok(changed)
 }
 
-/// A block in its form.
+/// Writes a block in the uniform form to `made`.
 fn formed(text: &[u8], dialect: &Dialect, made: &mut Vec<u8>) -> Result<(), Error> {
     formatted(text, dialect)?.for_each(|piece| made.extend_from_slice(piece));
     Ok(())
 }
 
-/// The comment behind the checksum of a line, with the blanks before it.
+/// The comment after the checksum of a line, with the blanks before it.
 fn comment_of(line: &[u8]) -> &[u8] {
     let star = line.iter().rposition(|&byte| byte == b'*').unwrap_or(0);
     let behind = line.get(star + 1..).unwrap_or_default();
@@ -113,7 +113,7 @@ fn comment_of(line: &[u8]) -> &[u8] {
     start.map_or(b"", |start| behind.get(start..).unwrap_or_default())
 }
 
-/// Copies up to the end of the line, with it; whether an end had to be added.
+/// Copies the rest of a line with its end. Returns whether it had to add a line end.
 fn copy_rest(reader: &mut dyn BufRead, out: &mut dyn Write) -> io::Result<bool> {
     let mut part = Vec::new();
     loop {
@@ -134,7 +134,7 @@ fn copy_rest(reader: &mut dyn BufRead, out: &mut dyn Write) -> io::Result<bool> 
     }
 }
 
-/// Whether a line in its form has M2 or M30 among its words.
+/// Whether a line in the uniform form has M2 or M30.
 fn ends_program(line: &[u8]) -> bool {
     line.contains(&b'M')
         && husillo_gcode::words(line)

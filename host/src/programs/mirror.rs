@@ -1,10 +1,9 @@
-//! Contours cut as two halves from the same start point, each the other's mirror image in its
-//! order.
+//! Mirrored order: cuts each contour as two halves from the same start point. The order of one half
+//! is the mirror image of the other.
 //!
-//! A symmetric contour that is cut all round goes up on one side and down on the other, so its
-//! sides are cut on different flanks of the screw across the mirror. Cut in halves, both from the
-//! top down, both sides have the same flank there, and what is left of the lash shows on both
-//! alike.
+//! A tool that goes round a symmetric contour goes up on one side and down on the other. The two
+//! sides are then cut on different flanks of the screw. Two halves, both cut from the top down, use
+//! the same flank on both sides, so the remaining backlash is the same on both.
 
 use crate::diagnostics::Findings;
 use crate::geometry::turn;
@@ -15,7 +14,7 @@ use husillo_gcode::{
 };
 use std::fmt::Write;
 
-/// Points nearer than this are one, nm: a step of the machines here.
+/// Points at most this far apart count as one, nm. It is about a step of these machines.
 const SAME_NM: i64 = 1_000;
 
 /// A program in mirrored order.
@@ -23,14 +22,14 @@ const SAME_NM: i64 = 1_000;
 pub struct Mirrored {
     /// Its text: RS-274, millimetres of the machine frame.
     pub text: String,
-    /// Contours cut in halves.
+    /// Contours that are cut in halves.
     pub contours: usize,
-    /// Closed contours that are cut as they were: nothing divides them, or nothing says how high
-    /// the tool goes between the halves.
+    /// Closed contours that stay unchanged, because nothing divides them, or because the height of
+    /// the tool between the halves is not known.
     pub whole: usize,
 }
 
-/// A command and where it begins.
+/// A start point and the command that begins there.
 type Given = ([Nm; 3], Command<3>);
 
 /// A cut in the plane of X and Y.
@@ -45,7 +44,7 @@ impl Cut {
         self.command.end().unwrap_or(self.from)
     }
 
-    /// The same way back.
+    /// The same cut in the opposite direction.
     fn reversed(&self) -> Cut {
         let (from, to) = (self.to(), self.from);
         let command = match self.command {
@@ -66,7 +65,7 @@ impl Cut {
         Cut { from, command }
     }
 
-    /// In two where it crosses `x`, with the crossing farthest from `y`.
+    /// Splits the cut where it crosses `x`, at the crossing that is farthest from `y`.
     fn split(&self, x: i64, y: i64) -> Option<[Cut; 2]> {
         let to = self.to();
         let cross_y = match self.command {
@@ -113,7 +112,7 @@ impl Cut {
     }
 }
 
-/// Whether a point of an arc's circle lies on the arc, its ends not counted.
+/// Whether a point of the circle lies on the arc, without its ends.
 fn is_between(from: &[Nm; 3], to: &[Nm; 3], arc: &Arc<3>, point: [i64; 2]) -> bool {
     let angle = |x: i64, y: i64| {
         let spoke = [x - arc.centre[0].0, y - arc.centre[1].0];
@@ -130,7 +129,7 @@ fn is_between(from: &[Nm; 3], to: &[Nm; 3], arc: &Arc<3>, point: [i64; 2]) -> bo
 ///
 /// # Errors
 ///
-/// A sentence: the program has something that is not written down again here.
+/// The program cannot be read, or has a command that mirrored order does not write.
 pub fn mirrored(source: &mut Source, name: &str, dialect: Dialect) -> Result<Mirrored, String> {
     let mut commands = Vec::new();
     let mut findings = Findings::new(1);
@@ -152,10 +151,10 @@ pub fn mirrored(source: &mut Source, name: &str, dialect: Dialect) -> Result<Mir
         whole: 0,
     };
     let mut rest = commands.as_slice();
-    // How the tool went down to where it is.
+    // The move that took the tool down to its present height.
     let mut plunge = None;
-    // Where it is above the work: the height of the last rapid move across, or the highest that it
-    // was. Where it went down from may be within the work, of a second pass.
+    // Heights above the work: that of the last rapid move across, or the highest so far. The start
+    // of a plunge may be within the work, in a second pass.
     let mut highest = Nm(0);
     let mut across = None;
     while let Some(((from, command), after)) = rest.split_first() {
@@ -194,8 +193,7 @@ pub fn mirrored(source: &mut Source, name: &str, dialect: Dialect) -> Result<Mir
     Ok(made)
 }
 
-/// The cuts in the plane that come next, as far as the first return to where they begin; what
-/// follows them.
+/// The next cuts in the plane, up to the first return to their start, and the commands after them.
 fn contour(commands: &[Given]) -> Option<(Vec<Cut>, &[Given])> {
     let start = commands.first()?.0;
     let mut cuts = Vec::new();
@@ -223,10 +221,12 @@ fn contour(commands: &[Given]) -> Option<(Vec<Cut>, &[Given])> {
     None
 }
 
-/// A contour cut where it crosses the vertical through its start again, farthest from it.
+/// Divides a contour where it crosses the vertical through its start again, at the crossing that is
+/// farthest from the start.
 fn halves(cuts: &[Cut]) -> Option<[Vec<Cut>; 2]> {
     let [x, y, _] = cuts.first()?.from.map(|nm| nm.0);
-    // Where it is cut: behind so many whole cuts, and within the next one or not.
+    // Distance of the crossing, number of whole cuts before it, and the split of the next one if
+    // the crossing lies inside it.
     let mut best: Option<(i64, usize, Option<[Cut; 2]>)> = None;
     for (index, cut) in cuts.iter().enumerate() {
         let to = cut.to();
@@ -252,7 +252,7 @@ fn halves(cuts: &[Cut]) -> Option<[Vec<Cut>; 2]> {
     Some([first, back])
 }
 
-/// Commands as text again.
+/// Writes commands as text.
 struct Writer {
     text: String,
     at: [Nm; 3],
@@ -262,12 +262,12 @@ impl Writer {
     fn new() -> Self {
         Self {
             text: "G21 G90 G94 G17\n".to_owned(),
-            // Where a homed machine stands.
+            // The position of a homed machine.
             at: [Nm(0); 3],
         }
     }
 
-    /// Both halves, with the tool up between them.
+    /// Writes both halves and lifts the tool between them.
     fn halves(
         &mut self,
         [first, second]: &[Vec<Cut>; 2],
@@ -293,7 +293,7 @@ impl Writer {
             self.back_to(start, up)?;
             return self.write(&plunge);
         }
-        // What lifts the tool goes straight up from here.
+        // The next command lifts the tool: it goes straight up from here.
         let [x, y, _] = self.at;
         match next {
             Some((_, Command::Rapid { to })) => self.write(&Command::Rapid { to: [x, y, to[2]] }),
@@ -301,12 +301,12 @@ impl Writer {
         }
     }
 
-    /// Up, and across to a place.
-    fn back_to(&mut self, place: [Nm; 3], up: Nm) -> Result<(), String> {
+    /// Lifts the tool, and moves it across to a position.
+    fn back_to(&mut self, position: [Nm; 3], up: Nm) -> Result<(), String> {
         let [x, y, _] = self.at;
         self.write(&Command::Rapid { to: [x, y, up] })?;
         self.write(&Command::Rapid {
-            to: [place[0], place[1], up],
+            to: [position[0], position[1], up],
         })
     }
 
@@ -394,8 +394,7 @@ impl Writer {
             Command::End { rewind } => text.push_str(if *rewind { "M30" } else { "M2" }),
             other => {
                 return Err(format!(
-                    "mirrored order is for lines and arcs in X and Y: {other:?} is not written \
-                     down again"
+                    "mirrored order is for lines and arcs in X and Y: it cannot write {other:?}"
                 ));
             }
         }
@@ -403,7 +402,7 @@ impl Writer {
         Ok(())
     }
 
-    /// The coordinates that change, or all.
+    /// Writes the coordinates that change, or all of them.
     fn go(&mut self, to: &[Nm; 3], all: bool) {
         for ((letter, to), at) in "XYZ".chars().zip(to).zip(&mut self.at) {
             if all || at != to {
@@ -415,14 +414,14 @@ impl Writer {
 
     fn feed(&mut self, feed: &Feed) -> Result<(), String> {
         let Feed::PerMinute(feed) = feed else {
-            return Err("mirrored order is for feeds a minute (G94)".into());
+            return Err("mirrored order needs feeds per minute (G94)".into());
         };
         let _ = write!(self.text, " F{}", millimetres(*feed));
         Ok(())
     }
 }
 
-/// Exact: six decimals.
+/// Millimetres with six decimals, which are exact.
 fn millimetres(nm: Nm) -> String {
     let (sign, nm) = (if nm.0 < 0 { "-" } else { "" }, nm.0.unsigned_abs());
     format!("{sign}{}.{:06}", nm / 1_000_000, nm % 1_000_000)

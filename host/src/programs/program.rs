@@ -1,4 +1,4 @@
-//! A program file walked block by block, with what every block means.
+//! Walks a program block by block and interprets each block.
 
 use crate::diagnostics::{Finding, Findings};
 use crate::programs::blocks::{self, Given};
@@ -9,8 +9,8 @@ use std::collections::VecDeque;
 use std::io;
 use std::ops::ControlFlow;
 
-/// Most commands of a program with loops: lines are counted by the crate, but one line of a canned
-/// cycle can give 2^16.
+/// Most commands of a program with loops. The parser limits the number of lines, but one line of a
+/// canned cycle can give 2^16 commands.
 const MOST_COMMANDS: u64 = 50_000_000;
 
 /// How a program begins.
@@ -18,9 +18,9 @@ const MOST_COMMANDS: u64 = 50_000_000;
 pub struct Start {
     /// Its language.
     pub dialect: Dialect,
-    /// Work zero, of every work frame: machine coordinates.
+    /// Work zero of all work frames, in machine coordinates.
     pub zero: [Nm; 3],
-    /// Where the tool is: machine coordinates.
+    /// Position of the tool, in machine coordinates.
     pub at: [Nm; 3],
 }
 
@@ -36,7 +36,7 @@ impl From<Dialect> for Start {
 }
 
 impl Start {
-    /// The state of the language.
+    /// The initial modal state.
     fn modal(&self) -> Modal<3> {
         let mut modal = Modal::new(self.dialect);
         for system in 0..WORK_FRAMES {
@@ -50,10 +50,10 @@ impl Start {
 /// G54 to G59.3.
 const WORK_FRAMES: u8 = 9;
 
-/// One block that means something.
+/// The origin of a command.
 #[derive(Debug)]
 pub struct Meaning<'a> {
-    /// Where it stands.
+    /// The block with the command.
     pub at: At<'a>,
 }
 
@@ -64,17 +64,17 @@ struct Walker<'a> {
     /// Commands that a program with loops may still give.
     left: u64,
     modal: Modal<3>,
-    /// The tool's path, where a program asks for compensation; else the commands as they are.
+    /// Computes the path of the tool under compensation. Otherwise it passes commands unchanged.
     stage: Compensation<3>,
-    /// Where the commands stood that wait in it, in their order.
+    /// Places of the commands that wait in it, in their order.
     waiting: VecDeque<Held>,
-    /// Where the last command ended.
+    /// End of the last command.
     from: [Nm; 3],
     last_line: usize,
     has_ended: bool,
 }
 
-/// The place of a command that waits for the corner behind it.
+/// The place of a command that waits for the corner after it.
 struct Held {
     line: usize,
     bytes: Vec<u8>,
@@ -106,7 +106,7 @@ impl Held {
     }
 }
 
-/// Who gets the commands: each with its place, and where the tool is before it.
+/// Receives each command with its place and the position of the tool before it.
 type Each<'e> =
     &'e mut dyn FnMut(&Meaning<'_>, &Command<3>, [Nm; 3], &mut Findings) -> io::Result<()>;
 
@@ -126,7 +126,7 @@ impl<'a> Walker<'a> {
         }
     }
 
-    /// What a block means; an error changes nothing.
+    /// Interprets a block. An error leaves the state unchanged.
     fn plan(
         &mut self,
         given: &Given<'_>,
@@ -144,7 +144,7 @@ impl<'a> Walker<'a> {
         Ok(commands)
     }
 
-    /// Takes a block, and gives the commands that it sets free.
+    /// Takes a block, and gives its commands and those that no longer wait.
     fn block(
         &mut self,
         given: &Given<'_>,
@@ -172,7 +172,7 @@ impl<'a> Walker<'a> {
             }
         };
         let meaning = Meaning { at };
-        // What waited is of the lines it stood on.
+        // Commands that waited keep the places of their own lines.
         let mut commands = commands.peekable();
         let mut freed = VecDeque::new();
         if held > 0 && commands.peek().is_some() {
@@ -198,14 +198,14 @@ impl<'a> Walker<'a> {
         Ok(ControlFlow::Continue(()))
     }
 
-    /// Counts a command; `false` where there were too many before it.
+    /// Counts a command. Returns `false` if there were too many before it.
     const fn may_go_on(&mut self) -> bool {
         let may = self.left > 0;
         self.left = self.left.saturating_sub(1);
         may
     }
 
-    /// Gives a command: one that waited has its own place.
+    /// Gives a command. One that waited keeps its own place.
     fn give(
         &mut self,
         waited: Option<Held>,
@@ -225,7 +225,7 @@ impl<'a> Walker<'a> {
         Ok(())
     }
 
-    /// A program that ends without G40: gives its last move, with the end of the file as its place.
+    /// Gives the last move of a program that ends without G40. Its place is the end of the file.
     fn finish(&mut self, findings: &mut Findings, each: Each<'_>) -> io::Result<()> {
         if self.has_ended || !self.stage.is_active() {
             return Ok(());
@@ -251,7 +251,7 @@ impl<'a> Walker<'a> {
 fn too_many_commands(at: &At<'_>) -> Finding {
     Finding::error("E0638", "program gives too many commands", at.whole())
         .label("an endless loop?")
-        .note("50 million commands")
+        .note("the limit is 50 million commands")
 }
 
 fn overlong(at: &At<'_>) -> Finding {
@@ -260,11 +260,11 @@ fn overlong(at: &At<'_>) -> Finding {
     Finding::error("E0104", message, place).label("the rest is not read")
 }
 
-/// Walks a whole program: every error goes to `findings`, every command to `each`, until the
-/// program ends.
+/// Walks a whole program. `findings` gets every error, and `each` every command, until the program
+/// ends.
 ///
-/// A block with an error changes nothing and the walk goes on behind it. Returns the state after
-/// the last block.
+/// A block with an error leaves the state unchanged, and the walk continues after it. Returns the
+/// state after the last block.
 ///
 /// # Errors
 ///
@@ -299,7 +299,7 @@ fn walk_within(
     Ok(walker.modal)
 }
 
-/// Where a command ends, if it moves.
+/// The end of a command, if it moves.
 pub fn target(command: &Command<3>) -> Option<[Nm; 3]> {
     command.end()
 }
@@ -328,14 +328,14 @@ mod tests {
     }
 
     #[test]
-    fn a_loop_of_cycles_ends() {
+    fn an_endless_loop_of_cycles_is_stopped() {
         let endless = "F9\no1 while [1]\nG91 G81 X1 Z-1 R0 L9\nG80\no1 endwhile\n";
         let reported = "p:3:1: error[E0638]: program gives too many commands";
         assert_eq!(within(1000, endless), (1000, reported.into()));
     }
 
     #[test]
-    fn a_program_without_loops_has_as_many_commands_as_it_likes() {
+    fn the_limit_does_not_apply_to_programs_without_loops() {
         assert_eq!(within(3, "G0 X1\nX2\nX3\nX4\n"), (4, String::new()));
         assert_eq!(within(3, "#1=1\nG0 X1\nX2\nX3\n"), (3, String::new()));
     }

@@ -1,34 +1,35 @@
-//! How often and where the axes of a program turn round, from its geometry alone.
+//! Counts and locates the reversals of the axes of a program, from its geometry alone.
 
 use crate::geometry::turn;
 use husillo_gcode::{Arc, Direction, Nm};
 use husillo_metrology::calibration::backlash::Map;
 use std::f64::consts::FRAC_PI_2;
 
-/// Counts turn-rounds of every axis, and what they take up.
+/// Counts the reversals of each axis, and the backlash that they take up.
 #[derive(Debug)]
 pub struct Turns {
     direction: [i8; 3],
     reversals: [u64; 3],
-    /// Lash of each axis by place.
+    /// Backlash of each axis by position.
     maps: [Map; 3],
-    /// Nanometres a step.
+    /// Nanometres per step.
     steps_nm: [f64; 3],
     taken_up: [TakenUp; 3],
 }
 
-/// What an axis took up.
+/// The take-ups of an axis, steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TakenUp {
-    /// Steps of all of them.
+    /// Sum.
     pub steps: u64,
-    /// Of the one with the fewest, and of the one with the most.
+    /// Smallest; `u32::MAX` without any.
     pub least: u32,
+    /// Largest.
     pub most: u32,
 }
 
 impl Turns {
-    /// Every axis has come off its switch in positive direction.
+    /// Starts after homing: each axis has left its switch in positive direction.
     pub const fn new(maps: [Map; 3], steps_nm: [f64; 3]) -> Self {
         Self {
             direction: [1; 3],
@@ -43,12 +44,12 @@ impl Turns {
         }
     }
 
-    /// What was taken up so far.
+    /// The take-ups so far.
     pub const fn taken_up(&self) -> [TakenUp; 3] {
         self.taken_up
     }
 
-    /// Turn-rounds so far.
+    /// The reversals so far.
     pub const fn reversals(&self) -> [u64; 3] {
         self.reversals
     }
@@ -60,17 +61,17 @@ impl Turns {
         }
     }
 
-    /// So many turn-rounds at a place in nm.
+    /// Counts reversals at a position in nm.
     fn add(&mut self, axis: usize, at: [f64; 3], count: u64) {
         if count == 0 {
             return;
         }
         let map = &self.maps[axis];
-        // Saturates; no machine is that large.
-        let place = map
+        // The cast saturates. No machine is that large.
+        let position = map
             .axes()
             .map(|along| (at[along] / self.steps_nm[along]).round() as i32);
-        let lash = map.steps(place);
+        let lash = map.steps(position);
         let taken_up = &mut self.taken_up[axis];
         taken_up.steps += count * u64::from(lash);
         taken_up.least = taken_up.least.min(lash);
@@ -78,7 +79,7 @@ impl Turns {
         self.reversals[axis] += count;
     }
 
-    /// A straight move.
+    /// Counts the reversals of a straight move.
     pub fn line(&mut self, from: [Nm; 3], to: [Nm; 3]) {
         let at = from.map(|Nm(nm)| nm as f64);
         for axis in 0..3 {
@@ -86,8 +87,8 @@ impl Turns {
         }
     }
 
-    /// An arc, quadrant by quadrant, because an axis reverses where the arc passes from one to the
-    /// next.
+    /// Counts the reversals of an arc by quadrants. An axis reverses where the arc passes from one
+    /// quadrant to the next.
     pub fn arc(&mut self, from: [Nm; 3], arc: &Arc<3>) {
         let [a, b] = arc.plane.axes();
         let across = 3 - a - b;
@@ -108,11 +109,11 @@ impl Turns {
         let start = turn::turned(0.0, angle(from), is_forward) / FRAC_PI_2;
         let first = (start + 1e-9).floor();
         let last = (start + sweep / FRAC_PI_2 - 1e-9).floor();
-        // A whole turn repeats itself, and so do the turn-rounds in it.
+        // `arc.turns` whole turns are added below.
         let quarters = (last - first) as u64;
         let centre = arc.centre.map(|Nm(nm)| nm as f64);
         let radius = (begin[a] - centre[a]).hypot(begin[b] - centre[b]);
-        // The end of the arc in the direction of an axis.
+        // The point of the circle at the start of a quadrant.
         let end = |quarter: u64| {
             let (sin, cos) = (sense * quarter as f64 * FRAC_PI_2).sin_cos();
             let mut at = begin;
@@ -146,7 +147,7 @@ mod tests {
     use husillo_gcode::Plane;
 
     #[test]
-    fn a_full_circle_turns_each_axis_twice() {
+    fn a_full_circle_reverses_each_axis_twice() {
         let arc = Arc {
             to: [Nm(3), Nm(0), Nm(0)],
             centre: [Nm(0); 3],
@@ -162,10 +163,10 @@ mod tests {
         assert_eq!(turns.reversals(), [2, 2, 0]);
     }
 
-    /// Backlash that grows along X by a step in ten nanometres: each end of a circle takes up that
-    /// of its own position.
+    /// The backlash grows along X by one step per ten nanometres. Each end of a circle takes up the
+    /// backlash of its own position.
     #[test]
-    fn what_is_taken_up_is_that_of_the_place() {
+    fn a_reversal_takes_up_the_backlash_of_its_position() {
         let map: Map = LashMap::new(
             [0, 1],
             [vec![0, 1000].into(), vec![0].into()],
@@ -186,7 +187,8 @@ mod tests {
         };
         turns.arc(arc.to, &arc);
         let [x, y, _] = turns.taken_up();
-        // X turns round at its start, 600, and at 400; Y at the top and the bottom, at 500 each.
+        // X reverses at its start, 600, and at 400. Y reverses at the top and at the bottom, both
+        // at X 500.
         assert_eq!((x.steps, x.least, x.most), (100, 40, 60));
         assert_eq!((y.steps, y.least, y.most), (100, 50, 50));
         arc.turns = 3;

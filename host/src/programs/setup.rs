@@ -1,4 +1,4 @@
-//! A machine file as the parts the crates are made of: limits, motors, the simulated machine.
+//! Builds the parts of a machine from its file: limits, motors, the simulated machine.
 
 use crate::machines::machine_file::{Driver, Idle, MachineFile, StepMode, Travel};
 use husillo_backlash::{Flank, LashMap, MappedBacklash};
@@ -10,18 +10,19 @@ use husillo_sim::{AxisModel, Rig};
 use husillo_stepper::{Drive, Mode, Sequencer, StepDirection, StepToggle};
 use std::sync::Arc;
 
-/// The lash of an axis here: one value is a map with one place.
+/// The backlash of an axis. A single value is a map with one position.
 pub type Screw = MappedBacklash<Arc<[i32]>, Arc<[u32]>>;
 /// A machine with such screws.
 pub type Micromill = Machine<3, Path<3>, Screw>;
-/// One with encoders, too.
+/// A machine with such screws and with encoders.
 pub type ClosedMicromill = ClosedLoop<3, Path<3>, Screw>;
 
-/// What the controller takes up: the file's maps, and one value where it has none.
+/// The backlash that the controller takes up: the maps of the file, or one value for an axis
+/// without a map.
 ///
 /// # Errors
 ///
-/// A lash that is out of range.
+/// A backlash is out of range.
 pub fn maps(file: &MachineFile) -> Result<[Map; 3], String> {
     let one = one_value(file);
     for axis in &file.axes {
@@ -43,20 +44,20 @@ pub fn maps(file: &MachineFile) -> Result<[Map; 3], String> {
     Ok(all)
 }
 
-/// Most lash of an axis, steps.
+/// Largest backlash of an axis, steps.
 const MOST_LASH_STEPS: u32 = (1 << 20) - 1;
 
-/// One value an axis, whatever maps the file has.
+/// One value per axis; the maps of the file are ignored.
 pub fn one_value(file: &MachineFile) -> [Map; 3] {
     file.axes.each_ref().map(|axis| flat(axis.lash_steps))
 }
 
-/// Nothing to take up.
+/// No backlash.
 pub fn no_lash() -> [Map; 3] {
     [0; 3].map(flat)
 }
 
-/// The same lash everywhere.
+/// The same backlash everywhere.
 fn flat(steps: u32) -> Map {
     let places = || Arc::from([0]);
     LashMap::new(
@@ -64,10 +65,10 @@ fn flat(steps: u32) -> Map {
         [places(), places()],
         Arc::from([steps.min(MOST_LASH_STEPS)]),
     )
-    .expect("one entry in range, at one place")
+    .expect("one entry in range, at one position")
 }
 
-/// A machine that takes these up.
+/// A machine that takes up the backlash of these maps.
 pub fn with_maps(config: Config<3>, maps: [Map; 3]) -> Micromill {
     Micromill::with_lash(
         config,
@@ -75,12 +76,11 @@ pub fn with_maps(config: Config<3>, maps: [Map; 3]) -> Micromill {
     )
 }
 
-/// The language of a program: the requested one, or that of the name of the file, or that of the
-/// machine.
+/// The dialect of a program: the requested one, or that of the file name, or that of the machine.
 ///
 /// # Errors
 ///
-/// A sentence about the name.
+/// The dialect is unknown, or the file is a drill file.
 pub fn dialect(
     name: Option<&str>,
     file: &str,
@@ -117,7 +117,7 @@ pub fn encoders(file: &MachineFile) -> [Option<AxisEncoder>; 3] {
 ///
 /// # Errors
 ///
-/// A step that is no ratio of 32-bit numbers.
+/// A step is not a ratio of 32-bit numbers.
 pub fn config(file: &MachineFile, dialect: Dialect) -> Result<Config<3>, String> {
     let [x, y, z] = &file.axes;
     let axis = |axis: &crate::machines::machine_file::AxisFile| {
@@ -164,7 +164,7 @@ pub fn config(file: &MachineFile, dialect: Dialect) -> Result<Config<3>, String>
 ///
 /// # Errors
 ///
-/// A driver that has not the step mode asked for.
+/// A driver does not have the requested step mode.
 pub fn motors(file: &MachineFile) -> Result<Motors<3, Drive>, String> {
     let drive = |index: usize| {
         let axis = &file.axes[index];
@@ -193,7 +193,7 @@ pub fn motors(file: &MachineFile) -> Result<Motors<3, Drive>, String> {
     Ok(Motors::new([drive(0)?, drive(1)?, drive(2)?], idle))
 }
 
-/// The simulated machine behind those motors.
+/// The simulated machine that these motors drive.
 pub fn rig(file: &MachineFile, motors: &Motors<3, Drive>) -> Rig<3> {
     let models = file.axes.each_ref().map(|axis| {
         let model = match driver(axis.driver) {
@@ -209,7 +209,7 @@ pub fn rig(file: &MachineFile, motors: &Motors<3, Drive>) -> Rig<3> {
     Rig::new(models, *motors.levels())
 }
 
-/// The coil driver of an axis; `None` for step and direction of either kind.
+/// The coil driver of an axis; `None` for both kinds of step and direction.
 pub const fn driver(driver: Driver) -> Option<husillo_stepper::Driver> {
     match driver {
         Driver::Pbl3717a => Some(husillo_stepper::Driver::Pbl3717a),

@@ -1,14 +1,15 @@
-//! Lines of a program, one at a time: memory does not grow with the program.
+//! Reads a program line by line. Memory does not grow with the program.
 
 use crate::input;
 use crate::input::BYTE_ORDER_MARK;
 use std::io::{self, BufRead, BufReader};
 
-/// Longest line that is taken, in bytes; what follows on a longer line is skipped.
+/// Longest line that is read, bytes. The rest of a longer line is skipped.
 pub const LONGEST_LINE: usize = 64 * 1024;
 
-/// Reads up to the end of a line, CR, LF or CR LF, and returns that end; it is empty where the
-/// input ends. `None` if `line` is full, at [`LONGEST_LINE`] bytes, before the line is over.
+/// Appends the rest of a line to `line` and returns the line end: CR, LF or CR LF, or nothing at
+/// the end of the input. Returns `None` if `line` reaches [`LONGEST_LINE`] bytes before the line
+/// ends.
 ///
 /// # Errors
 ///
@@ -48,7 +49,7 @@ pub fn read_line(
     }
 }
 
-/// What the reader has; nothing at the end.
+/// The buffered bytes of the reader; none at the end.
 fn fill(reader: &mut dyn BufRead) -> io::Result<&[u8]> {
     while let Err(error) = reader.fill_buf() {
         if error.kind() != io::ErrorKind::Interrupted {
@@ -58,7 +59,7 @@ fn fill(reader: &mut dyn BufRead) -> io::Result<&[u8]> {
     reader.fill_buf()
 }
 
-/// A program being read.
+/// Reads a program.
 pub struct Source {
     reader: Box<dyn BufRead>,
     buffer: Vec<u8>,
@@ -72,7 +73,7 @@ pub struct Line<'a> {
     pub number: usize,
     /// The bytes, at most [`LONGEST_LINE`].
     pub bytes: &'a [u8],
-    /// Whether the line went on beyond that.
+    /// Whether the line is longer.
     pub overlong: bool,
 }
 
@@ -108,7 +109,7 @@ impl Source {
         Ok(Self::from_reader(open(path)?))
     }
 
-    /// Reads from anything.
+    /// Reads from any reader.
     pub fn from_reader(reader: Box<dyn BufRead>) -> Self {
         Self {
             reader,
@@ -148,7 +149,7 @@ impl Source {
 }
 
 impl Source {
-    /// The line given last and all behind it.
+    /// The text from the last returned line to the end.
     ///
     /// # Errors
     ///
@@ -175,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn line_ends() {
+    fn all_line_ends_are_recognized() {
         assert_eq!(
             lines(b"G1\r\n%\n\nM2"),
             [(1, 2, false), (2, 1, false), (3, 0, false), (4, 2, false)]
@@ -194,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn where_reads_end_does_not_matter() {
+    fn the_buffer_size_does_not_matter() {
         let text: &'static [u8] = b"G1\r\n\rG2\n\r\n\nG3";
         for size in 1..8 {
             let reader = BufReader::with_capacity(size, text);
@@ -209,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn the_rest_begins_with_the_line_given() {
+    fn the_rest_begins_with_the_last_returned_line() {
         let mut source = Source::from_reader(Box::new(&b"G1\r\nG2\r\nG3"[..]));
         assert_eq!(source.next_line().unwrap().unwrap().number, 1);
         assert_eq!(source.next_line().unwrap().unwrap().number, 2);
@@ -217,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn a_line_too_long_is_cut_and_the_next_one_is_whole() {
+    fn a_line_that_is_too_long_is_cut_and_the_next_one_is_whole() {
         let text: &'static [u8] =
             Box::leak(([vec![b'x'; 200_000], b"\nG1\n".to_vec()].concat()).into_boxed_slice());
         assert_eq!(lines(text), [(1, LONGEST_LINE, true), (2, 2, false)]);

@@ -1,27 +1,27 @@
-//! Events that wait for the spindle become events that wait for the clock: the simulated spindle
-//! gives the time.
+//! Replaces events that wait for the spindle by events that wait for the clock. A simulated spindle
+//! gives the times.
 
 use husillo_gcode::SpindleDirection;
 use husillo_machine::{Event, FollowEvent, MAX_WAIT_TICKS, Output, StepEvent};
 use husillo_sim::Spindle;
 use std::io;
 
-/// The spindle of a machine whose moves can follow it.
+/// The simulated spindle of a machine whose moves can follow it.
 #[derive(Debug)]
 pub struct Turning {
     spindle: Spindle,
     counts_per_turn: f64,
     timer_hz: f64,
-    /// Time that has passed since the spindle was looked at.
+    /// Ticks since the last update of the spindle.
     passed: u64,
-    /// Turns at which the event given last was due.
+    /// Turns of the spindle at which the last event was due.
     due: f64,
     is_following: bool,
     is_on: bool,
 }
 
 impl Turning {
-    /// At rest.
+    /// A spindle at rest.
     pub fn new(counts_per_turn: u32, timer_hz: u32) -> Self {
         Self {
             spindle: Spindle::new(counts_per_turn, timer_hz),
@@ -34,11 +34,11 @@ impl Turning {
         }
     }
 
-    /// The event as one that waits for the clock.
+    /// Converts an event to one that waits for the clock.
     ///
     /// # Errors
     ///
-    /// A move that follows a spindle at rest.
+    /// A move follows a spindle that is at rest or turns too slowly.
     pub fn timed(&mut self, event: &Event<3>) -> io::Result<Event<3>> {
         match *event {
             Event::Follow(FollowEvent {
@@ -77,7 +77,7 @@ impl Turning {
             }) => {
                 self.catch_up();
                 self.is_on = direction != SpindleDirection::Off && milli_rpm > 0;
-                // The encoder counts up whichever way it turns.
+                // The encoder counts up in both directions.
                 self.spindle.set_target_rpm(match direction {
                     SpindleDirection::Off => 0.0,
                     _ => milli_rpm as f64 / 1000.0,
@@ -89,7 +89,7 @@ impl Turning {
     }
 
     fn catch_up(&mut self) {
-        // At most 10 ms at a time, 10 s in all: it has its speed by then.
+        // At most 10 ms at a time and 10 s in all. The spindle has reached its speed by then.
         let step = (self.timer_hz / 100.0) as u64 + 1;
         let mut left = self.passed.min(1000 * step);
         while left > 0 {
@@ -100,14 +100,14 @@ impl Turning {
         self.passed = 0;
     }
 
-    /// Lets the spindle turn until the event is due; the ticks that takes.
+    /// Turns the spindle until the event is due. Returns the ticks that this takes.
     fn wait(&mut self) -> io::Result<u32> {
         let longest = (self.timer_hz / 1000.0).max(1.0);
         let mut ticks = 0_u64;
         while self.spindle.turns() < self.due {
             if !self.is_on && self.spindle.rpm() < 0.1 {
                 return Err(io::Error::other(
-                    "a move follows the spindle, and the spindle stands",
+                    "a move follows the spindle, but the spindle does not turn",
                 ));
             }
             let ticks_a_turn = 60.0 * self.timer_hz / self.spindle.rpm().max(1e-3);
@@ -117,7 +117,7 @@ impl Turning {
             ticks += u64::from(part);
             if ticks > u64::from(MAX_WAIT_TICKS) {
                 return Err(io::Error::other(
-                    "a move follows the spindle, which turns too slowly for it",
+                    "a move follows the spindle, but the spindle turns too slowly",
                 ));
             }
         }
@@ -130,14 +130,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn steps_come_as_the_spindle_turns() {
+    fn steps_follow_the_spindle() {
         let mut turning = Turning::new(1000, 1_000_000);
         let on = Event::Output(Output::Spindle {
             direction: SpindleDirection::Clockwise,
             milli_rpm: 600_000,
         });
         turning.timed(&on).unwrap();
-        // Two seconds to get there.
+        // Two seconds to reach the speed.
         turning
             .timed(&Event::Dwell {
                 wait_ticks: 2_000_000,

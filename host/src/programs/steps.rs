@@ -1,4 +1,4 @@
-//! `husillo steps`: the step events as CSV.
+//! `husillo steps`: writes the step events as CSV.
 
 use crate::programs::feeder;
 use crate::programs::setup::Micromill;
@@ -7,10 +7,10 @@ use husillo_machine::{Event, Motors};
 use husillo_stepper::{Drive, Levels};
 use std::io::{self, Write};
 
-/// Writes `event,wait_ticks,dx,dy,dz`, one row an event; dwells are rows with zero deltas that
-/// share the number of the event before them. With motors each row ends with the inputs of their
-/// drivers from then on, `lx,ly,lz`: bit 0 is a driver's first input. A step of a step and
-/// direction driver is several rows there, all but that of the rising edge with zero deltas.
+/// Writes `event,wait_ticks,dx,dy,dz`, one row per event. Dwells are rows with zero deltas and the
+/// number of the event before them. With motors, each row ends with the new inputs of their
+/// drivers, `lx,ly,lz`; bit 0 is the first input of a driver. A step of a step and direction driver
+/// is then several rows. All of them have zero deltas except that of the rising edge.
 ///
 /// # Errors
 ///

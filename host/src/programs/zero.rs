@@ -1,4 +1,4 @@
-//! Where on the machine a program lies: `--zero`.
+//! `--zero`: the position of a program on the machine.
 
 use crate::diagnostics::{Finding, Findings, Place};
 use crate::machines::machine_file::MachineFile;
@@ -12,26 +12,26 @@ use std::io;
 /// Lowest and highest coordinate of every axis.
 type Extent = [Option<[Nm; 2]>; 3];
 
-/// How far a program reaches.
+/// The extent of a program.
 #[derive(Debug, Default)]
 struct Reach {
-    /// From work zero, in each axis that moves with it.
+    /// Extent of the part from work zero: of the moves that work zero shifts.
     part: Extent,
-    /// Machine coordinates of moves that do not: G53, G28 and G30, work frames that the program
-    /// sets itself.
+    /// Extent in machine coordinates of the moves that work zero does not shift: G53, G28 and G30,
+    /// and work frames that the program sets itself.
     machine: Extent,
-    /// Where the part first leaves the travel of each axis, and by what.
+    /// The first place where the part leaves the travel of each axis, and the error.
     part_leaves: [Option<(Place, MoveError)>; 3],
-    /// The same of moves that work zero does not shift.
+    /// The same for moves that work zero does not shift.
     machine_leaves: [Option<(Place, MoveError)>; 3],
-    /// The axis whose travel the part leaves first of all.
+    /// The axis whose travel the part leaves first.
     first: usize,
-    /// Something else is wrong with the program: what is behind it was not seen.
+    /// The program has other errors, which may hide moves.
     has_errors: bool,
 }
 
-/// Where the program is walked to tell what moves with work zero from what does not: 17 km off,
-/// farther than any machine reaches, and well within [`Nm::LIMIT`].
+/// Work zero of the walk, in all axes. It separates moves that work zero shifts from all others: it
+/// is 17 km away, farther than any machine reaches, and well within [`Nm::LIMIT`].
 const FAR: i64 = 1 << 44;
 
 fn widen(extent: &mut Option<[Nm; 2]>, [low, high]: [Nm; 2]) {
@@ -40,7 +40,7 @@ fn widen(extent: &mut Option<[Nm; 2]>, [low, high]: [Nm; 2]) {
 }
 
 impl Reach {
-    /// Of a program without errors other than those of travel, with work zero at `zero`.
+    /// The extent of a program whose only errors are those of travel, with work zero at `zero`.
     fn of(
         source: &mut Source,
         file: &str,
@@ -53,10 +53,10 @@ impl Reach {
         let start = Start {
             dialect,
             zero: far,
-            // Beside work zero, so that a move to it is seen; it is far less than a step.
+            // 1 nm from work zero, so that a move to work zero counts. It is far less than a step.
             at: far.map(|Nm(nm)| Nm(nm + 1)),
         };
-        // What is wrong with the program was reported when it was checked.
+        // The check has already reported other errors.
         let mut found = Findings::new(0);
         program::walk(
             source,
@@ -77,7 +77,7 @@ impl Reach {
     }
 
     fn add(&mut self, axis: usize, span: [Nm; 2], config: &Config<3>, zero: Nm, at: &At<'_>) {
-        // The end tells: a way from a machine coordinate begins far from the part.
+        // The end decides: a move that begins at a machine coordinate begins far from the part.
         let is_part = span[1].0 > FAR / 2;
         let span = span.map(|Nm(nm)| if is_part { Nm(nm - FAR) } else { Nm(nm) });
         let there = span.map(|Nm(nm)| if is_part { Nm(nm + zero.0) } else { Nm(nm) });
@@ -100,7 +100,7 @@ impl Reach {
         }
     }
 
-    /// Where the part is in an axis, with work zero at `zero`.
+    /// Compares the part with the travel of an axis, with work zero at `zero`.
     fn place(&self, axis: usize, zero: Nm, config: &Config<3>) -> InAxis {
         let (Some(travel @ [low, high]), Some(part)) = (config.axes[axis].travel, self.part[axis])
         else {
@@ -127,13 +127,13 @@ impl Reach {
     }
 }
 
-/// Where the part is in an axis, against its travel.
+/// The part compared with the travel of an axis.
 enum InAxis {
-    /// Nothing to compare.
+    /// The travel is not known, or the part does not move the axis.
     Unknown,
-    /// Longer than the travel.
+    /// The part is longer than the travel.
     TooLong { length: Nm, room: Nm },
-    /// Within it after a move, which is zero where it fits as it is.
+    /// The part fits after a shift by `by`, which is zero if it fits already.
     Fits {
         part: [Nm; 2],
         travel: [Nm; 2],
@@ -141,10 +141,10 @@ enum InAxis {
     },
 }
 
-/// Work zero where the part fits: X and Y in the middle of the table, its highest Z at the upper
-/// end of Z. An axis without known limits keeps machine zero, and so does one that the part does
-/// not move or is too small for it. `None` where the program has errors: nobody knows where its
-/// part is, and the check tells them.
+/// A work zero with which the part fits: X and Y are in the middle of the table, and the highest Z
+/// is at the upper end of Z. An axis keeps machine zero if its limits are not known, if the part
+/// does not move it, or if it is too short for the part. Returns `None` if the program has errors,
+/// because the extent of the part is then not known. The check reports these errors.
 ///
 /// # Errors
 ///
@@ -173,19 +173,19 @@ pub fn fitting(
             2 => high.0 - most.0,
             _ => low.0 + room / 2 - least.0,
         };
-        // A number that can be typed, where there is room for it.
+        // Rounded to a short number if there is room for it.
         let even = exact.div_euclid(ROUND) * ROUND;
         *zero = Nm(if low.0 - least.0 <= even { even } else { exact });
     }
     Ok(Some(zero))
 }
 
-/// `fit` gives hundredths of a millimetre.
+/// `fit` rounds to hundredths of a millimetre, nm.
 const ROUND: i64 = 10_000;
 
-/// Reports where a program leaves the machine, as it does `first`: one error for the place of the
-/// part, with the zero that cures it; one for each axis in which it is too large; one for each axis
-/// whose machine coordinates are beyond.
+/// Reports where a program leaves the travel; `first` is the first such move. It gives one error
+/// for the position of the part, with a zero that corrects it. It gives one error for each axis in
+/// which the part is too large, and one for each axis whose machine coordinates are beyond.
 ///
 /// # Errors
 ///
@@ -202,10 +202,10 @@ pub fn report_beyond(
     let reach = Reach::of(source, file, start.dialect, config, start.zero)?;
     let mut leaves = reach.part_leaves.iter().chain(&reach.machine_leaves);
     if leaves.all(Option::is_none) {
-        // What does not move is there: machine zero is beyond a limit, and the program begins at
-        // it.
+        // An axis that does not move is beyond: machine zero, where the program begins, is outside
+        // its limits.
         let (place, beyond) = first;
-        let message = "an axis stands beyond its soft limit while another one moves";
+        let message = "an axis is beyond its soft limit while another one moves";
         let finding = Finding::error("E0401", message, place.clone());
         findings.add(placed(finding, beyond, machine));
         return Ok(());
@@ -215,7 +215,7 @@ pub fn report_beyond(
     Ok(())
 }
 
-/// Reports the axes whose machine coordinates are beyond.
+/// Reports the axes whose machine coordinates are beyond the travel.
 fn report_machine_frame(
     reach: &Reach,
     machine: &MachineFile,
@@ -240,20 +240,20 @@ fn report_machine_frame(
     }
 }
 
-/// What the place of the part asks for.
+/// The correction of work zero, in words.
 #[derive(Default)]
 struct Remedy {
-    /// Where the part is beyond, axis by axis.
+    /// Extent of the part in each axis in which it is beyond.
     parts: Vec<String>,
     /// The travel of these axes.
     travels: Vec<String>,
-    /// By how much they must move at least.
+    /// The smallest shifts that correct them.
     moves: Vec<String>,
-    /// The zero that does it, as it is typed.
+    /// The corrected zero, as the user types it.
     zero: String,
 }
 
-/// Reports where the part is beyond, and the zero with which it is not.
+/// Reports where the part is beyond the travel, and the zero that corrects it.
 fn report_part(
     reach: &Reach,
     zero: [Nm; 3],
@@ -308,7 +308,7 @@ fn report_part(
     findings.add(placed(finding, beyond, machine));
 }
 
-/// An axis word; nothing for 0.
+/// An axis word; empty for 0.
 fn worded(name: char, at: Nm) -> String {
     match at {
         Nm(0) => String::new(),
@@ -320,7 +320,7 @@ fn span([low, high]: [Nm; 2]) -> String {
     format!("{low} to {high} mm")
 }
 
-/// What is beyond at the place of a finding, and where the limit stands.
+/// Adds the position that is beyond, and the place of the limit in the machine file.
 fn placed(finding: Finding, beyond: &MoveError, machine: &MachineFile) -> Finding {
     let MoveError::Travel {
         axis,

@@ -1,4 +1,4 @@
-//! How far the tool is from the programmed path while it cuts.
+//! The distance of the tool from the programmed path while it cuts.
 
 use crate::geometry::path::Path;
 use crate::simulation::observer::{Begun, Now, Observer};
@@ -15,7 +15,7 @@ pub struct Deviation {
 }
 
 impl Deviation {
-    /// Nothing measured yet.
+    /// Starts without measurements.
     pub fn new() -> Self {
         Self {
             path: Path::line([0.0; 3], [0.0; 3]),
@@ -40,7 +40,7 @@ impl Deviation {
         self.largest_squared.sqrt()
     }
 
-    /// Root mean square in nanometres; 0 when nothing was measured.
+    /// Root mean square in nanometres; 0 without measurements.
     pub fn rms_nm(&self) -> f64 {
         (self.sum_of_squares / (self.count.max(1) as f64)).sqrt()
     }

@@ -1,6 +1,6 @@
-//! The path of the tool as strokes for a picture: bounded memory for a program of any length.
+//! The path of the tool as strokes of a picture. Its memory is bounded for a program of any length.
 
-/// What kind of move a stroke belongs to.
+/// The kind of move of a stroke.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Class {
     /// Manual moves and steps.
@@ -15,35 +15,36 @@ pub enum Class {
 /// picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
-    /// Where the tool is.
+    /// Position of the tool.
     pub tool: [f64; 2],
-    /// Where it should be.
+    /// Nearest point of the programmed path.
     pub ideal: [f64; 2],
 }
 
-/// Points of one class in a row.
+/// Consecutive points of one class.
 #[derive(Clone, Debug)]
 pub struct Stroke {
-    /// What kind of move.
+    /// The kind of move.
     pub class: Class,
     /// At least one point.
     pub points: Vec<Point>,
 }
 
-/// Strokes, thinned so that no more than a fixed number of points is kept.
+/// Strokes, thinned out to a fixed number of points.
 #[derive(Clone, Debug)]
 pub struct Drawing {
-    /// In the order they were made.
+    /// The strokes in their order.
     pub strokes: Vec<Stroke>,
-    /// Where an axis turned round and its lash was taken up.
+    /// Positions where an axis reversed and its backlash was taken up.
     pub take_ups: Vec<[f64; 2]>,
-    /// Points nearer to the one before than this are left out, nm.
+    /// Least distance of a point from the one before, nm. Nearer points are left out.
     pub spacing: f64,
     points: usize,
     last: [f64; 2],
 }
 
-/// Most points kept: a report of about 1 MB, and finer than the pixels of its pictures.
+/// Most points kept. They give a report of about 1 MB, and are finer than the pixels of its
+/// pictures.
 const MOST_POINTS: usize = 40_000;
 /// Most take-up marks kept.
 const MOST_MARKS: usize = 2_000;
@@ -60,7 +61,7 @@ impl Drawing {
         }
     }
 
-    /// Whether a point at `tool` is far enough from the last one to be worth keeping.
+    /// Whether a point at `tool` is far enough from the last one to be kept.
     #[inline]
     pub fn wants(&self, tool: [f64; 2]) -> bool {
         (tool[0] - self.last[0]).abs() > self.spacing
@@ -102,7 +103,7 @@ impl Drawing {
         }
     }
 
-    /// Doubles the spacing until half of the room is free again.
+    /// Doubles the spacing until at least half of the points are free again.
     fn thin(&mut self) {
         while self.points > MOST_POINTS / 2 {
             self.spacing = if self.spacing > 0.0 {
@@ -127,7 +128,7 @@ impl Drawing {
         (high[0] - low[0]).max(high[1] - low[1])
     }
 
-    /// Lower and upper corner of everything drawn.
+    /// Lower and upper corner of all strokes.
     pub fn bounds(&self) -> Option<[[f64; 2]; 2]> {
         let mut points = self
             .strokes
@@ -144,7 +145,8 @@ impl Drawing {
     }
 }
 
-/// Keeps the first point, the last one, and those farther than `spacing` from the one kept before.
+/// Keeps the first point, the last one, and each point farther than `spacing` from the previous
+/// kept one.
 fn thin(points: &mut Vec<Point>, spacing: f64) {
     let Some((first, last)) = points.first().copied().zip(points.last().copied()) else {
         return;

@@ -1,24 +1,24 @@
-//! What the encoders of a run report: axes that are behind, right again, or stalled.
+//! The reports of the encoders in a run: axes that are behind, corrected, or stalled.
 
 use husillo_machine::Followed;
 
-/// What the encoders have reported.
+/// The reports of the encoders.
 #[derive(Clone, Debug, Default)]
 pub struct EncoderReports {
-    /// Axes that an encoder saw behind and that have not been corrected.
+    /// Axes that are behind and not yet corrected.
     pub behind: [bool; 3],
-    /// All of it, as sentences.
+    /// All reports as sentences.
     pub sentences: Vec<String>,
 }
 
 impl EncoderReports {
-    /// Takes an entry; `letters` are those of the axes, and so many step events were made before.
+    /// Takes an entry after so many step events. `letters` are those of the axes.
     #[cold]
     pub fn add(&mut self, entry: &Followed<3>, letters: [char; 3], events: u64) {
         let (axis, is_behind, what) = match *entry {
             Followed::Event(_) => return,
             Followed::Lost { axis, steps } => (axis, true, format!("is {steps} steps behind")),
-            Followed::Corrected { axis } => (axis, false, "is right again".to_owned()),
+            Followed::Corrected { axis } => (axis, false, "is corrected".to_owned()),
             Followed::Stalled { axis, steps } => {
                 (axis, true, format!("is stalled, {steps} steps behind"))
             }
@@ -35,7 +35,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_axis_is_behind_until_it_is_right_again() {
+    fn an_axis_is_behind_until_it_is_corrected() {
         let mut reports = EncoderReports::default();
         let mut add = |entry| {
             reports.add(&entry, ['X', 'Y', 'Z'], 12);
@@ -48,7 +48,7 @@ mod tests {
         assert_eq!(add(stalled), [true, false, false]);
         let sentences = [
             "Y is 4 steps behind, after 12 step events",
-            "Y is right again, after 12 step events",
+            "Y is corrected, after 12 step events",
             "X is stalled, -9 steps behind, after 12 step events",
         ];
         assert_eq!(reports.sentences, sentences);

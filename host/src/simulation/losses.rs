@@ -1,17 +1,17 @@
-//! Where the axes lost their first steps.
+//! Lost steps, and where each axis lost its first ones.
 
-/// Where an axis lost its first steps.
+/// The place where an axis lost its first steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FirstLoss {
     /// Number of the step event, from 1.
     pub event: u64,
     /// Seconds from the start.
     pub time_s: f64,
-    /// Position of the machine then, nm of the machine frame.
+    /// Position of the tool, nm of the machine frame.
     pub at_nm: [f64; 3],
 }
 
-/// Steps that the motors did not follow.
+/// Steps that the motors lost.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Losses {
     lost: [u64; 3],
@@ -24,12 +24,12 @@ impl Losses {
         self.lost
     }
 
-    /// Where each axis lost its first steps.
+    /// The first loss of each axis.
     pub const fn first(&self) -> [Option<FirstLoss>; 3] {
         self.first
     }
 
-    /// So many are lost by now, which is more than before.
+    /// Records new totals of lost steps, at `here`.
     #[cold]
     pub fn lose(&mut self, lost: [u64; 3], here: FirstLoss) {
         for ((first, before), now) in self.first.iter_mut().zip(self.lost).zip(lost) {
@@ -46,7 +46,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_first_of_each_axis_is_kept() {
+    fn the_first_loss_of_each_axis_is_kept() {
         let at = |event| FirstLoss {
             event,
             time_s: 0.5,

@@ -1,4 +1,4 @@
-//! The simulated machine: step events into the motors, their coils, the rotors and the screws.
+//! The simulated machine: step events drive motors, coils, rotors and screws.
 
 use crate::machines::encoder_file::Push;
 use crate::machines::machine_file::MachineFile;
@@ -17,7 +17,7 @@ pub struct Mechanics {
     tool: [i32; 3],
     events: u64,
     ticks: u64,
-    /// Losses to come.
+    /// Simulated losses that are still to come.
     pushes: Vec<Push>,
     losses: Losses,
     /// Counts and steps of each encoder.
@@ -25,12 +25,13 @@ pub struct Mechanics {
 }
 
 impl Mechanics {
-    /// A homed machine at rest, with the lash of its file or, worn, with that of
+    /// A homed machine at rest. It has the backlash of its file or, if worn, that of
     /// `[simulated_lash]`.
     ///
     /// # Errors
     ///
-    /// A driver that has not the step mode of the machine file, or nothing of how worn it is.
+    /// A driver does not have the step mode of the machine file, or a worn machine has no
+    /// `[simulated_lash]`.
     pub fn new(machine: &MachineFile, is_worn: bool) -> Result<Self, String> {
         let motors = setup::motors(machine)?;
         let mut rig = setup::rig(machine, &motors);
@@ -38,7 +39,7 @@ impl Mechanics {
             let steps = machine.axes.each_ref().map(|axis| axis.step);
             let field = machine.lash.field(steps).ok_or_else(|| {
                 let path = &machine.path;
-                format!("{path}: no [simulated_lash]: nobody says how worn it is")
+                format!("{path}: no [simulated_lash], which describes the worn screws")
             })?;
             rig = rig.with_lash_field(field);
         }
@@ -60,13 +61,13 @@ impl Mechanics {
         })
     }
 
-    /// The tool was brought to these steps before.
+    /// Puts the tool at these steps before the run.
     pub fn start_at(&mut self, steps: [i32; 3]) {
         self.rig = self.rig.clone().with_tool_at(steps);
         self.tool = self.rig.tool();
     }
 
-    /// Motors are pushed at these events.
+    /// Sets the simulated losses.
     pub fn set_pushes(&mut self, pushes: &[Push]) {
         self.pushes = pushes.to_vec();
     }
@@ -90,17 +91,17 @@ impl Mechanics {
         }
     }
 
-    /// Rests.
+    /// Waits without a step.
     pub fn rest(&mut self, wait_ticks: u32) {
         self.ticks += u64::from(wait_ticks);
         let rig = &mut self.rig;
-        // The driver sees what idling changes at the end of the rest.
+        // Levels that change when the motors idle reach the driver at the end of the wait.
         self.motors.rest(wait_ticks, |wait_ticks, levels| {
             rig.apply(levels, wait_ticks);
         });
     }
 
-    /// The pushes of this event.
+    /// Makes the simulated losses of this event.
     #[cold]
     fn push(&mut self) {
         let events = self.events;
@@ -122,7 +123,7 @@ impl Mechanics {
         self.losses.lose(self.rig.lost_steps(), here);
     }
 
-    /// Step events so far, take-up included.
+    /// Step events so far, including take-up.
     pub const fn events(&self) -> u64 {
         self.events
     }
@@ -137,22 +138,22 @@ impl Mechanics {
         self.in_seconds(self.ticks)
     }
 
-    /// Timer ticks as seconds.
+    /// Converts timer ticks to seconds.
     pub fn in_seconds(&self, ticks: u64) -> f64 {
         ticks as f64 / f64::from(self.timer_hz)
     }
 
-    /// Where the tool is, in steps.
+    /// Position of the tool, steps.
     pub const fn tool(&self) -> [i32; 3] {
         self.tool
     }
 
-    /// Nanometres a step of each axis.
+    /// Nanometres per step of each axis.
     pub const fn nm_per_step(&self) -> [f64; 3] {
         self.nm_per_step
     }
 
-    /// Steps as nm.
+    /// Converts steps to nm.
     #[inline]
     pub fn in_nm(&self, steps: [i32; 3]) -> [f64; 3] {
         [0, 1, 2].map(|axis| f64::from(steps[axis]) * self.nm_per_step[axis])
@@ -163,12 +164,12 @@ impl Mechanics {
         self.motors.levels()
     }
 
-    /// What the motors did not follow.
+    /// Steps that the motors lost.
     pub const fn losses(&self) -> &Losses {
         &self.losses
     }
 
-    /// What the encoders read, from the homed position on.
+    /// Counts of the encoders, from the homed position.
     pub fn counts(&self) -> [i64; 3] {
         let motor = self.rig.motor();
         [0, 1, 2].map(|axis| {
@@ -207,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn lash_holds_the_tool_back() {
+    fn backlash_holds_the_tool_back() {
         let file = MachineFile::load("micromill").unwrap();
         let mut mechanics = Mechanics::new(&file, false).unwrap();
         mechanics.start_at([3, 0, 0]);

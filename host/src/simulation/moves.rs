@@ -1,4 +1,4 @@
-//! Which programmed move a step belongs to, and where moves and take-ups begin and end.
+//! Assigns steps to programmed moves, and finds where moves and take-ups begin and end.
 
 use crate::geometry::path::Path;
 use crate::programs::program;
@@ -7,11 +7,11 @@ use crate::simulation::observer::Begun;
 use husillo_gcode::Nm;
 use husillo_machine::{Origin, Segment, StepEvent};
 
-/// The move that is being made.
+/// The move under execution.
 #[derive(Debug)]
 pub struct Moves {
     half_step_nm: f64,
-    /// Programmed speed of the spindle in thousandths of a turn a minute; 0 where it stands.
+    /// Programmed spindle speed in thousandths of a turn per minute; 0 if the spindle is off.
     pub milli_rpm: u64,
     segment: Option<Segment<3>>,
     target: [i32; 3],
@@ -42,7 +42,8 @@ impl Move {
 }
 
 impl Moves {
-    /// At rest at zero. Half a step decides whether an arc is a circle or a spiral.
+    /// Starts at rest at zero. `half_step_nm` decides whether an arc is a circle or a spiral, as in
+    /// [`Path::programmed`].
     pub const fn new(half_step_nm: f64) -> Self {
         Self {
             half_step_nm,
@@ -55,19 +56,20 @@ impl Moves {
         }
     }
 
-    /// The tool was brought to these steps before.
+    /// Puts the tool at these steps before the run.
     pub const fn start_at(&mut self, tool: [i32; 3]) {
         self.target = tool;
     }
 
-    /// Whether a step with this origin is the first of a move or of a take-up, or the first after
-    /// one.
+    /// Whether a step with this origin is the first of a move or of a take-up, or the first after a
+    /// take-up.
     #[inline]
     pub fn is_turn(&self, origin: Origin) -> bool {
         self.is_arrived || origin != self.origin
     }
 
-    /// After a turn: the programmed move that begins, if it is another one.
+    /// Call it if [`is_turn`](Self::is_turn). Returns the programmed move that begins, if it is a
+    /// new one.
     #[cold]
     pub fn turn(&mut self, machine: &Micromill, origin: Origin) -> Option<Move> {
         let executing = machine.executing().copied();
@@ -93,7 +95,7 @@ impl Moves {
         })
     }
 
-    /// A step of take-up: whether its axis begins with it.
+    /// Takes a step of a take-up. Returns whether the take-up of its axis begins with this step.
     pub fn takes_up(&mut self, step: &StepEvent<3>) -> bool {
         let axis = step.delta.iter().position(|delta| *delta != 0);
         let begins = axis != self.take_up_axis;
@@ -101,7 +103,7 @@ impl Moves {
         begins
     }
 
-    /// The machine has sent the tool to these steps.
+    /// Takes the position in steps to which the machine has sent the tool.
     #[inline]
     pub fn sent(&mut self, position: [i32; 3]) {
         self.is_arrived = position == self.target;
@@ -127,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn a_turn_is_where_a_target_was_reached_or_the_origin_changes() {
+    fn a_move_begins_after_its_target_or_with_another_origin() {
         let mut moves = Moves::new(70.0);
         moves.start_at([2, 0, 0]);
         assert!(moves.is_turn(Origin::Rest));

@@ -1,4 +1,4 @@
-//! What looks at a run: the state of the machine after each step, and who gets it.
+//! Observers of a run, and the state of the machine that they get after each step.
 
 use crate::geometry::path::Path;
 use husillo_gcode::Nm;
@@ -6,26 +6,26 @@ use husillo_machine::{Origin, Segment, StepEvent};
 use husillo_stepper::Levels;
 use std::io;
 
-/// A step, and the machine after it.
+/// A step, and the state of the machine after it.
 #[derive(Clone, Copy, Debug)]
 pub struct Now<'a> {
     /// The step that was made.
     pub step: &'a StepEvent<3>,
-    /// Why it was made.
+    /// The kind of motion that it belongs to.
     pub origin: Origin,
-    /// Whether another move begins with it, or a take-up begins or has ended.
+    /// Whether it begins a move or a take-up, or follows a take-up.
     pub is_turn: bool,
-    /// Whether an axis begins to take up its lash with it.
+    /// Whether it begins the take-up of an axis.
     pub begins_take_up: bool,
     /// Number of the step event, from 1.
     pub event: u64,
     /// Timer ticks from the start.
     pub ticks: u64,
-    /// Where the tool is, in steps.
+    /// Position of the tool, steps.
     pub tool: [i32; 3],
-    /// The same in nm of the machine frame.
+    /// Position of the tool, nm of the machine frame.
     pub tool_nm: [f64; 3],
-    /// Where the tool was sent, in steps.
+    /// Commanded position, steps.
     pub sent: [i32; 3],
     /// Inputs of the drivers.
     pub levels: &'a [Levels; 3],
@@ -34,42 +34,42 @@ pub struct Now<'a> {
 /// A programmed move that begins.
 #[derive(Clone, Copy, Debug)]
 pub struct Begun<'a> {
-    /// Where it begins, and its command.
+    /// Its start and its command.
     pub segment: &'a Segment<3>,
-    /// Where it ends, in the machine frame.
+    /// Its end in the machine frame.
     pub to: [Nm; 3],
     /// Its exact path.
     pub path: &'a Path,
-    /// Programmed speed of the spindle in thousandths of a turn a minute; 0 where it stands.
+    /// Programmed spindle speed in thousandths of a turn per minute; 0 if the spindle is off.
     pub milli_rpm: u64,
 }
 
-/// One that looks at a run. It gets what happens in the order in which it happens.
+/// Observes a run. Its methods are called in the order of the events.
 pub trait Observer {
-    /// A programmed move begins: the next step is its first, or one of a take-up before it.
+    /// A programmed move begins. The next step is its first, or belongs to a take-up before it.
     fn begin(&mut self, _begun: &Begun<'_>) {}
 
     /// A step was made.
     ///
     /// # Errors
     ///
-    /// What the observer writes cannot be written.
+    /// The output of the observer cannot be written.
     fn step(&mut self, now: &Now<'_>) -> io::Result<()>;
 
-    /// The machine has rested until so many ticks from the start.
+    /// The machine has waited until so many ticks from the start.
     fn dwell(&mut self, _ticks: u64) {}
 
     /// The run has ended.
     ///
     /// # Errors
     ///
-    /// What the observer writes cannot be written.
+    /// The output of the observer cannot be written.
     fn finish(&mut self) -> io::Result<()> {
         Ok(())
     }
 }
 
-/// An observer that is not always wanted.
+/// An optional observer.
 impl<O: Observer> Observer for Option<O> {
     fn begin(&mut self, begun: &Begun<'_>) {
         if let Some(observer) = self {
@@ -106,8 +106,8 @@ pub mod tests {
         delta: [1, 0, 0],
     };
 
-    /// The machine after step number `event` of a feed along X, 1 um and 1000 ticks a step. Tests
-    /// change what they are about.
+    /// The machine after step number `event` of a feed along X, with 1 um and 1000 ticks per step.
+    /// Tests change the fields that they are about.
     pub fn now(event: u64) -> Now<'static> {
         let tool = [event as i32, 0, 0];
         Now {
@@ -124,7 +124,7 @@ pub mod tests {
         }
     }
 
-    /// Counts what it gets.
+    /// Counts its calls.
     #[derive(Default)]
     struct Counter([u32; 4]);
 
@@ -149,7 +149,7 @@ pub mod tests {
     }
 
     #[test]
-    fn one_that_is_wanted_gets_all() {
+    fn an_optional_observer_gets_all_calls() {
         let mut observer = Some(Counter::default());
         let segment = line(Nm(1000));
         let path = Path::line([0.0; 3], [1000.0, 0.0, 0.0]);

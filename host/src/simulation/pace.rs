@@ -1,4 +1,4 @@
-//! The programmed speed and the curve of a move, and how the measurement of speed follows a run.
+//! The programmed speed and the curve of a move, and the observer that measures the speed.
 
 use crate::geometry::path::Path;
 use crate::simulation::observer::{Begun, Now, Observer};
@@ -62,7 +62,7 @@ mod tests {
     use crate::simulation::observer::tests::{begun, line, now};
 
     #[test]
-    fn a_feed_its_dwell_and_a_take_up() {
+    fn feed_dwell_and_take_up_are_recorded() {
         let mut speed = Speed::new(1_000_000, None);
         let (segment, path) = (line(Nm(1_000_000)), Path::line([0.0; 3], [1e6, 0.0, 0.0]));
         speed.begin(&begun(&segment, &path));
@@ -78,7 +78,7 @@ mod tests {
         speed.step(&seen).unwrap();
         speed.finish().unwrap();
         let (columns, _) = speed.columns();
-        // A step of 1 um every millisecond, as it was programmed.
+        // A step of 1 um per millisecond, as programmed.
         let first = columns[0];
         assert_eq!((first.feed.high, first.programmed.high), (1e6, 1e6));
         let has = |what: fn(&crate::simulation::speed::Column) -> bool| columns.iter().any(what);

@@ -1,4 +1,4 @@
-//! Currents of the motors' coils in their first steps.
+//! Coil currents of the motors during their first steps.
 
 use crate::machines::machine_file::MachineFile;
 use crate::programs::setup;
@@ -15,16 +15,16 @@ pub struct Motor {
     pub driver: String,
     /// Names of the two rows.
     pub rows: [&'static str; 2],
-    /// Currents of coil A and B after each step, 1000 = 100 %, and the time in microseconds.
+    /// Time in microseconds, and the currents of coil A and B after each step, 1000 = 100 %.
     pub steps: Vec<(u64, [i16; 2])>,
 }
 
 /// Steps of each motor that are kept.
 const MOST_STEPS: usize = 24;
-/// Step events after which nothing more is kept: motors that never turn must not keep this going.
+/// Step events after which nothing more is kept. It bounds the work if a motor never turns.
 const MOST_EVENTS: u64 = 100_000;
 
-/// Time in microseconds, and the currents of both coils from then on.
+/// Time in microseconds, and the currents of both coils after it.
 type Phase = (u64, [i16; 2]);
 
 /// Currents of the first steps.
@@ -74,7 +74,7 @@ impl Phases {
             now.event < MOST_EVENTS && self.phases.iter().any(|phases| phases.len() <= MOST_STEPS);
     }
 
-    /// The motors' first steps for the report.
+    /// The first steps of the motors, for the report.
     pub fn motors(&self, machine: &MachineFile) -> Vec<Motor> {
         let axes = machine.axes.iter().zip(&self.phases).zip(self.drivers);
         axes.map(|((axis, steps), driver)| Motor {
@@ -90,7 +90,7 @@ impl Phases {
     }
 }
 
-/// Step and direction are drawn as two rows of levels.
+/// Currents of both coils. Step and direction are drawn as two rows of levels.
 fn currents(driver: Option<Driver>, levels: Levels) -> [i16; 2] {
     match driver {
         Some(driver) => driver.currents(levels),
@@ -114,7 +114,7 @@ mod tests {
     use crate::simulation::observer::tests::now;
 
     #[test]
-    fn the_first_steps_of_an_axis_and_no_more() {
+    fn only_the_first_steps_of_an_axis_are_kept() {
         let machine = MachineFile::load("router").unwrap();
         let mut phases = Phases::new(&machine, &[Levels(0); 3]);
         for event in 3..100 {
@@ -129,7 +129,7 @@ mod tests {
         };
         assert_eq!((x.letter, x.rows), ('X', ["STEP", "DIR"]));
         assert_eq!((x.steps.len(), y.steps.len()), (MOST_STEPS + 1, 1));
-        // It rested until the wait of the first step began.
+        // X rested until the wait of its first step began.
         let tick = 1e6 / f64::from(machine.timer_hz);
         assert_eq!(x.steps[0], ((2000.0 * tick) as u64, [0, 0]));
         assert_eq!(x.steps[1], ((3000.0 * tick) as u64, [1000, 0]));

@@ -1,4 +1,4 @@
-//! The path of the tool and the programmed moves, as the report draws them.
+//! The path of the tool and the programmed moves, for the pictures of the report.
 
 use crate::geometry::path::Path;
 use crate::simulation::drawing::{Class, Drawing, Point};
@@ -10,17 +10,17 @@ use std::io;
 /// A programmed move in the axes of the picture, nm.
 #[derive(Clone, Copy, Debug)]
 pub enum Ideal {
-    /// Straight.
+    /// Start and end of a straight move.
     Line([f64; 2], [f64; 2]),
-    /// From, to, centre, and whether it turns counter-clockwise; a full turn when both ends are
-    /// one.
+    /// Start, end and centre of an arc, and whether it is counter-clockwise. It is a full turn if
+    /// both ends are equal.
     Arc([f64; 2], [f64; 2], [f64; 2], bool),
 }
 
 /// Most programmed moves kept.
 const MOST_IDEAL: usize = 20_000;
 
-/// What is drawn of a run.
+/// The picture of a run.
 #[derive(Clone, Debug)]
 pub struct Picture {
     /// The axes to the right and up.
@@ -30,12 +30,12 @@ pub struct Picture {
     pub drawing: Drawing,
     /// The programmed moves.
     pub ideal: Vec<Ideal>,
-    /// Whether `ideal` has all of them.
+    /// Whether `ideal` has all programmed moves.
     pub ideal_is_whole: bool,
 }
 
 impl Picture {
-    /// Nothing drawn; the axes to the right and up.
+    /// An empty picture with these axes to the right and up.
     pub fn new(view: [usize; 2]) -> Self {
         Self {
             view,
@@ -46,7 +46,7 @@ impl Picture {
         }
     }
 
-    /// A point as the pictures show it.
+    /// The point in the axes of the picture.
     #[inline]
     const fn flat(&self, at: [f64; 3]) -> [f64; 2] {
         let [right, up] = self.view;
@@ -61,7 +61,7 @@ impl Picture {
         }
     }
 
-    /// Adds the point of a step; a stroke begins where another kind of move does.
+    /// Adds the point of a step. A new kind of move begins a new stroke.
     #[inline(never)]
     fn draw(&mut self, now: &Now<'_>) {
         let at = self.point(now.tool_nm);
@@ -95,13 +95,13 @@ impl Picture {
                 let is_whole = arc.turns > 0 || from == to;
                 let end = if is_whole { from } else { to };
                 let is_counter_clockwise = arc.direction == Direction::CounterClockwise;
-                // From behind, it turns the other way.
+                // A view from behind reverses the direction.
                 let is_from_behind = arc.plane.axes() != self.view;
                 let seen = is_counter_clockwise != is_from_behind;
                 self.ideal
                     .push(Ideal::Arc(from, end, flat(arc.centre), seen));
             }
-            // Seen from the side: the points of the drawing show it.
+            // An arc seen from the side: only the points of the drawing show it.
             Command::Arc { .. } => self.ideal_is_whole = false,
             _ => {}
         }
@@ -133,7 +133,7 @@ mod tests {
     use crate::simulation::observer::tests::{begun, line, now};
 
     #[test]
-    fn strokes_take_ups_and_the_programmed_line() {
+    fn strokes_take_ups_and_the_programmed_line_are_kept() {
         let mut picture = Picture::new([0, 1]);
         let (segment, path) = (line(Nm(9000)), Path::line([0.0; 3], [9000.0, 0.0, 0.0]));
         picture.begin(&begun(&segment, &path));

@@ -1,4 +1,4 @@
-//! `husillo run`: events into the simulated machine, and what it does with them to the observers.
+//! `husillo run`: passes events to the simulated machine, and its steps to the observers.
 
 use crate::machines::encoder_file::Push;
 use crate::machines::machine_file::MachineFile;
@@ -18,7 +18,7 @@ use husillo_gcode::SpindleDirection;
 use husillo_machine::{Event, Followed, Origin, Output, StepEvent};
 use std::io::{self, Write};
 
-/// All that look at a run.
+/// The observers of a run.
 pub struct Observers {
     /// Extents and take-ups.
     pub statistics: Statistics,
@@ -30,13 +30,13 @@ pub struct Observers {
     pub speed: Speed,
     /// Currents of the first steps.
     pub phases: Phases,
-    /// Sides of the work, where they are compared.
+    /// Comparison of the two sides of the work, if requested.
     pub symmetry: Option<Symmetry>,
     trace: Option<Trace>,
 }
 
-/// Calls a method of each of them, one by one: there are millions of steps, and a call through a
-/// table is not inlined.
+/// Calls a method of each observer directly. There are millions of steps, and dynamic calls would
+/// not be inlined.
 macro_rules! each {
     ($observers:ident, $observer:ident => $call:expr) => {{
         each!(@ $call, $observer, $observers: statistics deviation picture speed phases);
@@ -69,26 +69,26 @@ impl Observer for Observers {
     }
 }
 
-/// A run under way, and its results.
+/// A run and its results.
 pub struct Run {
     letters: [char; 3],
     /// The simulated machine.
     pub mechanics: Mechanics,
     moves: Moves,
-    /// What is seen of it.
+    /// The observers.
     pub observers: Observers,
-    /// What the encoders reported.
+    /// The reports of the encoders.
     pub encoders: EncoderReports,
 }
 
 impl Run {
-    /// A homed machine at rest, with the lash of its file or, worn, with that of
-    /// `[simulated_lash]`; every step goes to `trace` too.
+    /// A homed machine at rest. It has the backlash of its file or, if worn, that of
+    /// `[simulated_lash]`. `trace` gets every step.
     ///
     /// # Errors
     ///
-    /// A driver that has not the step mode of the machine file, or nothing of how worn it is; the
-    /// trace cannot be written.
+    /// A driver does not have the step mode of the machine file, a worn machine has no
+    /// `[simulated_lash]`, or the trace cannot be written.
     pub fn new(
         machine: &MachineFile,
         is_worn: bool,
@@ -116,19 +116,19 @@ impl Run {
         })
     }
 
-    /// The tool was brought to these steps before.
+    /// Puts the tool at these steps before the run.
     pub fn start_at(&mut self, steps: [i32; 3]) {
         self.mechanics.start_at(steps);
         self.observers.statistics.start_at(self.mechanics.tool());
         self.moves.start_at(self.mechanics.tool());
     }
 
-    /// Motors are pushed at these events.
+    /// Sets the simulated losses.
     pub fn set_pushes(&mut self, pushes: &[Push]) {
         self.mechanics.set_pushes(pushes);
     }
 
-    /// Takes one entry of a machine with encoders, and returns where these are then.
+    /// Takes one entry of a machine with encoders. Returns the counts after it.
     ///
     /// # Errors
     ///
@@ -208,7 +208,7 @@ impl Run {
         })
     }
 
-    /// Writes what is left of the trace.
+    /// Writes the rest of the trace.
     ///
     /// # Errors
     ///

@@ -1,26 +1,26 @@
-//! Path speed and acceleration over time: measured from the events, kept in columns of bounded
-//! memory.
+//! Path speed and acceleration over time, measured from the events. They are kept in columns of
+//! bounded memory.
 //!
-//! The tool moves in whole steps, so its speed only means something over a window. A window is
-//! closed after [`WINDOW_EVENTS`] events and, where the machine has ramps, not before the time in
-//! which one step of position is a twentieth of the acceleration. Its length is the sum of chords;
-//! a chord on an arc counts as the arc over it.
+//! The tool moves in whole steps, so its speed is meaningful only over a window. A window has at
+//! least [`WINDOW_EVENTS`] events. If the machine has ramps, it also lasts at least the time in
+//! which one step of position is a twentieth of the acceleration. The length of a window is a sum
+//! of chords. A chord on an arc counts as its arc.
 
-/// Events of a window at least: one step more or less is then 3 % of its length.
+/// Least number of events of a window. One step more or less is then 3 % of its length.
 pub const WINDOW_EVENTS: u32 = 32;
-/// A window with fewer events than this at the end of a stretch joins the one before.
+/// At the end of a motion, a window with fewer events joins the one before.
 const LEAST_EVENTS: u32 = 16;
-/// Moves with fewer events do not end a chord: the staircase of their steps would count as path.
+/// A move with fewer events does not end a chord. The staircase of its steps would count as path.
 const LEAST_MOVE_EVENTS: u32 = 8;
-/// Columns kept: two a pixel of the picture at most, one at least.
+/// Number of columns: one or two per pixel of the picture.
 const COLUMNS: usize = 2048;
 
-/// Smallest and largest value seen.
+/// Smallest and largest of several values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Band {
     /// Smallest.
     pub low: f32,
-    /// Largest; below `low` when nothing was seen.
+    /// Largest; below `low` without any value.
     pub high: f32,
 }
 
@@ -30,12 +30,12 @@ impl Band {
         high: f32::NEG_INFINITY,
     };
 
-    /// Whether nothing was seen.
+    /// Whether there is no value.
     pub fn is_empty(self) -> bool {
         self.high < self.low
     }
 
-    /// Of all values of both.
+    /// The band of the values of both.
     pub fn with(self, other: Self) -> Self {
         Self {
             low: self.low.min(other.low),
@@ -51,7 +51,7 @@ impl Band {
     }
 }
 
-/// What happened in one interval of time.
+/// The motion in one interval of time.
 #[derive(Clone, Copy, Debug)]
 pub struct Column {
     /// Path speed of rapid moves, nm/s.
@@ -62,9 +62,9 @@ pub struct Column {
     pub programmed: Band,
     /// Acceleration along the path, nm/s^2.
     pub acceleration: Band,
-    /// Whether lash was taken up.
+    /// Whether backlash was taken up.
     pub take_up: bool,
-    /// Whether the machine dwelled.
+    /// Whether there was a dwell.
     pub dwell: bool,
 }
 
@@ -90,16 +90,16 @@ impl Column {
     }
 }
 
-/// Why the tool stands.
+/// Why the tool stands still.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stop {
-    /// Lash is taken up.
+    /// Backlash is taken up.
     TakeUp,
     /// A dwell, or a wait longer than one event can hold.
     Dwell,
 }
 
-/// The circle the tool is on.
+/// The circle of an arc.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Circle {
     /// Axes of its plane.
@@ -108,10 +108,10 @@ pub struct Circle {
     pub radius: f64,
 }
 
-/// A move as far as its speed goes.
+/// The properties of a move that its speed depends on.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Move {
-    /// `None` for a straight one.
+    /// `None` for a straight move.
     pub circle: Option<Circle>,
     /// Programmed speed along the path in nm/s; `None` for a rapid.
     pub programmed: Option<f64>,
@@ -126,7 +126,7 @@ struct Window {
     is_feed: bool,
 }
 
-/// The measurement under way.
+/// Measures the speed of a run.
 #[derive(Clone, Debug)]
 pub struct Speed {
     timer_hz: f64,
@@ -136,25 +136,27 @@ pub struct Speed {
     now: u64,
     at: [f64; 3],
     on: Move,
-    /// Since when the programmed feed is not yet in the columns.
+    /// Time up to which the programmed feed is recorded in the columns.
     since: u64,
-    /// The window being filled; `None` while the tool stands.
+    /// The current window; `None` while the tool stands still.
     window: Option<Window>,
     chord: [f64; 3],
     chord_events: u32,
-    /// Events of the move in chords before this one.
+    /// Events of the move in earlier chords.
     ended_events: u32,
-    /// The last full one, which a short rest may still join.
+    /// The last full window, which a short last one may still join.
     full: Option<Window>,
-    /// Middle and speed of the one before that.
+    /// Middle and speed of the window before that.
     before: Option<(f64, f64)>,
 }
 
 impl Speed {
-    /// At rest at zero; `acceleration` is the largest of any axis in steps/s^2, if there are ramps.
+    /// Starts at rest at zero. `acceleration` is the largest of all axes in steps/s^2, if there are
+    /// ramps.
     pub fn new(timer_hz: u32, acceleration: Option<u32>) -> Self {
         let hz = f64::from(timer_hz);
-        // Three positions, each half a step wrong at most: 2 steps / t^2 is a twentieth of it.
+        // Each of three positions has an error of at most half a step. The error of the
+        // acceleration, 2 steps / t^2, is then a twentieth of it.
         let seconds = acceleration.map_or(0.0, |a| (40.0 / f64::from(a.max(1))).sqrt());
         Self {
             timer_hz: hz,
@@ -193,7 +195,7 @@ impl Speed {
         }
     }
 
-    /// Another move begins where the tool is.
+    /// A new move begins at the present position.
     pub fn turn(&mut self, to: Move) {
         if to == self.on {
             return;
@@ -216,7 +218,7 @@ impl Speed {
         }
     }
 
-    /// The tool stands until `now`.
+    /// The tool stands still until `now`.
     pub fn stand(&mut self, now: u64, stop: Stop) {
         self.rest();
         self.cover(self.now, now, |column| match stop {
@@ -226,7 +228,7 @@ impl Speed {
         (self.now, self.since) = (now, now);
     }
 
-    /// Ends the stretch: the tool stands from here on, for whatever time.
+    /// The tool stops here, for any time.
     pub fn rest(&mut self) {
         self.end_chord();
         self.record_programmed();
@@ -259,7 +261,7 @@ impl Speed {
         }
     }
 
-    /// The columns so far, and the seconds of each.
+    /// The columns so far, and the seconds per column.
     pub fn columns(&self) -> (&[Column], f64) {
         let used = usize::try_from(self.now.div_ceil(self.column_ticks)).unwrap_or(COLUMNS);
         (
@@ -273,7 +275,7 @@ impl Speed {
         self.now as f64 / self.timer_hz
     }
 
-    /// Seconds of a window at least; 0 where only events count.
+    /// Least duration of a window, s; 0 if only its events count.
     pub fn least_seconds(&self) -> f64 {
         self.least_ticks as f64 / self.timer_hz
     }
@@ -346,7 +348,7 @@ impl Speed {
         });
     }
 
-    /// Changes every column the time from `begin` to `end` touches.
+    /// Changes every column that overlaps the time from `begin` to `end`.
     fn cover(&mut self, begin: u64, end: u64, change: impl Fn(&mut Column)) {
         if end <= begin {
             return;
@@ -361,7 +363,7 @@ impl Speed {
         }
     }
 
-    /// Halves the columns in use.
+    /// Merges pairs of columns, which frees half of them.
     #[cold]
     fn fold(&mut self) {
         for index in 0..COLUMNS / 2 {
@@ -402,7 +404,7 @@ mod tests {
     };
 
     #[test]
-    fn constant_speed_is_constant() {
+    fn constant_speed_is_measured_as_constant() {
         let mut speed = Speed::new(1_000_000, None);
         speed.turn(FEED);
         straight(&mut speed, 5000, 1000);
@@ -419,7 +421,7 @@ mod tests {
     }
 
     #[test]
-    fn corners_are_not_cut() {
+    fn corners_do_not_shorten_the_path() {
         let mut speed = Speed::new(1_000_000, None);
         let mut at = [0.0; 3];
         for leg in 0..40_u32 {
@@ -444,7 +446,7 @@ mod tests {
     }
 
     #[test]
-    fn stops_are_seen_and_memory_is_bounded() {
+    fn stops_are_recorded_and_memory_is_bounded() {
         let mut speed = Speed::new(1_000_000, Some(1000));
         speed.turn(FEED);
         for k in 0..2000 {
@@ -463,7 +465,7 @@ mod tests {
     fn a_ramp_has_its_acceleration() {
         let mut speed = Speed::new(1_000_000, Some(1000));
         speed.turn(FEED);
-        // 1000 steps/s^2 of 1 um: s = t^2 / 2 gives the time of every step.
+        // 1000 steps/s^2 with steps of 1 um: s = t^2 / 2 gives the time of each step.
         for step in 1..=5000_u64 {
             let now = (2.0 * step as f64 / 1000.0).sqrt() * 1e6;
             speed.advance(now as u64, &[1000.0 * step as f64, 0.0, 0.0]);
@@ -476,7 +478,7 @@ mod tests {
     }
 
     #[test]
-    fn small_circles_are_not_cut_short() {
+    fn small_circles_have_their_full_length() {
         let mut speed = Speed::new(1_000_000, None);
         let circle = Circle {
             plane: [0, 1],

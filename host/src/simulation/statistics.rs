@@ -1,4 +1,4 @@
-//! What is counted along a run: extents, reversals, the time of take-ups.
+//! Statistics of a run: extents, reversals, and the time of take-ups.
 
 use crate::simulation::observer::{Now, Observer};
 use husillo_machine::Origin;
@@ -7,18 +7,18 @@ use std::io;
 /// Extents of the tool, and take-ups.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Statistics {
-    /// Smallest position of the tool in steps.
+    /// Smallest position of the tool, steps.
     pub low: [i32; 3],
-    /// Largest position.
+    /// Largest position of the tool, steps.
     pub high: [i32; 3],
     /// Timer ticks of take-up.
     pub take_up_ticks: u64,
-    /// Take-ups of every axis.
+    /// Take-ups of each axis.
     pub reversals: [u64; 3],
 }
 
 impl Statistics {
-    /// The tool begins here.
+    /// Sets the start of the tool.
     pub const fn start_at(&mut self, tool: [i32; 3]) {
         self.low = tool;
         self.high = tool;
@@ -51,7 +51,7 @@ mod tests {
     use crate::simulation::observer::tests::now;
 
     #[test]
-    fn extents_and_take_ups() {
+    fn extents_and_take_ups_are_counted() {
         let mut statistics = Statistics::default();
         statistics.start_at([5, 5, 5]);
         statistics.step(&now(1)).unwrap();

@@ -1,4 +1,4 @@
-//! How far the left side of a cut figure is from the mirror image of its right side.
+//! Compares the right side of a cut figure with the mirror image of its left side.
 
 use crate::simulation::observer::{Now, Observer};
 use husillo_machine::Origin;
@@ -6,33 +6,33 @@ use serde::Serialize;
 use std::collections::HashMap;
 use std::io;
 
-/// Points whose mirror images are nearer than this are compared, nm.
+/// Largest distance of a point from a mirror image with which it is compared, nm.
 const NEAR_NM: f64 = 500.0;
-/// Side of the squares that points are sorted into; at least `NEAR_NM`.
+/// Side of the squares into which points are sorted, nm; at least `NEAR_NM`.
 const SQUARE_NM: f64 = 1000.0;
 
-/// Points of the work in pairs across a vertical axis.
+/// Points of the work on both sides of a vertical axis.
 #[derive(Clone, Debug)]
 pub struct Symmetry {
     axis_nm: f64,
     nm_per_step: [f64; 2],
-    /// Where the tool was sent, and how far it was from there.
+    /// Commanded position of each point, and the distance of the tool from it.
     points: Vec<[[f64; 2]; 2]>,
 }
 
-/// What there is between the sides.
+/// The difference between the sides.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Difference {
-    /// Points that have one across the axis.
+    /// Number of points that have a mirror image.
     pub pairs: usize,
-    /// Largest distance of a point from its pair's mirror image, nm.
+    /// Largest difference of the tool's distances within a pair, nm.
     pub max_nm: f64,
-    /// The same, RMS.
+    /// Root mean square of these differences, nm.
     pub rms_nm: f64,
 }
 
 impl Symmetry {
-    /// About a machine position of X; of the steps of X and Y.
+    /// Mirrors at a machine position of X. `nm_per_step` is for X and Y.
     pub const fn new(axis_nm: f64, nm_per_step: [f64; 2]) -> Self {
         Self {
             axis_nm,
@@ -41,7 +41,7 @@ impl Symmetry {
         }
     }
 
-    /// A point of the cut.
+    /// Adds a point of the cut.
     fn add(&mut self, sent_nm: [f64; 2], tool_nm: [f64; 2]) {
         let off = [tool_nm[0] - sent_nm[0], tool_nm[1] - sent_nm[1]];
         if self.points.last().is_none_or(|last| last[0] != sent_nm) {
@@ -49,8 +49,8 @@ impl Symmetry {
         }
     }
 
-    /// Compares each point on the right with the nearest mirror image of one on the left. `None`
-    /// where there are no pairs.
+    /// Compares each point on the right with the nearest mirror image of one on the left. Returns
+    /// `None` without any pair.
     pub fn difference(&self) -> Option<Difference> {
         let square = |at: [f64; 2]| at.map(|nm| (nm / SQUARE_NM).floor() as i64);
         let mut left: HashMap<[i64; 2], Vec<[[f64; 2]; 2]>> = HashMap::new();
@@ -120,13 +120,13 @@ mod tests {
     #[test]
     fn sides_are_compared_as_mirror_images() {
         let mut figure = Symmetry::new(1e6, [1.0; 2]);
-        // The right side 30 nm too far out and 40 nm up, the left one right where it should be.
+        // The right side is 30 nm too far out and 40 nm too high. The left one is exact.
         figure.add([1_500_000.0, 7.0], [1_500_030.0, 47.0]);
         figure.add([499_900.0, 7.0], [499_900.0, 7.0]);
         figure.add([1_700_000.0, 9.0], [1_700_000.0, 9.0]);
         let difference = figure.difference().unwrap();
         assert_eq!((difference.pairs, difference.max_nm), (1, 50.0));
-        // Both too far out: the figure is larger, but its sides are alike.
+        // Both sides are too far out: the figure is larger, but symmetric.
         let mut figure = Symmetry::new(0.0, [1.0; 2]);
         figure.add([100.0, 0.0], [130.0, 0.0]);
         figure.add([-100.0, 0.0], [-130.0, 0.0]);

@@ -1,10 +1,10 @@
-//! The simulated tool after every step, as CSV.
+//! The position of the simulated tool after each step, as CSV.
 
 use crate::simulation::observer::{Now, Observer};
 use husillo_machine::Origin;
 use std::io::{self, Write};
 
-/// Writes `event,t_us,x_nm,y_nm,z_nm,kind`, a row a step.
+/// Writes `event,t_us,x_nm,y_nm,z_nm,kind`, one row per step.
 pub struct Trace {
     out: Box<dyn Write>,
     timer_hz: u32,
@@ -62,7 +62,7 @@ mod tests {
     }
 
     #[test]
-    fn a_row_a_step() {
+    fn each_step_is_a_row() {
         let out = Shared::default();
         let mut trace = Trace::new(Box::new(out.clone()), 2_000_000).unwrap();
         trace.step(&now(1)).unwrap();

@@ -1,6 +1,6 @@
-//! Times for people.
+//! Durations for people.
 
-/// A time as `2 min 08 s`.
+/// A duration as in `2 min 08 s`.
 pub fn duration(seconds: f64) -> String {
     let whole = seconds.round() as u64;
     match (whole / 3600, whole / 60 % 60, whole % 60) {

@@ -1,6 +1,6 @@
-//! Text inside of HTML.
+//! Text in HTML.
 
-/// Text with the characters that HTML reserves replaced.
+/// Replaces the characters that HTML reserves.
 pub fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {

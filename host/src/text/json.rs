@@ -1,4 +1,4 @@
-//! JSON with a blank behind each comma and colon, and decimals that are exact.
+//! JSON with a blank after each comma and colon, and with exact decimal numbers.
 
 use husillo_gcode::Nm;
 use serde::Serialize;
@@ -10,13 +10,13 @@ use std::io::{self, Write};
 ///
 /// # Errors
 ///
-/// What the writer says.
+/// The writer fails.
 pub fn write_line(value: &impl Serialize, out: &mut impl Write) -> io::Result<()> {
     value.serialize(&mut Serializer::with_formatter(&mut *out, Spaced))?;
     writeln!(out)
 }
 
-/// Nanometres that are written in millimetres, with as many decimals as they have.
+/// Nanometres that are written as millimetres, with as many decimals as needed.
 #[derive(Clone, Copy, Debug)]
 pub struct Millimetres(pub i64);
 
@@ -26,13 +26,13 @@ impl Serialize for Millimetres {
     }
 }
 
-/// The digits of a number as they are.
+/// A number that is written with exactly these digits.
 pub fn decimal(digits: String) -> Box<RawValue> {
-    // What is no number would become null: none such is written here.
+    // Text that is not a number would become null. The callers pass only numbers.
     RawValue::from_string(digits).unwrap_or_else(|_| RawValue::NULL.to_owned())
 }
 
-/// One line, with blanks between its parts.
+/// Writes one line with blanks between its parts.
 struct Spaced;
 
 impl Spaced {
@@ -63,7 +63,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn blanks_and_exact_decimals() {
+    fn parts_have_blanks_and_decimals_are_exact() {
         #[derive(Serialize)]
         struct Hole<'a> {
             name: &'a str,

@@ -1,6 +1,6 @@
 //! Numbers for people.
 
-/// A number with at most so many decimals, without zeros at its end.
+/// A number with at most so many decimals, without trailing zeros.
 pub fn shortest(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     if decimals == 0 {
@@ -18,7 +18,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_have_no_zeros_at_their_end() {
+    fn numbers_have_no_trailing_zeros() {
         assert_eq!(shortest(1200.0, 3), "1200");
         assert_eq!(shortest(0.0625, 3), "0.062");
         assert_eq!(shortest(-0.001, 2), "0");

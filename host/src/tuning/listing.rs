@@ -1,4 +1,4 @@
-//! What an experiment found, as text.
+//! The results of an experiment as text.
 
 use husillo_metrology::tuning::{Outcome, RuleRow, Trial, counts};
 use std::fmt::Write;
@@ -36,11 +36,11 @@ pub fn figures(outcome: &Outcome) -> Vec<(&'static str, String)> {
             ),
         ]);
         if relay.late_ms > 0.0 {
-            rows.push(("late by the line", format!("{:.1} ms", relay.late_ms)));
+            rows.push(("delay of the line", format!("{:.1} ms", relay.late_ms)));
         }
     }
     if let Some(ultimate) = &outcome.ultimate {
-        let gain = format!("{:.1} PWM a count, p = {:.0}", ultimate.gain, ultimate.p);
+        let gain = format!("{:.1} PWM per count, p = {:.0}", ultimate.gain, ultimate.p);
         let gain = match ultimate.rate_divisor {
             1 => gain,
             divisor => format!("{gain}, rate divisor {divisor}"),
@@ -50,7 +50,7 @@ pub fn figures(outcome: &Outcome) -> Vec<(&'static str, String)> {
             ("Tu", format!("{:.1} ms", ultimate.period_ms)),
         ]);
     }
-    rows.push(("a reading every", format!("{:.2} ms", outcome.sample_ms)));
+    rows.push(("reading interval", format!("{:.2} ms", outcome.sample_ms)));
     if let Some(check) = &outcome.check {
         let text = format!(
             "{} of {} within 1 count, farthest {}, at rest {}",
@@ -61,7 +61,7 @@ pub fn figures(outcome: &Outcome) -> Vec<(&'static str, String)> {
     rows
 }
 
-/// For people.
+/// Lines for people.
 pub fn text(outcome: &Outcome) -> String {
     let mut text = format!(
         "{} of {}: {}\n",

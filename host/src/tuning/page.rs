@@ -1,4 +1,4 @@
-//! An experiment as a page: figures, pictures, trials.
+//! The page of an experiment: figures, pictures, trials.
 
 use super::listing::figures;
 use crate::page::chart::{LEFT, Panel, RIGHT, ceiling, time_scale};
@@ -7,7 +7,7 @@ use crate::text::escape::escape;
 use husillo_metrology::tuning::{Outcome, Trace};
 use std::fmt::Write;
 
-/// Longest stretch that is drawn, s: what comes later looks the same.
+/// Longest time that is drawn, s. The rest looks the same.
 const LONGEST_S: f64 = 1.0;
 
 /// The last column is text.
@@ -33,7 +33,7 @@ pub fn html(outcome: &Outcome, traces: &[Trace]) -> String {
     frame::close(page, None)
 }
 
-/// The values of the samples that are shown, over the time in seconds.
+/// The shown samples, as pairs of time in s and value.
 fn shown(
     trace: &Trace,
     value: impl Fn(&husillo_metrology::tuning::Sample) -> f64,
@@ -43,12 +43,12 @@ fn shown(
     values.filter(|(at, _)| *at <= LONGEST_S).collect()
 }
 
-/// Seconds since the begin of a trace.
+/// Time since the start of a trace, s.
 fn trace_s(trace: &Trace, us: u64) -> f64 {
     us.saturating_sub(trace.start_us) as f64 * 1e-6
 }
 
-/// The values of the lower chart: the current, or the drive where there is no servo.
+/// The values of the lower chart: the current of a servo, or the drive of a motor without one.
 fn below(trace: &Trace) -> Vec<(f64, f64)> {
     if trace.target.is_some() {
         return shown(trace, |sample| f64::from(sample.current));
@@ -58,7 +58,7 @@ fn below(trace: &Trace) -> Vec<(f64, f64)> {
     drives.filter(|(at, _)| *at <= LONGEST_S).collect()
 }
 
-/// The lower chart.
+/// Draws the lower chart.
 fn lower(page: &mut String, trace: &Trace, below: &[(f64, f64)], x: impl Fn(f64) -> f64) {
     let (name, bottom) = match trace.target {
         Some(_) => ("motor current, of 255", 0.0),
@@ -135,14 +135,14 @@ fn section(page: &mut String, number: usize, trace: &Trace) {
         page,
         "<p>{}</p>\n</section>",
         if target.is_some() {
-            "The broad line is what was commanded."
+            "The broad line is the commanded position."
         } else {
             "The motor is driven without the servo."
         }
     );
 }
 
-/// Every value until the next one.
+/// Draws each value as a level until the next one.
 fn staircase(
     page: &mut String,
     class: &str,
@@ -198,7 +198,7 @@ fn rules(page: &mut String, outcome: &Outcome) {
         );
     }
     page.push_str(
-        "</table></div><p>Kp in PWM a count, Ki the same a second, Kd in PWM a \
+        "</table></div><p>Kp is in PWM per count, Ki in PWM per count and second, Kd in PWM per \
          count/s.</p></section>\n",
     );
 }
@@ -208,8 +208,8 @@ fn trials(page: &mut String, outcome: &Outcome) {
         return;
     }
     page.push_str(
-        "<section><h2>Trials</h2><div class=\"scroll\"><table><tr><th>looked \
-         for</th><th>p</th><th>i</th><th>d</th>\
+        "<section><h2>Trials</h2><div class=\"scroll\"><table><tr><th>stage</th><th>p</th>\
+         <th>i</th><th>d</th>\
          <th>integral_limit</th><th>rate_divisor</th><th>result</th></tr>\n",
     );
     for trial in &outcome.trials {

@@ -7,39 +7,39 @@ use std::collections::BTreeMap;
 /// One reading of a reference length, both in nm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reading {
-    /// What the length is.
+    /// The true length.
     pub nominal: i64,
-    /// What the axis says.
+    /// The length that the axis shows.
     pub reading: i64,
-    /// The direction it was reached in; [`Flank::Unknown`] stands for both.
+    /// The direction of approach. [`Flank::Unknown`] stands for both directions.
     pub flank: Flank,
 }
 
-/// The errors of an axis as readings tell them.
+/// The errors of an axis, found from readings.
 #[derive(Clone, Debug)]
 pub struct AxisFit {
-    /// The table; without knots where they would be noise.
+    /// The table. It has no knots if they would be noise.
     pub table: ErrorTable<Vec<Knot>>,
-    /// Different lengths.
+    /// Number of different lengths.
     pub places: usize,
-    /// Largest less smallest error of a reading: without the table, with the scale alone, with all
-    /// of it. In nm.
+    /// Largest minus smallest error of a reading, nm: without the table, with the scale alone, and
+    /// with the whole table.
     pub spans: [f64; 3],
-    /// What a mean of readings is uncertain by, nm.
+    /// Uncertainty of a mean of readings, nm.
     pub noise: f64,
 }
 
-/// Readings of one length: sum and number, of positive, negative and unknown direction.
+/// Sum and number of the readings of one length, for positive, negative and unknown direction.
 type Place = [(f64, f64); 3];
 
 impl AxisFit {
-    /// Fits a straight line (least squares over the places, the mean of both directions each), and
-    /// takes what is left as the table. `resolution` is the count of the scale in nm: readings are
-    /// never trusted further.
+    /// Fits a straight line to the means of both directions by least squares, and puts the
+    /// residuals into the table. `resolution` is the length of a count in nm. It limits the trust
+    /// in the readings.
     ///
     /// # Errors
     ///
-    /// A sentence: too few lengths, or errors that are none of a screw or a scale.
+    /// A sentence: too few lengths, or errors that no screw and no scale has.
     pub fn new(readings: &[Reading], resolution: f64, no_table: bool) -> Result<Self, String> {
         let mut places: BTreeMap<i64, Place> = BTreeMap::new();
         for reading in readings {
@@ -49,7 +49,7 @@ impl AxisFit {
             *number += 1.0;
         }
         if places.len() < 2 {
-            return Err("readings of two different lengths are the least".into());
+            return Err("readings of at least two different lengths are needed".into());
         }
         let means: Vec<(f64, [f64; 2])> = places
             .iter()
@@ -60,19 +60,19 @@ impl AxisFit {
             .map(|(nominal, [positive, negative])| (0.5 * (positive + negative), *nominal))
             .collect();
         let (scale, offset) = straight_line(&points).ok_or(
-            "all lengths are read alike: does the axis move, and are the columns in the \
+            "all lengths have the same reading: does the axis move, and are the columns in the \
              right order?",
         )?;
         let scale_ppb = (scale * 1e9).round();
         if scale_ppb.abs() > 1e7 {
             return Err(format!(
-                "the axis would be off by {:.1} %: are the columns in the right order, and in one \
-                 unit?",
+                "the axis would be off by {:.1} %: are the columns in the right order, and in the \
+                 same unit?",
                 scale * 100.0
             ));
         }
         let scale_ppb = scale_ppb as i32;
-        // Rounded before it is taken off: what is left belongs to the table.
+        // The rounded scale is subtracted, so that the table gets the rest.
         let scale = f64::from(scale_ppb) * 1e-9;
         let left = |nominal: f64, reading: f64| nominal - reading * (1.0 + scale) - offset;
         let knots: Vec<Knot> = means
@@ -88,15 +88,15 @@ impl AxisFit {
             .iter()
             .flat_map(|knot| [knot.positive_nm, knot.negative_nm]);
         let squares: f64 = squares.map(|nm| f64::from(nm) * f64::from(nm)).sum();
-        // The means of two are on every line; what is left of them is play.
+        // Two means always lie on a line. Their residuals are play.
         let is_noise = squares / (2.0 * means.len() as f64) < (1.5 * noise).powi(2);
         let kept = if no_table || is_noise {
             Vec::new()
         } else {
             knots
         };
-        let is_plain = |scale| ErrorTable::new(scale, Vec::new()).map_err(told);
-        let table = ErrorTable::new(scale_ppb, kept).map_err(told)?;
+        let is_plain = |scale| ErrorTable::new(scale, Vec::new()).map_err(message);
+        let table = ErrorTable::new(scale_ppb, kept).map_err(message)?;
         let spans = [
             span(readings, &is_plain(0)?),
             span(readings, &is_plain(scale_ppb)?),
@@ -111,7 +111,7 @@ impl AxisFit {
     }
 }
 
-/// Of positive, negative and unknown.
+/// Index of a direction in a [`Place`].
 const fn index(flank: Flank) -> usize {
     match flank {
         Flank::Positive => 0,
@@ -120,7 +120,7 @@ const fn index(flank: Flank) -> usize {
     }
 }
 
-/// Mean reading of each direction; one that was not read has the other's.
+/// Mean reading of each direction. A direction without a reading gets the mean of the other one.
 fn means([positive, negative, both]: &Place) -> [f64; 2] {
     let mean = |one: (f64, f64), other: (f64, f64)| {
         let (sum, number) = (one.0 + both.0, one.1 + both.1);
@@ -133,8 +133,8 @@ fn means([positive, negative, both]: &Place) -> [f64; 2] {
     [mean(*positive, *negative), mean(*negative, *positive)]
 }
 
-/// Standard deviation of the mean at a place and in a direction, from repeated readings; at least
-/// that of rounding to counts.
+/// Standard deviation of the mean reading of a length in one direction, from repeated readings. It
+/// is at least that of rounding to counts.
 fn noise(readings: &[Reading], places: &BTreeMap<i64, Place>, resolution: f64) -> f64 {
     let (mut squares, mut free) = (0.0, 0.0);
     for reading in readings {
@@ -148,13 +148,13 @@ fn noise(readings: &[Reading], places: &BTreeMap<i64, Place>, resolution: f64) -
         .filter(|(_, number)| *number > 0.0);
     let readings_a_group = readings.len() as f64 / groups.count() as f64;
     let spread = if free > 0.0 { squares / free } else { 0.0 };
-    // Rounding is the same in every pass: more passes do not help against it.
+    // Rounding is the same in every pass, so more passes do not reduce it.
     (spread / readings_a_group)
         .max(resolution * resolution / 12.0)
         .sqrt()
 }
 
-/// Largest less smallest error of the readings with a table.
+/// Largest minus smallest error of the readings with a table.
 fn span(readings: &[Reading], table: &ErrorTable<Vec<Knot>>) -> f64 {
     let errors = readings.iter().map(|reading| {
         let position = table.position_nm(reading.reading, reading.flank);
@@ -166,8 +166,10 @@ fn span(readings: &[Reading], table: &ErrorTable<Vec<Knot>>) -> f64 {
     ends[1] - ends[0]
 }
 
-fn told(error: TableError) -> String {
-    format!("{error}: a wrong line among the readings? Entries are counted from 0, by length")
+fn message(error: TableError) -> String {
+    format!(
+        "{error}: is a line of the readings wrong? Entries are sorted by length and count from 0"
+    )
 }
 
 #[cfg(test)]
@@ -176,8 +178,8 @@ mod tests {
 
     #[test]
     fn scale_pitch_and_play_are_found() {
-        // 50 um/m short, 3 um of pitch error with a period of 80 mm, 2 um of play, read to 10 nm in
-        // two passes.
+        // A scale error of 50 um/m, a pitch error of 3 um with a period of 80 mm, and 2 um of play.
+        // The readings have an error of 10 nm in each of two passes.
         let truth = |reading: f64, flank| {
             let play = if flank == Flank::Positive {
                 1000.0
@@ -208,7 +210,7 @@ mod tests {
         assert_eq!((fit.places, fit.table.knots().len()), (81, 81));
         assert!(fit.spans[0] > 20_000.0 && fit.spans[1] > 7_000.0, "{fit:?}");
         assert!(fit.spans[2] < 50.0, "{fit:?}");
-        // Between the lengths too.
+        // The errors are right between the lengths as well.
         let shift =
             truth(0.0, Flank::Unknown) + 1000.0 - fit.table.position_nm(0, Flank::Unknown) as f64;
         for step in -390..=390 {
@@ -241,7 +243,7 @@ mod tests {
     }
 
     #[test]
-    fn two_lengths_tell_the_play() {
+    fn two_lengths_show_the_play() {
         let reading = |nominal, reading, flank| Reading {
             nominal,
             reading,
@@ -262,13 +264,13 @@ mod tests {
             .collect();
         assert_eq!(ends, [[10_000, -10_000]; 2]);
         assert!(fit.spans[2] < 10.0, "{fit:?}");
-        // Without play there is nothing to keep.
+        // Without play the table has no knots.
         let fit = AxisFit::new(&readings[..2], 2000.0, false).unwrap();
         assert!(fit.table.knots().is_empty());
     }
 
     #[test]
-    fn nonsense_is_said() {
+    fn nonsense_is_refused() {
         let reading = |nominal, reading| Reading {
             nominal,
             reading,

@@ -1,8 +1,9 @@
-//! Backlash by place: measured by pairs of lines or by circles, and what a map of it leaves.
+//! Backlash by position: measured with pairs of lines or with circles, and the error that remains
+//! with a map of it.
 //!
 //! ```text
 //! Bench ◄── two_lines ─► line_pair ─► place_table ─► Map
-//!    ▲────── survey, circles ─► what is left ─► field
+//!    ▲────── survey, circles ─► remaining error ─► field
 //! ```
 
 mod bench;

@@ -1,4 +1,4 @@
-//! A machine whose errors are known: positions and goals are true ones.
+//! A machine with known errors: positions and goals are true positions.
 
 use crate::heads::{Errors, Head, Port, Probed, Prober, Touched, View};
 use crate::trouble::Trouble;
@@ -7,25 +7,25 @@ use husillo_probe::{Edge, Measurement, UnitVector};
 use std::cmp::Ordering;
 use std::rc::Rc;
 
-/// A prober with its errors taken off. What it is asked for and what it tells are true positions,
-/// on square axes; the prober behind it works with readings, and keeps its own zero.
+/// A prober whose errors are corrected. Its goals and positions are true positions on square axes.
+/// The prober behind it works with readings and keeps its own zero.
 #[derive(Debug)]
 pub struct Calibrated<P> {
     prober: P,
     errors: Errors,
-    /// What of them is in force: a table by place once the axis is homed.
+    /// The errors in force. The table of an axis is in force after homing.
     view: View,
-    /// The readings it was sent to last, while it is there: an axis that is sent there again does
-    /// not turn round, though it stands a little beside.
+    /// The readings of the last goal, while the machine is there. An axis that is sent there again
+    /// does not reverse, even if it stands slightly off.
     sent: Option<[i64; 3]>,
 }
 
 impl<P: Prober> Calibrated<P> {
-    /// A prober with these errors, not moved yet, and not homed.
+    /// A prober with these errors. It has not moved yet and is not homed.
     pub fn new(prober: P, errors: Errors) -> Self {
         let mut in_force = errors.clone();
         for axis in &mut in_force.axes {
-            // The same scale, which was one before, and no entries.
+            // The same scale without entries. The scale is valid, as it comes from a table.
             *axis = ErrorTable::new(axis.scale_ppb(), Vec::new()).unwrap_or_default();
         }
         Self {
@@ -36,12 +36,12 @@ impl<P: Prober> Calibrated<P> {
         }
     }
 
-    /// The prober itself, for what has no position.
+    /// The prober without corrections.
     pub const fn inner(&mut self) -> &mut P {
         &mut self.prober
     }
 
-    /// The readings where it stands, or is to.
+    /// The readings of the last goal, or else of the present position.
     fn from(&mut self) -> Result<[i64; 3], Trouble> {
         match self.sent {
             Some(sent) => Ok(sent),
@@ -49,15 +49,14 @@ impl<P: Prober> Calibrated<P> {
         }
     }
 
-    /// An axis is at 0 of its readings by a mark of its own: from here on its table tells its
-    /// places.
+    /// The readings of an axis now count from its index. From here on its table is in force.
     pub fn set_homed(&mut self, coordinate: usize) {
         let in_force = Rc::make_mut(&mut self.view.errors);
         in_force.axes[coordinate].clone_from(&self.errors.axes[coordinate]);
         self.view.zero[coordinate] = 0;
     }
 
-    /// Before anything moves to a position: it is one.
+    /// Checks before a move that positions are known on all axes.
     ///
     /// # Errors
     ///
@@ -73,10 +72,11 @@ impl<P: Prober> Calibrated<P> {
         Ok(())
     }
 
-    /// The readings to go to from these readings for a position, and the flanks then.
+    /// The readings of a goal for a move from these readings, and the flanks after the move.
     fn reading_of(&self, from: [i64; 3], goal: [i64; 3]) -> ([i64; 3], [Flank; 3]) {
         let goal = [0, 1, 2].map(|axis: usize| goal[axis].saturating_add(self.view.zero[axis]));
-        // Axes that lean move one another, so what turns round shows in the readings only.
+        // With leaning axes a move along one axis moves others, too. So only the readings show
+        // which axes reverse.
         let there = self.view.errors.reading_nm(goal, self.view.flanks);
         let mut flanks = self.view.flanks;
         for (flank, (from, to)) in flanks.iter_mut().zip(from.into_iter().zip(there)) {
@@ -89,7 +89,7 @@ impl<P: Prober> Calibrated<P> {
         (self.view.errors.reading_nm(goal, flanks), flanks)
     }
 
-    /// After this nobody knows how the axes were moved last.
+    /// After a trouble the direction of the last move of the axes is unknown.
     fn lost(&mut self, trouble: Trouble) -> Trouble {
         if trouble.has_moved() {
             self.view.flanks = [Flank::Unknown; 3];
@@ -97,7 +97,7 @@ impl<P: Prober> Calibrated<P> {
         trouble
     }
 
-    /// A move by the prober: what `go` does with the readings of the goal.
+    /// Makes a move: `go` gets the prober and the readings of the goal.
     fn go_with(
         &mut self,
         goal: [i64; 3],
@@ -106,7 +106,7 @@ impl<P: Prober> Calibrated<P> {
         self.begin()?;
         let from = self.from()?;
         let (reading, flanks) = self.reading_of(from, goal);
-        // A move that fails halfway leaves the axes anywhere.
+        // A move that fails leaves the axes anywhere.
         self.sent = None;
         let ended = go(&mut self.prober, reading).map_err(|trouble| self.lost(trouble))?;
         self.view.flanks = flanks;
@@ -120,31 +120,31 @@ impl<P: Prober> Calibrated<P> {
         })
     }
 
-    /// A touch by the prober: what `touch` does with the direction and the way on the axes, and the
-    /// flanks at the contact.
+    /// Makes a touch: `touch` gets the prober, the direction and the distance on its axes. Returns
+    /// its result and the flanks at the contact.
     fn touch_with<T>(
         &mut self,
         direction: &UnitVector,
-        way: u64,
+        distance: u64,
         touch: impl FnOnce(&mut P, &UnitVector, u64) -> Result<T, Trouble>,
     ) -> Result<(T, [Flank; 3]), Trouble> {
         self.begin()?;
         let start = self.from()?;
         let from = self.view.position_from(start, self.view.flanks);
-        // Straight in truth is straight by the readings, but for what a table bends; 17 m show it
-        // as well as any more.
-        let part = way.min(1 << 34);
+        // A straight line is straight in readings, too, except for the bend by a table. A distance
+        // of 17 m shows the direction well enough.
+        let part = distance.min(1 << 34);
         let ahead = direction.scaled(part as i64);
         let goal = [0, 1, 2].map(|axis: usize| from[axis].saturating_add(ahead[axis]));
         let (end, flanks) = self.reading_of(start, goal);
         let along = [0, 1, 2].map(|axis: usize| end[axis].saturating_sub(start[axis]));
         let leaned = UnitVector::new(along).unwrap_or(*direction);
         let squares = along.iter().map(|part| (*part as f64).powi(2));
-        let length = squares.sum::<f64>().sqrt() / (part.max(1) as f64) * way as f64;
+        let length = squares.sum::<f64>().sqrt() / (part.max(1) as f64) * distance as f64;
         self.sent = None;
         let touched = touch(&mut self.prober, &leaned, length.round() as u64)
             .map_err(|trouble| self.lost(trouble))?;
-        // It has backed off: what went there has turned round.
+        // The probe has backed off, so the axes that moved have reversed.
         let ways = along.into_iter().zip(flanks);
         for (flank, (along, at_contact)) in self.view.flanks.iter_mut().zip(ways) {
             *flank = match (along, at_contact) {
@@ -169,7 +169,7 @@ impl<P: Prober> Prober for Calibrated<P> {
             .map(|ended| ended.at_nm)
     }
 
-    // What the axes are off by is less than a speed has to be exact to.
+    // The errors of the axes are below the required accuracy of a speed.
     fn feed_to(&mut self, goal_nm: [i64; 3], nm_per_min: u64) -> Result<[i64; 3], Trouble> {
         self.go_with(goal_nm, |prober, goal| {
             Ok(undisturbed(prober.feed_to(goal, nm_per_min)?))
@@ -192,8 +192,8 @@ impl<P: Prober> Prober for Calibrated<P> {
         self.prober.has_collided()
     }
 
-    fn touch(&mut self, direction: &UnitVector, way_nm: u64) -> Result<Touched, Trouble> {
-        let (touched, flanks) = self.touch_with(direction, way_nm, P::touch)?;
+    fn touch(&mut self, direction: &UnitVector, distance_nm: u64) -> Result<Touched, Trouble> {
+        let (touched, flanks) = self.touch_with(direction, distance_nm, P::touch)?;
         Ok(Touched {
             centre_nm: self.view.position_from(touched.centre_nm, flanks),
             ..touched
@@ -201,7 +201,7 @@ impl<P: Prober> Prober for Calibrated<P> {
     }
 }
 
-/// A move that nothing ended before its goal.
+/// The end of a move at its goal.
 const fn undisturbed(at_nm: [i64; 3]) -> Probed {
     Probed {
         changed_nm: None,
@@ -210,14 +210,14 @@ const fn undisturbed(at_nm: [i64; 3]) -> Probed {
 }
 
 impl<P: Port> Calibrated<Head<P>> {
-    /// Where the axes are to be.
+    /// The commanded position.
     pub fn held(&self) -> [i64; 3] {
         let readings = self.sent.unwrap_or(self.prober.held());
         self.view.position_from(readings, self.view.flanks)
     }
 
-    /// Calls the place where an axis stands 0. What it is to hold may be a little beside, and keeps
-    /// its place.
+    /// Makes the present position of an axis 0. The held position may differ slightly and does not
+    /// change.
     ///
     /// # Errors
     ///
@@ -229,7 +229,8 @@ impl<P: Port> Calibrated<Head<P>> {
         Ok(())
     }
 
-    /// Home on the index as [`Head::home`] has it: 0 of the readings, from which the errors count.
+    /// Homes on the index as [`Head::home`] does. The index becomes 0 of the readings, from which
+    /// the errors count.
     ///
     /// # Errors
     ///
@@ -241,7 +242,7 @@ impl<P: Port> Calibrated<Head<P>> {
             .home(coordinate)
             .map_err(|trouble| self.lost(trouble))?;
         self.set_homed(coordinate);
-        // It ran beyond the index and came back.
+        // The axis ran beyond the index and came back.
         self.view.flanks[coordinate] = Flank::Negative;
         Ok(())
     }
@@ -271,16 +272,20 @@ impl<P: Port> Calibrated<Head<P>> {
         Ok(())
     }
 
-    /// Touches as [`Head::touch`] does, with all its figures.
+    /// Touches as [`Head::touch`] does, and returns all its figures.
     ///
     /// # Errors
     ///
     /// Those of [`Head::touch`].
-    pub fn measure(&mut self, direction: &UnitVector, way: u64) -> Result<Measurement, Trouble> {
-        let (mut measurement, flanks) = self.touch_with(direction, way, Head::touch)?;
+    pub fn measure(
+        &mut self,
+        direction: &UnitVector,
+        distance: u64,
+    ) -> Result<Measurement, Trouble> {
+        let (mut measurement, flanks) = self.touch_with(direction, distance, Head::touch)?;
         let touch = &mut measurement.touch;
         touch.position = self.view.position_from(touch.position, flanks);
-        // Along the axes it was another one, by their leans.
+        // On leaning axes the direction of the readings was different.
         touch.direction = *direction;
         Ok(measurement)
     }
@@ -291,25 +296,25 @@ mod tests {
     use super::*;
     use crate::calibration::{AxisFit, Reading, SquareFit};
 
-    /// A machine whose scales and angles are wrong: truth from readings, in nm.
+    /// A machine with wrong scales and angles. It computes true positions from readings, in nm.
     #[derive(Clone, Copy)]
     struct Wrong {
         scales: [f64; 3],
         /// XY, XZ, YZ.
         leans: [f64; 3],
-        /// Height of the pitch error of all axes, of 40 mm period.
+        /// Amplitude of the pitch error of all axes, whose period is 40 mm.
         pitch: f64,
         /// Play of all axes.
         play: f64,
         count: i64,
         at: [i64; 3],
         flanks: [Flank; 3],
-        /// A face square to X, in truth.
+        /// True position of a face at right angles to X.
         face: f64,
     }
 
     impl Wrong {
-        /// 50 um/m and 100 um/m, in both senses.
+        /// Scale errors of 50 um/m and leans of 100 um/m, with both signs.
         const ASKED: Wrong = Wrong {
             scales: [50e-6, -50e-6, 50e-6],
             leans: [100e-6, -100e-6, 100e-6],
@@ -336,7 +341,7 @@ mod tests {
             [x + xy * y + xz * z, y + yz * z, z]
         }
 
-        /// Readings at a true place, whole counts.
+        /// Readings at a true position, in whole counts.
         fn reading(&self, truth: [f64; 3], flanks: [Flank; 3]) -> [i64; 3] {
             let mut reading = truth;
             for _ in 0..40 {
@@ -348,8 +353,8 @@ mod tests {
             reading.map(|nm| (nm / self.count as f64).round() as i64 * self.count)
         }
 
-        /// The same as the centre of a ball comes out that is touched at 25 places: rounding to
-        /// counts is averaged.
+        /// The measured centre of a ball that is touched at 25 points. This averages the rounding
+        /// to counts.
         fn ball(&self, truth: [f64; 3], flanks: [Flank; 3]) -> [i64; 3] {
             let mut sum = [0.0; 3];
             for touch in 0..25 {
@@ -391,7 +396,7 @@ mod tests {
             self.go_to(goal)
         }
 
-        /// In steps of a count along the longest way.
+        /// Moves in steps of a count of the longest distance.
         fn probe_to(&mut self, goal: [i64; 3], _: u64, until: Edge) -> Result<Probed, Trouble> {
             let from = self.at;
             let way = [0, 1, 2].map(|axis: usize| goal[axis] - from[axis]);
@@ -402,7 +407,7 @@ mod tests {
                 if (self.real()[0] >= self.face) == until.level() {
                     return Ok(Probed {
                         changed_nm: Some(there),
-                        // It brakes.
+                        // The braking distance.
                         at_nm: self.go_to(at(step + 3))?,
                     });
                 }
@@ -412,7 +417,7 @@ mod tests {
 
         fn touch(&mut self, direction: &UnitVector, way: u64) -> Result<Touched, Trouble> {
             let from = self.at;
-            // Bisected: how far until the face.
+            // Bisection of the distance to the face.
             let (mut free, mut beyond) = (0, way as i64);
             while beyond - free > 1 {
                 let middle = (free + beyond) / 2;
@@ -435,18 +440,18 @@ mod tests {
         }
     }
 
-    /// What three passes of reference lengths every 10 mm and a bar of 250 mm say of the machine.
+    /// The errors found by three passes of reference lengths every 10 mm, and by a bar of 250 mm.
     fn calibrated(machine: &Wrong) -> Errors {
         let mut errors = Errors::default();
         for axis in 0..3 {
             let mut readings = Vec::new();
-            // Each pass somewhat farther, so that counts do not fall together.
+            // The passes are shifted, so that their lengths round to different counts.
             let pass = |shift: f64| (-20..20).map(move |step| f64::from(step) * 10.0 + shift);
             for nominal in [0.0, 3.3337, 6.6671].into_iter().flat_map(pass) {
                 for flank in [Flank::Positive, Flank::Negative] {
                     let mut truth = [0.0; 3];
                     truth[axis] = nominal * 1e6;
-                    // The lengths lie along the axis, wherever that leans.
+                    // The lengths lie along the axis, even if it leans.
                     let alone = Wrong {
                         leans: [0.0; 3],
                         ..*machine
@@ -461,7 +466,7 @@ mod tests {
             let fit = AxisFit::new(&readings, 2000.0, false);
             errors.axes[axis] = fit.unwrap().table;
         }
-        // The machine as it reads with its axes corrected.
+        // The positions of the machine with its axes corrected.
         let mut places = Vec::new();
         let half = 125e6 / 2.0_f64.sqrt();
         for (a, b) in [(0, 1), (0, 2), (1, 2)] {
@@ -483,20 +488,20 @@ mod tests {
         errors
     }
 
-    /// The machine with its errors known, and homed where it stands.
+    /// The machine with its known errors, homed where it stands.
     fn homed(machine: Wrong, errors: Errors) -> Calibrated<Wrong> {
         let mut calibrated = Calibrated::new(machine, errors);
         (0..3).for_each(|axis| calibrated.set_homed(axis));
         calibrated
     }
 
-    /// Largest difference of truth and what the calibrated machine says, over the range, from the
-    /// origin on, in nm: where it stands, and how far that is from where it was sent.
+    /// Largest error of the calibrated machine over its range, relative to the first position, in
+    /// nm: of its reported position, and of its goal.
     fn worst(machine: &Wrong, errors: Errors) -> [f64; 2] {
         let mut calibrated = homed(*machine, errors);
         let mut worst = [0.0f64; 2];
         let mut origin = None;
-        // Not the places it was calibrated at.
+        // These are not the positions of the calibration.
         for x in -5..=5 {
             for y in -5..=5 {
                 for z in -5..=5 {
@@ -510,7 +515,7 @@ mod tests {
                     let truth = calibrated.inner().real();
                     let errors =
                         |to: [i64; 3]| [0, 1, 2].map(|axis: usize| truth[axis] - to[axis] as f64);
-                    // A reference length has no place of its own.
+                    // Reference lengths do not determine an absolute position.
                     let origin = *origin.get_or_insert(errors(there));
                     for (worst, to) in worst.iter_mut().zip([there, goal]) {
                         for (error, origin) in errors(to).into_iter().zip(origin) {
@@ -567,12 +572,13 @@ mod tests {
         let touched = calibrated.touch(&UnitVector::X, 60_000_000).unwrap();
         let [x, y, z] = touched.centre_nm;
         assert!(x.abs_diff(31_234_567) < 200, "{touched:?}");
-        // And it went square to the face, not along the axis.
+        // The touch went at right angles to the face, not along the axis.
         assert!(
             y.abs_diff(90_000_000) < 200 && z.abs_diff(70_000_000) < 200,
             "{touched:?}"
         );
-        // There and off again: the same place both ways, and it stays beyond it.
+        // To the face and off it: the contact changes at the same position, and the machine stops
+        // beyond it.
         for (goal, until) in [
             (32_000_000, Edge::Made),
             (30_000_000, Edge::Broken),

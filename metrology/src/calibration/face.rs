@@ -5,26 +5,26 @@ use crate::scale::Scale;
 use crate::trouble::Trouble;
 use husillo_probe::{Measurement, PreTravel, UnitVector};
 
-/// A face across an axis.
+/// A face at right angles to an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Face {
     /// The axis, 0 for X to 2 for Z.
     pub axis: usize,
-    /// Where it is along the axis, an amount of the scale.
+    /// Its position on the axis, an amount of the scale.
     pub position: i64,
 }
 
 impl Face {
-    /// The probe with the pre-travel that makes of this touch along the axis a touch of the face.
+    /// Returns the probe with the pre-travel with which this touch along the axis lies on the face.
     ///
-    /// In a table by direction that has this one, as a sphere or a ring gives it, all entries
-    /// change, each by its part along it: as if that body stood elsewhere by as much, which its own
-    /// touches cannot tell.
+    /// A sphere or a ring gives a table by direction. If it has this direction, all its entries
+    /// change, each by its component along the direction. This corresponds to a shift of that body,
+    /// which its own touches cannot show.
     ///
     /// # Errors
     ///
-    /// A pre-travel beyond `over_travel` counts, or less than none by more than the two counts that
-    /// face and touch are rounded by.
+    /// A pre-travel beyond `over_travel` counts, or below -2 counts. Face and touch are rounded by
+    /// up to two counts.
     pub fn calibrate(
         &self,
         mut stylus: Stylus,
@@ -39,7 +39,7 @@ impl Face {
             let pairs = parts(entry).into_iter().zip(parts(&direction));
             pairs.map(|(a, b)| a * b).sum()
         };
-        // The part along the axis is 1 or -1. Within 2 m, as pre-travel is.
+        // The component along the axis is 1 or -1. Pre-travel is within 2 m, so the cast is safe.
         let beyond = (face - self.position) as f64 * parts(&direction)[self.axis];
         let found = i64::from(stylus.pre_travel.along(&direction)) + beyond as i64;
         let possible = scale.of_counts(-2)..=scale.of_counts(over_travel.into());
@@ -71,14 +71,14 @@ impl Face {
     }
 }
 
-/// Whether there is one pre-travel for each direction of each axis, and no more.
+/// Whether the pre-travel has at most one entry for each direction of each axis.
 #[must_use]
 pub fn is_by_axis(stylus: &Stylus) -> bool {
     stylus.pre_travel.entries().len() <= 6
 }
 
-/// The face that was touched, as it lies where it is across the direction: `p - ed d - r n`, an
-/// amount of the scale along each axis.
+/// The touched point of a face at right angles to the direction: `p - ed d - r n`, amounts of the
+/// scale.
 #[must_use]
 pub fn surface_nm(stylus: &Stylus, measurement: &Measurement) -> [i64; 3] {
     let touch = &measurement.touch;
@@ -133,9 +133,9 @@ mod tests {
         assert_eq!(found.pre_travel.along(&UnitVector::Z.reversed()), 8_000);
         assert_eq!(found.pre_travel.along(&UnitVector::X), 0);
         assert_eq!(surface_nm(&found, &touched(-4_008_000))[2], -5_000_000);
-        // The same once more changes nothing.
+        // A second calibration changes nothing.
         assert_eq!(calibrated(found, -4_008_000).unwrap(), found);
-        // Two counts less than none are rounding, more are not; beyond the over-travel neither.
+        // -2 counts are rounding. Less is an error, and so is more than the over-travel.
         assert!(calibrated(stylus, -3_996_000).is_ok());
         for z in [-3_990_000, -4_300_000] {
             let none = calibrated(stylus, z);
@@ -162,7 +162,7 @@ mod tests {
         let found = calibrated(stylus, -4_015_000).unwrap();
         let of = |direction| found.pre_travel.along(&direction);
         assert_eq!(of(directions[0]), 15_000);
-        // 0.8 of the 10 um that the body seems to stand elsewhere by; across, none of them.
+        // The body seems to be shifted by 10 um: 0.8 of it here, and nothing at right angles.
         assert_eq!((of(slanted), of(UnitVector::X)), (13_000, 5_000));
     }
 }

@@ -6,42 +6,43 @@ use husillo_probe::{
     Calibration, FitError, PreTravel, Reference, Residuals, Tip, Touch, UnitVector,
 };
 
-/// What the probe is calibrated on.
+/// The kind of body that the probe is calibrated on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Body {
-    /// A ball on a stem from below, touched from above and all round.
+    /// A ball on a stem from below. It is touched from above and from all sides.
     Sphere,
-    /// A ring that lies flat, touched from inside.
+    /// A ring that lies flat. It is touched from inside.
     Ring,
 }
 
 /// A body of known radius somewhere on the machine. Lengths are amounts of the scale.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ReferenceBody {
-    /// Which.
+    /// Its kind.
     pub body: Body,
-    /// Where its centre is, to a tenth of its radius.
+    /// Position of its centre, to a tenth of its radius.
     pub centre: [i64; 3],
-    /// Its radius, as certified.
+    /// Its certified radius.
     pub radius: i64,
 }
 
-/// What came of a calibration.
+/// Result of a calibration.
 #[derive(Clone, Debug)]
 pub struct FoundProbe {
-    /// The tip radius that was given, and the pre-travel found.
+    /// The given tip radius, and the pre-travel that was found.
     pub stylus: Stylus,
     /// The directions of its table as whole numbers, and the pre-travel along each.
     pub table: Vec<([i64; 3], i32)>,
-    /// Where the centre of the body is.
+    /// Centre of the body.
     pub centre: [i64; 3],
-    /// What is left of the touches with one pre-travel for all directions: what the table corrects.
+    /// Residuals of the touches with one pre-travel for all directions. The table corrects them.
     pub residuals: Residuals,
 }
 
-/// The rings of points on a sphere below its pole, at 72, 54, 36, 18 and 0 degrees: across, up, and
-/// which of the clock. Between them the table is off by the curvature of the pre-travel: with rings
-/// 30 degrees apart a sphere of the example's probe comes out 0.5 um too small, with these 0.15.
+/// The rings of points on a sphere below its pole, at 72, 54, 36, 18 and 0 degrees. Each row has
+/// the horizontal part, the vertical part, and the step through [`CLOCK`]. Between the rings the
+/// curvature of the pre-travel makes the table inexact. With the probe of the example a sphere is
+/// measured 0.5 um too small with rings 30 degrees apart, and 0.15 um too small with these.
 const LEVELS: [(i64, i64, usize); 5] = [
     (309, 951, 2),
     (588, 809, 2),
@@ -49,12 +50,12 @@ const LEVELS: [(i64, i64, usize); 5] = [
     (951, 309, 1),
     (1000, 0, 1),
 ];
-/// Pole and the two upper rings.
+/// Number of points of the pole and the two upper rings.
 const FIRST: usize = 13;
-/// All of them.
+/// Number of all points.
 const POINTS: usize = 49;
 
-/// Every 30 degrees: the three lobes of a usual probe are half a wave in 60.
+/// Directions every 30 degrees. The three lobes of a usual probe have half a wave in 60 degrees.
 const CLOCK: [(i64, i64); 12] = [
     (1000, 0),
     (866, 500),
@@ -71,14 +72,14 @@ const CLOCK: [(i64, i64); 12] = [
 ];
 
 impl ReferenceBody {
-    /// Touches the body and finds the pre-travel by direction: first where its centre is, then all
-    /// directions. The tip radius is believed, as every approach is along the normal, where the two
-    /// cannot be told apart. The sphere is reached from above it by itself; the probe has to be
-    /// above the ring, or in it.
+    /// Touches the body and finds the pre-travel by direction. First it finds the centre, then it
+    /// touches in all directions. The tip radius is taken as given: every approach is along the
+    /// normal, and there tip radius and pre-travel cannot be separated. The path to the sphere
+    /// leads over it automatically. For a ring the probe must start above the ring or in it.
     ///
     /// # Errors
     ///
-    /// [`Trouble`] of the machine; [`Trouble::Fit`] where the touches are none of such a body.
+    /// [`Trouble`] of the machine, and [`Trouble::Fit`] if the touches do not lie on such a body.
     pub fn calibrate(
         &self,
         prober: &mut impl Prober,
@@ -98,7 +99,7 @@ impl ReferenceBody {
         clearance: i64,
     ) -> Result<FoundProbe, Trouble> {
         let touching = self.radius + i64::from(tip_radius);
-        // A chord between neighbours is 0.89 of it from the centre at least.
+        // A chord between neighbouring points stays at least 0.89 of this distance from the centre.
         let far = touching + touching / 4 + self.doubt();
         let [x, y, z] = self.centre;
         let above = z + far;
@@ -130,12 +131,13 @@ impl ReferenceBody {
             }
             Ok::<_, Trouble>(touches)
         };
-        // The pole and the upper ring tell where it is.
+        // The pole and the upper rings determine the centre.
         let touches = pass(&normals[..FIRST], centre, self.doubt())?;
         let one = Calibration::fit(touches, &reference, Some(tip_radius), [UnitVector::Z]);
         centre = one.map_err(Trouble::Fit)?.centre_nm;
         let touches = pass(&normals, centre, clearance)?;
-        // From the last touch, beside the sphere, straight to its top would be through it.
+        // The last touch is at the side of the sphere. A straight move to its top would go through
+        // it.
         let [last_x, last_y, _] = prober.position()?;
         let [x, y, above] = plus(centre, [0, 0, far]);
         prober.go_to([last_x, last_y, above])?;
@@ -182,13 +184,13 @@ impl ReferenceBody {
         fitted::<12>(touches, &reference, tip_radius, directions.to_vec())
     }
 
-    /// How far its centre may be from where it is said to be.
+    /// Largest possible distance of its centre from the given position.
     const fn doubt(&self) -> i64 {
         self.radius / 10
     }
 }
 
-/// Of a table that is none.
+/// The trouble of a table that cannot be made.
 const NONE: Trouble = Trouble::Fit(FitError::TooFewPoints);
 
 fn fitted<const K: usize>(
@@ -225,7 +227,7 @@ fn fitted<const K: usize>(
     })
 }
 
-/// The direction of a vector that is not 0.
+/// The direction of a vector other than 0.
 fn unit(vector: [i64; 3]) -> UnitVector {
     UnitVector::new(vector).unwrap_or(UnitVector::Z)
 }
@@ -248,8 +250,8 @@ mod tests {
     const BALL: i32 = 1_000_000;
     const CENTRE: [i64; 3] = [3_210_000, -2_345_000, -14_000_000];
 
-    /// The machine of 2 um a count before a sphere that no axis knows the place of, with 0.5 um of
-    /// noise a touch.
+    /// A machine with 2 um per count before a sphere that does not lie on whole counts. A touch has
+    /// 0.5 um of noise.
     fn machine(seed: u64) -> Head {
         machine_with_noise(seed, 0.0005)
     }
@@ -284,7 +286,7 @@ mod tests {
         Head::start(line, &file, 1).unwrap()
     }
 
-    /// 25 directions spread over the upper half, none of them of the table.
+    /// 25 directions spread over the upper half. None of them is in the table.
     fn spread() -> Vec<UnitVector> {
         let golden = std::f64::consts::TAU * (1.0 - 1.0 / 1.618_033_988_749_895);
         let outward = |index: u8| {
@@ -301,7 +303,7 @@ mod tests {
         let above = centre[2] + 15_000_000;
         let touch = |normal: &UnitVector| {
             let at = |distance| plus(centre, normal.scaled(distance));
-            // Out, over the top and down: no chord comes near the sphere.
+            // Outwards, over the top and down, so that no chord comes near the sphere.
             let [x, y, _] = at(20_000_000);
             head.go_to([x, y, above]).unwrap();
             head.go_to(at(20_000_000)).unwrap();
@@ -326,7 +328,7 @@ mod tests {
 
     #[test]
     fn a_calibrated_sphere_is_measured_within_a_micrometre() {
-        // Of the seeds 1 to 4 it is off by -321, 52, -386 and -585 nm.
+        // With the seeds 1 to 4 it is off by -321, 52, -386 and -585 nm.
         let seed = 1;
         let mut head = machine(seed);
         let body = ReferenceBody {
@@ -358,7 +360,7 @@ mod tests {
 
     #[test]
     fn contacts_repeat_within_a_count() {
-        // A count is 2 um; three standard deviations of the noise of 0.5 um come on top.
+        // A count is 2 um. Three standard deviations of the noise, 0.5 um each, are added.
         for (noise_mm, bound_nm) in [(0.0, 2_000), (0.0005, 2_000 + 1_500)] {
             contacts_repeat(machine_with_noise(5, noise_mm), bound_nm);
         }

@@ -1,4 +1,4 @@
-//! Angles between axes from a bar that is equally long in every direction.
+//! Angles between axes, from a bar that has the same length in every direction.
 
 use crate::least_squares::least_squares;
 use husillo_backlash::Squareness;
@@ -9,25 +9,27 @@ pub type Ends = [[i64; 3]; 2];
 /// A plane of two axes, and the name of its angle.
 const PLANES: [(usize, usize, &str); 3] = [(0, 1, "xy"), (0, 2, "xz"), (1, 2, "yz")];
 
-/// The angles as the bar tells them.
+/// The angles found from a bar.
 #[derive(Clone, Debug)]
 pub struct SquareFit {
     /// The leans.
     pub squareness: Squareness,
-    /// Whether the bar lay in both diagonals of each plane: otherwise its lean is not known, and 0.
+    /// Whether the bar lay along both diagonals of each plane. Otherwise its lean is not known, and
+    /// is 0.
     pub is_known: [bool; 3],
-    /// Length of the bar with these leans, nm: as given, or as it fits best.
+    /// Length of the bar with these leans, nm: the given one, or the best fit.
     pub length: f64,
-    /// Largest difference of the bar's length to that, with square axes and with these leans, nm.
+    /// Largest deviation of the length of the bar, nm: with square axes, and with these leans.
     pub worst: [f64; 2],
 }
 
 impl SquareFit {
-    /// Least squares (Gauss-Newton) of the leans, and of the length where it is not given.
+    /// Finds the leans by least squares (Gauss-Newton), and the length of the bar if it is not
+    /// given.
     ///
     /// # Errors
     ///
-    /// A sentence: the bar did not lie so that it tells anything.
+    /// A sentence: the positions of the bar do not determine the angles.
     pub fn new(places: &[Ends], length: Option<f64>) -> Result<Self, String> {
         let ways: Vec<[f64; 3]> = places
             .iter()
@@ -40,7 +42,7 @@ impl SquareFit {
         let is_known = PLANES.map(|(a, b, _)| {
             let products = ways.iter().map(|way| way[a] * way[b] / (mean * mean));
             let spread = products.fold([0.0f64; 2], |[low, high], p| [low.min(p), high.max(p)]);
-            // A quarter of what both diagonals have, and on both sides.
+            // A quarter of the values of the two diagonals, with both signs.
             spread[0] < -0.125 && spread[1] > 0.125
         });
         if !is_known.contains(&true) {
@@ -48,7 +50,7 @@ impl SquareFit {
         }
         let mut leans = [0.0; 3];
         let mut fitted = length.unwrap_or(mean);
-        // Each round leaves the square of the error: 1 % is 10^-16 after three.
+        // Each iteration squares the relative error: 1 % becomes 10^-16 after three.
         for _ in 0..6 {
             let rows = ways.iter().map(|way| {
                 let there = leaned(way, leans);
@@ -60,8 +62,8 @@ impl SquareFit {
             });
             let free = [is_known[0], is_known[1], is_known[2], length.is_none()];
             let change = least_squares(rows, free).ok_or(
-                "the bar's places do not tell the angles apart: lay it along both diagonals of \
-                 each plane",
+                "the positions of the bar do not determine the angles: lay it along both \
+                 diagonals of each plane",
             )?;
             for (lean, change) in leans.iter_mut().zip(change) {
                 *lean += change;
@@ -97,7 +99,7 @@ impl SquareFit {
         })
     }
 
-    /// Names of the planes that the bar says nothing of.
+    /// Names of the planes whose lean is not known.
     pub fn unknown(&self) -> Vec<&'static str> {
         let planes = PLANES.iter().zip(self.is_known);
         planes
@@ -111,7 +113,7 @@ fn long(way: &[f64; 3]) -> f64 {
     way.iter().map(|part| part * part).sum::<f64>().sqrt()
 }
 
-/// A way in square coordinates.
+/// A vector in square coordinates.
 fn leaned([x, y, z]: &[f64; 3], [xy, xz, yz]: [f64; 3]) -> [f64; 3] {
     [x + xy * y + xz * z, y + yz * z, *z]
 }
@@ -173,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn one_plane_alone() {
+    fn a_single_plane() {
         let frame = Squareness {
             xy_ppb: -100_000,
             ..Squareness::default()
@@ -184,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn space_diagonals_do_as_well() {
+    fn space_diagonals_determine_all_angles() {
         let frame = Squareness {
             xy_ppb: 50_000,
             xz_ppb: 60_000,
@@ -201,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn a_bar_that_tells_nothing() {
+    fn a_bar_that_determines_nothing() {
         let frame = Squareness::default();
         let why = |directions: &[[f64; 3]], length| {
             SquareFit::new(&read(&frame, directions), length).unwrap_err()
@@ -210,7 +212,7 @@ mod tests {
         assert!(why(&[], None).contains("no bar"));
         // Three places for four unknowns.
         let three = [[1.0, 1.0, 1.0], [1.0, 1.0, -1.0], [1.0, -1.0, 1.0]];
-        assert!(why(&three, None).contains("tell the angles apart"));
+        assert!(why(&three, None).contains("do not determine the angles"));
         let ends = [
             [[0; 3], [200_000_000, 200_000_000, 0]],
             [[0; 3], [200_000_000, -100_000_000, 0]],

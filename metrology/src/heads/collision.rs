@@ -1,4 +1,4 @@
-//! Contacts where nothing was to be touched.
+//! Collisions: contacts outside of a search.
 
 use super::head::{Head, is_done};
 use super::port::Port;
@@ -9,30 +9,31 @@ use crate::trouble::Trouble;
 use husillo_transports::nmc::{Homing, Reply, StopWay};
 use std::collections::VecDeque;
 
-/// On a move without a touch each module stops its own axis where the contact changes, within a
-/// servo period and whatever the host does.
+/// In a move without a touch each module stops its own axis when the contact changes. It does so
+/// within a servo period and without the host.
 const GUARD: Search = Search {
     events: Homing::LIMIT_1,
     stop: Homing::ABRUPT,
     only: None,
 };
 
-/// So many readings in a row without a contact say that a pressed probe is free: contacts bounce.
+/// A pressed probe counts as free after this number of consecutive readings without a contact, as
+/// contacts bounce.
 const FREE_READINGS: u32 = 2;
 
-/// Readings that a speed is told from: a module is read at any instant of its period.
+/// The readings that a speed is computed from. A module is read at any instant of its period.
 const SPEED_READINGS: usize = 8;
 
-/// A way on which nothing is to be touched, and what was read on it.
+/// A move outside of a search, and its readings.
 pub(super) struct Watch {
     /// Letters of the axes that move.
     axes: String,
-    /// The modules look for a contact by themselves: not before a probe that was pressed is free.
+    /// The modules watch the contact on their own. They do not before a pressed probe is free.
     is_armed: bool,
     free_readings: u32,
-    /// Where it began, counts.
+    /// Start of the move, counts.
     from: Vec<i32>,
-    /// The last readings without a collision: the time, us, and the counts.
+    /// The last readings without a collision: time in us, and counts.
     readings: VecDeque<(u64, Vec<i32>)>,
 }
 
@@ -44,7 +45,7 @@ impl Watch {
         self.readings.push_back((now_us, counts(replies)));
     }
 
-    /// Speed over the last readings, counts/s; `None` where it had not gone anywhere.
+    /// Speed over the last readings, counts/s. `None`: the axes did not move.
     fn rate(&self) -> Option<f64> {
         let ((before_us, before), (last_us, last)) =
             self.readings.front().zip(self.readings.back())?;
@@ -56,13 +57,12 @@ impl Watch {
 }
 
 impl<P: Port> Head<P> {
-    /// Whether an axis has met something where nothing was to be touched, since the beginning.
+    /// Whether there was a collision since the start.
     pub const fn has_collided(&self) -> bool {
         self.has_collided
     }
 
-    /// Goes where nothing is to be touched. A probe that is pressed leaves the contact first,
-    /// slowly.
+    /// Moves outside of a search. A pressed probe first leaves the contact slowly.
     pub(super) fn go_clear(&mut self, goal: &[i32], rate: Option<u32>) -> Result<Way, Trouble> {
         if !self.is_touching()? {
             return Ok(self.go_free(goal, rate, false)?.0);
@@ -84,13 +84,13 @@ impl<P: Port> Head<P> {
         Ok(self.go_free(goal, rate, false)?.0)
     }
 
-    /// Goes back from a touch, which may have ended in contact or just before it.
+    /// Retracts after a touch, which may have ended in contact or just before it.
     pub(super) fn retract(&mut self, goal: &[i32], rate: u32) -> Result<Way, Trouble> {
         self.guarded(|head| Ok(head.go_free(goal, Some(rate), true)?.0))
     }
 
-    /// The way at once; from a contact, or from where one was just now, where the probe
-    /// `is_touching`.
+    /// Makes the whole move at this rate. `is_touching`: the probe is in contact, or was a moment
+    /// ago.
     fn go_free(
         &mut self,
         goal: &[i32],
@@ -125,7 +125,7 @@ impl<P: Port> Head<P> {
         }
     }
 
-    /// A way from where the axes are held, on which nothing has been read.
+    /// The watch of a move from where the axes are held, without readings.
     pub(super) fn watch(&self, goal: &[i32]) -> Watch {
         let from: Vec<i32> = self.axes.iter().map(|axis| axis.held).collect();
         let moving = self.axes.iter().zip(goal);
@@ -140,7 +140,7 @@ impl<P: Port> Head<P> {
         }
     }
 
-    /// From here on the modules look for a contact, or for none where the probe `is_touching`.
+    /// From here on the modules watch the contact, unless the probe `is_touching`.
     pub(super) fn begin_watch(
         &mut self,
         watch: &mut Watch,
@@ -154,7 +154,7 @@ impl<P: Port> Head<P> {
         }
     }
 
-    /// The modules do not look for a contact any more; whether they did.
+    /// The modules stop watching the contact. Returns whether they watched it.
     pub(super) fn end_watch(&mut self, watch: &mut Watch) -> Result<bool, Trouble> {
         let was_armed = std::mem::take(&mut watch.is_armed);
         if was_armed {
@@ -163,11 +163,11 @@ impl<P: Port> Head<P> {
         Ok(was_armed)
     }
 
-    /// Looks at a reading of the axes under way.
+    /// Checks a reading of the moving axes for a collision.
     ///
     /// # Errors
     ///
-    /// [`Trouble::Collision`]; the axes are stopped then.
+    /// [`Trouble::Collision`]. The axes are stopped then.
     pub(super) fn look(&mut self, watch: &mut Watch, replies: &[Reply]) -> Result<(), Trouble> {
         let is_touching = replies.iter().any(is_closed);
         if watch.is_armed {
@@ -192,7 +192,7 @@ impl<P: Port> Head<P> {
         Ok(())
     }
 
-    /// Looks at a reading of a search for something else than a contact.
+    /// Checks a reading of a search for another event than a contact.
     ///
     /// # Errors
     ///
@@ -209,14 +209,14 @@ impl<P: Port> Head<P> {
         Ok(())
     }
 
-    /// Whether the probe of axes that stand is pressed.
+    /// Whether the probe is pressed. The axes stand.
     pub(super) fn is_touching(&mut self) -> Result<bool, Trouble> {
         let mut replies = self.read()?;
         if replies.iter().any(is_closed) {
-            // One reading may be wrong and not show it; two alike are not.
+            // One reading may be wrong unnoticed. Two equal readings are right.
             replies = self.read_twice()?;
         }
-        // Axes that are held at a contact are on both sides of it in turn.
+        // Axes that are held at a contact swing to both sides of it.
         let is_near =
             |contact: &Vec<i32>| distance(contact, &counts(&replies)) <= self.slack_counts();
         let is_touching =
@@ -229,8 +229,7 @@ impl<P: Port> Head<P> {
         Ok(is_touching)
     }
 
-    /// Stops all axes, and says why: a contact, if the modules stay with it when they are asked
-    /// again.
+    /// Stops all axes and returns the reason: a collision if a second reading confirms the contact.
     pub(super) fn collision(&mut self, watch: &Watch) -> Trouble {
         let has_collided = self.has_collided;
         self.has_collided = true;
@@ -247,7 +246,7 @@ impl<P: Port> Head<P> {
         self.stop(StopWay::Abrupt)?;
         self.stand(None)?;
         let replies = self.read_twice()?;
-        // It may have been so short that it is over.
+        // The contact may have been so short that it is over.
         let has_latched = watch.is_armed && !replies.iter().any(searches);
         self.disarm(GUARD)?;
         if !has_latched && !replies.iter().any(is_closed) {
@@ -259,7 +258,7 @@ impl<P: Port> Head<P> {
             counts(&replies)
         };
         let place = self.place_at(&at);
-        // A probe that is pressed deeper has touched first where it had before.
+        // A probe that is pressed deeper keeps its first contact.
         if has_latched || self.contact_at.is_none() {
             self.contact_at = Some(at);
         }
@@ -271,8 +270,8 @@ impl<P: Port> Head<P> {
         }))
     }
 
-    /// Whether it goes farther than a probe may be pressed from where it touched first, and away
-    /// from there.
+    /// Whether the axes press the probe deeper than it takes: they are farther than the over-travel
+    /// from the first contact, and move away from it.
     fn is_pressed_deeper(&self, watch: &Watch, replies: &[Reply]) -> bool {
         let Some(contact) = &self.contact_at else {
             return false;
@@ -282,18 +281,18 @@ impl<P: Port> Head<P> {
             && way > distance(&watch.from, contact) + self.slack_counts()
     }
 
-    /// Within this a probe that is pressed is free, on a way off the surface; counts.
+    /// A pressed probe is free after this distance off the surface, counts.
     fn leaving_counts(&self) -> f64 {
         f64::from(self.probe.over_travel) + f64::from(self.probe.back_off)
     }
 
-    /// What axes that are held somewhere may be off, and more; counts.
+    /// An upper bound of how far held axes may be off, counts.
     fn slack_counts(&self) -> f64 {
         let most = self.axes.iter().map(|axis| axis.settings.in_position).max();
         4.0 * f64::from(most.unwrap_or_default())
     }
 
-    /// As far of a way as a probe that is pressed needs to be free.
+    /// The point on the way to the goal at which a pressed probe is free.
     fn beginning_of(&self, goal: &[i32]) -> Vec<i32> {
         let from: Vec<i32> = self.axes.iter().map(|axis| axis.held).collect();
         let part = self.leaving_counts() / distance(&from, goal);
@@ -310,13 +309,13 @@ impl<P: Port> Head<P> {
     }
 }
 
-/// Where the axes are by these replies, counts.
+/// Positions of the axes in these replies, counts.
 fn counts(replies: &[Reply]) -> Vec<i32> {
     let positions = replies.iter().map(|reply| reply.readings.position);
     positions.collect()
 }
 
-/// In a straight line, counts.
+/// Distance in a straight line, counts.
 fn distance(from: &[i32], to: &[i32]) -> f64 {
     let ways = from.iter().zip(to);
     let squares = ways.map(|(from, to)| (f64::from(*to) - f64::from(*from)).powi(2));

@@ -1,5 +1,5 @@
-//! The head of a measuring machine: one to three servo axes on a line, moved together in straight
-//! lines.
+//! The head of a measuring machine: one to three servo axes on a line that move together in
+//! straight lines.
 
 mod guard;
 mod positions;
@@ -17,30 +17,30 @@ use husillo_transports::nmc::{
     CYCLE_US, Command, EVERY_GROUP, Group, Items, Reply, Reset, Status, Stop, StopWay,
 };
 
-/// What is read of a module.
+/// The items of a reading of a module.
 pub(super) const READ: Items = Items::POSITION.with(Items::HOME);
 
 /// All axes of a machine with their servos on. Positions are amounts of the scale in the order X,
-/// Y, Z; an axis that is not there is always at 0.
+/// Y, Z. The position of a missing axis is always 0.
 #[derive(Debug)]
 pub struct Head<P> {
     pub(super) line: Line<P>,
     pub(super) axes: Vec<Servo>,
     pub(super) probe: ProbeSettings,
     pub(super) scale: Scale,
-    /// What readings are called in messages.
+    /// Turns readings into the positions of messages.
     view: View,
-    /// Time of a step of the modules' profiles, s.
+    /// Period of the modules' profiles, s.
     pub(super) period_s: f64,
-    /// Slow touches to average.
+    /// Number of slow touches to average.
     pub(super) touches: u8,
-    /// Stopped by a trouble: where the axes are held is not known.
+    /// A trouble has stopped the axes: their held positions are not known.
     is_astray: bool,
-    /// The axis whose module has given up by itself, until it is told to stop.
+    /// The axis whose module has reported a fault, until the module gets a stop command.
     given_up: Option<usize>,
-    /// Where the probe that is pressed now has touched first, counts.
+    /// First contact of a probe that is pressed now, counts.
     pub(super) contact_at: Option<Vec<i32>>,
-    /// Something was met where nothing was to be touched.
+    /// There was a collision.
     pub(super) has_collided: bool,
 }
 
@@ -49,7 +49,8 @@ impl<P: Port> Head<P> {
     ///
     /// # Errors
     ///
-    /// No answer, fewer modules than the machine has, no motor power; a machine without axes.
+    /// No answer, fewer modules than the machine has, different periods, no motor power, or a
+    /// machine without axes.
     pub fn start(mut line: Line<P>, machine: &Machine, touches: u8) -> Result<Self, Trouble> {
         if machine.axes.is_empty() {
             return Err(Trouble::NoAxis { axis: 'X' });
@@ -73,8 +74,8 @@ impl<P: Port> Head<P> {
             contact_at: None,
             has_collided: false,
         };
-        // A divisor makes the profiles of old modules slower, but only the derivative of version
-        // 10.
+        // A rate divisor slows the profiles of modules before version 10. In version 10 it slows
+        // the derivative only.
         let periods = head.axes.iter().map(|axis| {
             let place = usize::from(axis.settings.module).wrapping_sub(1);
             if chain
@@ -93,8 +94,8 @@ impl<P: Port> Head<P> {
         }
         head.period_s = f64::from(CYCLE_US) * 1e-6 * f64::from(periods[0]);
         if let [first, _, ..] = head.axes[..] {
-            // All are in this group since the reset, and the reset of the next session still finds
-            // them there.
+            // The reset has put all modules into this group. So the reset of the next session
+            // reaches them, too.
             let group = Group {
                 address: EVERY_GROUP,
                 is_leader: true,
@@ -116,7 +117,7 @@ impl<P: Port> Head<P> {
             .command(module, Command::SetGain(axis.settings.gains))?;
         self.line.command(module, stop(StopWay::Abrupt))?;
         self.line.command(module, Command::ClearBits)?;
-        // A reset has done it already, but not on every module.
+        // Not every module sets its position to 0 at a reset.
         self.line
             .command(module, Command::ResetPosition(Reset::Zero))?;
         let reply = self.read_axis_twice(&axis, READ)?;
@@ -125,16 +126,16 @@ impl<P: Port> Head<P> {
         self.hold(index, reply.readings.position)
     }
 
-    /// How it probes.
+    /// The settings of the probe.
     pub const fn probe(&self) -> &ProbeSettings {
         &self.probe
     }
 
-    /// What the module of a standing axis says of itself.
+    /// Status of the module of a standing axis.
     ///
     /// # Errors
     ///
-    /// No answer.
+    /// No such axis, or no answer.
     pub fn status(&mut self, coordinate: usize) -> Result<Reply, Trouble> {
         let items = READ
             .with(Items::AUXILIARY)
@@ -144,16 +145,16 @@ impl<P: Port> Head<P> {
         self.read_axis_twice(&axis, items)
     }
 
-    /// Goes to a place in a straight line and returns where the axes stand.
+    /// Goes to a position in a straight line and returns where the axes stand.
     ///
     /// # Errors
     ///
-    /// [`Trouble`]; outside of the travel nothing moves.
+    /// [`Trouble`]. If the goal is outside of the travel, nothing moves.
     pub fn go_to(&mut self, goal: [i64; 3]) -> Result<[i64; 3], Trouble> {
         self.go_at(goal, None)
     }
 
-    /// The same at `rate` counts/s at most.
+    /// The same with at most `rate` counts/s.
     fn go_at(&mut self, goal: [i64; 3], rate: Option<u32>) -> Result<[i64; 3], Trouble> {
         let meant = goal;
         let goal = self.counts(goal)?;
@@ -162,7 +163,7 @@ impl<P: Port> Head<P> {
         Ok(self.place_of(&way.replies))
     }
 
-    /// Counts/s of a speed in amounts of the scale a minute; not above it, but at least 1.
+    /// A speed in amounts of the scale per minute as counts/s, rounded down, at least 1.
     fn rate(&self, per_min: u64) -> u32 {
         let per_min = i64::try_from(per_min).unwrap_or(i64::MAX);
         let rate = self.scale.to_counts(per_min) / 60;
@@ -170,7 +171,7 @@ impl<P: Port> Head<P> {
         u32::try_from(rate.max(1)).unwrap_or(u32::MAX)
     }
 
-    /// The place in the machine file of an axis, 0 for X to 2 for Z.
+    /// Index of an axis in the machine file. `coordinate` is 0 for X to 2 for Z.
     pub(crate) fn index(&self, coordinate: usize) -> Result<usize, Trouble> {
         let mut axes = self.axes.iter();
         let found = axes.position(|axis| axis.settings.coordinate() == coordinate);
@@ -180,12 +181,12 @@ impl<P: Port> Head<P> {
     }
 }
 
-/// Whether no motion goes on.
+/// Whether the profile has ended.
 pub(super) fn is_done(reply: &Reply) -> bool {
     reply.status.contains(Status::MOVE_DONE)
 }
 
-/// Stops, with the amplifier on.
+/// The command to stop with the amplifier on.
 pub(super) const fn stop(way: StopWay) -> Command {
     Command::StopMotor(Stop {
         amplifier: true,
@@ -224,8 +225,8 @@ impl<P: Port> Prober for Head<P> {
         self.view = view.clone();
     }
 
-    fn touch(&mut self, direction: &UnitVector, way_nm: u64) -> Result<Touched, Trouble> {
-        let measurement = self.touch(direction, way_nm)?;
+    fn touch(&mut self, direction: &UnitVector, distance_nm: u64) -> Result<Touched, Trouble> {
+        let measurement = self.touch(direction, distance_nm)?;
         Ok(Touched {
             centre_nm: measurement.touch.position,
             touches: measurement.touches,
@@ -246,7 +247,7 @@ mod tests {
 
     const MM: i64 = 1_000_000;
 
-    /// The machine of three axes with a face 4 mm below.
+    /// The machine of three axes with a face at Z -4 mm.
     fn head() -> Head {
         started("3:..-2000", StopButton::default())
     }
@@ -258,7 +259,7 @@ mod tests {
         Head::start(line, &three_axes(), 1).unwrap()
     }
 
-    /// Seconds of what is done.
+    /// The result of `what`, and its time in s.
     fn seconds<T>(head: &mut Head, what: impl FnOnce(&mut Head) -> T) -> (f64, T) {
         let before = head.line.elapsed_us();
         let result = what(head);
@@ -268,11 +269,11 @@ mod tests {
     #[test]
     fn a_feed_is_the_speed_of_the_path() {
         let mut head = head();
-        // 3 mm at 45 mm/min: 4 s, the ramps, and the time to stand.
+        // 3 mm at 45 mm/min: 4 s, the ramps, and the time to come to rest.
         let goal = [2 * MM, 2 * MM, MM];
         let (time, _) = seconds(&mut head, |head| head.feed_to(goal, 45_000_000).unwrap());
         assert!((4.06..4.3).contains(&time), "{time} s");
-        // Beyond the machine's own, it is the machine's own.
+        // The machine's own speed is the limit.
         let (most, _) = seconds(&mut head, |head| head.go_to([0; 3]).unwrap());
         let (time, _) = seconds(&mut head, |head| head.feed_to(goal, u64::MAX).unwrap());
         assert!(
@@ -281,7 +282,7 @@ mod tests {
         );
     }
 
-    /// Where the motors are, now and a second later.
+    /// Positions of the motors, now and a second later.
     fn motors(head: &mut Head) -> [[i64; 3]; 2] {
         let chain = &mut head.line.port().chain;
         let mut at = || [0, 1, 2].map(|module| chain.chain().motor(module).unwrap().counts());
@@ -296,7 +297,7 @@ mod tests {
     #[test]
     fn a_module_that_is_gone_stops_the_others() {
         let mut head = head();
-        // Without supply from 1 to 1.5 s on; the way takes 3.
+        // Without supply from 1 s to 1.5 s. The move takes 3 s.
         head.line.port().chain.interrupt(1, 3000);
         let gone = head.go_to([6 * MM, 6 * MM, 0]);
         assert!(gone.is_err(), "{gone:?}");
@@ -320,11 +321,11 @@ mod tests {
         let [at, later] = motors(&mut head);
         assert!((100..2900).contains(&at[0]), "{at:?}");
         assert!((0..3).all(|axis| at[axis].abs_diff(later[axis]) <= 1));
-        // What it holds now is where it stands, so that this is a straight way.
+        // The head holds the axes where they stand, so this is a straight move.
         let there = head.go_to([5 * MM, 2 * MM, MM]).unwrap();
         let wanted = [5 * MM, 2 * MM, MM];
         assert!((0..3).all(|axis| there[axis].abs_diff(wanted[axis]) <= 2_000));
-        // A jog, in the same way.
+        // The same with a jog.
         head.line.port().chain.ask_after(1000, button);
         assert!(head.jog(0, true, 60.0, false).is_err());
         motors(&mut head);
@@ -332,7 +333,7 @@ mod tests {
         assert!(at[0].abs_diff(later[0]) <= 1, "{at:?} {later:?}");
     }
 
-    /// Whoever starts a jog and goes away finds the axis at the end of its travel, not beyond it.
+    /// A jog that is not stopped ends at the end of the travel, not beyond it.
     #[test]
     fn a_jog_that_nobody_stops_ends_at_the_end_of_the_travel() {
         let mut head = head();
@@ -347,7 +348,7 @@ mod tests {
 
     /// The face is at -4 mm, which is -2000 counts.
     #[test]
-    fn a_contact_on_the_way_stops_all_axes_and_is_left_slowly() {
+    fn a_contact_during_a_move_stops_all_axes_and_is_left_slowly() {
         let mut head = head();
         let met = head.go_to([6 * MM, 0, -12 * MM]);
         let Err(Trouble::Collision { axes, at, speed }) = met else {
@@ -360,11 +361,11 @@ mod tests {
         assert!((2.5..2.9).contains(&speed), "{speed}");
         assert!(head.has_collided());
         let [at, later] = motors(&mut head);
-        // 50 um: what the motor runs on as the host repeats the stop.
+        // The motor runs on by 50 um, as the host repeats the stop.
         assert!(at[2].abs_diff(-2000) <= 25, "{at:?}");
         assert!((0..3).all(|axis| at[axis].abs_diff(later[axis]) <= 1));
 
-        // Deeper in steps: not by more than a probe takes, 100 counts.
+        // Deeper in steps: at most by what a probe takes, 100 counts.
         let mut depth = 0;
         let stopped = loop {
             depth += 1;
@@ -377,7 +378,7 @@ mod tests {
         let [at, _] = motors(&mut head);
         assert!((-2130..=-2096).contains(&at[2]), "{at:?}");
 
-        // Off the surface, 0.32 mm at 0.4 mm/s of the 4.4, and the rest at 2.4 mm/s.
+        // Off the surface: 0.32 mm of the 4.4 mm at 0.4 mm/s, the rest at 2.4 mm/s.
         let (time, there) = seconds(&mut head, |head| head.go_to([2 * MM, 0, 0]));
         assert!(there.unwrap()[2].abs_diff(0) <= 2_000);
         assert!((2.2..3.8).contains(&time), "{time} s");
@@ -389,7 +390,7 @@ mod tests {
         assert!(at[2].abs_diff(-2000) <= 25, "{at:?}");
     }
 
-    /// The index of Z is below the face: a homing that meets it is no home.
+    /// The face is before the index of Z.
     #[test]
     fn homing_against_a_face_is_a_collision() {
         let mut head = started("3:150", StopButton::default());
@@ -398,7 +399,7 @@ mod tests {
         assert!(matches!(met, Err(Trouble::Collision { .. })), "{met:?}");
         let [at, _] = motors(&mut head);
         assert!(at[2].abs_diff(150) <= 4, "{at:?}");
-        // In contact it is not begun.
+        // Homing does not begin in contact.
         let begun = head.home(2);
         assert!(
             matches!(begun, Err(Trouble::Probe(Failure::ContactAtStart))),
@@ -407,7 +408,7 @@ mod tests {
     }
 
     #[test]
-    fn there_and_off_again_at_the_feed() {
+    fn to_the_contact_and_off_it_at_the_feed() {
         let mut head = head();
         head.go_to([0, 0, -3 * MM]).unwrap();
         // 1 mm at 12 mm/min: 5 s.
@@ -417,7 +418,7 @@ mod tests {
         assert!((5.0..5.3).contains(&time), "{time} s");
         let [.., z] = made.changed_nm.unwrap();
         assert!(z.abs_diff(-4 * MM) <= 2_000, "{made:?}");
-        // It stands there, pressed: not backed off.
+        // The probe stays pressed: it does not back off.
         assert!((z - 20_000..=z).contains(&made.at_nm[2]), "{made:?}");
         assert!(matches!(
             down(&mut head, 12_000_000),
@@ -434,12 +435,12 @@ mod tests {
             Err(Trouble::NotTouching)
         ));
 
-        // A feed beyond that of a search is that of a search, 0.4 mm/s: 2.5 s and what it takes to
-        // stand.
+        // The speed of a search, 0.4 mm/s, is the limit of the feed: 2.5 s and the time to come to
+        // rest.
         head.go_to([0, 0, -3 * MM]).unwrap();
         let (time, made) = seconds(&mut head, |head| down(head, u64::MAX).unwrap());
         assert!((2.5..2.8).contains(&time), "{time} s");
-        // Along the face there is no end of the contact.
+        // A move along the face keeps the contact.
         let at = made.at_nm;
         let ended = head
             .probe_to([MM, 0, at[2]], 24_000_000, Edge::Broken)

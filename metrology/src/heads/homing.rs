@@ -1,4 +1,4 @@
-//! Home on the index of an encoder.
+//! Homing on the index of an encoder.
 
 use super::head::Head;
 use super::port::Port;
@@ -11,19 +11,19 @@ use husillo_transports::nmc::{Auxiliary, Homing};
 
 impl<P: Port> Head<P> {
     /// Searches the index of an axis in the positive direction, once at the speed of a search and
-    /// once slowly, as every turn of the encoder has one and only the edge that is met from this
-    /// side counts. It becomes position 0, and the axis goes there.
+    /// once slowly. Every turn of the encoder has an index, and only its edge from this side
+    /// counts. The index becomes position 0, and the axis goes there.
     ///
     /// # Errors
     ///
-    /// [`Trouble::NoIndex`] up to the end of the travel, a contact at the start, and all of
+    /// [`Trouble::NoIndex`] up to the end of the travel, a contact at the start, and those of
     /// [`travel`](Self::travel).
     pub fn home(&mut self, coordinate: usize) -> Result<(), Trouble> {
         let index = self.index(coordinate)?;
         let [slow, quick] = [self.probe.slow_rate, self.probe.rate];
         let reply = self.status(coordinate)?;
         if is_closed(&reply) {
-            // It would leave the contact without anybody looking.
+            // Nothing would watch the probe while it leaves the contact.
             return Err(Trouble::Probe(Failure::ContactAtStart));
         }
         if reply.readings.auxiliary.contains(Auxiliary::INDEX) {
@@ -36,7 +36,7 @@ impl<P: Port> Head<P> {
         self.only(index, found, None, quick).map(drop)
     }
 
-    /// Goes to before some count.
+    /// Goes to the back-off distance before a count.
     fn back_from(&mut self, index: usize, count: i32) -> Result<(), Trouble> {
         let [low, _] = self.axes[index].settings.travel;
         let back_off = i32::try_from(self.probe.back_off).unwrap_or(i32::MAX);
@@ -44,12 +44,12 @@ impl<P: Port> Head<P> {
         self.only(index, before, None, self.probe.rate).map(drop)
     }
 
-    /// The count of the next index.
+    /// Searches the next index and returns its count.
     fn search_index(&mut self, index: usize, rate: u32) -> Result<i32, Trouble> {
         let axis = &self.axes[index];
         let (letter, [_, high]) = (axis.settings.letter, axis.settings.travel);
         let search = Search {
-            // The contact ends it as well: a collision.
+            // A contact ends the search as well: a collision.
             events: Homing::INDEX.with(Homing::LIMIT_1),
             stop: Homing::ABRUPT,
             only: Some(index),
@@ -62,7 +62,7 @@ impl<P: Port> Head<P> {
         }
     }
 
-    /// A way of one axis.
+    /// Moves one axis.
     fn only(
         &mut self,
         index: usize,

@@ -1,4 +1,4 @@
-//! An axis that runs for some time.
+//! Jogging: one axis runs for a given time.
 
 use super::head::{Head, is_done, stop};
 use super::port::Port;
@@ -8,14 +8,13 @@ use crate::trouble::Trouble;
 use husillo_transports::nmc::{Command, Mode, StopWay, Trajectory};
 
 impl<P: Port> Head<P> {
-    /// Runs an axis for some time, at the speed of moves or at that of a search, and stops it
-    /// smoothly. From a
-    /// contact it runs at that of a search. It is a move to the end of the
-    /// travel that is broken off: there the module ends it, host or not.
+    /// Runs an axis for some time and stops it smoothly. It runs at the speed of moves, or at that
+    /// of a search if it `is_slow` or starts in contact. The jog is a move to the end of the travel
+    /// that is stopped early. Without the host the module ends it there.
     ///
     /// # Errors
     ///
-    /// [`Trouble`]; all axes are stopped then.
+    /// [`Trouble`]. All axes are stopped then.
     pub fn jog(
         &mut self,
         coordinate: usize,
@@ -36,7 +35,7 @@ impl<P: Port> Head<P> {
     ) -> Result<(), Trouble> {
         let axis = self.axes[index];
         let [low, high] = axis.settings.travel;
-        // It may stand as far beyond its goal.
+        // The axis may stop this far beyond its goal.
         let slack = axis.settings.in_position as i32;
         let goal = if is_positive {
             high.saturating_sub(slack)
@@ -44,7 +43,7 @@ impl<P: Port> Head<P> {
             low.saturating_add(slack)
         };
         if (goal > axis.held) != is_positive || goal == axis.held {
-            // At the end of the travel already.
+            // The axis is at the end of the travel already.
             return Ok(());
         }
         let is_touching = self.is_touching()?;

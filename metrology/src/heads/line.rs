@@ -1,4 +1,4 @@
-//! A line of modules behind a port: one step of the protocol after another.
+//! A line of modules behind a port. It carries out the steps of the protocol one after another.
 
 use super::operator::Operator;
 use super::port::Port;
@@ -25,7 +25,7 @@ impl<P: fmt::Debug> fmt::Debug for Line<P> {
 }
 
 impl<P: Port> Line<P> {
-    /// At a port, without an operator.
+    /// A line at a port, without an operator.
     pub fn new(port: P) -> Self {
         let host = Host::new(port.timing(Baud::default()));
         Self {
@@ -35,7 +35,8 @@ impl<P: Port> Line<P> {
         }
     }
 
-    /// No step begins while the operator wants a stop that nobody has seen to.
+    /// The same line with an operator. No step begins while the operator wants a stop that is not
+    /// carried out yet.
     #[must_use]
     pub fn with_operator(self, operator: impl Operator + 'static) -> Self {
         Self {
@@ -44,7 +45,7 @@ impl<P: Port> Line<P> {
         }
     }
 
-    /// Who stands before the machine.
+    /// The operator of the machine.
     pub(crate) fn operator(&self) -> &dyn Operator {
         &*self.operator
     }
@@ -64,15 +65,16 @@ impl<P: Port> Line<P> {
         self.port.elapsed_us()
     }
 
-    /// Flush, reset, addresses, versions, rate. Where nobody answers, once more with a reset of
-    /// every address.
+    /// Starts the line: flush, reset, addresses, versions, baud rate. If no module answers, it
+    /// repeats this with a reset of every address.
     ///
     /// # Errors
     ///
-    /// The port fails, nobody answers, or not clearly.
+    /// The port fails, no module answers, or the answers are damaged.
     pub fn start_up(&mut self, baud: Baud) -> Result<Chain, Trouble> {
         match self.start_by(baud, Startup::new(baud)) {
-            // An earlier session may have left them in groups that do not hear the reset of all.
+            // An earlier session may have left the modules in groups that do not hear the common
+            // reset.
             Err(Trouble::NoModules) => self.start_by(baud, Startup::new(baud).resetting_each()),
             other => other,
         }
@@ -92,7 +94,7 @@ impl<P: Port> Line<P> {
                 Next::Step(step) => {
                     outcome = match self.step(step) {
                         Ok(outcome) => Some(outcome),
-                        // A rate that a module has not: the start-up goes on without it.
+                        // A module does not have this rate: the start-up keeps the old one.
                         Err(Trouble::Refused(_)) => None,
                         Err(trouble) => return Err(trouble),
                     }
@@ -110,7 +112,7 @@ impl<P: Port> Line<P> {
         self.answer(Step::Request { address, command })
     }
 
-    /// Reads a standing axis until two readings agree, positions to `jitter_counts`.
+    /// Reads a standing axis until two readings agree. Positions may differ by `jitter_counts`.
     ///
     /// # Errors
     ///
@@ -167,7 +169,7 @@ impl<P: Port> Line<P> {
         }
     }
 
-    /// As the host counts: modulo 2^32.
+    /// The time of the host, modulo 2^32.
     fn now_us(&self) -> u32 {
         self.port.elapsed_us() as u32
     }
@@ -179,7 +181,7 @@ mod tests {
     use crate::simulated::{SimulatedChain, SimulatedPort};
     use husillo_transports::nmc::Group;
 
-    /// As any program may leave them: other addresses, another group.
+    /// A program may leave the modules with other addresses and in another group.
     #[test]
     fn modules_in_other_groups_are_found() {
         let chain = SimulatedChain::new(&[4; 2], &[], None).unwrap();
@@ -200,7 +202,7 @@ mod tests {
     }
 
     #[test]
-    fn a_line_without_modules_is_told() {
+    fn a_line_without_modules_is_reported() {
         let chain = SimulatedChain::new(&[], &[], None).unwrap();
         let mut line = Line::new(SimulatedPort::new(chain));
         assert!(matches!(

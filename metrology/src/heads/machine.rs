@@ -1,30 +1,30 @@
-//! What has to be known of a measuring machine.
+//! The settings of a measuring machine.
 
 use super::view::Errors;
 use crate::scale::Scale;
 use husillo_probe::{PreTravel, Tip, UnitVector};
 use husillo_transports::nmc::{Baud, Gains};
 
-/// Most entries of a table of pre-travel.
+/// Largest number of entries of a table of pre-travel.
 pub const PLACES: usize = 64;
 
-/// Radius and pre-travel of a probe, amounts of the scale.
+/// Radius and pre-travel of a probe, in amounts of the scale.
 pub type Stylus = Tip<PLACES>;
 
 /// A measuring machine: its axes, its probe and its line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Machine {
-    /// One line for people.
+    /// Title of the machine, one line.
     pub title: String,
-    /// What a count is worth, on every axis.
+    /// Length of a count, on every axis.
     pub scale: Scale,
     /// X, then Y and Z where it has them.
     pub axes: Vec<AxisSettings>,
     /// The probe.
     pub probe: ProbeSettings,
-    /// Rate of the line after start-up.
+    /// Baud rate of the line after start-up.
     pub baud: Baud,
-    /// What is known of the errors of its axes.
+    /// The known errors of its axes.
     pub errors: Errors,
 }
 
@@ -35,9 +35,9 @@ pub struct AxisSettings {
     pub letter: char,
     /// Address of its module, 1 to 32.
     pub module: u8,
-    /// Least and largest position in counts from where it is at reset.
+    /// Least and largest position, counts from the position at reset.
     pub travel: [i32; 2],
-    /// How far from its goal a move may end, counts.
+    /// Largest distance from its goal at which a move may end, counts.
     pub in_position: u32,
     /// Speed of moves, counts/s.
     pub rate: u32,
@@ -52,13 +52,14 @@ pub struct AxisSettings {
 pub struct ProbeSettings {
     /// Speed of the search, counts/s.
     pub rate: u32,
-    /// Speed of the touches that count, counts/s.
+    /// Speed of the slow touches, whose positions count, counts/s.
     pub slow_rate: u32,
-    /// Distance backed off before the next touch, counts.
+    /// Distance that the probe backs off before the next touch, counts.
     pub back_off: u32,
     /// Longest distance beyond a contact, counts.
     pub over_travel: u32,
-    /// Radius of the ball (0 measures its centre) and distance from touch to signal.
+    /// Radius of the ball, and the pre-travel from touch to signal. With radius 0, positions of the
+    /// centre of the ball are measured.
     pub stylus: Stylus,
 }
 
@@ -71,11 +72,11 @@ impl AxisSettings {
 }
 
 impl Machine {
-    /// The axis of a letter, in either case.
+    /// The axis of a letter, upper or lower case.
     ///
     /// # Errors
     ///
-    /// A sentence with the letters that there are.
+    /// There is no such axis: a sentence with the letters of the axes.
     pub fn axis(&self, letter: char) -> Result<AxisSettings, String> {
         let letter = letter.to_ascii_uppercase();
         let found = self.axes.iter().find(|axis| axis.letter == letter);
@@ -98,12 +99,13 @@ impl Machine {
     }
 }
 
-/// Pre-travel of the positive and the negative direction of all axes, amounts of the scale.
+/// The same pre-travel on all axes: in positive direction, and in negative direction. In amounts of
+/// the scale.
 #[must_use]
 pub fn both_ways([positive, negative]: [i32; 2]) -> PreTravel<PLACES> {
     let axes = [UnitVector::X, UnitVector::Y, UnitVector::Z];
     let entries = axes.map(|axis| [(axis, positive), (axis.reversed(), negative)]);
-    // Six of the places.
+    // Six entries of 64.
     PreTravel::of(entries.as_flattened())
         .unwrap_or_else(|| PreTravel::new([(UnitVector::X, 0); PLACES]))
 }

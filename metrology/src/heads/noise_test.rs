@@ -1,4 +1,4 @@
-//! Sessions on a bad line: every move and every touch is right or reported.
+//! Sessions on a bad line: every move and every touch is right, or an error is reported.
 
 use super::line::Line;
 use super::machine::Machine;
@@ -12,27 +12,27 @@ use std::collections::BTreeMap;
 
 type Head = super::Head<SimulatedPort>;
 
-/// Counts at which the probe of every axis closes, in both directions.
+/// Position at which the probe closes, in both directions of every axis, counts.
 const FACE: i64 = 3000;
 
 /// Nanometres of a count.
 const COUNT: i64 = 2000;
 
-/// What a result may be off by, in counts: one, as on a good line, and the one that a servo at rest
-/// may move by.
+/// Largest error of a result, counts: one as on a good line, and one that a servo at rest may move
+/// by.
 const TOLERANCE: i64 = 2;
 
-/// What came of it all.
+/// The results of all sessions.
 #[derive(Debug, Default)]
 struct Tally {
     seconds: f64,
     sessions: u64,
     moves: u64,
     touches: u64,
-    /// Results that nobody would have doubted.
+    /// Wrong results without an error.
     wrong_moves: u64,
     wrong_touches: u64,
-    /// By their words.
+    /// Number of errors by their text.
     reported: BTreeMap<String, u64>,
     damage: Damage,
 }
@@ -49,10 +49,10 @@ impl Tally {
         self.reported.values().sum()
     }
 
-    /// Those told: nothing stands in the way of these sessions.
+    /// Reported collisions. In these sessions there are no real ones.
     fn collisions(&self) -> u64 {
-        let told = self.reported.iter();
-        let collisions = told.filter(|(words, _)| words.starts_with("collision"));
+        let errors = self.reported.iter();
+        let collisions = errors.filter(|(words, _)| words.starts_with("collision"));
         collisions.map(|(_, count)| count).sum()
     }
 
@@ -70,7 +70,7 @@ impl Tally {
         self.damage.unseen_commands += damage.unseen_commands;
     }
 
-    /// Both together.
+    /// The sum of both.
     fn and(mut self, other: Self) -> Self {
         self.seconds += other.seconds;
         self.sessions += other.sessions;
@@ -86,7 +86,7 @@ impl Tally {
     }
 }
 
-/// The first axes of the machine of three.
+/// The machine of three axes with only the first ones.
 fn machine(modules: usize, baud: Baud) -> Machine {
     let mut machine = three_axes();
     machine.axes.truncate(modules);
@@ -103,14 +103,13 @@ fn port(modules: usize, noise: Noise, seed: u64) -> SimulatedPort {
     SimulatedPort::new(chain.with_faults(noise, seed))
 }
 
-/// Where the motor of a module is, whatever it says.
+/// True position of the motor of a module.
 fn truth(port: &mut SimulatedPort, module: u8) -> i64 {
     let motor = port.chain.chain().motor(usize::from(module - 1));
     motor.expect("a motor").counts()
 }
 
-/// Where the motors are when the modules say 0: anywhere, since a session begins where the head
-/// happens to be.
+/// True positions of the motors at 0 of the modules. A session may begin anywhere.
 fn zeros(head: &mut Head) -> [i64; 3] {
     [0, 1, 2].map(|module| {
         let chain = head.line.port().chain.chain();
@@ -119,21 +118,22 @@ fn zeros(head: &mut Head) -> [i64; 3] {
     })
 }
 
-/// What to run.
+/// The sessions to run.
 #[derive(Copy, Clone)]
 struct Plan {
     modules: usize,
     noise: Noise,
-    /// Simulated time, and sessions, at most.
+    /// Largest simulated time in s.
     seconds: f64,
+    /// Largest number of sessions.
     sessions: u64,
     seed: u64,
-    /// In every session the module fails once.
+    /// In every session one module fails once.
     has_outages: bool,
 }
 
-/// Sessions: each starts the line anew, takes one of its axes and does a few moves and touches,
-/// until it is done or something is reported, as `husillo measure` is used.
+/// Runs sessions as `husillo measure` does. Each starts the line anew and makes a few moves and
+/// touches until it is done or an error is reported.
 fn sessions(plan: Plan) -> Tally {
     let Plan {
         modules,
@@ -165,7 +165,7 @@ fn sessions(plan: Plan) -> Tally {
                     tally.report(&trouble);
                 }
                 let port = head.line.into_port();
-                // The simulation goes on where it is, for an hour at most.
+                // The next session continues this simulation, for at most an hour.
                 let end_us = seconds.min(3600.0) * 1e6;
                 if (port.elapsed_us() as f64) < end_us {
                     open = Some(port);
@@ -173,7 +173,7 @@ fn sessions(plan: Plan) -> Tally {
                     tally.close(port);
                 }
             }
-            // The port has gone with it: its time does not count.
+            // The port is lost with the line, so its time does not count.
             Err(trouble) => tally.report(&trouble),
         }
     }
@@ -210,7 +210,7 @@ fn session(head: &mut Head, random: &mut Random, tally: &mut Tally) -> Result<()
     Ok(())
 }
 
-/// Prints what came of it, and the line it came from.
+/// Prints the plan and its results.
 fn show(plan: &Plan, tally: &Tally) {
     let damage = &tally.damage;
     let pairs = damage.pairs_in_halves as f64 / 2.0 * plan.noise.bit_errors.powi(2);
@@ -252,7 +252,7 @@ const NOISY: Plan = Plan {
     has_outages: false,
 };
 
-/// Twenty minutes of a line with ten times the wrong bits of a bad one.
+/// Twenty minutes on a line with ten times the wrong bits of a bad one.
 #[test]
 fn a_noisy_line_gives_right_results_or_errors() {
     let tally = sessions(NOISY);
@@ -262,7 +262,7 @@ fn a_noisy_line_gives_right_results_or_errors() {
     assert_eq!(tally.collisions(), 0);
 }
 
-/// Bytes lost and doubled on their way.
+/// Some bytes are lost, and some arrive twice.
 #[test]
 fn lost_and_doubled_bytes_give_right_results_or_errors() {
     let plan = Plan {
@@ -281,7 +281,7 @@ fn lost_and_doubled_bytes_give_right_results_or_errors() {
     assert_eq!(tally.collisions(), 0);
 }
 
-/// The module loses its supply for half a second, at any moment of a session.
+/// A module loses its supply for half a second at a random moment of a session.
 #[test]
 fn a_module_that_fails_is_reported() {
     let plan = Plan {
@@ -296,9 +296,9 @@ fn a_module_that_fails_is_reported() {
     assert_eq!((tally.wrong_moves, tally.wrong_touches), (0, 0));
 }
 
-/// A second module takes the first one's address, by a packet that is not this host's, and both
-/// answer from then on: the line carries what both would let through. No such mixture is taken for
-/// where an axis is.
+/// A second module takes the address of the first one, by a packet that this host did not send.
+/// Then both answer, and a low bit of one wins over a high bit of the other. No such mixture is
+/// taken for the position of an axis.
 #[test]
 fn two_modules_that_answer_are_reported() {
     let mut random = Random::new(3);
@@ -331,9 +331,9 @@ fn two_modules_that_answer_are_reported() {
     assert!(reported > 100, "{reported}");
 }
 
-/// A day of one wrong bit in 10^5, as four lines of six hours side by side; three of them: `cargo
-/// test --release -p husillo-metrology -- --ignored --nocapture hours`. `HOURS=6` before it makes
-/// each of them shorter.
+/// A day with one wrong bit in 10^5, as four lines of six hours in parallel. Run all three days
+/// with `cargo test --release -p husillo-metrology -- --ignored --nocapture hours`. `HOURS=6`
+/// before the command makes each day shorter.
 fn day(modules: usize) {
     const LINES: u64 = 4;
     let hours = std::env::var("HOURS").map_or(24.0, |hours| hours.parse().expect("HOURS=6"));

@@ -1,18 +1,19 @@
-//! Who stands before the machine: may stop it, and sees what goes on.
+//! The operator of a machine, who can stop it and sees the traffic of its line.
 
-/// The operator of a machine. A stop is asked for from outside, such as by a signal; the line asks
-/// for it before each of its steps. Nothing of it has to be there: `()` never stops and sees
-/// nothing.
+/// The operator of a machine. A stop is requested from outside, such as by a signal. The line
+/// checks for it before each of its steps. All methods have defaults: the operator `()` never stops
+/// and sees nothing.
 pub trait Operator {
-    /// Whether a stop is wanted that nobody has seen to. No step of the line begins then.
+    /// Whether a stop is wanted that is not carried out yet. No step of the line begins then.
     fn is_stop_wanted(&self) -> bool {
         false
     }
 
-    /// Somebody stops the motors now: a stop that was wanted is wanted no more.
+    /// The motors are being stopped. This clears the request for a stop.
     fn stop_is_seen_to(&self) {}
 
-    /// Whether motors may run from now on: a program that ends then has to stop them first.
+    /// Motors may run from now on, or do not run any more. While they may run, a program must stop
+    /// them before it ends.
     fn set_moving(&self, is_moving: bool) {
         let _ = is_moving;
     }
@@ -33,7 +34,7 @@ pub trait Operator {
 
 impl Operator for () {}
 
-/// An operator of tests, who asks for a stop when told to.
+/// An operator for tests, who wants a stop after a call of [`press`](Self::press).
 #[cfg(test)]
 #[derive(Clone, Debug, Default)]
 pub struct StopButton {
@@ -42,12 +43,12 @@ pub struct StopButton {
 
 #[cfg(test)]
 impl StopButton {
-    /// Asks for a stop.
+    /// Requests a stop.
     pub fn press(&self) {
         self.state.set((true, self.state.get().1));
     }
 
-    /// Whether a stop was asked for and seen to.
+    /// Whether a stop was requested and carried out.
     pub fn has_stopped(&self) -> bool {
         self.state.get().1
     }

@@ -1,26 +1,26 @@
-//! Where the bytes of a line go.
+//! The port of a line.
 
 use husillo_transports::nmc::{Baud, Timing};
 use std::io;
 
-/// A port with the time that passes at it: a serial device, a socket, a simulated line.
+/// A port with its clock: a serial device, a socket, or a simulated line.
 pub trait Port {
-    /// The waits that suit the port at a rate.
+    /// The waiting times that suit the port at a baud rate.
     fn timing(&self, baud: Baud) -> Timing;
 
-    /// The same once it is known who answers.
+    /// The same after the start-up, when all modules are known.
     fn timing_of_known(&self, baud: Baud) -> Timing {
         self.timing(baud)
     }
 
-    /// Time since it was opened, us.
+    /// Time since the port was opened, us.
     fn elapsed_us(&self) -> u64;
 
-    /// Goes on at another rate.
+    /// Changes the baud rate.
     ///
     /// # Errors
     ///
-    /// The device refuses.
+    /// The device refuses the rate.
     fn set_baud(&mut self, baud: Baud) -> io::Result<()>;
 
     /// Sends bytes.
@@ -30,7 +30,7 @@ pub trait Port {
     /// The device is gone.
     fn send(&mut self, bytes: &[u8]) -> io::Result<()>;
 
-    /// What comes within some microseconds; returns as soon as there is something.
+    /// Receives bytes for at most `wait_us` microseconds. Returns as soon as there are some.
     ///
     /// # Errors
     ///

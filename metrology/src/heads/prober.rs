@@ -1,41 +1,42 @@
-//! What measuring routines ask of a machine.
+//! The interface of measuring routines to a machine.
 
 use super::view::View;
 use crate::trouble::Trouble;
 use husillo_probe::{Edge, UnitVector};
 
-/// What carries a probe in straight lines. Positions are those of the tip's centre in nm, on the
-/// axes of the machine; an axis that is not there stays 0. Where nobody knows the way of a count, a
-/// count stands for a nm.
+/// A machine that moves a probe in straight lines. Positions are those of the centre of the tip in
+/// nm, on the axes of the machine. The position of a missing axis is 0. If the length of a count is
+/// not known, positions are in counts instead of nm.
 pub trait Prober {
-    /// Where it is.
+    /// The present position.
     ///
     /// # Errors
     ///
     /// No answer.
     fn position(&mut self) -> Result<[i64; 3], Trouble>;
 
-    /// Goes straight there and stands; returns where.
+    /// Goes to the goal in a straight line and returns where the axes stand.
     ///
     /// # Errors
     ///
-    /// [`Trouble`]; outside of the travel nothing moves.
+    /// [`Trouble`]. If the goal is outside of the travel, nothing moves.
     fn go_to(&mut self, goal_nm: [i64; 3]) -> Result<[i64; 3], Trouble>;
 
-    /// Goes straight there and stands, at most so fast along the path; returns where.
+    /// The same with at most this speed along the path.
     ///
     /// # Errors
     ///
     /// Those of [`go_to`](Self::go_to).
     fn feed_to(&mut self, goal_nm: [i64; 3], nm_per_min: u64) -> Result<[i64; 3], Trouble>;
 
-    /// Goes straight towards a goal, at most so fast along the path and as fast as a search, until
-    /// the contact is made or broken: it brakes there and stays where it then stands.
+    /// Goes towards a goal in a straight line until the contact is made or broken. Then it brakes
+    /// and stays where it stands. The speed along the path is at most `nm_per_min` and at most that
+    /// of a search.
     ///
     /// # Errors
     ///
-    /// [`Trouble`]; where the contact is at the start what it should become, or the goal is outside
-    /// of the travel, nothing moves.
+    /// [`Trouble`]. Nothing moves if the goal is outside of the travel, or if the contact already
+    /// has the wanted state at the start.
     fn probe_to(
         &mut self,
         goal_nm: [i64; 3],
@@ -43,41 +44,39 @@ pub trait Prober {
         until: Edge,
     ) -> Result<Probed, Trouble>;
 
-    /// Whether it has met something where nothing was to be touched: what was measured is not good
-    /// then.
+    /// Whether there was a collision. Then no result is valid.
     fn has_collided(&self) -> bool;
 
-    /// From now on its messages name the positions that readings are called by.
+    /// From now on its messages name positions instead of readings.
     fn see_as(&mut self, _: &View) {}
 
-    /// Touches from where it stands, at most so far; backs off and returns the mean of what was
-    /// latched.
+    /// Touches from the present position, within a distance of `distance_nm`. Backs off and returns
+    /// the mean of the latched positions.
     ///
     /// # Errors
     ///
-    /// [`Trouble`], the probing cycle's own among them.
-    fn touch(&mut self, direction: &UnitVector, way_nm: u64) -> Result<Touched, Trouble>;
+    /// [`Trouble`], also that of the probing cycle.
+    fn touch(&mut self, direction: &UnitVector, distance_nm: u64) -> Result<Touched, Trouble>;
 }
 
-/// How a move that watches the contact ended.
+/// The end of a move that watches the contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Probed {
-    /// Where the machine had the centre of the tip when the contact changed, with the pre-travel in
-    /// it; `None`: it has not.
+    /// Position of the centre of the tip when the contact changed, pre-travel included. `None`: it
+    /// did not change.
     pub changed_nm: Option<[i64; 3]>,
-    /// Where it stands: a braking way farther, or at the goal.
+    /// Where the machine stands: the braking distance farther, or at the goal.
     pub at_nm: [i64; 3],
 }
 
 /// A contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Touched {
-    /// Where the machine had the centre of the tip when it was latched, mean of the slow touches:
-    /// with the pre-travel in it, which [`Tip::centre_nm`](husillo_probe::Tip::centre_nm) takes
-    /// off.
+    /// Latched position of the centre of the tip, mean of the slow touches. It includes the
+    /// pre-travel, which [`Tip::centre_nm`](husillo_probe::Tip::centre_nm) removes.
     pub centre_nm: [i64; 3],
-    /// Slow touches averaged.
+    /// Number of slow touches in the mean.
     pub touches: u8,
-    /// The farthest of them less the nearest.
+    /// Distance of the farthest from the nearest of them.
     pub spread_nm: i64,
 }

@@ -2,14 +2,14 @@
 
 use husillo_transports::nmc::{Homing, Reply, Status};
 
-/// What ends a way before its goal.
+/// A search: the events that end a move before its goal.
 #[derive(Clone, Copy, Debug)]
 pub struct Search {
-    /// Any of these, on each of the axes that search.
+    /// Any of these events ends the move of a searching axis.
     pub events: Homing,
-    /// How a module then stops its axis.
+    /// How a module stops its axis after the event.
     pub stop: Homing,
-    /// The axis, by its place in the machine file, that searches alone.
+    /// The only axis that searches, as its index in the machine file. `None`: all axes search.
     pub only: Option<usize>,
 }
 
@@ -18,17 +18,17 @@ impl Search {
         self.only.is_none_or(|only| only == index)
     }
 
-    /// Whether it is the contact that is searched.
+    /// Whether the search is for the contact.
     pub fn is_touch(self) -> bool {
         self.events == Homing::LIMIT_1
     }
 
-    /// Whether a module that searched has found it.
+    /// Whether a searching module has found the event.
     pub fn is_found(self, reply: &Reply) -> bool {
         !searches(reply)
     }
 
-    /// The axes that search, and whether each has found it.
+    /// The searching axes, and whether each has found the event.
     pub fn found_by(self, replies: &[Reply]) -> Vec<(usize, bool)> {
         let all = replies.iter().enumerate();
         all.filter(|(index, _)| self.is_for(*index))
@@ -37,7 +37,7 @@ impl Search {
     }
 }
 
-/// Whether it waits for an event.
+/// Whether the module waits for an event.
 pub fn searches(reply: &Reply) -> bool {
     reply.status.contains(Status::HOME_IN_PROGRESS)
 }

@@ -1,23 +1,24 @@
-//! An axis of the machine: a servo that is on, and where its counts lie.
+//! An axis of the machine: a servo that is on, and the origin of its counts.
 
 use super::machine::AxisSettings;
 use crate::scale::Scale;
 use crate::trouble::Trouble;
 use husillo_transports::nmc::{Reply, Status};
 
-/// An axis behind a module. Counts are the module's own, which begin with 0 where it was reset.
+/// An axis behind a module. Counts are those of the module. They are 0 at the position of its
+/// reset.
 #[derive(Clone, Copy, Debug)]
 pub struct Servo {
-    /// What is known of it.
+    /// The settings of the axis.
     pub settings: AxisSettings,
     /// Counts at position 0.
     pub origin: i32,
-    /// What it was told to hold last, or to go to.
+    /// The last commanded position, counts.
     pub held: i32,
 }
 
 impl Servo {
-    /// At its reset position.
+    /// An axis at its reset position.
     pub const fn new(settings: AxisSettings) -> Self {
         Self {
             settings,
@@ -31,7 +32,7 @@ impl Servo {
         scale.of_counts(i64::from(counts) - i64::from(self.origin))
     }
 
-    /// A position as counts, to the nearest; saturated, which is outside of any travel.
+    /// A position as counts, rounded to the nearest. It saturates outside of any travel.
     pub fn counts(&self, scale: Scale, position: i64) -> i32 {
         let counts = scale.to_counts(position).saturating_add(self.origin.into());
         i32::try_from(counts).unwrap_or(if counts < 0 { i32::MIN } else { i32::MAX })
@@ -42,16 +43,16 @@ impl Servo {
         self.settings.travel.map(|end| self.position(scale, end))
     }
 
-    /// Whether counts are as near as a move may end.
+    /// Whether two positions are within the distance at which a move may end.
     pub const fn is_near(&self, counts: i32, other: i32) -> bool {
         counts.abs_diff(other) <= self.settings.in_position
     }
 
-    /// Whether it goes on as it should; `at` is where it is, for people.
+    /// Checks the status of the axis. `at` is its position as text.
     ///
     /// # Errors
     ///
-    /// What it says of itself.
+    /// The fault that the module reports.
     pub fn check(&self, reply: &Reply, at: impl FnOnce() -> String) -> Result<(), Trouble> {
         if !reply.status.contains(Status::POWER_ON) {
             let axis = self.settings.letter;

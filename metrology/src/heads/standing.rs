@@ -1,4 +1,4 @@
-//! Axes that come to rest.
+//! Waiting until the axes come to rest.
 
 use super::head::{Head, is_done};
 use super::port::Port;
@@ -8,11 +8,11 @@ use husillo_transports::nmc::Reply;
 /// Longest time from the end of a profile until the axes stand, us.
 pub const SETTLING_US: u64 = 2_000_000;
 
-/// Readings in a row, all in position, before the axes stand.
+/// The axes stand after this number of consecutive readings in position.
 const STILL_READINGS: u32 = 3;
 
 impl<P: Port> Head<P> {
-    /// Waits until all axes stand: at the goal, or where they stop.
+    /// Waits until all axes stand, at the goal or where they stop.
     pub(super) fn stand(&mut self, goal: Option<&[i32]>) -> Result<Vec<Reply>, Trouble> {
         let end_us = self.line.elapsed_us() + self.braking_us() + SETTLING_US;
         let (mut still, mut before): (u32, Option<Vec<i32>>) = (0, None);
@@ -30,8 +30,8 @@ impl<P: Port> Head<P> {
             if still >= STILL_READINGS {
                 return Ok(replies);
             }
-            // Axes that stand at the last reading get those that they need, however late a busy
-            // computer makes them.
+            // Axes that stand at the last reading get the remaining readings, even if a busy
+            // computer is late.
             if let Some(before) = before.as_deref().filter(|_| still == 0) {
                 if self.line.elapsed_us() > end_us {
                     return Err(self.late(goal, before, &replies));
@@ -41,8 +41,8 @@ impl<P: Port> Head<P> {
         }
     }
 
-    /// Waits until the axes have stopped by themselves, reads them until two readings agree, and
-    /// holds them there.
+    /// Waits until the axes have stopped, reads them until two readings agree, and holds them
+    /// there.
     pub(super) fn settle(&mut self) -> Result<Vec<Reply>, Trouble> {
         self.stand(None)?;
         let replies = self.read_twice()?;
@@ -52,18 +52,19 @@ impl<P: Port> Head<P> {
         Ok(replies)
     }
 
-    /// The longest that an axis may take to brake, us. An oblique way has one time law for all
-    /// axes, made of the limits of one of them, so that it takes no longer.
+    /// Longest braking time of an axis, us. An oblique move has one time law for all axes. It comes
+    /// from the limits of one of them, so braking takes no longer.
     fn braking_us(&self) -> u64 {
         let axes = self.axes.iter().map(|axis| {
-            // Not 0 in any machine file; 2^32 s at most.
+            // No acceleration in a machine file is 0. The result is at most 2^32 s.
             u64::from(axis.settings.rate) * 1_000_000 / u64::from(axis.settings.acceleration.max(1))
         });
         axes.max().unwrap_or_default()
     }
 
-    /// Why the time is over: an axis that has not ended its motion, or the one that is farthest
-    /// from where it was to be, or had been.
+    /// The trouble of axes that are late. It names an axis that still moves, or the one that is
+    /// farthest from its goal. Without a goal that is the one that is farthest from its position
+    /// `before`.
     pub(super) fn late(&self, goal: Option<&[i32]>, before: &[i32], replies: &[Reply]) -> Trouble {
         let meant = goal.unwrap_or(before);
         let far = |index: &usize| replies[*index].readings.position.abs_diff(meant[*index]);

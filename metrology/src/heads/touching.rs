@@ -1,4 +1,4 @@
-//! Probing by a head: moves until the contact changes, and the probing cycle.
+//! Probing by a head: moves that end when the contact changes, and the probing cycle.
 
 use super::head::Head;
 use super::port::Port;
@@ -10,17 +10,17 @@ use husillo_probe::{Cycle, Edge, Failure, Input, Measurement, Plan, Request, Uni
 use husillo_transports::nmc::{Homing, Reply, Status};
 
 impl<P: Port> Head<P> {
-    /// Goes straight towards a goal, at `rate` counts/s at most and not faster than a search, until
-    /// the contact is made or broken, and stays where it has braked.
+    /// Goes towards a goal in a straight line until the contact is made or broken. It stays where
+    /// it has braked. The speed is at most `rate` counts/s and at most that of a search.
     ///
     /// # Errors
     ///
-    /// [`Trouble`]; where the contact is at the start what it should become, or the goal is outside
-    /// of the travel, nothing moves.
+    /// [`Trouble`]. Nothing moves if the goal is outside of the travel, or if the contact already
+    /// has the wanted state at the start.
     pub fn search_to(&mut self, goal: [i64; 3], rate: u32, until: Edge) -> Result<Probed, Trouble> {
         self.find_again()?;
         let replies = self.read_twice()?;
-        // The modules look for a change, whichever.
+        // The modules look for any change, made or broken.
         if replies.iter().any(is_closed) == until.level() {
             return Err(match until {
                 Edge::Made => Trouble::Probe(Failure::ContactAtStart),
@@ -61,17 +61,17 @@ impl<P: Port> Head<P> {
         })
     }
 
-    /// Searches the work piece from where the head stands in any direction, at most so far and not
-    /// beyond the travel, touches it slowly and returns the mean of what was latched, in amounts of
-    /// the scale.
+    /// Searches the work piece from the present position in any direction, within `distance` and
+    /// the travel. Then it touches the work piece slowly and returns the mean of the latched
+    /// positions. Lengths are amounts of the scale.
     ///
     /// # Errors
     ///
-    /// [`Trouble`], the probing cycle's own among them.
-    pub fn touch(&mut self, direction: &UnitVector, way: u64) -> Result<Measurement, Trouble> {
+    /// [`Trouble`], also that of the probing cycle.
+    pub fn touch(&mut self, direction: &UnitVector, distance: u64) -> Result<Measurement, Trouble> {
         self.find_again()?;
         let from = self.held();
-        let search = way.min(self.room(direction)).min(u32::MAX.into());
+        let search = distance.min(self.room(direction)).min(u32::MAX.into());
         let amount = |counts: u32| {
             let amount = self.scale.of_counts(counts.into());
             u32::try_from(amount).unwrap_or(u32::MAX)
@@ -79,7 +79,7 @@ impl<P: Port> Head<P> {
         let mut cycle = Cycle::new(&Plan {
             approach: from,
             direction: *direction,
-            // Just cut to 32 bits.
+            // Limited to 32 bits above.
             search: search as u32,
             over_travel: amount(self.probe.over_travel),
             back_off: amount(self.probe.back_off),
@@ -95,23 +95,24 @@ impl<P: Port> Head<P> {
             replies: self.read()?,
             is_found: false,
         };
-        // The way was a search, and not found; the contact closed without a latch.
+        // Whether the last move was a search in vain, and the position of a contact without a
+        // latch.
         let (mut is_in_vain, mut unlatched) = (false, None);
-        // Where a move of the cycle would have ended, had there been room.
+        // The goal of a move of the cycle that is outside of the travel.
         let mut beyond: Option<(Vec<i32>, [i64; 3])> = None;
         loop {
             let position = self.place_of(&way.replies);
             let is_closed = way.replies.iter().any(is_closed);
             if is_in_vain && is_closed {
-                // What the modules have latched is of an earlier contact.
+                // The modules have latched the position of an earlier contact.
                 unlatched = Some(position);
             }
             let input = Input {
                 position,
-                // A contact is told once, by its latch; whether it lasts is the level.
+                // The latch reports a contact once. The level shows whether it lasts.
                 contact: way.is_found || (is_closed && !is_in_vain),
                 latched: self.latched(&way.replies),
-                // Each request is carried out before the next is asked for.
+                // Each request is carried out before the next one is asked for.
                 still: true,
             };
             way.is_found = false;
@@ -136,12 +137,12 @@ impl<P: Port> Head<P> {
                     };
                     is_in_vain = is_search && !way.is_found;
                 }
-                // The modules stop by themselves.
+                // The modules stop on their own.
                 Request::Stop | Request::Wait => {}
                 Request::Done(measurement) => return Ok(measurement),
                 Request::Failed(failure) => {
                     if let (Failure::StuckContact, Some((wanted, target))) = (failure, &beyond) {
-                        // There was no room to leave it.
+                        // There was no room to leave the contact.
                         self.check_travel(wanted, *target)?;
                     }
                     // At most 2^32 - 1.
@@ -153,7 +154,7 @@ impl<P: Port> Head<P> {
         }
     }
 
-    /// The trouble of a search that failed, with its ends. `unlatched` is where a contact closed
+    /// The trouble of a failed search between two points. `unlatched` is the position of a contact
     /// without a latch.
     fn failure(
         &self,
@@ -175,7 +176,7 @@ impl<P: Port> Head<P> {
 }
 
 impl<P: Port> Head<P> {
-    /// As far of the way there as the travel has it, in the same direction.
+    /// The goal, or the point on the way to it at which the travel ends.
     fn within_travel(&self, goal: &[i32]) -> Vec<i32> {
         let parts = self.axes.iter().zip(goal).map(|(axis, goal)| {
             let [low, high] = axis.settings.travel;
@@ -184,7 +185,7 @@ impl<P: Port> Head<P> {
             if end == goal {
                 1.0
             } else {
-                // It is outside, and goes no farther where it has been already.
+                // The goal is outside. An axis that is already outside does not move farther out.
                 ((end - held) / (goal - held)).clamp(0.0, 1.0)
             }
         });
@@ -194,14 +195,14 @@ impl<P: Port> Head<P> {
             .map(|(axis, goal)| {
                 let way = (f64::from(*goal) - f64::from(axis.held)) * part;
                 let [low, high] = axis.settings.travel;
-                // Rounding is half a count beyond at most.
+                // Rounding may lead beyond the travel by half a count.
                 (f64::from(axis.held) + way.round()).clamp(low.into(), high.into()) as i32
             })
             .collect()
     }
 }
 
-/// Whether the probe touches.
+/// Whether the contact of the probe is closed.
 pub(super) fn is_closed(reply: &Reply) -> bool {
     reply.status.contains(Status::LIMIT_1)
 }

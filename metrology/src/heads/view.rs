@@ -1,25 +1,25 @@
-//! What readings of a machine are called.
+//! The view of a machine: the positions of its readings.
 
 use husillo_backlash::{Calibration, Flank, Knot};
 use std::rc::Rc;
 
-/// The errors of a machine, with as many knots as were measured.
+/// The errors of a machine, with any number of knots.
 pub type Errors = Calibration<Vec<Knot>>;
 
-/// Positions by readings: the errors that are taken off, and what is called 0. Results, goals and
-/// messages all come through it.
+/// Turns readings into positions: it removes the errors and subtracts the zero. Results, goals and
+/// messages all use it.
 #[derive(Clone, Debug)]
 pub struct View {
     /// The errors in force.
     pub errors: Rc<Errors>,
-    /// The direction each axis was moved in last.
+    /// The direction of the last move of each axis.
     pub flanks: [Flank; 3],
-    /// The position that is called 0.
+    /// The true position that counts as 0.
     pub zero: [i64; 3],
 }
 
 impl View {
-    /// Nothing moved yet, with these errors.
+    /// A view with these errors. No axis has moved yet.
     pub fn new(errors: Errors) -> Self {
         Self {
             errors: Rc::new(errors),
@@ -33,7 +33,7 @@ impl View {
         self.position_from(readings, self.flanks)
     }
 
-    /// The same after ways in these directions.
+    /// The same after moves in these directions.
     pub fn position_from(&self, readings: [i64; 3], flanks: [Flank; 3]) -> [i64; 3] {
         let place = self.errors.position_nm(readings, flanks);
         [0, 1, 2].map(|axis: usize| place[axis].saturating_sub(self.zero[axis]))

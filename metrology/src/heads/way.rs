@@ -1,4 +1,4 @@
-//! Straight ways of all axes of a head.
+//! Straight moves of all axes of a head.
 
 use super::head::{Head, is_done};
 use super::port::Port;
@@ -9,39 +9,39 @@ use crate::trouble::Trouble;
 use husillo_planner::{Direction, ServoLine};
 use husillo_transports::nmc::{Command, EVERY_GROUP, Failure, Homing, Mode, Reply, Trajectory};
 
-/// How often a start is sent that no module has followed.
+/// How often a start command is sent if no module follows it.
 const STARTS: u32 = 3;
 
-/// A way of the axes, or the end of one.
+/// A finished move of the axes.
 #[derive(Debug)]
 pub struct Way {
-    /// The last reading of each.
+    /// The last reading of each axis.
     pub replies: Vec<Reply>,
-    /// It was an event that ended it.
+    /// An event has ended the move.
     pub is_found: bool,
 }
 
-/// Counts/s and counts/s^2 in the units of a module, 2^-16 counts a period and a period^2; at least
-/// 1.
+/// Converts counts/s and counts/s^2 to the units of a module: 2^-16 counts per period and per
+/// period^2. The results are at least 1.
 pub(super) fn per_period(rate: u32, acceleration: u64, period_s: f64) -> (u32, u32) {
-    // 2^31 is beyond what any motor makes, so the casts' saturation does no harm.
+    // No motor reaches 2^31, so the saturation of the casts does no harm.
     let velocity = (f64::from(rate) * period_s * 65536.0).round() as u32;
     let acceleration = (acceleration as f64 * period_s * period_s * 65536.0).round() as u32;
     (velocity.max(1), acceleration.max(1))
 }
 
 impl<P: Port> Head<P> {
-    /// Goes in a straight line to `goal` in counts, as fast as the axes can but at most `rate`
-    /// counts/s, and waits until all stand. With a `search` each module ends it at the event,
-    /// latches where it was and stops, whatever the host does; without event and host the move ends
-    /// at its goal. Without a search a contact is a collision.
+    /// Goes in a straight line to `goal` in counts and waits until all axes stand. The speed is the
+    /// highest that the axes can make, but at most `rate` counts/s. With a `search` each module
+    /// latches its position at the event and stops its axis, without the host. Without an event the
+    /// move ends at its goal, also if the host is gone. Without a search a contact is a collision.
     ///
     /// The trapezoids of the axes have one time law ([`ServoLine`]). They are loaded first and
     /// started by one command to the group.
     ///
     /// # Errors
     ///
-    /// [`Trouble`]; all axes are stopped then.
+    /// [`Trouble`]. All axes are stopped then.
     pub fn travel(
         &mut self,
         goal: &[i32],
@@ -78,7 +78,7 @@ impl<P: Port> Head<P> {
             }
             let found = search.found_by(&replies);
             if found.iter().any(|(_, is_found)| *is_found) {
-                // Those that were read before it have seen it by now.
+                // Modules that were read before the event have seen it by now.
                 replies = self.read()?;
                 let found = search.found_by(&replies);
                 if let Some((index, _)) = found.iter().find(|(_, is_found)| !is_found) {
@@ -86,7 +86,7 @@ impl<P: Port> Head<P> {
                     return Err(Trouble::NotSeen { axis });
                 }
                 let replies = self.settle()?;
-                // One reading may be wrong and not show it; two alike are not.
+                // One reading may be wrong unnoticed. Two equal readings are right.
                 if let Some(index) = replies.iter().position(searches) {
                     let axis = self.axes[index].settings.letter;
                     return Err(Trouble::NotSeen { axis });
@@ -100,7 +100,7 @@ impl<P: Port> Head<P> {
                 });
             }
             if replies.iter().all(is_done) {
-                // An event while it settles is none; the search is given up.
+                // An event while the axes settle does not count: the search ends here.
                 self.disarm(search)?;
                 let replies = self.stand(Some(goal))?;
                 return Ok(Way {
@@ -114,7 +114,7 @@ impl<P: Port> Head<P> {
         }
     }
 
-    /// Arms the search of the axes that it is for.
+    /// Arms the search on the searching axes.
     pub(super) fn arm(&mut self, search: Search) -> Result<(), Trouble> {
         for (index, axis) in self.axes.iter().enumerate() {
             if !search.is_for(index) {
@@ -123,14 +123,14 @@ impl<P: Port> Head<P> {
             let command = Command::SetHoming(search.events.with(search.stop));
             let reply = self.line.command(axis.settings.module, command)?;
             if !searches(&reply) {
-                // It has heard something else, and what it has latched is of another search.
+                // The module has received another command, and its latch belongs to another search.
                 return Err(Trouble::Link(Failure::Uncertain));
             }
         }
         Ok(())
     }
 
-    /// Gives the search up.
+    /// Ends the search.
     pub(super) fn disarm(&mut self, search: Search) -> Result<(), Trouble> {
         for (index, axis) in self.axes.iter().enumerate() {
             if search.is_for(index) {
@@ -141,12 +141,12 @@ impl<P: Port> Head<P> {
         Ok(())
     }
 
-    /// The move from where the axes are held; `None` where there is no way.
+    /// The move from where the axes are held. `None`: the axes are at the goal.
     pub(super) fn line_to(&self, goal: &[i32], rate: Option<u32>) -> Option<ServoLine<3>> {
         let (mut ways, mut rates, mut accelerations) = ([0; 3], [u32::MAX; 3], [u64::MAX; 3]);
         for (axis, goal) in self.axes.iter().zip(goal) {
             let coordinate = axis.settings.coordinate();
-            // Beyond 2^31 counts it would only be slower.
+            // A saturated distance only makes the move slower.
             ways[coordinate] = goal.saturating_sub(axis.held);
             rates[coordinate] = axis.settings.rate;
             accelerations[coordinate] = axis.settings.acceleration.into();
@@ -158,13 +158,13 @@ impl<P: Port> Head<P> {
         ServoLine::new(ways, velocity, acceleration)
     }
 
-    /// When a way that begins now is over at the latest, us.
+    /// Latest end of a move that begins now, us.
     pub(super) fn latest_end_us(&self, line: &ServoLine<3>) -> u64 {
         let seconds = f64::from(line.duration_ticks) * self.period_s;
         self.line.elapsed_us() + (seconds * 1.5e6) as u64 + SETTLING_US
     }
 
-    /// Loads the trapezoids and starts them all at once.
+    /// Loads the trapezoids and starts all of them together.
     pub(super) fn start_line(
         &mut self,
         goal: &[i32],
@@ -176,7 +176,7 @@ impl<P: Port> Head<P> {
         for (index, goal) in goal.iter().enumerate() {
             let axis = &mut self.axes[index];
             let of = |all: [u32; 3]| match all[axis.settings.coordinate()] {
-                // Where there is no way: nothing that could last.
+                // An axis that does not move gets the highest rate, so that it ends immediately.
                 0 => fastest(all),
                 part => part,
             };
@@ -201,16 +201,17 @@ impl<P: Port> Head<P> {
         Ok(())
     }
 
-    /// One command for all. The leader alone answers it, so each is asked whether it has begun.
+    /// Starts all axes by one command. Only the leader answers, so each module is asked whether it
+    /// has begun.
     fn start_group(&mut self, goal: &[i32], search: Option<Search>) -> Result<(), Trouble> {
         for _ in 0..STARTS {
             match self.line.command(EVERY_GROUP, Command::StartMotion) {
-                // Without the leader's answer the others know.
+                // If the answer of the leader is missing, the readings below decide.
                 Ok(_) | Err(Trouble::Link(Failure::Uncertain)) => {}
                 Err(trouble) => return Err(trouble),
             }
             let replies = self.read()?;
-            // Of ways so short that it cannot be told the end will tell.
+            // Of short moves the readings do not show the start. They are checked at their end.
             let is_long = |(axis, (_, goal)): &(&Servo, (&Reply, &i32))| {
                 goal.abs_diff(axis.held) > 4 * axis.settings.in_position
             };
@@ -226,7 +227,7 @@ impl<P: Port> Head<P> {
                 return Ok(());
             }
             if begun.contains(&true) {
-                // The others would leave the line.
+                // The moving axes would leave the straight line.
                 break;
             }
         }

@@ -9,16 +9,16 @@ use super::vector::{
 use crate::heads::Stylus;
 use husillo_probe::UnitVector;
 
-/// 3-2-1: the plane gives the direction of one axis and the place along it, the line the direction
-/// of another and the place along the third, the point the place along the second. Which axes those
-/// are follows from the frame so far: each is the nearest.
+/// 3-2-1 alignment. The plane gives the direction of a first axis and the position on it. The line
+/// gives the direction of a second axis and the position on the third. The point gives the position
+/// on the second axis. Each direction belongs to the nearest axis of the previous frame.
 ///
-/// Where the ball touched, its radius is taken along the axes found, not along the travel: a part
-/// turned by any angle that the tip could still touch gives the same frame.
+/// The radius of the ball is subtracted along the axes found, not along the travel. So the rotation
+/// of the part does not change the frame, as long as the tip can touch it.
 ///
 /// # Errors
 ///
-/// A line at right angles to the plane.
+/// The line is at right angles to the plane, or a feature has the wrong shape.
 pub fn align(
     of: [&Feature; 3],
     called_nm: [i64; 3],
@@ -39,7 +39,7 @@ pub fn align(
     let (second, sign) = nearest_axis(before.direction_to_part(&direction), Some(first));
     let along = scaled(along, sign);
     let third = 3 - first - second;
-    // Cyclic order is right-handed.
+    // A cyclic order gives a right-handed frame.
     let is_cyclic = (first + 1) % 3 == second;
     let last = if is_cyclic {
         cross(normal, along)
@@ -59,7 +59,7 @@ pub fn align(
     Ok(Frame::new(axes, at, called_nm))
 }
 
-/// Where a feature is along an axis, nm.
+/// Position of a feature on an axis, nm.
 fn place_along(feature: &Feature, axis: Vector, tip: &Stylus) -> f64 {
     let outward: Option<&UnitVector> = match &feature.shape {
         Shape::Point { outward, .. } => Some(outward),
@@ -67,7 +67,7 @@ fn place_along(feature: &Feature, axis: Vector, tip: &Stylus) -> f64 {
         _ => None,
     };
     let across = outward.map_or(0.0, |outward| dot(components(outward), axis));
-    // Touched more along this axis than across it.
+    // The radius counts only if the feature was touched more along this axis than across it.
     if across.abs() < 0.5 || feature.contacts.is_empty() {
         return dot(floats(feature.shape.point_nm().unwrap_or_default()), axis);
     }

@@ -1,13 +1,13 @@
-//! The measuring cycles as subroutines of a G-code program.
+//! The measuring cycles that a G-code program calls as subroutines.
 
 use super::dimension::{Figure, Wanted};
 use super::statement::{Job, Place, Task};
 
 /// A cycle that a program can call, and its arguments.
 pub struct Cycle {
-    /// As it is called.
+    /// Name in the call.
     pub name: &'static str,
-    /// What its arguments are; the first `needed` must be given.
+    /// Names of its arguments. The first `needed` must be given.
     pub arguments: &'static str,
     needed: usize,
     most: usize,
@@ -22,7 +22,7 @@ const fn cycle(name: &'static str, needed: usize, most: usize, arguments: &'stat
     }
 }
 
-/// All of them.
+/// All cycles.
 pub const CYCLES: [Cycle; 9] = [
     cycle("point", 6, 6, "[x] [y] [z] [dx] [dy] [dz]"),
     cycle("edge", 5, 7, "[x] [y] [z] [dx] [dy] [points] [over]"),
@@ -35,19 +35,20 @@ pub const CYCLES: [Cycle; 9] = [
     cycle("sphere", 4, 5, "[x] [y] [z] [diameter] [points]"),
 ];
 
-/// The cycle of this name, in any case.
+/// The cycle of this name, upper or lower case.
 pub fn by_name(name: &[u8]) -> Option<&'static Cycle> {
     let mut cycles = CYCLES.iter();
     cycles.find(|cycle| cycle.name.as_bytes().eq_ignore_ascii_case(name))
 }
 
 impl Cycle {
-    /// What it is to do with these arguments. `lengths` are nm, `numbers` the same arguments as
-    /// they are written.
+    /// The task of the cycle with these arguments. `lengths_nm` are the arguments as lengths, and
+    /// `numbers` are the same arguments as numbers. `count` becomes part of the name of the
+    /// feature.
     ///
     /// # Errors
     ///
-    /// A sentence about them.
+    /// A sentence about the arguments.
     pub fn task(
         &'static self,
         lengths_nm: &[i64],
@@ -130,13 +131,13 @@ impl Cycle {
     }
 }
 
-/// A number of points, from the least to 1000.
+/// A number of points from `least` to 1000. `None`: it is no such number.
 fn count_of(points: f64, least: u32) -> Option<u32> {
     let is_possible = points.fract() == 0.0 && (f64::from(least)..=1000.0).contains(&points);
     is_possible.then_some(points as u32)
 }
 
-/// Directions that are none, sizes that are none.
+/// Refuses directions of length 0 and sizes of at most 0.
 fn check(job: &Job, name: &str) -> Result<(), String> {
     let (direction, size) = match job {
         Job::Point { towards, .. } => (Some(towards), 1),
@@ -154,15 +155,15 @@ fn check(job: &Job, name: &str) -> Result<(), String> {
         _ => (None, 1),
     };
     if direction.is_some_and(|direction| *direction == [0.0; 3]) {
-        return Err(format!("o<{name}>: a direction without length"));
+        return Err(format!("o<{name}>: a direction of length 0"));
     }
     if size <= 0 {
-        return Err(format!("o<{name}>: a size that is not above 0"));
+        return Err(format!("o<{name}>: a size must be above 0"));
     }
     Ok(())
 }
 
-/// The arguments are the nominal values.
+/// Nominal values of the figures, from the arguments.
 fn wanted(job: &Job) -> Vec<Wanted> {
     let of = |figure, nominal_micro| Wanted {
         figure,

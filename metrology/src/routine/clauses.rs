@@ -1,4 +1,4 @@
-//! The clauses behind the name of a feature.
+//! The clauses after the name of a feature.
 
 use super::dimension::{Figure, Wanted};
 use super::jobs::Needs;
@@ -9,7 +9,7 @@ use super::vector::{Vector, nearest_axis};
 use super::wrong::{Wrong, code};
 use std::ops::Range;
 
-/// Something and where it stands.
+/// A value and its bytes in the line.
 #[derive(Clone, Copy, Debug)]
 pub struct Spanned<T> {
     pub value: T,
@@ -27,7 +27,7 @@ impl<T> Spanned<T> {
     }
 }
 
-/// All that may be said of a feature; what its statement does not take is refused while reading.
+/// All clauses of a feature. Clauses that its statement does not take are refused while reading.
 #[derive(Debug, Default)]
 pub struct Clauses {
     at: Vec<[Option<Value>; 3]>,
@@ -50,7 +50,7 @@ pub struct Clauses {
     figures: Vec<Wanted>,
 }
 
-/// Sets what may be set once.
+/// Sets a value that may be set once.
 fn set<T>(slot: &mut Option<T>, value: T, word: &str, span: Range<usize>) -> Result<(), Wrong> {
     match slot.replace(value) {
         None => Ok(()),
@@ -89,7 +89,7 @@ impl Clauses {
                     format!("`{keyword}` takes no `{}`", word.text),
                     word.span,
                 )
-                .help(format!("there are {}", all.join(", "))));
+                .help(format!("it takes {}", all.join(", "))));
             }
             reader.next();
             clauses.clause(parser, &lower, figure.copied(), &stops, reader)?;
@@ -111,7 +111,7 @@ impl Clauses {
             "towards" => {
                 loop {
                     self.towards.push(reader.direction()?);
-                    // `x 10` behind a direction is a figure.
+                    // `x 10` after a direction is a figure.
                     let is_over = !reader.is_direction() || reader.peek_axis().is_some();
                     if is_over || self.towards.len() == 2 {
                         return Ok(());
@@ -162,7 +162,7 @@ impl Clauses {
             }
             _ => match figure {
                 Some(figure) => self.figure(figure, reader),
-                // `diameter` and `width` of those that have the figure too.
+                // `diameter` and `width` of features that have this figure as well.
                 None => Err(twice(word, span)),
             },
         }
@@ -212,18 +212,18 @@ impl Clauses {
             .any(|other| other.figure == wanted.figure)
         {
             return Err(twice(wanted.figure.name(), span)
-                .label("it is given and has one tolerance at most"));
+                .label("a figure is given once, with at most one tolerance"));
         }
         self.figures.push(wanted);
         Ok(())
     }
 
-    /// Coordinates, each with a tolerance if it has one.
+    /// Reads coordinates with their tolerances.
     fn place(&mut self, reader: &mut LineReader<'_>) -> Result<(), Wrong> {
         let span = reader.before();
         let mut place = [None; 3];
         while place.iter().any(Option::is_none) {
-            // A coordinate that is there already is a figure.
+            // The second number for an axis is a figure.
             let is_new = reader.peek_axis().is_some_and(|axis| place[axis].is_none());
             if !is_new {
                 break;
@@ -243,9 +243,11 @@ impl Clauses {
             place[axis] = Some(value);
         }
         if place.iter().all(Option::is_none) {
-            return Err(Wrong::new(code::MISSING, "`at` where?", reader.here())
-                .label("a coordinate belongs here")
-                .help("as in `at x 10 y 20 z 0`; what is left out is where the tip is"));
+            return Err(
+                Wrong::new(code::MISSING, "`at` without coordinates", reader.here())
+                    .label("a coordinate belongs here")
+                    .help("as in `at x 10 y 20 z 0`; a missing coordinate is that of the tip"),
+            );
         }
         self.at_span = span;
         self.at.push(place);
@@ -261,13 +263,13 @@ impl Clauses {
         }
     }
 
-    /// So many places at least.
+    /// At least `least` places.
     pub fn places(&self, least: usize, needs: &Needs<'_, '_>) -> Result<Vec<Place>, Wrong> {
         if self.at.len() >= least {
             return Ok(self.at.iter().map(plain).collect());
         }
         let what = format!(
-            "the coordinates of each touch, {least} at least; or `of` and the names of points"
+            "the coordinates of each touch, at least {least}; or `of` and the names of points"
         );
         Err(needs.missing("at", &what))
     }
@@ -280,7 +282,7 @@ impl Clauses {
         }
     }
 
-    /// How many points, from `least` on.
+    /// The number of points, at least `least`.
     pub fn points(&self, usual: u32, least: u32, reader: &LineReader<'_>) -> Result<u32, Wrong> {
         match self.points {
             None => Ok(usual),
@@ -288,7 +290,7 @@ impl Clauses {
             Some(count) => {
                 let message = format!("{} points determine no such feature", count.value);
                 let span = count.start..count.end.max(reader.whole().start);
-                Err(Wrong::new(code::NUMBER, message, span).help(format!("{least} at least")))
+                Err(Wrong::new(code::NUMBER, message, span).help(format!("at least {least}")))
             }
         }
     }
@@ -305,15 +307,16 @@ impl Clauses {
             (Some(_), Some(to)) => {
                 let span = self.to.map_or(0..0, |to| to.start..to.end);
                 Err(
-                    Wrong::new(code::NUMBER, format!("an arc to {to} deg"), span)
-                        .help("counter-clockwise, so beyond `from`, by 360 deg at most"),
+                    Wrong::new(code::NUMBER, format!("an arc cannot end at {to} deg"), span).help(
+                        "it runs counter-clockwise: `to` is beyond `from`, by at most 360 deg",
+                    ),
                 )
             }
             (None, Some(_)) => Err(needs.missing("from", "the direction of the first touch")),
         }
     }
 
-    /// The feature through points that are there.
+    /// The fit of a feature to existing points.
     pub fn fit(&self, keyword: &str, reader: &LineReader<'_>) -> Result<Fit, Wrong> {
         let shape = match keyword {
             "plane" => Fit::Plane,
@@ -327,10 +330,12 @@ impl Clauses {
             ("points", self.points.is_some()),
         ];
         if let Some((word, _)) = surplus.iter().find(|(_, is_there)| *is_there) {
-            return Err(
-                Wrong::new(code::WORD, format!("`of` and `{word}`"), reader.whole())
-                    .label("of points that are there, or measured now"),
-            );
+            return Err(Wrong::new(
+                code::WORD,
+                format!("`of` together with `{word}`"),
+                reader.whole(),
+            )
+            .label("a feature is fitted to existing points or measured now"));
         }
         if self.of.len() < shape.least_points() {
             return Err(Wrong::new(
@@ -338,13 +343,12 @@ impl Clauses {
                 format!("{} points determine no {keyword}", self.of.len()),
                 reader.whole(),
             )
-            .help(format!("{} at least", shape.least_points())));
+            .help(format!("at least {}", shape.least_points())));
         }
         Ok(shape)
     }
 
-    /// What is said of the figures: those with a tolerance, and those that the feature is measured
-    /// for.
+    /// The wanted figures: those with a tolerance, and the coordinates that the feature measures.
     pub fn wanted(&self, job: &Job) -> Vec<Wanted> {
         let along = |direction: &Vector| {
             let (axis, _) = nearest_axis(*direction, None);
@@ -380,7 +384,7 @@ impl Clauses {
     }
 }
 
-/// Without tolerances.
+/// The coordinates without their tolerances.
 fn plain(place: &[Option<Value>; 3]) -> Place {
     place.map(|value| value.map(|(nominal, _)| nominal))
 }

@@ -1,4 +1,4 @@
-//! The ways of the tip: which touches a feature takes, and how to get from one to the next.
+//! The path of the tip: the touches of a feature, and the moves between them.
 
 use super::failure::Failure;
 use super::site::{Contact, Site, beyond};
@@ -8,7 +8,7 @@ use super::vector::{Vector, cross, scaled};
 const UP: Vector = [0.0, 0.0, 1.0];
 
 impl Site<'_> {
-    /// All touches of a job, in order; none of those that calculate.
+    /// Makes all touches of a job and returns them in order. A job that only calculates has none.
     ///
     /// # Errors
     ///
@@ -61,8 +61,8 @@ impl Site<'_> {
         }
     }
 
-    /// A touch of a surface that should be at a point of the part: from its standoff and back
-    /// there.
+    /// Touches a surface that should be at a point of the part. The tip starts at its standoff and
+    /// returns there.
     fn touch_surface(
         &mut self,
         surface_nm: [i64; 3],
@@ -89,7 +89,7 @@ impl Site<'_> {
         Ok(contacts)
     }
 
-    /// Touches in a row; between them the tip keeps its distance from the edge.
+    /// Touches in a row. Between them the tip keeps its distance from the edge.
     fn edge(
         &mut self,
         at: Place,
@@ -111,7 +111,7 @@ impl Site<'_> {
         Ok(contacts)
     }
 
-    /// Two touches of the first face, two of the second. From outside the tip goes round the
+    /// Two touches on the first face and two on the second. From outside the tip goes around the
     /// corner.
     fn corner(
         &mut self,
@@ -121,7 +121,8 @@ impl Site<'_> {
         is_inside: bool,
     ) -> Result<Vec<Contact>, Failure> {
         let corner = self.place(at)?;
-        // The faces of a pocket go away from its corner against the travel to the other face.
+        // In a pocket a face extends from the corner against the direction of travel to the other
+        // face.
         let step = if is_inside { -inset_nm } else { inset_nm };
         let mut contacts = Vec::new();
         for (inset, is_direct) in [(2, false), (1, true)] {
@@ -139,8 +140,8 @@ impl Site<'_> {
         Ok(contacts)
     }
 
-    /// Touches of what is round or has two faces: outwards from the middle, or inwards from around
-    /// it.
+    /// Touches a round feature or two faces: outwards from the middle if it is inside, else
+    /// inwards.
     fn around(
         &mut self,
         centre: [i64; 3],
@@ -157,7 +158,7 @@ impl Site<'_> {
             return Ok(contacts);
         }
         self.travel_to(centre)?;
-        // In a hole without room for the clearance touches begin in its middle.
+        // If a hole has no room for the clearance, touches begin in its middle.
         let reach_nm = (diameter_nm / 2 - self.radius_nm()).max(0);
         let start_nm = (reach_nm - self.clearance_nm).max(0);
         for spoke in spokes {
@@ -170,8 +171,8 @@ impl Site<'_> {
         Ok(contacts)
     }
 
-    /// Touches of the upper half, from the pole down to the equator; the ways between go over the
-    /// top.
+    /// Touches the upper half from the pole down to the equator. The moves between touches go over
+    /// the top.
     fn sphere(
         &mut self,
         at: Place,
@@ -193,7 +194,7 @@ impl Site<'_> {
     }
 }
 
-/// Directions around Z, evenly over a whole turn, or over an arc with both ends.
+/// Directions around Z, evenly spaced over a whole turn, or over an arc including both ends.
 fn spokes(points: u32, [from, to]: [f64; 2]) -> Vec<Vector> {
     let is_whole = to - from >= 360.0;
     let gaps = if is_whole { points } else { points - 1 };
@@ -205,8 +206,8 @@ fn spokes(points: u32, [from, to]: [f64; 2]) -> Vec<Vector> {
     (0..points).map(spoke).collect()
 }
 
-/// Directions of the upper half: a spiral of equal steps in height, turned by the golden angle, so
-/// that no great circle has most of them.
+/// Directions of the upper half: a spiral with equal steps in height, each rotated by the golden
+/// angle. So no great circle contains most of them.
 fn hemisphere(points: u32) -> Vec<Vector> {
     let golden = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
     let spoke = |point: u32| {
@@ -217,7 +218,7 @@ fn hemisphere(points: u32) -> Vec<Vector> {
     (0..points).map(spoke).collect()
 }
 
-/// Without the last bits of a cosine of 90 degrees.
+/// Rounds the last bits of a cosine of 90 degrees to 0.
 fn whole(part: f64) -> f64 {
     if part.abs() < 1e-12 { 0.0 } else { part }
 }

@@ -1,4 +1,4 @@
-//! What is measured of a feature, what it should be, and how far it may be off.
+//! The figures of a feature: measured values, nominal values and tolerances.
 
 use serde::Serialize;
 
@@ -6,30 +6,30 @@ use serde::Serialize;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Figure {
-    /// Place along X.
+    /// Position on X.
     X,
-    /// Place along Y.
+    /// Position on Y.
     Y,
-    /// Place along Z.
+    /// Position on Z.
     Z,
-    /// Of a circle or a sphere.
+    /// Diameter of a circle or a sphere.
     Diameter,
-    /// Of a web or a pocket.
+    /// Width of a web or a pocket.
     Width,
-    /// Between two features.
+    /// Distance between two features.
     Length,
-    /// Between two lines, or of one to the frame.
+    /// Angle between two lines, or of a line to the frame.
     Angle,
-    /// Largest signed distance from the feature less the smallest: straightness, flatness,
+    /// Largest minus smallest signed distance from the feature: straightness, flatness or
     /// roundness.
     Form,
 }
 
 impl Figure {
-    /// Places along X, Y, Z.
+    /// Positions on X, Y, Z.
     pub const PLACES: [Self; 3] = [Self::X, Self::Y, Self::Z];
 
-    /// As it is written and printed.
+    /// Its name in routines and in results.
     pub const fn name(self) -> &'static str {
         match self {
             Self::X => "x",
@@ -52,41 +52,41 @@ impl Figure {
     }
 }
 
-/// What a figure should be, in millionths of its unit (so lengths in nm).
+/// The wanted value of a figure, in millionths of its unit (so lengths in nm).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Wanted {
-    /// Which.
+    /// The figure.
     pub figure: Figure,
-    /// As drawn.
+    /// Nominal value.
     pub nominal_micro: i64,
-    /// Least and most deviation; `None`: anything is right.
+    /// Lowest and highest deviation. `None`: any deviation is good.
     pub tolerance_micro: Option<[i64; 2]>,
 }
 
-/// What a figure with a tolerance is called.
+/// Verdict on a figure with a tolerance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// Within it.
+    /// Within its tolerance.
     Good,
-    /// Not within it.
+    /// Out of its tolerance.
     Out,
-    /// Nobody knows: a collision has bent or moved something.
+    /// Not known, as a collision may have bent or moved something.
     Spoiled,
 }
 
 /// A figure as measured, in millionths of its unit (so lengths in nm).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Dimension {
-    /// Which.
+    /// The figure.
     pub figure: Figure,
-    /// As measured.
+    /// Measured value.
     pub actual_micro: i64,
-    /// As it should be.
+    /// The wanted value.
     pub wanted: Option<Wanted>,
 }
 
 impl Dimension {
-    /// A figure and what is said of it in `wanted`.
+    /// A measured figure, and its entry in `wanted`.
     pub fn new(figure: Figure, actual_micro: i64, wanted: &[Wanted]) -> Self {
         let is_it = |wanted: &&Wanted| wanted.figure == figure;
         Self {
@@ -96,13 +96,13 @@ impl Dimension {
         }
     }
 
-    /// Actual less nominal.
+    /// Actual minus nominal value.
     pub fn deviation_micro(&self) -> Option<i64> {
         let wanted = self.wanted?;
         Some(self.actual_micro.saturating_sub(wanted.nominal_micro))
     }
 
-    /// Whether it is within its tolerance, if it has one. Both ends are within.
+    /// Whether it is within its tolerance. Both limits are within. `None`: it has no tolerance.
     pub fn is_good(&self) -> Option<bool> {
         let [least, most] = self.wanted?.tolerance_micro?;
         let deviation = self.deviation_micro()?;
@@ -110,19 +110,19 @@ impl Dimension {
     }
 }
 
-/// Millionths as a number: exact below 2^53 before the division.
+/// Millionths as a number. The conversion before the division is exact below 2^53.
 pub fn number(micro: i64) -> f64 {
     micro as f64 / 1e6
 }
 
-/// Millionths with four places: tenths of a micrometre.
+/// Millionths as text with four decimal places: tenths of a micrometre.
 pub fn decimal(micro: i64) -> String {
     let tenths = (micro as f64 / 100.0).round();
-    // No minus before a zero.
+    // A zero has no minus.
     format!("{:.4}", if tenths == 0.0 { 0.0 } else { tenths / 1e4 })
 }
 
-/// The same with its sign.
+/// The same with a sign.
 pub fn signed(micro: i64) -> String {
     let text = decimal(micro);
     if text.starts_with('-') {
@@ -137,7 +137,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn both_ends_are_within() {
+    fn both_limits_are_within() {
         let wanted = |tolerance_micro| {
             [Wanted {
                 figure: Figure::Width,

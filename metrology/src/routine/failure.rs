@@ -7,19 +7,19 @@ use std::fmt;
 /// Why a statement has no result.
 #[derive(Debug)]
 pub enum Failure {
-    /// On the machine.
+    /// The machine has a trouble.
     Machine(Trouble),
-    /// What was touched is no such feature.
+    /// The touches do not determine the feature.
     Fit(FitError),
-    /// Some points were touched from one side, some from the other.
+    /// The points were touched from both sides.
     BothSides,
-    /// The parts of a frame lie so that they determine none.
+    /// The features determine no frame.
     NoFrame,
-    /// Faces or lines that are parallel.
+    /// The faces or lines are parallel.
     Parallel,
-    /// A direction that is none.
+    /// A direction has the length 0.
     NoDirection,
-    /// A feature that has no result itself.
+    /// A feature of this name has no result.
     NotMeasured(String),
 }
 
@@ -32,7 +32,7 @@ impl fmt::Display for Failure {
             Self::NoFrame => out.write_str("plane, line and point determine no frame"),
             Self::Parallel => out.write_str("the two are parallel"),
             Self::NotMeasured(name) => write!(out, "`{name}` was not measured"),
-            Self::NoDirection => out.write_str("a direction without length"),
+            Self::NoDirection => out.write_str("a direction of length 0"),
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Features as measured.
+//! Measured features.
 
 use super::dimension::{Dimension, Figure, Verdict, Wanted};
 use super::frame::Frame;
@@ -6,26 +6,26 @@ use super::site::Contact;
 use super::vector::{Vector, components, cross, dot, floats, length, minus};
 use husillo_probe::{Circle, Line, Plane, Sphere, UnitVector};
 
-/// A feature with its points and its figures.
+/// A measured feature with its points and figures.
 #[derive(Clone, Debug)]
 pub struct Feature {
-    /// `bore`, `circle`, ...
+    /// Its keyword: `bore`, `circle`, ...
     pub keyword: &'static str,
     /// Its name.
     pub name: String,
-    /// The line it was measured by.
+    /// Number of the line that measured it.
     pub line: usize,
-    /// What it is, on the machine.
+    /// Its shape, on the machine.
     pub shape: Shape,
-    /// The touches of its own.
+    /// Its own touches.
     pub contacts: Vec<Contact>,
-    /// Its points, corrected, with what is left of them.
+    /// Its corrected points with their residuals.
     pub marks: Vec<Mark>,
-    /// The frame it was measured in.
+    /// The frame in which it was measured.
     pub frame: Frame,
     /// Its figures in that frame.
     pub dimensions: Vec<Dimension>,
-    /// The probe has collided before or after it: nothing of it is good.
+    /// The probe has collided before or after it, so it is not good.
     pub is_spoiled: bool,
 }
 
@@ -34,48 +34,48 @@ pub struct Feature {
 pub struct Mark {
     /// On the surface, nm.
     pub surface_nm: [i64; 3],
-    /// Out of the material, or out of the feature.
+    /// Direction out of the material, or out of the feature.
     pub normal: Vector,
-    /// How far it is from the feature along the normal, nm.
+    /// Distance from the feature along the normal, nm.
     pub residual_nm: i64,
 }
 
-/// What a feature is. Points, planes and so on are on the machine.
+/// The shape of a feature. All coordinates are on the machine.
 #[derive(Clone, Copy, Debug)]
 pub enum Shape {
-    /// A point of a surface whose outward normal is thought to be this.
+    /// A point of a surface.
     Point {
-        /// Where, nm.
+        /// Position, nm.
         at_nm: [i64; 3],
-        /// Out of the material.
+        /// Assumed normal out of the material.
         outward: UnitVector,
     },
     /// A face.
     Plane(Plane),
-    /// A face along Z, and the direction in which it goes.
+    /// A face parallel to Z.
     Edge {
         /// The face.
         plane: Plane,
-        /// The direction in which it goes.
+        /// Its direction across Z.
         along: UnitVector,
     },
-    /// A line; with the outward normal if it was touched.
+    /// A line.
     Line {
         /// The line.
         line: Line,
-        /// Out of the material, if it was touched.
+        /// Normal out of the material, if the line was touched.
         outward: Option<UnitVector>,
     },
-    /// Where two edges meet.
+    /// The intersection of two edges.
     Corner {
-        /// Where, nm.
+        /// Position, nm.
         at_nm: [i64; 3],
-        /// The angle of the material between, millionths of a degree.
+        /// Angle of the material between the edges, millionths of a degree.
         angle_micro: i64,
     },
-    /// Two faces.
+    /// Two opposite faces.
     Width {
-        /// The middle of both, nm.
+        /// The middle between them, nm.
         centre_nm: [i64; 3],
         /// Their distance, nm.
         width_nm: i64,
@@ -86,14 +86,14 @@ pub enum Shape {
     Circle(Circle),
     /// A sphere.
     Sphere(Sphere),
-    /// Between two places.
+    /// A distance between two places.
     Distance {
         /// The two places, nm.
         ends_nm: [[i64; 3]; 2],
         /// Their distance, nm.
         length_nm: i64,
     },
-    /// Between two directions.
+    /// An angle between two directions.
     Angle {
         /// The angle, millionths of a degree.
         angle_micro: i64,
@@ -101,7 +101,7 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// The place of a feature that has one, nm.
+    /// Position of the feature, if it has one, nm.
     pub const fn point_nm(&self) -> Option<[i64; 3]> {
         match self {
             Self::Point { at_nm, .. } | Self::Corner { at_nm, .. } => Some(*at_nm),
@@ -114,7 +114,7 @@ impl Shape {
         }
     }
 
-    /// The face of a feature that has one.
+    /// The face of the feature, if it has one.
     pub const fn plane(&self) -> Option<&Plane> {
         match self {
             Self::Plane(plane) | Self::Edge { plane, .. } => Some(plane),
@@ -122,7 +122,7 @@ impl Shape {
         }
     }
 
-    /// The direction of a feature that has one: of a line, or the normal of a face.
+    /// The direction of the feature, if it has one: that of a line, or the normal of a face.
     pub const fn direction(&self) -> Option<UnitVector> {
         match self {
             Self::Line { line, .. } => Some(line.direction),
@@ -134,14 +134,14 @@ impl Shape {
 }
 
 impl Feature {
-    /// Largest signed residual less the smallest, nm.
+    /// Largest minus smallest signed residual, nm.
     pub fn form_nm(&self) -> i64 {
         let residuals = self.marks.iter().map(|mark| mark.residual_nm);
         let most = residuals.clone().max().unwrap_or_default();
         most.saturating_sub(residuals.min().unwrap_or_default())
     }
 
-    /// Touches that count, of all points.
+    /// Number of touches that count, over all points.
     pub fn touches(&self) -> u32 {
         let touches = self.contacts.iter().map(|contact| contact.touches);
         touches.map(u32::from).sum()
@@ -153,7 +153,7 @@ impl Feature {
         spreads.max().unwrap_or_default()
     }
 
-    /// Sets the figures.
+    /// Computes the figures.
     pub fn with_figures(mut self, wanted: &[Wanted]) -> Self {
         let frame = &self.frame;
         let mut figures: Vec<(Figure, i64)> = Vec::new();
@@ -162,7 +162,7 @@ impl Feature {
         }
         match &self.shape {
             Shape::Corner { angle_micro, .. } | Shape::Angle { angle_micro } => {
-                // A corner is where its edges meet, at any height.
+                // The edges of a corner meet at any height.
                 figures.retain(|(figure, _)| *figure != Figure::Z);
                 figures.push((Figure::Angle, *angle_micro));
             }
@@ -187,14 +187,14 @@ impl Feature {
         self
     }
 
-    /// Whether no figure is out of its tolerance, which what has none is not, and nothing has
-    /// spoiled them.
+    /// Whether no figure is out of its tolerance, and no collision has spoiled the feature. A
+    /// figure without a tolerance is good.
     pub fn is_good(&self) -> bool {
         let mut dimensions = self.dimensions.iter();
         !self.is_spoiled && dimensions.all(|dimension| dimension.is_good() != Some(false))
     }
 
-    /// What a figure of it is called, if it has a tolerance.
+    /// The verdict on one of its figures. `None`: the figure has no tolerance.
     pub fn verdict(&self, dimension: &Dimension) -> Option<Verdict> {
         let is_good = dimension.is_good()?;
         Some(match is_good {
@@ -204,13 +204,13 @@ impl Feature {
         })
     }
 
-    /// Nothing of it is good any more.
+    /// Marks the feature as spoiled by a collision.
     pub const fn spoil(&mut self) {
         self.is_spoiled = true;
     }
 }
 
-/// So many points a feature goes through without anything left.
+/// Number of points that a feature always passes through exactly, without residuals.
 const fn least_for_form(shape: &Shape) -> usize {
     match shape {
         Shape::Edge { .. } | Shape::Line { .. } => 2,
@@ -220,8 +220,8 @@ const fn least_for_form(shape: &Shape) -> usize {
     }
 }
 
-/// The angle of a direction to X in the plane of X and Y, millionths of a degree: within half a
-/// turn of what is wanted, as a line has no front.
+/// The angle of a direction to X in the plane of X and Y, millionths of a degree. A line has no
+/// front, so the angle is within a quarter turn of the wanted one.
 fn heading_micro(frame: &Frame, direction: &UnitVector, wanted: &[Wanted]) -> i64 {
     const HALF_TURN: i64 = 180_000_000;
     let [x, y, _] = frame.direction_to_part(direction);
@@ -230,12 +230,12 @@ fn heading_micro(frame: &Frame, direction: &UnitVector, wanted: &[Wanted]) -> i6
         .iter()
         .filter(|wanted| wanted.figure == Figure::Angle);
     let about = wanted.next().map_or(0, |wanted| wanted.nominal_micro);
-    // -90 degrees are 90.
+    // -90 degrees become 90 degrees.
     about + HALF_TURN / 2 - (HALF_TURN / 2 - (micro - about)).rem_euclid(HALF_TURN)
 }
 
-/// The angle of two directions without front, 0 to 90 degrees, or to 180 where the wanted one is
-/// beyond 90; millionths.
+/// The angle of two directions without a front, millionths of a degree. It is 0 to 90 degrees, or
+/// 90 to 180 degrees if the wanted angle is beyond 90.
 pub fn angle_micro(a: &UnitVector, b: &UnitVector, wanted: &[Wanted]) -> i64 {
     let cosine = dot(components(a), components(b)).abs().min(1.0);
     let sine = length(cross(components(a), components(b)));
@@ -249,9 +249,10 @@ pub fn angle_micro(a: &UnitVector, b: &UnitVector, wanted: &[Wanted]) -> i64 {
     }
 }
 
-/// The distance of two places of features, nm: at right angles to a face, if one is a face; along a
-/// direction, if given. Circles, corners, webs and pockets are where they are at any height, so
-/// between them and others `upright` does not count.
+/// The ends and the distance of two features, nm. The distance is along the direction if one is
+/// given, else at right angles to a face if one is a face. Circles, corners, webs and pockets have
+/// no height, so the part along `upright` does not count for them. `None`: a feature has no
+/// position.
 pub fn distance_nm(
     a: &Shape,
     b: &Shape,

@@ -1,4 +1,4 @@
-//! From touches to features: probe's fits, with radius and pre-travel of the tip.
+//! Fits of features to touches, with the radius and the pre-travel of the tip.
 
 use super::failure::Failure;
 use super::feature::{Mark, Shape};
@@ -10,17 +10,17 @@ use super::vector::{
 use crate::heads::Stylus;
 use husillo_probe::{Circle, Line, Middle, Plane, Sphere, UnitVector};
 
-/// What features are fitted to, on the machine.
+/// The points that features are fitted to, on the machine.
 #[derive(Clone, Debug)]
 pub enum Points {
-    /// Touches: features go through the ball's centres, and are moved by its radius along their own
-    /// normal, so that no direction of travel makes an error.
+    /// Touches. Features are fitted to the centres of the ball and moved by its radius along their
+    /// own normal, so that the direction of travel causes no error.
     Touched(Vec<Contact>),
-    /// Places of other features, nm.
+    /// Positions of other features, nm.
     Found(Vec<[i64; 3]>),
 }
 
-/// A shape with its points.
+/// A fitted shape with its points.
 pub type Fitted = (Shape, Vec<Mark>);
 
 impl Points {
@@ -31,8 +31,8 @@ impl Points {
         }
     }
 
-    /// The points of the surface, for their normals out of the material, and their distances from
-    /// the feature.
+    /// The points of the surface, from functions of their normals out of the material and of their
+    /// distances from the feature.
     fn marks(
         &self,
         tip: &Stylus,
@@ -58,7 +58,7 @@ impl Points {
     }
 }
 
-/// One point, whose normal is against its travel.
+/// A single point. Its normal is opposite to the travel.
 pub fn point(contact: &Contact, tip: &Stylus) -> Fitted {
     let outward = contact.travel.reversed();
     let at_nm = tip.surface_nm(contact.latched_nm, &contact.travel, &outward);
@@ -74,7 +74,7 @@ pub fn point(contact: &Contact, tip: &Stylus) -> Fitted {
 ///
 /// # Errors
 ///
-/// Too few points, or in a line.
+/// There are too few points, or all are in a line.
 pub fn plane(points: &Points, tip: &Stylus, frame: &Frame) -> Result<Fitted, Failure> {
     let (outward, radius_nm) = match points {
         Points::Touched(contacts) => (outward(contacts)?, i64::from(tip.radius_nm)),
@@ -85,11 +85,11 @@ pub fn plane(points: &Points, tip: &Stylus, frame: &Frame) -> Result<Fitted, Fai
     Ok((Shape::Plane(plane), marks))
 }
 
-/// An edge: a face along the frame's Z, of one touch or more.
+/// An edge: a face parallel to Z of the frame, from one or more touches.
 ///
 /// # Errors
 ///
-/// Points one above the other.
+/// All points are above one another.
 pub fn edge(contacts: &[Contact], tip: &Stylus, frame: &Frame) -> Result<Fitted, Failure> {
     let outward = outward(contacts)?;
     let points = Points::Touched(contacts.to_vec());
@@ -105,11 +105,11 @@ pub fn edge(contacts: &[Contact], tip: &Stylus, frame: &Frame) -> Result<Fitted,
     Ok((Shape::Edge { plane, along }, marks))
 }
 
-/// Where two edges of as many touches meet.
+/// The intersection of two edges with the same number of touches.
 ///
 /// # Errors
 ///
-/// Edges that are parallel.
+/// The edges are parallel.
 pub fn corner(contacts: &[Contact], tip: &Stylus, frame: &Frame) -> Result<Fitted, Failure> {
     let (first, second) = contacts.split_at(contacts.len() / 2);
     let (a, mut marks) = edge(first, tip, frame)?;
@@ -120,19 +120,18 @@ pub fn corner(contacts: &[Contact], tip: &Stylus, frame: &Frame) -> Result<Fitte
     };
     let height = Plane::new(halfway(face.point_nm, other.point_nm), frame.upright());
     let at_nm = husillo_probe::corner_nm(face, other, &height).ok_or(Failure::Parallel)?;
-    // Outward normals of a right corner are at right angles, of a sharp one at more: the angle of
-    // the material between.
+    // The angle of the material and the angle of the outward normals add up to 180 degrees.
     let between = dot(components(&face.normal), components(&other.normal));
     let angle = 180.0 - between.clamp(-1.0, 1.0).acos().to_degrees();
     let angle_micro = (angle * 1e6).round() as i64;
     Ok((Shape::Corner { at_nm, angle_micro }, marks))
 }
 
-/// Two opposite faces, and their distance along the direction they were touched in.
+/// Two opposite faces, and their distance along the direction of their touches.
 ///
 /// # Errors
 ///
-/// Not two touches.
+/// There are not exactly two touches.
 pub fn width(contacts: &[Contact], tip: &Stylus) -> Result<Fitted, Failure> {
     let [a, b] = contacts else {
         return Err(Failure::Fit(husillo_probe::FitError::TooFewPoints));
@@ -155,7 +154,7 @@ pub fn width(contacts: &[Contact], tip: &Stylus) -> Result<Fitted, Failure> {
 ///
 /// # Errors
 ///
-/// Points that are one, or a heap.
+/// The points have no direction.
 pub fn line(points: &Points, tip: &Stylus) -> Result<Fitted, Failure> {
     let centres = points.centres();
     let ends = centres.first().zip(centres.last());
@@ -190,7 +189,8 @@ pub fn line(points: &Points, tip: &Stylus) -> Result<Fitted, Failure> {
     Ok((shape, marks))
 }
 
-/// From a line to a point; any direction across it where the point is on it.
+/// The direction from a line to a point, at right angles to the line. Z if the point is on the
+/// line.
 fn away(origin_nm: [i64; 3], line: &Line, at: [i64; 3]) -> UnitVector {
     let along = components(&line.direction);
     let way = minus(floats(at), floats(origin_nm));
@@ -198,11 +198,11 @@ fn away(origin_nm: [i64; 3], line: &Line, at: [i64; 3]) -> UnitVector {
     across.and_then(direction).unwrap_or(UnitVector::Z)
 }
 
-/// A circle about the frame's Z.
+/// A circle around Z of the frame.
 ///
 /// # Errors
 ///
-/// Points in a line, or touched from both sides.
+/// The points are in a line, or were touched from both sides.
 pub fn circle(points: &Points, tip: &Stylus, frame: &Frame) -> Result<Fitted, Failure> {
     let axis = frame.upright();
     let circle = Circle::fit(points.centres(), &axis)?;
@@ -221,7 +221,7 @@ pub fn circle(points: &Points, tip: &Stylus, frame: &Frame) -> Result<Fitted, Fa
 ///
 /// # Errors
 ///
-/// Points in a plane, or touched from both sides.
+/// The points are in a plane, or were touched from both sides.
 pub fn sphere(points: &Points, tip: &Stylus) -> Result<Fitted, Failure> {
     let sphere = Sphere::fit(points.centres())?;
     let ray = |at: [i64; 3]| {
@@ -235,7 +235,7 @@ pub fn sphere(points: &Points, tip: &Stylus) -> Result<Fitted, Failure> {
     Ok((Shape::Sphere(sphere), outwards(marks, side)))
 }
 
-/// Residuals of round features are outwards from the middle, whatever side was touched.
+/// Makes the normals of a round feature point away from its middle, whatever side was touched.
 fn outwards(mut marks: Vec<Mark>, side: Side) -> Vec<Mark> {
     for mark in &mut marks {
         mark.normal = scaled(mark.normal, side.normal());
@@ -243,17 +243,17 @@ fn outwards(mut marks: Vec<Mark>, side: Side) -> Vec<Mark> {
     marks
 }
 
-/// From where something round was touched.
+/// The side from which a round feature was touched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Side {
     Inside,
     Outside,
-    /// Not at all: its points are places.
+    /// Not touched: its points are positions of other features.
     Untouched,
 }
 
 impl Side {
-    /// Out of the material, along the ray from the middle.
+    /// Sign of the direction out of the material, along the ray from the middle.
     const fn normal(self) -> f64 {
         match self {
             Self::Inside => -1.0,

@@ -1,4 +1,4 @@
-//! The frame that coordinates of a routine are in.
+//! The frame of the coordinates of a routine.
 
 use super::vector::{Vector, components, direction, dot, floats, minus, plus, scaled};
 use husillo_probe::UnitVector;
@@ -13,13 +13,13 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// The machine's own.
+    /// The frame of the machine.
     pub const MACHINE: Self = Self {
         origin_nm: [0.0; 3],
         axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
     };
 
-    /// The frame with these axes whose coordinates of the point `at_nm` of the machine are
+    /// The frame with these axes in which the point `at_nm` of the machine has the coordinates
     /// `called_nm`.
     pub fn new(axes: [Vector; 3], at_nm: Vector, called_nm: [i64; 3]) -> Self {
         let mut origin_nm = at_nm;
@@ -29,7 +29,7 @@ impl Frame {
         Self { origin_nm, axes }
     }
 
-    /// Parallel to the machine's, its origin there.
+    /// The frame that is parallel to that of the machine, with this origin.
     pub fn shifted(origin_nm: [i64; 3]) -> Self {
         Self {
             origin_nm: floats(origin_nm),
@@ -37,15 +37,15 @@ impl Frame {
         }
     }
 
-    /// The same axes; the coordinates of the present point `at_nm` of the machine become 0 where
-    /// they `are_zero`.
+    /// The frame with the same axes in which the point `at_nm` of the machine has the coordinate 0
+    /// on each axis in `are_zero`. Its other coordinates do not change.
     pub fn zeroed(&self, at_nm: [i64; 3], are_zero: [bool; 3]) -> Self {
         let here = self.to_part(at_nm);
         let called = std::array::from_fn(|axis| if are_zero[axis] { 0 } else { here[axis] });
         Self::new(self.axes, floats(at_nm), called)
     }
 
-    /// A point of the part on the machine, to the nearest nm.
+    /// Converts a point of the part to the machine, rounded to the nearest nm.
     pub fn to_machine(self, part_nm: [i64; 3]) -> [i64; 3] {
         let mut sum = self.origin_nm;
         for (axis, along) in self.axes.iter().zip(part_nm) {
@@ -54,26 +54,26 @@ impl Frame {
         sum.map(|nm| nm.round() as i64)
     }
 
-    /// A point of the machine on the part, to the nearest nm.
+    /// Converts a point of the machine to the part, rounded to the nearest nm.
     pub fn to_part(self, machine_nm: [i64; 3]) -> [i64; 3] {
         let way = minus(floats(machine_nm), self.origin_nm);
         self.axes.map(|axis| dot(axis, way).round() as i64)
     }
 
-    /// A direction of the part on the machine.
+    /// Converts a direction of the part to the machine. `None`: its length is 0.
     pub fn direction_to_machine(&self, part: Vector) -> Option<UnitVector> {
         let [x, y, z] = self.axes;
         let [a, b, c] = part;
         direction(plus(plus(scaled(x, a), scaled(y, b)), scaled(z, c)))
     }
 
-    /// A direction of the machine on the part.
+    /// Converts a direction of the machine to the part.
     pub fn direction_to_part(&self, machine: &UnitVector) -> Vector {
         let machine = components(machine);
         self.axes.map(|axis| dot(axis, machine))
     }
 
-    /// Its Z on the machine.
+    /// The direction of its Z on the machine.
     pub fn upright(&self) -> UnitVector {
         direction(self.axes[2]).unwrap_or(UnitVector::Z)
     }
@@ -84,7 +84,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn there_and_back() {
+    fn to_the_machine_and_back() {
         let x = [0.8, 0.6, 0.0];
         let y = [-0.6, 0.8, 0.0];
         let frame = Frame::new([x, y, [0.0, 0.0, 1.0]], [1e7, 2e7, 3e7], [500, 0, -7]);

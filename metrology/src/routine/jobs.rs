@@ -1,4 +1,4 @@
-//! What is to be done, from the clauses of a feature.
+//! The job of a feature, from its clauses.
 
 use super::clauses::{Clauses, Spanned};
 use super::dimension::Figure::{Angle, Form};
@@ -10,7 +10,7 @@ use super::vector::{Vector, nearest_axis};
 use super::wrong::{Wrong, code};
 
 impl Parser {
-    /// What to do, from the clauses.
+    /// The job and the wanted figures of a feature, from its clauses.
     pub(super) fn job(
         &self,
         keyword: &str,
@@ -39,7 +39,7 @@ impl Parser {
                 width_nm: needs.given(
                     clauses.width,
                     "width",
-                    "the distance of the faces, about",
+                    "the approximate distance of the faces",
                 )?,
                 is_inside: keyword == "pocket",
             },
@@ -73,8 +73,8 @@ impl Parser {
                 format!("a {keyword} is touched from outside, and no safe height is known"),
                 reader.whole(),
             )
-            .label("the tip goes over it")
-            .help("write `safe z ...` in a line before"));
+            .label("the tip travels over it")
+            .help("write `safe z ...` in an earlier line"));
         }
         let wanted = clauses.wanted(&job);
         check_figures(keyword, &job, &wanted, reader)?;
@@ -93,7 +93,7 @@ fn edge(clauses: &Clauses, needs: &Needs<'_, '_>) -> Result<Job, Wrong> {
             Some(over) => over.value,
             None if points == 1 => 0,
             None => {
-                return Err(needs.missing("over", "the length they are spread over"));
+                return Err(needs.missing("over", "the length of the row of points"));
             }
         },
     })
@@ -108,10 +108,12 @@ fn corner(clauses: &Clauses, needs: &Needs<'_, '_>) -> Result<Job, Wrong> {
         ));
     };
     if nearest_axis(first, None).0 == nearest_axis(second, None).0 {
-        return Err(
-            Wrong::new(code::NUMBER, "a corner of one face", needs.reader.whole())
-                .help("two directions across each other, as in `towards +x +y`"),
-        );
+        return Err(Wrong::new(
+            code::NUMBER,
+            "both directions are along the same axis",
+            needs.reader.whole(),
+        )
+        .help("one direction into each face, as in `towards +x +y`"));
     }
     Ok(Job::Corner {
         at: clauses.one_place(needs)?,
@@ -119,7 +121,7 @@ fn corner(clauses: &Clauses, needs: &Needs<'_, '_>) -> Result<Job, Wrong> {
         inset_nm: needs.given(
             clauses.inset,
             "inset",
-            "the way from the corner to the first touch of each face",
+            "the distance from the corner to the first touch of each face",
         )?,
         is_inside: clauses.is_inside == Some(true),
     })
@@ -127,7 +129,7 @@ fn corner(clauses: &Clauses, needs: &Needs<'_, '_>) -> Result<Job, Wrong> {
 
 /// The job of a bore, a boss, a circle or a sphere.
 fn round(clauses: &Clauses, needs: &Needs<'_, '_>) -> Result<Job, Wrong> {
-    let diameter_nm = needs.given(clauses.diameter, "diameter", "about how large it is")?;
+    let diameter_nm = needs.given(clauses.diameter, "diameter", "the approximate diameter")?;
     Ok(match needs.keyword {
         "sphere" => Job::Sphere {
             at: clauses.one_place(needs)?,
@@ -148,7 +150,7 @@ fn round(clauses: &Clauses, needs: &Needs<'_, '_>) -> Result<Job, Wrong> {
     })
 }
 
-/// Refuses a tolerance on a figure that so few points do not have.
+/// Refuses a tolerance on a figure for which there are too few points.
 fn check_figures(
     keyword: &str,
     job: &Job,
@@ -170,13 +172,13 @@ fn check_figures(
                 format!("`{keyword}` of {points} {plural} has no {name}"),
                 reader.whole(),
             )
-            .help(format!("{least} points at least")));
+            .help(format!("at least {least} points")));
         }
     }
     Ok(())
 }
 
-/// What a statement needs, with words for what is not there.
+/// The needs of a statement, and the messages about missing clauses.
 pub struct Needs<'a, 't> {
     keyword: &'a str,
     reader: &'a LineReader<'t>,
@@ -206,8 +208,12 @@ impl Needs<'_, '_> {
     }
 
     fn choice(&self, is_inside: Option<bool>) -> Result<bool, Wrong> {
-        is_inside
-            .ok_or_else(|| self.missing("inside", "a hole; or `outside`, a pin; or `of` and names"))
+        is_inside.ok_or_else(|| {
+            self.missing(
+                "inside",
+                "for a hole, `outside` for a pin; or `of` and the names of points",
+            )
+        })
     }
 
     fn pair(&self, names: &[String]) -> Result<[String; 2], Wrong> {
@@ -216,7 +222,7 @@ impl Needs<'_, '_> {
     }
 }
 
-/// A direction at right angles to Z, for cycles that know no other.
+/// Refuses a direction that is not at right angles to Z.
 fn level(direction: Vector, reader: &LineReader<'_>) -> Result<Vector, Wrong> {
     if direction[2] == 0.0 {
         return Ok(direction);
@@ -226,10 +232,10 @@ fn level(direction: Vector, reader: &LineReader<'_>) -> Result<Vector, Wrong> {
         "the direction leaves the plane of X and Y",
         reader.whole(),
     )
-    .help("for faces in Z there are `point` and `plane`"))
+    .help("use `point` or `plane` for a face across Z"))
 }
 
-/// Those that the tip cannot get round at their own height.
+/// Whether the tip cannot go around the feature at its height.
 fn needs_safe(job: &Job) -> bool {
     matches!(
         job,
@@ -243,9 +249,9 @@ fn needs_safe(job: &Job) -> bool {
     )
 }
 
-/// How many points a job's feature has, and how many leave no residuals.
+/// The number of points of a feature, and the number of points that leave no residuals.
 fn points_of(job: &Job) -> Option<(usize, usize)> {
-    // 1000 at most.
+    // At most 1000.
     let count = |points: u32| points as usize;
     Some(match job {
         Job::Edge { points, .. } => (count(*points), 2),
@@ -258,7 +264,7 @@ fn points_of(job: &Job) -> Option<(usize, usize)> {
     })
 }
 
-/// What a job's feature can be used for.
+/// The uses of the feature of a job.
 pub fn offer(job: &Job) -> Offer {
     let shape = |point, line, plane| Offer { point, line, plane };
     match job {

@@ -1,4 +1,4 @@
-//! The words of a line, taken one after another.
+//! A reader that takes the words of a line one after another.
 
 use super::vector::Vector;
 use super::words::{Word, is_number, words};
@@ -9,13 +9,13 @@ use std::ops::Range;
 /// A nominal value and its tolerance, in millionths.
 pub type Value = (i64, Option<[i64; 2]>);
 
-/// A line while it is read.
+/// A line that is being read.
 #[derive(Debug)]
 pub struct LineReader<'t> {
     text: &'t str,
     words: Vec<Word<'t>>,
     at: usize,
-    /// Of numbers without one.
+    /// Unit of numbers without a unit.
     unit: &'static str,
 }
 
@@ -48,7 +48,7 @@ impl<'t> LineReader<'t> {
         self.next()
     }
 
-    /// The next word, or the end of the line where there is none.
+    /// Bytes of the next word, or the end of the line.
     pub fn here(&self) -> Range<usize> {
         match self.peek() {
             Some(word) => word.span.clone(),
@@ -59,19 +59,19 @@ impl<'t> LineReader<'t> {
         }
     }
 
-    /// The last word that was taken.
+    /// Bytes of the last word that was taken.
     pub fn before(&self) -> Range<usize> {
         let last = self.at.checked_sub(1).and_then(|at| self.words.get(at));
         last.map_or(0..0, |word| word.span.clone())
     }
 
-    /// All words.
+    /// Bytes of all words.
     pub fn whole(&self) -> Range<usize> {
         let start = self.words.first().map_or(0, |word| word.span.start);
         start..self.words.last().map_or(0, |word| word.span.end)
     }
 
-    /// Nothing may follow.
+    /// Refuses any further word.
     pub fn finish(&self) -> Result<(), Wrong> {
         match self.peek() {
             None => Ok(()),
@@ -84,13 +84,13 @@ impl<'t> LineReader<'t> {
         }
     }
 
-    /// A length in nm, with a sign.
+    /// Reads a signed length, nm.
     pub fn length(&mut self, what: &str) -> Result<i64, Wrong> {
         let word = self.number(what)?;
         self.length_of(word.text, word.span)
     }
 
-    /// A length above 0, nm.
+    /// Reads a length above 0, nm.
     pub fn positive(&mut self, what: &str) -> Result<i64, Wrong> {
         let span = self.here();
         let nm = self.length(what)?;
@@ -104,25 +104,25 @@ impl<'t> LineReader<'t> {
         ))
     }
 
-    /// A length and its tolerance.
+    /// Reads a length and its tolerance, nm.
     pub fn toleranced_length(&mut self, what: &str) -> Result<Value, Wrong> {
         let nominal = self.length(what)?;
         Ok((nominal, self.tolerance(Self::length_of)?))
     }
 
-    /// An angle and its tolerance, millionths of a degree.
+    /// Reads an angle and its tolerance, millionths of a degree.
     pub fn toleranced_angle(&mut self, what: &str) -> Result<Value, Wrong> {
         let nominal = self.angle(what)?;
         Ok((nominal, self.tolerance(Self::angle_of)?))
     }
 
-    /// An angle in millionths of a degree.
+    /// Reads an angle, millionths of a degree.
     pub fn angle(&mut self, what: &str) -> Result<i64, Wrong> {
         let word = self.number(what)?;
         self.angle_of(word.text, word.span)
     }
 
-    /// A whole number within a range.
+    /// Reads a whole number within a range.
     pub fn count(&mut self, what: &str, range: Range<u32>) -> Result<u32, Wrong> {
         let word = self.number(what)?;
         let count = word.text.parse().ok().filter(|count| range.contains(count));
@@ -136,13 +136,13 @@ impl<'t> LineReader<'t> {
         })
     }
 
-    /// X, Y or Z with a number behind it, if that is next.
+    /// Takes X, Y or Z, if it is next and a number follows it.
     pub fn axis(&mut self) -> Option<(usize, Word<'t>)> {
         let axis = self.peek_axis()?;
         self.next().map(|word| (axis, word))
     }
 
-    /// Which axis [`LineReader::axis`] would give.
+    /// The axis that [`LineReader::axis`] would take.
     pub fn peek_axis(&self) -> Option<usize> {
         let axis = self.peek().and_then(|word| axis_of(word.text))?;
         let behind = self.words.get(self.at + 1);
@@ -151,7 +151,7 @@ impl<'t> LineReader<'t> {
             .then_some(axis)
     }
 
-    /// A direction: `-z`, parts along axes such as `x1 y-1`, or all three as in `1,-1,0`.
+    /// Reads a direction: `-z`, components such as `x1 y-1`, or all three as in `1,-1,0`.
     pub fn direction(&mut self) -> Result<Vector, Wrong> {
         let span = self.here();
         if let Some(vector) = self.three_numbers() {
@@ -194,9 +194,7 @@ impl<'t> LineReader<'t> {
         let Some((axis, sign)) = axis else {
             return Err(Wrong::new(code::MISSING, "a direction is missing", span)
                 .label("belongs here")
-                .help(
-                    "write +x, -z, parts along axes as in `x1 y-1`, or all three as in `1,-1,0`",
-                ));
+                .help("write +x, -z, components as in `x1 y-1`, or all three as in `1,-1,0`"));
         };
         self.next();
         let mut vector = [0.0; 3];
@@ -223,7 +221,7 @@ impl<'t> LineReader<'t> {
             })
     }
 
-    /// A number.
+    /// Takes a number.
     fn number(&mut self, what: &str) -> Result<Word<'t>, Wrong> {
         let span = self.here();
         match self.peek() {
@@ -242,7 +240,7 @@ impl<'t> LineReader<'t> {
         }
     }
 
-    /// A number of the text with the unit that is next, or the routine's.
+    /// The length of a number with the unit that is next, or else with the unit of the routine.
     fn length_of(&mut self, number: &str, span: Range<usize>) -> Result<i64, Wrong> {
         let unit = match self.peek() {
             Some(word) if matches!(word.text, "nm" | "um" | "mm" | "in") => {
@@ -253,7 +251,7 @@ impl<'t> LineReader<'t> {
             _ => self.unit,
         };
         match quantity::parse(&format!("{number} {unit}")) {
-            // 10 m: more than any machine has, and nothing overflows.
+            // 10 m is longer than any machine, and nothing overflows.
             Ok(Quantity::Length(length)) if length.rounded().abs() <= 10_000_000_000 => {
                 Ok(length.rounded())
             }
@@ -277,7 +275,8 @@ impl<'t> LineReader<'t> {
         })
     }
 
-    /// `+-0.02`, or `+0.03 -0.01`, if it is next: least and most.
+    /// Reads a tolerance such as `+-0.02` or `+0.03 -0.01`, if it is next. Returns the lowest and
+    /// highest deviation.
     fn tolerance(
         &mut self,
         read: impl Fn(&mut Self, &str, Range<usize>) -> Result<i64, Wrong>,
@@ -310,22 +309,26 @@ impl<'t> LineReader<'t> {
         }
         Err(Wrong::new(
             code::TOLERANCE,
-            "a tolerance without room",
+            "a tolerance of width 0",
             word.span.start..other.span.end,
         ))
     }
 }
 
-/// 0, 1, 2 of X, Y, Z.
+/// 0, 1, 2 for X, Y, Z, upper or lower case.
 pub fn axis_of(text: &str) -> Option<usize> {
     ["x", "y", "z"]
         .iter()
         .position(|axis| text.eq_ignore_ascii_case(axis))
 }
 
-/// Something is there a second time.
+/// The mistake of a word that is given a second time.
 pub fn twice(word: &str, span: Range<usize>) -> Wrong {
-    Wrong::new(code::TWICE, format!("`{word}` a second time"), span)
+    Wrong::new(
+        code::TWICE,
+        format!("`{word}` is given a second time"),
+        span,
+    )
 }
 
 fn malformed(word: &Word<'_>) -> Wrong {

@@ -1,4 +1,4 @@
-//! Lines of a routine, read and checked against those before.
+//! The parser of the lines of a routine. It checks each line against the lines before.
 
 use super::clauses::Clauses;
 use super::jobs::offer;
@@ -8,7 +8,7 @@ use super::vocabulary::{FEATURES, Feature, ORDERS, RESERVED};
 use super::wrong::{Mistake, Wrong, code};
 use std::collections::HashMap;
 
-/// What a named feature can be used for.
+/// The uses of a named feature.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Offer {
     /// As a point.
@@ -19,7 +19,7 @@ pub struct Offer {
     pub plane: bool,
 }
 
-/// Reads lines one after another and remembers what was named.
+/// Reads lines one after another and remembers the names of the features.
 #[derive(Clone, Debug)]
 pub struct Parser {
     unit: &'static str,
@@ -35,7 +35,7 @@ impl Default for Parser {
 }
 
 impl Parser {
-    /// At the first line.
+    /// A parser before the first line.
     pub fn new() -> Self {
         Self {
             unit: "mm",
@@ -49,7 +49,7 @@ impl Parser {
     ///
     /// # Errors
     ///
-    /// Every line that is wrong.
+    /// The mistakes of all wrong lines.
     pub fn file(text: &str) -> Result<Vec<Statement>, Vec<Mistake>> {
         let mut parser = Self::new();
         let mut mistakes = Vec::new();
@@ -70,11 +70,11 @@ impl Parser {
         }
     }
 
-    /// Reads a line; `None` where it says nothing.
+    /// Reads a line. `None`: it is empty, or sets the unit.
     ///
     /// # Errors
     ///
-    /// The first thing that is wrong with it.
+    /// The first mistake in the line.
     pub fn line(&mut self, number: usize, text: &str) -> Result<Option<Statement>, Wrong> {
         let mut reader = LineReader::new(text, self.unit);
         let Some(word) = reader.next() else {
@@ -108,7 +108,7 @@ impl Parser {
                         word.span,
                     )
                     .label("no statement of a routine")
-                    .help(format!("there are {}", names.join(", "))));
+                    .help(format!("the statements are {}", names.join(", "))));
                 }
             },
         };
@@ -130,12 +130,12 @@ impl Parser {
                 self.has_safe = true;
                 Ok(Order::Safe(Some(reader.length("safe")?)))
             }
-            _ => Err(Wrong::new(code::MISSING, "safe at which height?", span)
+            _ => Err(Wrong::new(code::MISSING, "`safe` without a height", span)
                 .help("as in `safe z 30`, or `safe off`")),
         }
     }
 
-    /// `frame machine`, or `frame plane A line B point C at x 0 y 0 z 0`.
+    /// Reads `frame machine`, or `frame plane A line B point C at x 0 y 0 z 0`.
     fn frame(&mut self, reader: &mut LineReader<'_>) -> Result<Order, Wrong> {
         if reader.take("machine").is_some() {
             return Ok(Order::MachineFrame);
@@ -163,21 +163,23 @@ impl Parser {
         })
     }
 
-    /// The name of a feature that was measured before and can be used so.
+    /// Reads the name of a feature that was measured before and has this use.
     fn used(&self, reader: &mut LineReader<'_>, as_what: &str) -> Result<String, Wrong> {
         let span = reader.here();
         let Some(word) = reader.next() else {
-            return Err(Wrong::new(code::MISSING, "a name is missing", span).label("belongs here"));
+            return Err(
+                Wrong::new(code::MISSING, "a name is missing", span).label("it belongs here")
+            );
         };
         let Some((line, offer)) = self.known.get(&word.text.to_ascii_lowercase()) else {
             let message = format!("nothing is named `{}` yet", word.text);
             let help = match self.known.is_empty() {
-                true => "measure it in a line before".to_owned(),
+                true => "measure it in an earlier line".to_owned(),
                 false => {
                     let mut names: Vec<_> = self.known.iter().collect();
                     names.sort_by_key(|(_, (line, _))| *line);
                     let names: Vec<_> = names.iter().map(|(name, _)| name.as_str()).collect();
-                    format!("there is {}", names.join(", "))
+                    format!("names so far: {}", names.join(", "))
                 }
             };
             return Err(Wrong::new(code::NAME, message, word.span).help(help));
@@ -200,7 +202,7 @@ impl Parser {
         .label(format!("measured in line {line}")))
     }
 
-    /// A feature, its name and its clauses.
+    /// Reads a feature, its name and its clauses.
     fn feature(
         &mut self,
         number: usize,
@@ -223,7 +225,7 @@ impl Parser {
         })))
     }
 
-    /// The name of a new feature; a touch may go without.
+    /// Reads the name of a new feature. A touch without a name gets one.
     fn name(
         &mut self,
         keyword: &'static str,
@@ -257,22 +259,22 @@ impl Parser {
                 word.span,
             )
             .help(
-                "a name is letters and digits, `_` and `-`, begins with a letter, and is no \
-             word of the language and no coordinate like x1",
+                "a name has letters, digits, `_` and `-` and begins with a letter; it is no word \
+                 of the language and no coordinate such as x1",
             ));
         }
         if let Some((line, _)) = self.known.get(&lower) {
             return Err(Wrong::new(
                 code::TWICE,
-                format!("`{}` a second time", word.text),
+                format!("`{}` is named a second time", word.text),
                 word.span,
             )
-            .label(format!("there is one from line {line}")));
+            .label(format!("line {line} has this name")));
         }
         Ok(word.text.to_owned())
     }
 
-    /// The names behind `of` and `between`.
+    /// Reads the names after `of` and `between`.
     pub(super) fn names(
         &self,
         reader: &mut LineReader<'_>,
@@ -293,8 +295,10 @@ impl Parser {
                 .iter()
                 .any(|known: &String| known.eq_ignore_ascii_case(&name))
             {
-                let message = format!("`{text}` is there twice");
-                return Err(Wrong::new(code::NAME, message, span).label("named before"));
+                let message = format!("`{text}` is given a second time");
+                return Err(
+                    Wrong::new(code::NAME, message, span).label("it is in this list already")
+                );
             }
             names.push(name);
         }
@@ -308,12 +312,12 @@ fn unit(reader: &mut LineReader<'_>) -> Result<&'static str, Wrong> {
     let known = ["mm", "in", "um", "nm"].into_iter();
     let mut known = known.filter(|unit| *unit == word);
     known.next().ok_or_else(|| {
-        Wrong::new(code::NUMBER, "units of what?", span)
-            .help("as in `units mm`; there are mm, in, um, nm")
+        Wrong::new(code::NUMBER, "`units` without a known unit", span)
+            .help("as in `units mm`; the units are mm, in, um, nm")
     })
 }
 
-/// `x 1 y 2`, each at most once, one at least.
+/// Reads coordinates such as `x 1 y 2`: at least one, and each at most once.
 fn place(reader: &mut LineReader<'_>, keyword: &str) -> Result<Place, Wrong> {
     let span = reader.here();
     let mut place = [None; 3];
@@ -324,16 +328,18 @@ fn place(reader: &mut LineReader<'_>, keyword: &str) -> Result<Place, Wrong> {
         }
     }
     if place == [None; 3] {
-        return Err(
-            Wrong::new(code::MISSING, format!("`{keyword}` where?"), span)
-                .label("a coordinate belongs here")
-                .help(format!("as in `{keyword} x 10 y 20`")),
-        );
+        return Err(Wrong::new(
+            code::MISSING,
+            format!("`{keyword}` without coordinates"),
+            span,
+        )
+        .label("a coordinate belongs here")
+        .help(format!("as in `{keyword} x 10 y 20`")));
     }
     Ok(place)
 }
 
-/// `zero`, or `zero x z`.
+/// Reads the axes of `zero` or `zero x z`. Without axes all are meant.
 fn zero(reader: &mut LineReader<'_>) -> Result<[bool; 3], Wrong> {
     let mut axes = [false; 3];
     while let Some(axis) = reader.peek().and_then(|word| axis_of(word.text)) {

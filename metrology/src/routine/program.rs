@@ -1,5 +1,5 @@
-//! Measuring programs in G code: moves, probe moves, and the cycles as subroutines. A line is read
-//! when all before it are done, so that it can ask for what they found.
+//! Measuring programs in G-code: moves, probe moves, and the cycles as subroutines. A line is read
+//! after all lines before it are carried out, so that it can use their results.
 
 mod error;
 mod state;
@@ -21,10 +21,10 @@ use husillo_probe::{Edge, UnitVector};
 use state::State;
 use std::collections::HashMap;
 
-/// The language of measuring programs.
+/// The G-code dialect of measuring programs.
 pub const DIALECT: Dialect = Dialect::RS274;
 
-/// Room for parameters and calls.
+/// A program with room for parameters and calls.
 type Whole<'t> = Program<'t, 4096, 2048, 128>;
 
 /// The names of the cycles that a program can call.
@@ -32,12 +32,12 @@ pub fn cycles() -> impl Iterator<Item = &'static str> {
     CYCLES.iter().map(|cycle| cycle.name)
 }
 
-/// Everything that can be known without carrying out the program: lines without parameters, G codes
-/// that no measuring machine has.
+/// Checks a program without carrying it out: lines without parameters, and G codes that a measuring
+/// machine does not have.
 ///
 /// # Errors
 ///
-/// All that is wrong.
+/// All errors.
 pub fn check(text: &[u8]) -> Result<(), Vec<ProgramError>> {
     let mut errors = Vec::new();
     for (line, text) in lines(text) {
@@ -55,7 +55,7 @@ pub fn check(text: &[u8]) -> Result<(), Vec<ProgramError>> {
         }
         match Block::parse(text, &DIALECT) {
             Err(error) => errors.push(at.error(ProgramFault::Code(error))),
-            // Behind it any text may stand.
+            // Any text may follow the end of the program.
             Ok(_)
                 if codes().any(|word| {
                     word.letter == b'M' && matches!(word.value.whole(), Some(2 | 30))
@@ -73,7 +73,7 @@ pub fn check(text: &[u8]) -> Result<(), Vec<ProgramError>> {
     }
 }
 
-/// Arcs, curves, threads, drilling: G codes by tenths.
+/// Whether a G code, in tenths, is for arcs, curves, threads or drilling.
 fn is_machining(tenths: Option<i64>) -> bool {
     matches!(
         tenths,
@@ -81,11 +81,12 @@ fn is_machining(tenths: Option<i64>) -> bool {
     )
 }
 
-/// Runs a program to its end; every feature goes to `tell`, every M0 to `pause`.
+/// Runs a program to its end. Calls `tell` with every feature, and `pause` with the line of every
+/// M0.
 ///
 /// # Errors
 ///
-/// What is wrong with a line, or went wrong at it.
+/// A line is wrong, or failed.
 pub fn run(
     text: &[u8],
     runner: &mut Runner<'_>,
@@ -139,7 +140,7 @@ pub fn run(
     Ok(())
 }
 
-/// A cycle. Its ways go at the height where the tip is.
+/// Carries out a cycle. Its moves are at the present height of the tip.
 fn call<'r>(
     name: &[u8],
     values: &[Value],
@@ -212,7 +213,7 @@ fn carry_out(
             let way = way(from, goal);
             let travel = UnitVector::new(way).ok_or_else(|| at.failed(Failure::NoDirection))?;
             let speed = nm_per_min(feed, way).ok_or_else(|| at.foreign())?;
-            // Where contact ends, the stylus is bent as it was when it began: by the way there.
+            // At the end of the contact the stylus is still bent by the travel towards the surface.
             let (until, approach) = if away {
                 (Edge::Broken, travel.reversed())
             } else {
@@ -235,7 +236,7 @@ fn carry_out(
             };
             state.modal.set_position(here);
         }
-        // The axes stand before every line as it is.
+        // The axes stand before every line anyway.
         Command::Dwell { .. }
         | Command::Path { .. }
         | Command::ToolLength { .. }
@@ -261,20 +262,20 @@ fn way(from: [i64; 3], to: [i64; 3]) -> [i64; 3] {
     std::array::from_fn(|axis| to[axis].saturating_sub(from[axis]))
 }
 
-/// The speed of a move along this way, nm a minute; `None` where it depends on a spindle.
+/// The speed of a move over this distance, nm per minute. `None`: it depends on a spindle.
 fn nm_per_min(feed: Feed, way: [i64; 3]) -> Option<u64> {
     match feed {
         Feed::PerMinute(nm) => Some(nm.0.unsigned_abs()),
         Feed::InverseTime { micro_per_minute } => {
             let length = length(floats(way));
-            // Saturates, which is faster than any machine.
+            // The cast saturates, which is faster than any machine.
             Some((length * micro_per_minute as f64 / 1e6) as u64)
         }
         Feed::PerRevolution(_) => None,
     }
 }
 
-/// A place of the machine for people.
+/// A position of the machine as text.
 fn place_text(place_nm: [i64; 3]) -> String {
     let [x, y, z] = place_nm.map(|nm| nm as f64 / 1e6);
     format!("X {x:.4} mm, Y {y:.4} mm, Z {z:.4} mm")

@@ -1,4 +1,4 @@
-//! A routine written while its statements are carried out.
+//! Recording: a routine is written while its statements are carried out.
 
 use super::failure::Failure;
 use super::feature::Feature;
@@ -14,9 +14,9 @@ use std::io::{self, BufRead, Write};
 pub struct Refused {
     /// Number of the line, from 1.
     pub line: usize,
-    /// As it was typed.
+    /// The line as typed.
     pub text: String,
-    /// Why.
+    /// The reason.
     pub why: Refusal,
 }
 
@@ -29,15 +29,15 @@ pub enum Refusal {
     Failed(Failure),
 }
 
-/// Carries out lines as they come and writes those that succeed, moves as where they ended; what
-/// was measured goes to `each`. A line that is wrong, or fails, goes to `refuse` and is not
-/// written.
+/// Carries out lines as they come and writes those that succeed. Moves are written with their end
+/// points. Calls `each` with every feature. A line that is wrong or fails is not written, and
+/// `refuse` is called with it.
 ///
-/// Returns how many were refused.
+/// Returns the number of refused lines.
 ///
 /// # Errors
 ///
-/// Reading or writing fails, or `each` does.
+/// Reading, writing or `each` fails.
 pub fn record(
     input: &mut dyn BufRead,
     routine: &mut dyn Write,
@@ -89,9 +89,9 @@ pub fn record(
 
 /// A line that succeeded.
 struct Done {
-    /// As it is written.
+    /// Its text in the routine.
     text: String,
-    /// Of a move: from and to, nm.
+    /// Start and end of a move, nm.
     moved: Option<[[i64; 3]; 2]>,
     is_feature: bool,
 }
@@ -113,7 +113,7 @@ fn carry_out(
     };
     let tried = try_statement(&statement, runner, &mut done);
     if tried.is_err() {
-        // Its name is free again.
+        // This makes its name free again.
         *parser = before;
     }
     tried.map_err(Refusal::Failed)?;
@@ -145,7 +145,7 @@ fn try_statement(
     Ok(())
 }
 
-/// A touch with its name.
+/// The line of a touch with its name inserted.
 fn named(line: &str, name: &str) -> String {
     let all = words(line);
     let is_named = all
@@ -160,7 +160,7 @@ fn named(line: &str, name: &str) -> String {
     }
 }
 
-/// Moves that are not written yet: those in one direction are one.
+/// Moves that are not written yet. Moves in the same direction become one.
 #[derive(Default)]
 struct Ways {
     last: Option<[[i64; 3]; 2]>,
@@ -182,18 +182,18 @@ impl Ways {
         let Some([_, to]) = self.last.take() else {
             return Ok(());
         };
-        // With its unit, whatever the routine's is.
+        // The unit is written, as the routine may use another one.
         let [x, y, z] = to.map(super::dimension::number);
         writeln!(routine, "goto x {x} mm y {y} mm z {z} mm")
     }
 }
 
-/// Whether a way along one axis goes on along it. Others stay as they are: their corners may lead
-/// round something.
+/// Whether a move continues a previous one along the same single axis. Other moves stay separate,
+/// as their corners may lead around an obstacle.
 fn is_onward(start: [i64; 3], end: [i64; 3], to: [i64; 3]) -> bool {
     let step = |from: [i64; 3], to: [i64; 3]| -> Vec<(usize, i64)> {
         let steps = (0..3).map(|axis| (axis, (to[axis] - from[axis])));
-        // Where an axis stands still it may be a few counts off.
+        // An axis that stands still may be a few counts off.
         let steps = steps.filter(|(_, way)| way.abs() > 10_000);
         steps.map(|(axis, way)| (axis, way.signum())).collect()
     };

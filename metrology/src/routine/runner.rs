@@ -1,4 +1,4 @@
-//! Statements carried out one after another.
+//! The runner, which carries out statements one after another.
 
 use super::alignment::align;
 use super::failure::Failure;
@@ -8,17 +8,17 @@ use super::frame::Frame;
 use super::site::{Contact, Site};
 use super::statement::{Fit, Job, Order, Statement, Task};
 
-/// A machine, and what was measured with it.
+/// A machine, and the features measured with it.
 #[derive(Debug)]
 pub struct Runner<'a> {
     /// The machine.
     pub site: Site<'a>,
-    /// What was measured, in order.
+    /// The measured features, in order.
     pub features: Vec<Feature>,
 }
 
 impl<'a> Runner<'a> {
-    /// Nothing measured yet.
+    /// A runner without features.
     pub const fn new(site: Site<'a>) -> Self {
         Self {
             site,
@@ -26,11 +26,11 @@ impl<'a> Runner<'a> {
         }
     }
 
-    /// Carries out a statement; gives the feature if it was one.
+    /// Carries out a statement and returns its feature, if it measures one.
     ///
     /// # Errors
     ///
-    /// Why it has no result; nothing is measured then.
+    /// The reason why it has no result. Then no feature is added.
     pub fn run(&mut self, statement: &Statement) -> Result<Option<&Feature>, Failure> {
         let site = &mut self.site;
         match &statement.order {
@@ -70,7 +70,7 @@ impl<'a> Runner<'a> {
     ///
     /// # Errors
     ///
-    /// Why there is none.
+    /// The reason why there is no feature.
     pub(super) fn measure(&mut self, task: &Task, line: usize) -> Result<Feature, Failure> {
         let site = &mut self.site;
         let usual = (site.clearance_nm, site.search_nm);
@@ -149,7 +149,7 @@ impl<'a> Runner<'a> {
         }
     }
 
-    /// What a feature is fitted to: touches, if all are single ones, else places.
+    /// The points of a fit: touches if all features are single touches, else positions.
     fn points(&self, of: &[String]) -> Result<Points, Failure> {
         let mut contacts = Vec::new();
         let mut places = Vec::new();
@@ -168,8 +168,8 @@ impl<'a> Runner<'a> {
         })
     }
 
-    /// A feature by its name. The reader has made sure that there is one; after a failed line of a
-    /// recording there may be none.
+    /// A feature by its name. The parser has checked that there is one, but after a failed line of
+    /// a recording it may be missing.
     fn find(&self, name: &str) -> Result<&Feature, Failure> {
         let mut features = self.features.iter();
         features

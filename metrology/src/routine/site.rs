@@ -1,4 +1,4 @@
-//! A machine with a probe, and the frame it measures in.
+//! A machine with a probe, and the frame in which it measures.
 
 use super::failure::Failure;
 use super::frame::Frame;
@@ -12,30 +12,30 @@ use std::fmt;
 /// A touch, on the machine.
 #[derive(Clone, Copy, Debug)]
 pub struct Contact {
-    /// The tip's centre when latched, nm.
+    /// Latched position of the centre of the tip, nm.
     pub latched_nm: [i64; 3],
-    /// The same less pre-travel: where it was at the contact.
+    /// The same without pre-travel, which is the position at the contact, nm.
     pub centre_nm: [i64; 3],
     /// The direction of travel.
     pub travel: UnitVector,
-    /// Slow touches averaged.
+    /// Number of slow touches in the mean.
     pub touches: u8,
-    /// The farthest of them less the nearest, nm.
+    /// Distance of the farthest from the nearest of them, nm.
     pub spread_nm: i64,
 }
 
-/// Where and with what a routine measures.
+/// The machine, the probe and the frame of a routine.
 pub struct Site<'a> {
     prober: &'a mut dyn Prober,
     /// Radius and pre-travel.
     pub tip: Stylus,
     /// The frame of coordinates.
     pub frame: Frame,
-    /// How far before a surface touches begin, nm.
+    /// Distance before a surface at which touches begin, nm.
     pub clearance_nm: i64,
-    /// How far behind a surface they end, nm.
+    /// Distance behind a surface at which touches end, nm.
     pub search_nm: i64,
-    /// Height for the ways between features, nm.
+    /// Safe height for the moves between features, nm. `None`: the moves are direct.
     pub safe_nm: Option<i64>,
 }
 
@@ -51,7 +51,7 @@ impl fmt::Debug for Site<'_> {
 }
 
 impl<'a> Site<'a> {
-    /// On the frame of the machine, with 2 mm of clearance and of search.
+    /// A site with the frame of the machine, and with 2 mm of clearance and of search.
     pub fn new(prober: &'a mut dyn Prober, tip: Stylus) -> Self {
         Self {
             prober,
@@ -63,12 +63,12 @@ impl<'a> Site<'a> {
         }
     }
 
-    /// What carries the probe.
+    /// The machine that moves the probe.
     pub fn prober(&mut self) -> &mut dyn Prober {
         self.prober
     }
 
-    /// Whether an axis has met something where nothing was to be touched.
+    /// Whether there was a collision.
     pub fn has_collided(&self) -> bool {
         self.prober.has_collided()
     }
@@ -78,17 +78,17 @@ impl<'a> Site<'a> {
         self.tip.radius_nm.into()
     }
 
-    /// How far the tip's centre is from a surface where touches begin, nm.
+    /// Distance of the centre of the tip from a surface at the start of a touch, nm.
     pub(super) fn standoff_nm(&self) -> i64 {
         self.radius_nm() + self.clearance_nm
     }
 
-    /// How far a touch goes, nm.
+    /// Longest distance of a touch, nm.
     pub(super) fn way_nm(&self) -> i64 {
         self.clearance_nm + self.search_nm
     }
 
-    /// Where the tip's centre is on the machine, nm.
+    /// Position of the centre of the tip on the machine, nm.
     ///
     /// # Errors
     ///
@@ -97,7 +97,7 @@ impl<'a> Site<'a> {
         Ok(self.prober.position()?)
     }
 
-    /// Where the tip's centre is on the part, nm.
+    /// Position of the centre of the tip on the part, nm.
     ///
     /// # Errors
     ///
@@ -106,7 +106,7 @@ impl<'a> Site<'a> {
         Ok(self.frame.to_part(self.prober.position()?))
     }
 
-    /// A place, with where the tip is for what is left out.
+    /// Completes a place: missing coordinates are those of the tip.
     ///
     /// # Errors
     ///
@@ -121,7 +121,7 @@ impl<'a> Site<'a> {
         }))
     }
 
-    /// Straight to a point of the part.
+    /// Goes to a point of the part in a straight line.
     ///
     /// # Errors
     ///
@@ -131,7 +131,8 @@ impl<'a> Site<'a> {
         Ok(())
     }
 
-    /// To a point of the part: up to the safe height, over and down, where there is one.
+    /// Goes to a point of the part. If there is a safe height, the path leads up to it, over the
+    /// point and down.
     ///
     /// # Errors
     ///
@@ -143,7 +144,7 @@ impl<'a> Site<'a> {
         self.travel_over(part_nm, safe_nm)
     }
 
-    /// The same over a given height.
+    /// The same at a given height.
     ///
     /// # Errors
     ///
@@ -151,7 +152,7 @@ impl<'a> Site<'a> {
     pub(super) fn travel_over(&mut self, part_nm: [i64; 3], height_nm: i64) -> Result<(), Failure> {
         let [here_x, here_y, here_z] = self.position()?;
         let [x, y, z] = part_nm;
-        // Nearer than it can stand still: straight down.
+        // Within the error of standing axes, the move goes straight down.
         let is_above = (here_x - x).abs().max((here_y - y).abs()) <= NEAR_NM;
         let height_nm = height_nm.max(here_z).max(z);
         if !is_above {
@@ -165,17 +166,17 @@ impl<'a> Site<'a> {
         self.go_to(part_nm)
     }
 
-    /// Touches along a direction of the part from where the tip is, at most so far.
+    /// Touches along a direction of the part, from the present position within `distance_nm`.
     ///
     /// # Errors
     ///
     /// Trouble of the machine, no contact among it.
-    pub(super) fn touch(&mut self, travel: Vector, way_nm: i64) -> Result<Contact, Failure> {
+    pub(super) fn touch(&mut self, travel: Vector, distance_nm: i64) -> Result<Contact, Failure> {
         let travel = self
             .frame
             .direction_to_machine(travel)
             .ok_or(Failure::NoDirection)?;
-        self.touch_along(travel, way_nm.unsigned_abs())
+        self.touch_along(travel, distance_nm.unsigned_abs())
     }
 
     /// The same along a direction of the machine.
@@ -186,9 +187,9 @@ impl<'a> Site<'a> {
     pub(super) fn touch_along(
         &mut self,
         travel: UnitVector,
-        way_nm: u64,
+        distance_nm: u64,
     ) -> Result<Contact, Failure> {
-        let touched = self.prober.touch(&travel, way_nm)?;
+        let touched = self.prober.touch(&travel, distance_nm)?;
         Ok(Contact {
             latched_nm: touched.centre_nm,
             centre_nm: self.tip.centre_nm(touched.centre_nm, &travel),
@@ -198,7 +199,7 @@ impl<'a> Site<'a> {
         })
     }
 
-    /// Calls the present place 0 in these coordinates. A safe height stays where it is.
+    /// Makes these coordinates of the present position 0. A safe height stays where it is.
     ///
     /// # Errors
     ///
@@ -209,8 +210,8 @@ impl<'a> Site<'a> {
         Ok(())
     }
 
-    /// Measures in another frame from here on. A safe height stays where it is above the tip, which
-    /// is at `here_nm`.
+    /// Changes the frame. The tip is at `here_nm`, and a safe height stays where it is above the
+    /// tip.
     pub(super) fn change_frame(&mut self, frame: Frame, here_nm: [i64; 3]) {
         if let Some(safe_nm) = self.safe_nm {
             let [x, y, _] = self.frame.to_part(here_nm);
@@ -221,17 +222,17 @@ impl<'a> Site<'a> {
     }
 }
 
-/// A place nearer than this is the same one for the ways between features, nm.
+/// In moves between features, places within this distance are the same, nm.
 const NEAR_NM: i64 = 10_000;
 
-/// The point `by_nm` from another along a direction of any length but 0.
+/// The point at the distance `by_nm` from another along a direction, whose length is not 0.
 pub fn beyond(point_nm: [i64; 3], direction: Vector, by_nm: i64) -> [i64; 3] {
     let size = vector::length(direction);
     let way = scaled(direction, by_nm as f64 / size);
     plus(floats(point_nm), way).map(|nm| nm.round() as i64)
 }
 
-/// The sum of the directions of travel, turned round: out of what was touched.
+/// The mean direction out of the touched surface: the sum of the reversed directions of travel.
 pub fn outward(contacts: &[Contact]) -> Result<UnitVector, Failure> {
     let sum = contacts.iter().fold([0.0; 3], |sum, contact| {
         plus(sum, components(&contact.travel.reversed()))

@@ -1,4 +1,4 @@
-//! Ideal solids and a machine that touches them: for tests.
+//! Ideal solids and a machine that touches them, for tests.
 
 use super::frame::Frame;
 use super::vector::{Vector, components, dot, floats, length, minus, plus, scaled};
@@ -7,18 +7,18 @@ use crate::heads::Stylus;
 use crate::heads::{Probed, Prober, Touched};
 use husillo_probe::{Edge, UnitVector};
 
-/// A body on the part; lengths in nm.
+/// A body of the part. Lengths are in nm.
 #[derive(Clone, Copy, Debug)]
 pub enum Body {
-    /// A box by its least and most corner.
+    /// A box between its lowest and highest corner.
     Block([i64; 3], [i64; 3]),
-    /// A hole along Z through what is before it, centre and radius, at any height above `floor`.
+    /// A hole along Z down to `floor` in the bodies before it in the list.
     Hole {
         centre: [i64; 2],
         radius: i64,
         floor: i64,
     },
-    /// A hole with four sides.
+    /// A hole with four sides, between its lowest and highest corner.
     Pocket([i64; 3], [i64; 3]),
     /// A pin along Z.
     Pin {
@@ -26,35 +26,35 @@ pub enum Body {
         radius: i64,
         top: i64,
     },
-    /// A ball.
+    /// A ball with its centre and radius.
     Ball([i64; 3], i64),
 }
 
-/// A part of bodies, placed on a machine that moves exactly there and latches exactly, plus the
-/// tip's pre-travel.
+/// A part made of bodies, on a machine that moves exactly and latches exactly. The pre-travel of
+/// the tip is added to the latched positions.
 pub struct Ideal {
     pub bodies: Vec<Body>,
-    /// Where the part is.
+    /// Frame of the part.
     pub place: Frame,
     pub tip: Stylus,
-    /// Where the tip is on the machine.
+    /// Position of the tip on the machine, nm.
     pub at: [i64; 3],
-    /// Straight ways made.
+    /// Number of straight moves.
     pub moves: usize,
-    /// Speeds asked for, nm a minute.
+    /// Requested speeds, nm per minute.
     pub speeds: Vec<u64>,
 }
 
-/// How far the tip may be pressed against a surface, nm: pre-travel and braking.
+/// Largest depth of a pressed tip, nm: pre-travel and braking.
 const PRESSED_NM: f64 = 20_000.0;
-/// How far it brakes beyond a change of the contact, nm.
+/// Braking distance after a change of the contact, nm.
 const BRAKING_NM: f64 = 3_000.0;
 
 impl Ideal {
-    /// How far the ball's surface is from the part, nm; negative inside.
+    /// Distance from the surface of the ball to the part, nm. Negative inside of the part.
     fn gap(&self, machine: Vector) -> f64 {
         let part = floats(self.place.to_part(machine.map(|nm| nm.round() as i64)));
-        // Rounding to nm is put back: the frame keeps lengths.
+        // The frame keeps lengths, so only the rounding to nm is lost.
         let mut gap = f64::MAX;
         for body in &self.bodies {
             gap = match *body {
@@ -93,7 +93,8 @@ impl Ideal {
     }
 }
 
-/// Two distances from faces at right angles as one: from the edge where both are outside.
+/// Combines the distances from two faces at right angles. Outside of both it is the distance from
+/// their edge.
 fn joined(a: f64, b: f64) -> f64 {
     a.max(0.0).hypot(b.max(0.0)) + a.max(b).min(0.0)
 }
@@ -147,7 +148,7 @@ impl Prober for Ideal {
         let (from, way) = (floats(self.at), minus(floats(goal_nm), floats(self.at)));
         let length = length(way);
         let travel = UnitVector::new(way.map(|nm| nm as i64)).unwrap();
-        // The stylus bends where it came from.
+        // The stylus is bent by the travel towards the surface.
         let approach = match until {
             Edge::Made => travel,
             Edge::Broken => travel.reversed(),
@@ -182,17 +183,17 @@ impl Prober for Ideal {
         })
     }
 
-    fn touch(&mut self, direction: &UnitVector, way_nm: u64) -> Result<Touched, Trouble> {
+    fn touch(&mut self, direction: &UnitVector, distance_nm: u64) -> Result<Touched, Trouble> {
         let (from, along) = (floats(self.at), components(direction));
         let mut gone = 0.0;
-        // Sphere tracing: never beyond the surface, 0.01 nm at the end.
+        // Sphere tracing never goes beyond the surface. It ends within 0.5 nm of it.
         let mut gap = self.gap(from);
         while gap.abs() > 0.5 {
             gone += gap * 0.999;
-            if gone > way_nm as f64 {
+            if gone > distance_nm as f64 {
                 return Err(Trouble::NoContact {
                     from: format!("{:?}", self.at),
-                    to: format!("{way_nm} nm along {along:?}"),
+                    to: format!("{distance_nm} nm along {along:?}"),
                 });
             }
             gap = self.gap(plus(from, scaled(along, gone)));

@@ -1,69 +1,69 @@
-//! What a line of a routine says, checked.
+//! The checked statement of a line of a routine.
 
 use super::dimension::Wanted;
 use super::vector::Vector;
 
-/// A line that says something.
+/// The statement of a line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Statement {
     /// Number of the line, from 1.
     pub line: usize,
-    /// What is to be done.
+    /// The order.
     pub(super) order: Order,
 }
 
-/// Coordinates of the part in nm; `None`: where the tip is.
+/// Coordinates of the part in nm. `None`: the coordinate of the tip.
 pub type Place = [Option<i64>; 3];
 
-/// What is to be done.
+/// The order of a statement.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Order {
-    /// How far before a surface touches begin, nm.
+    /// Distance before a surface at which touches begin, nm.
     Clearance(i64),
-    /// How far behind a surface they end, nm.
+    /// Distance behind a surface at which touches end, nm.
     Search(i64),
-    /// Height for the ways between features, nm; `None`: straight ways.
+    /// Safe height for the moves between features, nm. `None`: the moves are direct.
     Safe(Option<i64>),
-    /// Straight to a place.
+    /// A straight move to a place.
     GoTo(Place),
-    /// Straight by so much, nm.
+    /// A straight move by these distances, nm.
     Jog([i64; 3]),
-    /// The present place becomes 0 in these coordinates.
+    /// These coordinates of the present position become 0.
     Zero([bool; 3]),
     /// Back to the frame of the machine.
     MachineFrame,
     /// The frame of a plane, a line and a point.
     Frame {
-        /// Names of the three.
+        /// Names of the three features.
         of: [String; 3],
-        /// What their place is called, nm.
+        /// Coordinates of their intersection in the new frame, nm.
         called_nm: [i64; 3],
     },
-    /// A feature.
+    /// Measures a feature.
     Measure(Box<Task>),
 }
 
 /// A feature to be measured.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Task {
-    /// `bore`, `circle`, ...
+    /// Its keyword: `bore`, `circle`, ...
     pub keyword: &'static str,
     /// Its name.
     pub name: String,
-    /// How.
+    /// The touches or the calculation.
     pub job: Job,
-    /// What is said of its figures.
+    /// The wanted figures.
     pub wanted: Vec<Wanted>,
-    /// Instead of the routine's, nm.
+    /// Clearance instead of that of the routine, nm.
     pub clearance_nm: Option<i64>,
-    /// Instead of the routine's, nm.
+    /// Search instead of that of the routine, nm.
     pub search_nm: Option<i64>,
 }
 
-/// Ways to a feature. Directions are those of travel, on the part; lengths in nm.
+/// The job that gives a feature. Directions are those of travel on the part. Lengths are in nm.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Job {
-    /// One touch from where the tip is.
+    /// One touch from the present position of the tip.
     Touch {
         towards: Vector,
         within_nm: Option<i64>,
@@ -96,7 +96,7 @@ pub enum Job {
         at: Place,
         diameter_nm: i64,
         points: u32,
-        /// First and last direction, degrees; a whole turn has no last.
+        /// First and last direction, degrees. A whole turn has no touch in the last direction.
         arc_deg: [f64; 2],
         is_inside: bool,
     },
@@ -110,9 +110,9 @@ pub enum Job {
         diameter_nm: i64,
         points: u32,
     },
-    /// What was measured before.
+    /// A fit to features that were measured before.
     Fit { shape: Fit, of: Vec<String> },
-    /// The distance of two features; along a direction, if given.
+    /// The distance of two features, along a direction if one is given.
     Distance {
         between: [String; 2],
         along: Option<Vector>,
@@ -131,7 +131,7 @@ pub enum Fit {
 }
 
 impl Fit {
-    /// How many points determine it.
+    /// The number of points that determine it.
     pub const fn least_points(self) -> usize {
         match self {
             Self::Line => 2,

@@ -1,4 +1,4 @@
-//! Routines on ideal solids: what is found is what is there.
+//! Routines on ideal solids: the results are the true figures.
 
 use super::dimension::Figure;
 use super::failure::Failure;
@@ -15,7 +15,7 @@ use husillo_probe::{PreTravel, Tip, UnitVector};
 
 const MM: i64 = 1_000_000;
 
-/// 1 mm of radius, and a pre-travel that is another in every direction.
+/// A tip with a radius of 1 mm, and with a different pre-travel in every direction.
 fn tip() -> Stylus {
     let six = [UnitVector::X, UnitVector::Y, UnitVector::Z];
     let all = [six, six.map(|axis| axis.reversed())].concat();
@@ -41,7 +41,7 @@ fn ideal(bodies: Vec<Body>, place: Frame) -> Ideal {
     }
 }
 
-/// A plate of 60 x 40 x 10 with a bore, a pin and a pocket.
+/// A plate of 60 x 40 x 10 mm with a bore, a pin and a pocket.
 fn plate(place: Frame) -> Ideal {
     ideal(
         vec![
@@ -83,7 +83,8 @@ fn feature<'a>(features: &'a [Feature], name: &str) -> &'a Feature {
     found.next().unwrap()
 }
 
-/// Figures in nm, or millionths of a degree, within 3: what rounding the touches leaves.
+/// Expects figures in nm or millionths of a degree, within 3. This is the error of the rounded
+/// touches.
 fn expect(features: &[Feature], name: &str, figures: &[(Figure, i64)]) {
     let feature = feature(features, name);
     for (which, wanted) in figures {
@@ -96,7 +97,7 @@ fn expect(features: &[Feature], name: &str, figures: &[(Figure, i64)]) {
 use Figure::{Angle, Diameter, Form, Length, Width, X, Y, Z};
 
 #[test]
-fn every_cycle_finds_what_is_there() {
+fn every_cycle_finds_the_true_figures() {
     let text = "
         safe z 15
         point P1 at x 5 y 5 z 0 towards -z
@@ -217,7 +218,8 @@ fn spheres_and_features_of_features() {
     assert!(features.iter().all(Feature::is_good));
 }
 
-/// The routine of a plate: found by its sides, then measured where the drawing has it.
+/// A routine for a plate. It aligns the frame to its sides, then measures at the coordinates of the
+/// drawing.
 const ALIGNED: &str = "
     clearance 7
     search 8
@@ -236,7 +238,7 @@ const ALIGNED: &str = "
     distance BS between B S length 33 +-0.005
 ";
 
-/// A place turned about Z, then about X, degrees.
+/// A frame rotated about Z, then about X, by degrees.
 fn turned(about_z: f64, about_x: f64, at_mm: [f64; 3]) -> Frame {
     let (z, x) = (about_z.to_radians(), about_x.to_radians());
     let axes = [
@@ -248,15 +250,15 @@ fn turned(about_z: f64, about_x: f64, at_mm: [f64; 3]) -> Frame {
 }
 
 #[test]
-fn the_next_part_lies_elsewhere() {
+fn a_part_may_lie_anywhere() {
     for place in [
         Frame::MACHINE,
         turned(3.0, 0.0, [1.5, -2.0, 1.0]),
         turned(-4.0, 1.5, [-2.0, 1.0, -1.5]),
     ] {
         let features = run(ALIGNED, &mut plate(place)).unwrap();
-        // Touches are exact to a nm, directions to 2^-30 of the way; the frame from four points 40
-        // mm apart leaves some nm.
+        // Touches are exact to 1 nm, and directions to 2^-30 of the distance. The frame is made
+        // from points 40 mm apart, which adds some nm.
         for (name, figures) in [
             ("B", vec![(X, 15 * MM), (Y, 20 * MM), (Diameter, 12 * MM)]),
             ("S", vec![(X, 48 * MM), (Y, 20 * MM), (Diameter, 8 * MM)]),
@@ -279,7 +281,7 @@ fn the_next_part_lies_elsewhere() {
 }
 
 #[test]
-fn out_of_tolerance_is_told() {
+fn figures_out_of_tolerance_are_found() {
     let text = "
         safe z 15
         bore B at x 15 +-0.02 y 20 z -3 diameter 12.02 +0.01 -0.01
@@ -310,7 +312,7 @@ fn a_missing_surface_is_trouble() {
     ));
 }
 
-/// An error with all that is said of it.
+/// An error with its code or its help.
 fn shown(error: &ProgramError) -> String {
     match &error.fault {
         ProgramFault::Code(code) => format!("E{:04}: {error}", code.kind.code()),
@@ -325,17 +327,17 @@ fn program(text: &str, machine: &mut Ideal) -> Result<Vec<Feature>, String> {
     super::program::check(text.as_bytes()).map_err(|all| all[0].fault.to_string())?;
     let tip = machine.tip;
     let mut runner = Runner::new(Site::new(machine, tip));
-    let mut told = 0;
-    super::program::run(text.as_bytes(), &mut runner, |_| told += 1, |_| {})
+    let mut count = 0;
+    super::program::run(text.as_bytes(), &mut runner, |_| count += 1, |_| {})
         .map_err(|error| shown(&error))?;
-    assert_eq!(told, runner.features.len());
+    assert_eq!(count, runner.features.len());
     Ok(runner.features)
 }
 
 #[test]
-fn programs_read_what_they_found() {
-    // The second probe goes where the first one says; the pin is measured where the bore was found,
-    // in inches.
+fn programs_use_their_results() {
+    // The second probe move uses the result of the first one. The pin is measured relative to the
+    // bore. Results are also read in inches.
     let text = "
         G21 G90 G94 F24
         G0 X5 Y5 Z5
@@ -410,9 +412,10 @@ fn programs_read_what_they_found() {
 }
 
 #[test]
-fn programs_have_their_feed() {
+fn programs_move_at_their_feed() {
     let mut machine = plate(Frame::MACHINE);
-    // F goes before units, as the standard orders a line. The last takes half a minute for 20 mm.
+    // F is read before the units, in the order of the standard. The last move takes half a minute
+    // for 20 mm.
     let text = "G21 F30\nG1 Z40\nG20\nF2 G38.3 Z1.2\nG0 Z2\nG21\nG1 Z20 F7.5\nG93 F2 X20";
     program(text, &mut machine).unwrap();
     let wanted = [30_000_000, 50_800_000, 7_500_000, 40_000_000];
@@ -420,21 +423,21 @@ fn programs_have_their_feed() {
 }
 
 #[test]
-fn programs_that_are_wrong() {
-    let told = |text: &str| program(text, &mut plate(Frame::MACHINE)).unwrap_err();
-    // Before anything moves.
-    assert_eq!(told("G0 X5\nG2 X1 Y1 R5 F9"), "not on a measuring machine");
-    assert_eq!(told("G0 Q#"), "E0610: line 1: value missing");
-    // At their line.
-    assert!(told("F9\nG38.2 Z30").contains("no contact from"));
-    assert!(told("G0 Z20\no<bore> call [1] [2]").contains("o<bore> call [x] [y] [z] [diameter]"));
-    assert!(told("o<drill> call").contains("E0633"));
-    assert!(told("F9\nG38.4 Z60").contains("nothing to leave"));
-    assert!(told("F9\nG38.5 Z60").contains("nothing to leave"));
+fn wrong_programs_are_refused() {
+    let error = |text: &str| program(text, &mut plate(Frame::MACHINE)).unwrap_err();
+    // Errors before any move.
+    assert_eq!(error("G0 X5\nG2 X1 Y1 R5 F9"), "not on a measuring machine");
+    assert_eq!(error("G0 Q#"), "E0610: line 1: value missing");
+    // Errors at their lines.
+    assert!(error("F9\nG38.2 Z30").contains("no contact from"));
+    assert!(error("G0 Z20\no<bore> call [1] [2]").contains("o<bore> call [x] [y] [z] [diameter]"));
+    assert!(error("o<drill> call").contains("E0633"));
+    assert!(error("F9\nG38.4 Z60").contains("nothing to leave"));
+    assert!(error("F9\nG38.5 Z60").contains("nothing to leave"));
     let touched = "F9\nG0 X5 Y5\nG38.2 Z-1\n";
-    assert!(told(&(touched.to_owned() + "G38.3 Z-1")).contains("contact at start"));
-    let along = told(&(touched.to_owned() + "G38.4 X5.1"));
-    assert!(along.contains("contact all the way"), "{along}");
+    assert!(error(&(touched.to_owned() + "G38.3 Z-1")).contains("contact at start"));
+    let along = error(&(touched.to_owned() + "G38.4 X5.1"));
+    assert!(along.contains("lasted all the way"), "{along}");
     assert!(
         program(
             &(touched.to_owned() + "G38.5 X5.1"),
@@ -442,12 +445,12 @@ fn programs_that_are_wrong() {
         )
         .is_ok()
     );
-    assert!(told("G38.2 Z0").contains("feed"), "{}", told("G38.2 Z0"));
-    assert!(told("M3 S100").contains("not on a measuring machine"));
+    assert!(error("G38.2 Z0").contains("feed"), "{}", error("G38.2 Z0"));
+    assert!(error("M3 S100").contains("not on a measuring machine"));
 }
 
 #[test]
-fn a_recording_repeats_itself() {
+fn a_recording_gives_the_same_results() {
     let typed = "\
 units mm            # remarks stay
 safe z 15

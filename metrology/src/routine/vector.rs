@@ -5,15 +5,15 @@ use husillo_probe::UnitVector;
 /// A vector of floats.
 pub type Vector = [f64; 3];
 
-/// The direction of a vector of any length but 0.
+/// The direction of a vector. `None`: its length is 0.
 #[must_use]
 pub fn direction(vector: Vector) -> Option<UnitVector> {
     let size = length(vector);
-    // 2^31: as fine as `UnitVector::new` looks.
+    // 2^31 is the resolution of `UnitVector::new`.
     UnitVector::new(vector.map(|part| (part / size * 2_147_483_648.0).round() as i64))
 }
 
-/// The floats of a direction, of length 1 to their last bit.
+/// A direction as floats, with the length 1 to the last bit.
 #[must_use]
 pub fn components(direction: &UnitVector) -> Vector {
     let floats = direction
@@ -22,7 +22,7 @@ pub fn components(direction: &UnitVector) -> Vector {
     scaled(floats, 1.0 / length(floats))
 }
 
-/// Exact below 2^53 nm.
+/// A point as floats, exact below 2^53 nm.
 #[must_use]
 pub fn floats(point_nm: [i64; 3]) -> Vector {
     point_nm.map(|nm| nm as f64)
@@ -52,7 +52,7 @@ pub fn plus(a: Vector, b: Vector) -> Vector {
     std::array::from_fn(|axis| a[axis] + b[axis])
 }
 
-/// `a` less `b`.
+/// `a` minus `b`.
 #[must_use]
 pub fn minus(a: Vector, b: Vector) -> Vector {
     std::array::from_fn(|axis| a[axis] - b[axis])
@@ -68,16 +68,17 @@ pub fn cross(a: Vector, b: Vector) -> Vector {
     ]
 }
 
-/// `a` without its part along `axis`, of length 1; `None` where nothing is left.
+/// The part of `a` at right angles to `axis`, with the length 1. `None`: `a` is along `axis`.
 #[must_use]
 pub fn across(a: Vector, axis: Vector) -> Option<Vector> {
     let left = plus(a, scaled(axis, -dot(a, axis)));
     let size = length(left);
-    // A mrad off the axis at least, or its direction is nobody's.
+    // Within 1 mrad of the axis the direction of the rest is not determined.
     (size > 1e-3 * length(a)).then(|| scaled(left, 1.0 / size))
 }
 
-/// The part of `axes` that is largest in magnitude, and its sign.
+/// The axis of the component with the largest magnitude, except `but`, and the sign of this
+/// component.
 #[must_use]
 pub fn nearest_axis(vector: Vector, but: Option<usize>) -> (usize, f64) {
     let axes = (0..3).filter(|axis| Some(*axis) != but);
@@ -86,7 +87,7 @@ pub fn nearest_axis(vector: Vector, but: Option<usize>) -> (usize, f64) {
     (axis, if vector[axis] < 0.0 { -1.0 } else { 1.0 })
 }
 
-/// The middle of two points, to the nearest nm.
+/// The middle of two points, rounded to the nearest nm.
 #[must_use]
 pub fn halfway(a: [i64; 3], b: [i64; 3]) -> [i64; 3] {
     let (a, b) = (floats(a), floats(b));

@@ -2,7 +2,7 @@
 
 use super::dimension::Figure;
 
-/// Statements that are no features.
+/// Statements that measure no feature.
 pub const ORDERS: [&str; 8] = [
     "units",
     "clearance",
@@ -14,7 +14,7 @@ pub const ORDERS: [&str; 8] = [
     "frame",
 ];
 
-/// A feature: its word, the clauses it takes, and the figures it has.
+/// A feature: its keyword, its clauses, and its figures.
 pub type Feature = (&'static str, &'static [&'static str], &'static [Figure]);
 
 use Figure::{Angle, Diameter, Form, Length, Width, X, Y, Z};
@@ -107,7 +107,7 @@ pub const FEATURES: [Feature; 14] = [
     ("angle", &["between"], &[Angle]),
 ];
 
-/// Names that would be read as something else.
+/// Words that cannot be names, as they would be read as something else.
 pub const RESERVED: [&str; 20] = [
     "at", "towards", "along", "of", "between", "points", "over", "inset", "inside", "outside",
     "within", "from", "to", "x", "y", "z", "diameter", "width", "form", "length",

@@ -2,16 +2,16 @@
 
 use std::ops::Range;
 
-/// A word and where it stands in its line.
+/// A word and its position in its line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Word<'t> {
-    /// As written.
+    /// Its text.
     pub text: &'t str,
-    /// Its bytes.
+    /// Its bytes in the line.
     pub span: Range<usize>,
 }
 
-/// The words of a line up to its comment. `x10` is two words, as in G code, and so is `12mm`.
+/// The words of a line up to its comment. `x10` is two words as in G-code, and so is `12mm`.
 pub fn words(line: &str) -> Vec<Word<'_>> {
     let code = line.split(['#', ';']).next().unwrap_or_default();
     let mut words = Vec::new();
@@ -37,8 +37,8 @@ pub fn span(line: &str) -> Range<usize> {
     start..all.last().map_or(0, |word| word.span.end)
 }
 
-/// One word, or two where a letter of an axis and its number, or a number and its unit, are written
-/// together.
+/// Splits a text without spaces into the letter of an axis, a number and its unit, or keeps it as
+/// one word.
 fn split<'t>(code: &'t str, span: Range<usize>, words: &mut Vec<Word<'t>>) {
     let text = &code[span.clone()];
     let is_axis = text.starts_with(['x', 'y', 'z', 'X', 'Y', 'Z']);
@@ -67,13 +67,14 @@ fn split<'t>(code: &'t str, span: Range<usize>, words: &mut Vec<Word<'t>>) {
     }
 }
 
-/// A number and what is behind its last digit.
+/// Splits a text after its last digit.
 fn unit_cut(text: &str) -> (&str, &str) {
     let end = text.rfind(|c: char| c.is_ascii_digit() || c == '.');
     text.split_at(end.map_or(0, |at| at + 1))
 }
 
-/// Whether a word is a number: a sign or `+-`, digits, a point.
+/// Whether a word is a number: an optional sign or `+-`, then digits with an optional decimal
+/// point.
 pub fn is_number(text: &str) -> bool {
     let digits = ["+-", "\u{b1}", "+", "-"]
         .iter()

@@ -1,28 +1,28 @@
-//! What is wrong with a line of a routine.
+//! Mistakes in the lines of a routine.
 
 use std::ops::Range;
 
-/// What is wrong with a line, and where.
+/// A mistake in a line, and its position.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Wrong {
     /// The kind of mistake, one of [`code`].
     pub code: &'static str,
-    /// What is wrong, lower case, no full stop.
+    /// The message, lower case, without a full stop.
     pub message: String,
-    /// The bytes of the line that it is about.
+    /// The bytes of the line with the mistake.
     pub span: Range<usize>,
-    /// What is to be said beside these bytes; may be empty.
+    /// A remark at these bytes. It may be empty.
     pub label: String,
-    /// What to write instead.
+    /// Advice on what to write instead.
     pub help: Option<String>,
 }
 
-/// A line of a routine that is not understood.
+/// A line of a routine with a mistake.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Mistake {
     /// Number of the line, from 1.
     pub line: usize,
-    /// What is wrong with it.
+    /// The mistake.
     pub wrong: Wrong,
 }
 
@@ -50,18 +50,18 @@ impl Wrong {
 
 /// Codes of mistakes.
 pub mod code {
-    /// A word that is none.
+    /// An unknown word, or a word in the wrong place.
     pub const WORD: &str = "E1001";
-    /// A number or a unit.
+    /// A wrong number or unit.
     pub const NUMBER: &str = "E1002";
-    /// Something that is not there.
+    /// Something is missing.
     pub const MISSING: &str = "E1003";
-    /// A name.
+    /// A wrong name.
     pub const NAME: &str = "E1004";
-    /// A tolerance.
+    /// A wrong tolerance.
     pub const TOLERANCE: &str = "E1005";
-    /// Something that is there twice.
+    /// Something is given twice.
     pub const TWICE: &str = "E1006";
-    /// The machine, or what was measured.
+    /// A failure of the machine or of a fit.
     pub const MACHINE: &str = "E1010";
 }

@@ -1,4 +1,4 @@
-//! A simulated chain of modules with a work piece before their probes.
+//! A simulated chain of modules with a work piece before its probe.
 
 use super::contact::Contact;
 use super::piece::Mounted;
@@ -6,19 +6,19 @@ use super::piece::Mounted;
 use crate::heads::operator::StopButton;
 use husillo_sim::{DcMotor, DcMotorModel, Noise, ServoChain, Surroundings};
 
-/// A servo period in ns.
+/// Servo period, ns.
 pub const PERIOD_NS: u64 = 512_000;
 
-/// The same noise in every run.
+/// Seed of the noise, the same in every run.
 const NOISE_SEED: u64 = 2026;
 
-/// Modules, their motors and what they touch.
+/// Modules, their motors, and the faces and the work piece before the probe.
 #[derive(Clone, Debug)]
 pub struct SimulatedChain {
     chain: ServoChain,
     contacts: Vec<Contact>,
     piece: Option<Mounted>,
-    /// The probe held closed, or open, by hand.
+    /// The contact of the probe is held closed or open by hand.
     held: Option<bool>,
     #[cfg(test)]
     interruption: Option<(usize, u64)>,
@@ -27,11 +27,11 @@ pub struct SimulatedChain {
 }
 
 impl SimulatedChain {
-    /// Modules of these versions with the prototype's motors, the first at the far end.
+    /// Modules of these versions with the motors of the prototype. The first is at the far end.
     ///
     /// # Errors
     ///
-    /// A contact of a module that there is not.
+    /// A contact of a module that does not exist.
     pub fn new(
         versions: &[u8],
         contacts: &[Contact],
@@ -59,7 +59,7 @@ impl SimulatedChain {
         })
     }
 
-    /// With wrong bits on the line, this share of all.
+    /// The same chain with noise: `bit_errors` is the share of wrong bits on the line.
     #[must_use]
     pub fn with_noise(self, bit_errors: f64) -> Self {
         Self {
@@ -70,7 +70,7 @@ impl SimulatedChain {
         }
     }
 
-    /// As [`with_noise`](Self::with_noise), of any kind and seed.
+    /// As [`with_noise`](Self::with_noise), with noise of any kind and any seed.
     #[cfg(test)]
     pub fn with_faults(self, noise: Noise, seed: u64) -> Self {
         Self {
@@ -85,20 +85,20 @@ impl SimulatedChain {
         &mut self.chain
     }
 
-    /// Gives the supply of a module back after so many periods, 1000 at least; it goes away half a
-    /// second before.
+    /// Interrupts the supply of a module for half a second. The supply returns after `periods`,
+    /// which is at least 1000.
     #[cfg(test)]
     pub fn interrupt(&mut self, module: usize, periods: u64) {
         self.interruption = Some((module, periods));
     }
 
-    /// Asks for a stop after so many periods.
+    /// Presses the button after this number of periods.
     #[cfg(test)]
     pub fn ask_after(&mut self, periods: u64, button: StopButton) {
         self.question = Some((periods, button));
     }
 
-    /// Holds the contact of the probe closed or open, whatever it touches; `None` lets go.
+    /// Holds the contact of the probe closed or open, whatever it touches. `None` releases it.
     pub const fn hold_probe(&mut self, is_closed: Option<bool>) {
         self.held = is_closed;
     }
@@ -110,12 +110,12 @@ impl SimulatedChain {
         }
     }
 
-    /// Puts a byte on the command line.
+    /// Sends a byte to the modules.
     pub fn send(&mut self, byte: u8) {
         self.chain.send(byte);
     }
 
-    /// A servo period: the bytes that the modules send in it.
+    /// Simulates a servo period and returns the bytes that the modules send in it.
     pub fn tick(&mut self) -> Vec<u8> {
         #[cfg(test)]
         self.fail();

@@ -2,7 +2,8 @@
 
 use std::str::FromStr;
 
-/// A face before one axis: limit 1 of its module is closed at a count and on one side of it.
+/// A face before one axis. It closes limit 1 of the module of that axis at a count and on one side
+/// of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Contact {
     /// Address of the module, from 1.

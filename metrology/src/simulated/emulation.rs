@@ -1,9 +1,9 @@
-//! The simulated chain as a device behind a port, with a panel.
+//! The simulated chain as an emulated device with a control panel.
 
 use super::SimulatedChain;
 use husillo_sim::device::Emulation;
 
-/// Lines that the panel of a simulated chain takes.
+/// The commands of the panel of a simulated chain.
 pub const PANEL: &str = "close probe, open probe, free probe, power off|on, unplug, plug";
 
 impl Emulation for SimulatedChain {

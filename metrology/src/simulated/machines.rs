@@ -1,11 +1,11 @@
-//! Machines that fit the simulated motors.
+//! Settings of machines that suit the simulated motors.
 
 use crate::heads::{AxisSettings, Errors, Machine, ProbeSettings, Stylus, both_ways};
 use crate::quantity::Fraction;
 use crate::scale::Scale;
 use husillo_transports::nmc::{Baud, Gains};
 
-/// Gains that place every move of the simulated motor within a count.
+/// With these gains every move of the simulated motor ends within a count of its goal.
 const GAINS: Gains = Gains {
     proportional: 2000,
     integral: 50,
@@ -44,7 +44,8 @@ fn probe(radius_nm: i32) -> ProbeSettings {
     }
 }
 
-/// One axis X whose count is worth nobody knows what: 8000 counts to each side of where it is.
+/// A machine with one axis X. Its travel is 8000 counts to each side of its position at reset. The
+/// length of a count is not known.
 #[must_use]
 pub fn one_axis() -> Machine {
     Machine {
@@ -57,8 +58,8 @@ pub fn one_axis() -> Machine {
     }
 }
 
-/// Three axes with scales of 2 um, 200 mm to each side of where they are, and a ball of 1 mm
-/// radius.
+/// A machine with three axes and scales of 2 um. The travel of each is 200 mm to each side of its
+/// position at reset. The ball has a radius of 1 mm.
 #[must_use]
 pub fn three_axes() -> Machine {
     Machine {

@@ -3,17 +3,17 @@
 use crate::heads::Machine;
 use husillo_sim::{PointMm, ServoChain, TouchProbe, WorkPiece};
 
-/// A work piece and what touches it, in the machine's own frame: 0 is where the axes were when the
-/// modules got their supply.
+/// A work piece and the probe that touches it, in the frame of the machine. Its origin is the
+/// position of the axes when the modules got their supply.
 #[derive(Clone, Debug)]
 pub struct Piece {
-    /// What there is to touch.
+    /// The work piece.
     pub work: WorkPiece,
-    /// What touches it.
+    /// The probe.
     pub probe: TouchProbe,
 }
 
-/// A piece on a machine.
+/// A work piece on a machine.
 #[derive(Clone, Debug)]
 pub struct Mounted {
     piece: Piece,
@@ -23,15 +23,15 @@ pub struct Mounted {
 }
 
 impl Mounted {
-    /// Puts a piece on a machine.
+    /// Puts a work piece on a machine.
     ///
     /// # Errors
     ///
-    /// Nobody knows the way of a count of this machine.
+    /// The length of a count of this machine is not known.
     pub fn new(piece: Piece, machine: &Machine) -> Result<Self, String> {
         let count_mm = machine.scale.count_mm().ok_or_else(|| {
             let title = &machine.title;
-            format!("--piece is in mm, and {title} has no `count` (the way of one)")
+            format!("--piece is in mm, and {title} has no `count` (the length of one)")
         })?;
         let axes = machine.axes.iter();
         let place = |module: u8, coordinate| (usize::from(module) - 1, coordinate);
@@ -43,7 +43,7 @@ impl Mounted {
         })
     }
 
-    /// Whether the contact of the probe is closed with the motors where they are.
+    /// Whether the contact of the probe is closed at the present positions of the motors.
     pub fn is_closed(&mut self, chain: &ServoChain) -> bool {
         let mut centre: PointMm = [0.0; 3];
         for &(module, coordinate) in &self.axes {

@@ -5,17 +5,17 @@ use crate::heads::Port;
 use husillo_transports::nmc::{Baud, Timing};
 use std::io;
 
-/// A chain of simulated modules at a port of its own. Time passes only while bytes are waited for.
+/// A port with a chain of simulated modules. Time passes only while the port waits for bytes.
 #[derive(Clone, Debug)]
 pub struct SimulatedPort {
-    /// The modules, their motors and what they touch.
+    /// The simulated chain.
     pub chain: SimulatedChain,
-    /// Time since it was opened, ns.
+    /// Time since the port was opened, ns.
     elapsed_ns: u64,
 }
 
 impl SimulatedPort {
-    /// A chain at the time 0.
+    /// The port of a chain, at time 0.
     #[must_use]
     pub const fn new(chain: SimulatedChain) -> Self {
         Self {
@@ -34,7 +34,7 @@ impl Port for SimulatedPort {
         self.elapsed_ns / 1000
     }
 
-    // Simulated modules are heard at any rate.
+    // Simulated modules communicate at any rate.
     fn set_baud(&mut self, _: Baud) -> io::Result<()> {
         Ok(())
     }

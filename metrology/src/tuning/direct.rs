@@ -1,4 +1,4 @@
-//! The simulated axis itself, seen in every servo period: what no link can.
+//! The simulated axis without a link. It is read in every servo period.
 
 use super::rig::{Rig, Sample, profile};
 use crate::trouble::Trouble;
@@ -9,10 +9,10 @@ use husillo_planner::ServoMotion;
 use husillo_sim::{DcMotor, DcMotorModel, FULL_CURRENT_A, SERVO_PERIOD_S};
 use husillo_transports::nmc::{CYCLE_US, Gains, Status};
 
-/// The module whose law it is: the original's.
+/// Version of the module whose servo law is used: the original module.
 const VERSION: u8 = 4;
 
-/// Servo law and motor, without a module's link between.
+/// Servo law and motor without the link of a module.
 #[derive(Debug)]
 pub struct Direct {
     axis: ServoAxis,
@@ -32,7 +32,7 @@ impl Direct {
             rate_divisor: 1,
             ticks: 0,
         };
-        // The first period finds out where it is.
+        // The first period reads the position.
         direct.tick();
         direct
     }
@@ -50,7 +50,7 @@ impl Direct {
     }
 
     fn current(&self) -> u8 {
-        // The cast saturates, as the converter does.
+        // The cast saturates as the converter does.
         (self.motor.current_a().abs() / FULL_CURRENT_A * 255.0) as u8
     }
 
@@ -93,8 +93,8 @@ impl Rig for Direct {
         let duty = pwm.unsigned_abs().min(255) as u8;
         let reverse = pwm < 0;
         self.start(ServoMotion::Pwm { duty, reverse });
-        // In the period in which it is commanded, as the servo law's: what commands stands in its
-        // place.
+        // The duty acts in the period of its command, like the output of the servo law that it
+        // replaces.
         self.drive = Drive {
             pwm: duty,
             is_reverse: reverse,

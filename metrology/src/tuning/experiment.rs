@@ -1,4 +1,4 @@
-//! An experiment from its beginning to checked gains.
+//! An experiment from its start to checked gains.
 
 use super::fit::fit;
 use super::moves;
@@ -13,42 +13,43 @@ use husillo_pid::tuning::{Rule, Ultimate};
 use husillo_transports::nmc::Gains;
 use std::fmt;
 
-/// How gains are found.
+/// The method that finds the gains.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
-    /// Not at all: a step with those of the axis.
+    /// None: a step with the gains of the axis.
     Step,
-    /// The proportional gain is raised until the axis swings for ever.
+    /// The proportional gain is raised until the axis oscillates steadily.
     Ultimate,
-    /// A relay in the place of the controller.
+    /// A relay replaces the controller.
     Relay,
-    /// One gain after the other, as by hand.
+    /// One gain after the other, as in manual tuning.
     Stepwise,
 }
 
-/// What is done with an axis.
+/// Settings of an experiment with an axis.
 #[derive(Clone, Copy, Debug)]
 pub struct Experiment {
-    /// How gains are found.
+    /// The method that finds the gains.
     pub method: Method,
-    /// The rule that makes gains of an ultimate point, one of those for a PID controller.
+    /// The rule that computes gains from an ultimate point. It is a rule for a PID controller.
     pub rule: Rule,
-    /// Length of steps, counts; below the `error_limit` of the axis, and twice within its travel.
+    /// Length of steps, counts. It is below the `error_limit` of the axis, and the travel has room
+    /// for twice this length.
     pub size: i32,
-    /// The relay, where there is one.
+    /// Settings of the relay, for [`Method::Relay`].
     pub relay: RelaySettings,
-    /// Moves that check the gains.
+    /// Number of moves that check the gains.
     pub moves: u32,
 }
 
-/// Why an experiment has no end.
+/// Why an experiment failed.
 #[derive(Debug)]
 pub enum Failed {
     /// A limit was passed, or the link failed.
     Trouble(Trouble),
-    /// Not even the largest gain and the slowest servo make the axis swing for ever.
+    /// Not even the largest gain and the slowest servo make the axis oscillate steadily.
     NoUltimate,
-    /// The relay found nothing.
+    /// The relay found no ultimate point.
     NoRelay(NoRelay),
     /// The ultimate point gives no gains that a module has.
     NoGains,
@@ -65,8 +66,8 @@ impl fmt::Display for Failed {
         match self {
             Self::Trouble(trouble) => trouble.fmt(out),
             Self::NoUltimate => out.write_str(
-                "not even p = 32767 and a rate divisor of 32 make the axis swing for ever: \
-                 there is no ultimate gain to be found",
+                "not even p = 32767 and a rate divisor of 32 make the axis oscillate steadily: no \
+                 ultimate gain was found",
             ),
             Self::NoRelay(none) => none.fmt(out),
             Self::NoGains => out.write_str("the ultimate point gives no gains that a module has"),
@@ -76,7 +77,7 @@ impl fmt::Display for Failed {
 
 impl std::error::Error for Failed {}
 
-/// The rules for a position loop, which needs its derivative: name and source of each.
+/// Rules for a position loop, which needs a derivative gain: name and source of each.
 const RULES: [(Rule, &str, &str); 2] = [
     (
         Rule::ZieglerNicholsPid,
@@ -91,12 +92,12 @@ const RULES: [(Rule, &str, &str); 2] = [
 ];
 
 impl Experiment {
-    /// Finds gains, makes a step with them, and checks them with moves. What is found goes to
-    /// `outcome` as it comes, what is worth a picture to the stand's traces.
+    /// Finds gains, makes a step with them, and checks them with moves. The results go to `outcome`
+    /// as they are found, and the traces to be drawn go to the stand.
     ///
     /// # Errors
     ///
-    /// [`Failed`]; what was found before is in `outcome`.
+    /// [`Failed`]. The results before it are in `outcome`.
     pub fn run(&self, stand: &mut Stand, outcome: &mut Outcome) -> Result<(), Failed> {
         let size = self.size;
         let gains = match self.method {
@@ -125,7 +126,7 @@ impl Experiment {
         };
         if self.method != Method::Step {
             outcome.conclude(&gains);
-            // The picture of the result.
+            // The step with the result is drawn first.
             let (figures, trace) = step(stand, &gains, size)?;
             outcome.step = Some(figures);
             stand.traces.insert(0, titled(trace, &gains));
@@ -136,7 +137,7 @@ impl Experiment {
         Ok(())
     }
 
-    /// The gains of all rules; those of the chosen one are returned.
+    /// Computes the gains of all rules and returns those of the chosen one.
     fn by_rules(
         &self,
         found: Ultimate,

@@ -1,19 +1,18 @@
-//! Gains of a rule as the integers of a module.
+//! Conversion of the gains of a rule to the integers of a module.
 
 use super::trial;
 use husillo_pid::Gains as Rates;
 use husillo_transports::nmc::{CYCLE_US, Gains};
 
-/// Largest step of the integral part, PWM: the module adds in whole 256 counts and samples, and
-/// more than this at once is a blow.
+/// Largest step of the integral part, PWM. The module adds it when its sum passes a multiple of 256
+/// counts and samples, and a larger step would jolt the axis.
 const STEP_PWM: f64 = 4.0;
-/// What the integral part may drive at most, as a part of 255: more than stiction, less than a
-/// blow.
+/// Largest drive of the integral part, of 255. It overcomes stiction and does not jolt the axis.
 const SHARE_PWM: f64 = 32.0;
 
-/// The gains of a rule, per second and in PWM a count, in a module whose limits are those of
-/// `limits`; and in sentences what had to be changed. `None` where they are no numbers, or too
-/// large in any proportion.
+/// Converts the gains of a rule, per second and in PWM per count, to a module with the limits of
+/// `limits`. Also returns sentences about the gains that had to be changed. `None`: the gains are
+/// not numbers, or do not fit even when scaled.
 pub fn fit(rule: Rates<f64>, limits: &Gains) -> Option<(Gains, Vec<String>)> {
     let period_s = f64::from(CYCLE_US) * 1e-6 * f64::from(limits.rate_divisor.max(1));
     let wanted = rule.per_sample(period_s);
@@ -23,7 +22,7 @@ pub fn fit(rule: Rates<f64>, limits: &Gains) -> Option<(Gains, Vec<String>)> {
     if factor < 1.0 {
         notes.push(format!(
             "all gains of the rule are multiplied by {factor:.3}, as its {} gain would be \
-             {largest:.0} and a module has 32767 at most",
+             {largest:.0} and the limit of a module is 32767",
             if wanted.derivative > wanted.proportional {
                 "derivative"
             } else {
@@ -35,8 +34,8 @@ pub fn fit(rule: Rates<f64>, limits: &Gains) -> Option<(Gains, Vec<String>)> {
     let integral = wanted.integral * factor;
     if integral > highest_integral {
         notes.push(format!(
-            "the integral gain of the rule would be {:.0}: limited to {:.0}, which is a step of \
-             {STEP_PWM} PWM whenever the sum passes a multiple of 256",
+            "the integral gain of the rule would be {:.0}: it is limited to {:.0}, which makes a \
+             step of {STEP_PWM} PWM whenever the sum passes a multiple of 256",
             integral * 65_536.0,
             highest_integral * 65_536.0
         ));
@@ -58,7 +57,7 @@ pub fn fit(rule: Rates<f64>, limits: &Gains) -> Option<(Gains, Vec<String>)> {
     Some((gains, notes))
 }
 
-/// The gains as a line of a machine file.
+/// The gains as a line of a machine file, TOML.
 pub fn toml(gains: &Gains) -> String {
     let mut line = format!(
         "gains = {{ p = {}, i = {}, d = {}, integral_limit = {}, output_limit = {}, error_limit = \
@@ -96,7 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn gains_that_fit_stay_as_they_are() {
+    fn gains_that_fit_do_not_change() {
         let rule = Rates {
             proportional: 2.0,
             integral: 5.0,
@@ -124,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn gains_that_are_too_large_are_told() {
+    fn gains_that_are_too_large_are_noted() {
         let rule = Rates {
             proportional: 60.0,
             integral: 3000.0,

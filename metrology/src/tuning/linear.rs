@@ -1,4 +1,5 @@
-//! Experiments on motors without friction, whose ultimate point is known, and on the prototype's.
+//! Experiments on motors without friction, whose ultimate point is known, and on the motor of the
+//! prototype.
 
 use super::direct::Direct;
 use super::fit::fit;
@@ -13,8 +14,8 @@ use husillo_pid::tuning::{Rule, Ultimate};
 use husillo_pid::{Conditional, Integration, Limits, Pid, State};
 use husillo_sim::{DcMotor, DcMotorModel, SERVO_PERIOD_S};
 
-/// Without friction but for the viscous one, without inductance, and with an encoder as fine as no
-/// module's.
+/// A motor with viscous friction only, without inductance, and with an encoder that is finer than
+/// that of any module.
 const LINEAR: DcMotorModel = DcMotorModel {
     inductance_h: 1e-9,
     coulomb_nm: 0.0,
@@ -46,15 +47,16 @@ fn known(model: &DcMotorModel, period_s: f64) -> Ultimate {
     }
 }
 
-/// The same with so much inductance that its lag, and not the sampling, sets the ultimate point.
+/// The same motor with an inductance whose lag determines the ultimate point instead of the
+/// sampling.
 const SLOW: DcMotorModel = DcMotorModel {
     inductance_h: 0.1,
     ..LINEAR
 };
 
-/// Its ultimate point, by Routh: `L J s^3 + (R J + L b) s^2 + (R b + k^2) s + Kp U k / 255 = 0` has
-/// poles on the imaginary axis where the product of the inner coefficients is that of the outer
-/// ones.
+/// Its ultimate point by Routh. `L J s^3 + (R J + L b) s^2 + (R b + k^2) s + Kp U k / 255 = 0` has
+/// poles on the imaginary axis if the products of the inner and of the outer coefficients are
+/// equal.
 fn known_of_slow(model: &DcMotorModel) -> Ultimate {
     let m = model;
     let inner = m.resistance_ohm * m.viscous_nm_s + m.constant_nm_per_a.powi(2);
@@ -68,7 +70,7 @@ fn known_of_slow(model: &DcMotorModel) -> Ultimate {
     }
 }
 
-/// A stand for a motor, with room for its swings.
+/// A stand for a motor, with room for its oscillation.
 fn stand(model: DcMotorModel, rate_divisor: u8) -> Stand {
     let mut file = one_axis().axis('x').unwrap();
     file.gains.rate_divisor = rate_divisor;
@@ -99,8 +101,8 @@ fn by_relay(model: DcMotorModel, hysteresis: u16) -> Ultimate {
     relay(&mut stand(model, 1), settings).unwrap().1
 }
 
-/// Raising the gain finds what the sampled loop has, within 5 % of the gain and 2 % of the period,
-/// at every divisor.
+/// Raising the gain finds the ultimate point of the sampled loop within 5 % of the gain and 2 % of
+/// the period, at every divisor.
 #[test]
 fn the_ultimate_gain_of_a_sampled_loop() {
     for divisor in [1, 2, 4, 8, 16] {
@@ -109,9 +111,10 @@ fn the_ultimate_gain_of_a_sampled_loop() {
     }
 }
 
-/// Both ways find the same point: raising the gain within 5 %, the relay, whose describing function
-/// leaves the harmonics out, within 8 % of the gain and 4 % of the period; so they agree within 10
-/// %. A hysteresis moves the relay's point to a lower gain and a longer period, as it should.
+/// Both methods find the same point. Raising the gain finds it within 5 % of the gain. The relay,
+/// whose describing function neglects the harmonics, finds it within 8 % of the gain and 4 % of the
+/// period. So they agree within 10 %. A hysteresis moves the point of the relay to a lower gain and
+/// a longer period, as expected.
 #[test]
 fn relay_and_ultimate_gain_agree() {
     let wanted = known_of_slow(&SLOW);
@@ -124,19 +127,19 @@ fn relay_and_ultimate_gain_agree() {
     near(&wide, &wanted, 0.25, 0.15);
 }
 
-/// With friction and 400 counts a turn they still agree within 30 % of the gain and 10 % of the
-/// period.
+/// With friction and 400 counts per revolution both methods agree within 30 % of the gain and 10 %
+/// of the period.
 #[test]
 fn they_agree_on_the_prototype() {
     let prototype = DcMotorModel::PROTOTYPE;
     let mut slower = stand(prototype, 1);
     let (gain, divisor) = ultimate(&mut slower, &mut Vec::new()).unwrap().unwrap();
-    // Friction and whole counts leave the full rate no swing.
+    // Friction and whole counts prevent an oscillation at the full rate.
     assert_eq!(divisor, 4);
     near(&by_relay(prototype, 0), &gain, 0.3, 0.1);
 }
 
-/// Gains of every method place every one of 300 moves within a count.
+/// With the gains of every method all 300 moves end within a count of their goals.
 #[test]
 fn gains_place_every_move() {
     let prototype = || stand(DcMotorModel::PROTOTYPE, 1);
@@ -163,8 +166,8 @@ fn gains_place_every_move() {
     }
 }
 
-/// The gains of a rule hold the motor with the controller of `pid`, too, whose gains have no end at
-/// 0x7FFF: as the rule has them, in fixed point.
+/// The gains of a rule hold the motor with the controller of `pid` as well. It has no limit of
+/// 0x7FFF, so the gains are used unchanged, in fixed point.
 #[test]
 fn gains_hold_the_motor_with_a_pid() {
     let relay = by_relay(DcMotorModel::PROTOTYPE, 0);
@@ -190,7 +193,7 @@ fn gains_hold_the_motor_with_a_pid() {
                 0.0,
                 SERVO_PERIOD_S,
             );
-            // The last half second of two.
+            // The last half of two seconds.
             if tick >= 3000 {
                 farthest = farthest.max(counts.abs_diff(goal));
             }

@@ -7,24 +7,24 @@ use husillo_transports::nmc::{
     CYCLE_US, Command, Gains, Items, Mode, Reply, Reset, Status, Stop, StopWay, Trajectory,
 };
 
-/// A module at the other end of a line.
+/// A module on a line.
 #[derive(Debug)]
 pub struct Linked<P> {
     line: Line<P>,
     module: u8,
     gains: Gains,
-    /// The duty that a drive has set the gains for.
+    /// The duty that the gains are set for, during a drive.
     duty: Option<u8>,
 }
 
-/// Highest limit of the position error that a module takes, counts.
+/// Highest limit of the position error that a module accepts, counts.
 const ERROR_LIMIT_MOST: u16 = 0x3FFF;
 
-/// What every reading asks for.
+/// Items of every reading.
 const READ: Items = Items::POSITION.with(Items::CURRENT);
 
 impl<P: Port> Linked<P> {
-    /// Starts the line: flush, reset, addresses, rate.
+    /// Starts the line: flush, reset, addresses, baud rate.
     ///
     /// # Errors
     ///
@@ -48,7 +48,7 @@ impl<P: Port> Linked<P> {
             duty: None,
         };
         linked.command(Command::ResetPosition(Reset::Zero))?;
-        // A period for what the module reads.
+        // The first reading gives the module a period to read its inputs.
         linked.command(Command::ReadStatus(READ))?;
         let reply = linked.command(Command::ReadStatus(READ))?;
         if !reply.status.contains(Status::POWER_ON) {
@@ -100,9 +100,9 @@ impl<P: Port> Rig for Linked<P> {
         Ok(())
     }
 
-    /// Not in the mode for it, which would go on for ever without the host: the servo goes towards
-    /// `end` with no more than this duty, of which it uses all from two counts of error on, and
-    /// holds the axis there.
+    /// Does not use the PWM mode of the module, which would go on without the host. Instead the
+    /// servo goes to `end` with at most this duty and holds the axis there. It uses the full duty
+    /// from an error of two counts on.
     fn drive(&mut self, pwm: i16, end: i32) -> Result<(), Trouble> {
         let duty = pwm.unsigned_abs().min(255) as u8;
         if duty == 0 {
@@ -110,13 +110,13 @@ impl<P: Port> Rig for Linked<P> {
         }
         if self.duty != Some(duty) {
             self.command(Command::SetGain(Gains {
-                // 256 a PWM and count; 32640 at most, of 32767.
+                // 256 is 1 PWM per count. The largest value is 32640 of 32767.
                 proportional: u16::from(duty) * 128,
                 integral: 0,
                 derivative: 0,
                 integration_limit: 0,
                 output_limit: duty,
-                // From one end to the other.
+                // Enough for a move from one end to the other.
                 error_limit: self
                     .gains
                     .error_limit
@@ -154,8 +154,7 @@ mod tests {
     use super::*;
     use crate::simulated::{SimulatedChain, SimulatedPort, one_axis};
 
-    /// A host that says nothing more after a drive: the axis goes to the end that was named, and
-    /// stays.
+    /// The host is silent after a drive: the axis goes to the given end and stays there.
     #[test]
     fn a_drive_ends_without_the_host() {
         let machine = one_axis();

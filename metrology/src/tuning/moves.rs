@@ -1,31 +1,32 @@
-//! The proof of gains: moves, and where they end.
+//! The check of gains: moves, and their distances from the goals.
 
 use super::stand::Stand;
 use crate::trouble::Trouble;
 use husillo_transports::nmc::{Gains, Status};
 use serde::Serialize;
 
-/// Lengths of the moves in turn, counts: the short ones have to break loose.
+/// Lengths of the moves in turn, counts. The short ones must overcome stiction.
 const LENGTHS: [i32; 9] = [1, 3, 10, 30, 100, 300, 500, 2, 17];
-/// They stay so near to where the axis was, counts.
+/// The moves stay within this distance of the first position, counts.
 const REACH: i32 = 1000;
 /// Longest time from the end of a profile until the axis stands, us.
 const SETTLING_US: u64 = 2_000_000;
-/// How long the last goal is held, us.
+/// Time for which the last goal is held, us.
 const REST_US: u64 = 3_000_000;
-/// It stands when it has been at its goal for so long, us, and three readings.
+/// The axis stands when it has been at its goal for this time, us, and for three readings.
 const STILL_US: u64 = 50_000;
 
-/// What came of some moves.
+/// Results of the moves.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct Moves {
-    /// How many there were.
+    /// Number of moves.
     pub moves: u32,
-    /// How many ended within 1 count of their goal.
+    /// Number of moves that ended within 1 count of their goal.
     pub within_1_count: u32,
-    /// The farthest end from its goal, counts.
+    /// Largest distance of the end of a move from its goal, counts.
     pub largest_error: u32,
-    /// How far it goes from the last goal while it is held there, counts: more than 1 is hunting.
+    /// Largest distance from the last goal while the axis is held there, counts. More than 1 is
+    /// hunting.
     pub rest_error: u32,
 }
 
@@ -36,8 +37,8 @@ impl Moves {
     }
 }
 
-/// Makes `moves` moves up and down, of lengths from 1 to 999 counts, with the rate and acceleration
-/// of the machine file, and holds the last goal for a while.
+/// Makes `moves` moves in both directions with the rate and acceleration of the machine file. Their
+/// lengths are 1 to 999 counts. Then it holds the last goal for a while.
 ///
 /// # Errors
 ///
@@ -77,7 +78,8 @@ pub fn check(stand: &mut Stand, gains: &Gains, moves: u32) -> Result<Moves, Trou
 /// Makes a move and returns how far from its goal it ends.
 fn one(stand: &mut Stand, goal: i32) -> Result<u32, Trouble> {
     stand.start_move(goal)?;
-    // From the end of the profile; and since when it is at its goal.
+    // The latest end of the move, set at the end of its profile, and the start of its time at the
+    // goal.
     let (mut end_us, mut still_us, mut readings) = (None, None, 0);
     loop {
         let sample = stand.sample(true)?;

@@ -1,4 +1,4 @@
-//! What an experiment found.
+//! The results of an experiment.
 
 use super::fit::toml;
 use super::moves::Moves;
@@ -10,7 +10,7 @@ use husillo_pid::tuning::Ultimate;
 use husillo_transports::nmc::Gains;
 use serde::Serialize;
 
-/// Everything about an experiment but its pictures.
+/// All results of an experiment except its traces.
 #[derive(Debug, Serialize)]
 pub struct Outcome {
     /// Name of the method.
@@ -19,32 +19,32 @@ pub struct Outcome {
     pub machine: String,
     /// `X`, `Y` or `Z`.
     pub axis: char,
-    /// Where the axis is.
+    /// The port of the axis.
     pub port: String,
     /// Mean time between two readings, ms.
     pub sample_ms: f64,
-    /// Every setting that was tried.
+    /// All trials.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub trials: Vec<Trial>,
-    /// Of a step.
+    /// Results of a step.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub step: Option<StepFigures>,
-    /// Of a relay.
+    /// Results of a relay.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub relay: Option<RelayFigures>,
-    /// Ku and Tu of the module's loop.
+    /// Ku and Tu of the loop of the module.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ultimate: Option<UltimateFigures>,
     /// Gains by every rule.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub rules: Vec<RuleRow>,
-    /// The gains that came of it, as a line of a machine file.
+    /// The resulting gains, as a line of a machine file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub toml: Option<String>,
-    /// What moves with them did.
+    /// Results of the moves with these gains.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub check: Option<Moves>,
-    /// What is to be known of it, in sentences.
+    /// Notes on the results, in sentences.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
     /// Why it was aborted.
@@ -55,18 +55,18 @@ pub struct Outcome {
 /// An ultimate point.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct UltimateFigures {
-    /// Ku, PWM a count.
+    /// Ku, PWM per count.
     pub gain: f64,
     /// The same as a proportional gain of the module.
     pub p: f64,
     /// Tu, ms.
     pub period_ms: f64,
-    /// Servo periods of a sample of the loop in which it was found.
+    /// Servo periods per sample of the loop in which it was found.
     pub rate_divisor: u8,
 }
 
 impl UltimateFigures {
-    /// Of a point that was found with this rate divisor.
+    /// The figures of a point that was found with this rate divisor.
     pub(super) fn new(ultimate: Ultimate, rate_divisor: u8) -> Self {
         Self {
             gain: ultimate.gain,
@@ -80,15 +80,15 @@ impl UltimateFigures {
 /// Gains by a rule.
 #[derive(Clone, Debug, Serialize)]
 pub struct RuleRow {
-    /// Its name.
+    /// Name of the rule.
     pub rule: &'static str,
     /// Where it was published.
     pub source: &'static str,
-    /// Proportional gain, PWM a count.
+    /// Proportional gain, PWM per count.
     pub kp: f64,
-    /// Integral gain, PWM a count and second.
+    /// Integral gain, PWM per count and second.
     pub ki: f64,
-    /// Derivative gain, PWM seconds a count.
+    /// Derivative gain, PWM seconds per count.
     pub kd: f64,
     /// Proportional gain of the module: 256 Kp.
     pub p: u16,
@@ -101,7 +101,7 @@ pub struct RuleRow {
 }
 
 impl RuleRow {
-    /// A rule's gains, as they are and in the module.
+    /// The gains of a rule, in physical units and as integers of the module.
     pub(super) fn new(
         rule: &'static str,
         source: &'static str,
@@ -123,7 +123,7 @@ impl RuleRow {
 }
 
 impl Outcome {
-    /// Nothing found yet: of a method, on an axis of a machine at a port.
+    /// An outcome without results, for a method and an axis of a machine at a port.
     #[must_use]
     pub fn new(method: &'static str, machine: String, axis: char, port: String) -> Self {
         Self {

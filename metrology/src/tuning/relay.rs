@@ -1,4 +1,4 @@
-//! The relay experiment: a relay in the place of the controller.
+//! The relay experiment: a relay replaces the controller.
 
 use super::stand::{Stand, Trace};
 use super::swing::{PERIOD_S, fundamental};
@@ -6,42 +6,42 @@ use crate::trouble::Trouble;
 use husillo_pid::tuning::{Oscillation, Relay, Ultimate, oscillation};
 use serde::Serialize;
 
-/// How long the relay drives, us.
+/// Time for which the relay drives, us.
 const RELAY_US: u64 = 4_000_000;
-/// Of that it may take so long until the oscillation is steady, us.
+/// Part of that time in which the oscillation becomes steady, us.
 const START_US: u64 = 1_000_000;
-/// Readings of a period, at least: fewer do not show its amplitude.
+/// Least number of readings per period. Fewer do not show the amplitude.
 const READINGS: f64 = 6.0;
-/// What a relay is set to.
+/// Settings of a relay.
 #[derive(Clone, Copy, Debug)]
 pub struct RelaySettings {
     /// The output, PWM.
     pub amplitude: u8,
-    /// Half its hysteresis, counts.
+    /// Half of its hysteresis, counts.
     pub hysteresis: u16,
 }
 
-/// What it found.
+/// Results of a relay.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct RelayFigures {
     /// The output, PWM.
     pub relay_pwm: u8,
-    /// Half the hysteresis in effect: whole counts add a half, counts.
+    /// Half of the effective hysteresis, counts. Whole counts add half a count.
     pub hysteresis: f64,
     /// Amplitude of the oscillation, counts.
     pub amplitude: f64,
-    /// Its period, ms.
+    /// Period of the oscillation, ms.
     pub period_ms: f64,
-    /// Whole periods.
+    /// Number of whole periods.
     pub periods: u32,
-    /// From a crossing to the drive that follows, ms: what reading and commanding through a line
-    /// take; 0 where the relay acts in every servo period.
+    /// Delay from a crossing to the drive that follows, ms. It is the time for reading and
+    /// commanding through a line. 0 if the relay acts in every servo period.
     pub late_ms: f64,
 }
 
-/// Lets the axis oscillate and returns what it found, and the ultimate point by the describing
-/// function. Where a line is in between, that point belongs to a loop with the delay of the line in
-/// it: a lower gain and a longer period than the module's own.
+/// Lets the axis oscillate, and returns the figures and the ultimate point by the describing
+/// function. Through a line the point belongs to a loop with the delay of the line. Its gain is
+/// lower and its period longer than those of the module's own loop.
 ///
 /// # Errors
 ///
@@ -81,7 +81,7 @@ fn evaluate(
     let found = oscillation(steady, PERIOD_S, middle).ok_or(NoRelay::Still)?;
     let about_zero: Vec<f64> = steady.iter().map(|position| position - middle).collect();
     let amplitude = fundamental(&about_zero, found.period_s);
-    // An error beyond whole counts is half a count more.
+    // The relay switches at whole counts, which adds half a count.
     let hysteresis = f64::from(settings.hysteresis) + 0.5;
     let drift = (middle - f64::from(centre)).abs();
     if drift > 2.0 * amplitude + 3.0 || found.periods < 5 {
@@ -103,7 +103,7 @@ fn evaluate(
         period_ms: found.period_s * 1e3,
         periods: found.periods,
         late_ms: if command_us > 0.0 {
-            // A crossing is seen half a reading later in the mean.
+            // On average a crossing is seen half a reading later.
             (0.5 * sample_us + command_us) * 1e-3
         } else {
             0.0
@@ -112,28 +112,27 @@ fn evaluate(
     Ok((figures, of_loop))
 }
 
-/// What is to be known of a relay through a line.
+/// A note on a relay through a line.
 pub fn note(figures: &RelayFigures) -> Option<String> {
     (figures.late_ms > 0.0).then(|| {
         format!(
-            "the host is the relay, and {:.1} ms late as it reads and drives through the line: Ku \
-             and Tu are those of a loop with that in it, and the gains \
-             gentler than the module's own loop would bear",
+            "the host is the relay, and the line delays it by {:.1} ms: Ku and Tu belong to a \
+             loop with this delay, so the gains are lower than the module's own loop would allow",
             figures.late_ms
         )
     })
 }
 
-/// Why a relay found nothing.
+/// Why a relay found no ultimate point.
 #[derive(Debug)]
 pub enum NoRelay {
     /// The experiment was aborted.
     Trouble(Trouble),
-    /// No steady oscillation.
+    /// There is no steady oscillation.
     Still,
     /// The oscillation is no larger than the hysteresis.
     WithinHysteresis,
-    /// The line gives too few readings of a period.
+    /// The line gives too few readings per period.
     TooSlow {
         /// Period of the oscillation, ms.
         period_ms: f64,

@@ -1,4 +1,4 @@
-//! The axis on the test stand: everything that is watched while an experiment goes on.
+//! The axis on the test stand, with the limits that are watched during an experiment.
 
 use super::rig::{Rig, Sample};
 use crate::heads::AxisSettings;
@@ -6,32 +6,32 @@ use crate::trouble::Trouble;
 use husillo_transports::nmc::{Gains, Status};
 use std::fmt;
 
-/// A stretch of an experiment, to be drawn.
+/// A part of an experiment, to be drawn.
 #[derive(Clone, Debug)]
 pub struct Trace {
-    /// What it shows.
+    /// Title of the drawing.
     pub title: String,
-    /// What was commanded, counts; `None` where the motor was driven without the servo.
+    /// Commanded position, counts. `None`: the motor was driven without the servo.
     pub target: Option<i32>,
-    /// When it began, us.
+    /// Start time, us.
     pub start_us: u64,
-    /// In order of time.
+    /// Readings in order of time.
     pub samples: Vec<Sample>,
-    /// Times and duties of the drive, without the servo.
+    /// Times in us and duties of a drive without the servo.
     pub drives: Vec<(u64, i16)>,
 }
 
 /// An axis with its limits.
 pub struct Stand {
     rig: Box<dyn Rig>,
-    /// What is known of the axis; its gains are the limits of all trials.
+    /// Settings of the axis. The limits in its gains hold for all trials.
     pub settings: AxisSettings,
-    /// Place of the experiments, counts.
+    /// Position around which the experiments are made, counts.
     pub centre: i32,
-    /// The stretches worth a picture.
+    /// The traces to be drawn.
     pub traces: Vec<Trace>,
     samples: u64,
-    /// Time in which these were taken.
+    /// Time in which the samples were taken, us.
     sampled_us: u64,
 }
 
@@ -45,7 +45,7 @@ impl fmt::Debug for Stand {
 }
 
 impl Stand {
-    /// Around where the axis is now.
+    /// A stand around the present position of the axis.
     ///
     /// # Errors
     ///
@@ -62,7 +62,7 @@ impl Stand {
         })
     }
 
-    /// The limits of the machine file with other gains.
+    /// These gains with the limits of the machine file.
     pub(super) fn gains(&self, proportional: u16, integral: u16, derivative: u16) -> Gains {
         Gains {
             proportional,
@@ -77,7 +77,7 @@ impl Stand {
         self.sampled_us as f64 / self.samples.max(1) as f64
     }
 
-    /// Servo on with these gains, where the axis is.
+    /// Switches the servo on with these gains at the present position.
     ///
     /// # Errors
     ///
@@ -87,8 +87,8 @@ impl Stand {
         self.rig.engage()
     }
 
-    /// Where the axis is, and a place `size` counts away, towards the middle: steps to and fro stay
-    /// about it.
+    /// The present position, and a position `size` counts away towards the centre. Steps back and
+    /// forth between them stay around the centre.
     ///
     /// # Errors
     ///
@@ -103,7 +103,7 @@ impl Stand {
         Ok([from, there])
     }
 
-    /// Commands a position at once and watches for some time.
+    /// Commands a position without a profile and records the axis for `us` microseconds.
     ///
     /// # Errors
     ///
@@ -124,9 +124,9 @@ impl Stand {
         })
     }
 
-    /// Drives the motor as no servo does: `law` makes the duty of a position, as often as the axis
-    /// can be read. Returns the trace, and the mean time in us from a reading to the end of the
-    /// command that follows from it.
+    /// Drives the motor without the servo: `law` computes the duty from each reading of the
+    /// position. Returns the trace, and the mean time in us from a reading to the end of its
+    /// command.
     ///
     /// # Errors
     ///
@@ -136,7 +136,7 @@ impl Stand {
         us: u64,
         mut law: impl FnMut(i32) -> i16,
     ) -> Result<(Trace, f64), Trouble> {
-        // For the amplifier, and the current limit.
+        // This switches the amplifier on and sets the current limit.
         let gains = self.settings.gains;
         self.engage(&gains)?;
         let start_us = self.rig.now_us();
@@ -168,7 +168,7 @@ impl Stand {
         Ok((trace, late_us))
     }
 
-    /// Starts a move of the machine's own rate and acceleration.
+    /// Starts a move with the rate and acceleration of the machine.
     ///
     /// # Errors
     ///
@@ -178,7 +178,7 @@ impl Stand {
             .go_to(goal, self.settings.rate, self.settings.acceleration)
     }
 
-    /// The next reading, of an axis within its limits.
+    /// The next reading. Checks that the axis is within its limits.
     ///
     /// # Errors
     ///
@@ -190,8 +190,8 @@ impl Stand {
         self.sampled_us += sample.us.saturating_sub(before_us);
         let at = || counts(sample.position);
         let [low, high] = self.settings.travel;
-        // Without the servo the module always says so, and a drive needs twice the limit: what it
-        // would not let pass is watched here.
+        // Without the servo the module always reports a position error, and a drive needs twice the
+        // limit. So the limit is watched here.
         let is_lost = if is_servo_on {
             sample.status.contains(Status::POSITION_ERROR)
         } else {
@@ -215,14 +215,15 @@ impl Stand {
         }
     }
 
-    /// Motor without drive, whatever happened; a link that is gone has been told already.
+    /// Switches the drive off after any outcome. A failed link has been reported already.
     pub fn release(&mut self) {
         let _ = self.rig.release();
     }
 }
 
 impl Trace {
-    /// Positions every `period_s` seconds from the start on, between readings on a straight line.
+    /// Positions every `period_s` seconds from the start on, with linear interpolation between
+    /// readings.
     pub fn positions(&self, period_s: f64) -> Vec<f64> {
         let time = |sample: &Sample| (sample.us.saturating_sub(self.start_us)) as f64 * 1e-6;
         let Some((first, last)) = self.samples.first().zip(self.samples.last()) else {
@@ -249,7 +250,7 @@ impl Trace {
     }
 }
 
-/// `1 count`, `12 counts`.
+/// A number of counts as text: `1 count`, `12 counts`.
 pub fn counts(number: i32) -> String {
     match number {
         1 | -1 => format!("{number} count"),

@@ -7,30 +7,29 @@ use husillo_pid::tuning::step_response;
 use husillo_transports::nmc::Gains;
 use serde::Serialize;
 
-/// How long a step is watched, us.
+/// Time for which a step is recorded, us.
 pub const WATCH_US: u64 = 1_500_000;
 
 /// The figures of a step.
 #[derive(Clone, Debug, Serialize)]
 pub struct StepFigures {
-    /// Where it began, counts.
+    /// Position at the start, counts.
     pub from: i32,
-    /// What was commanded, counts.
+    /// Commanded position, counts.
     pub goal: i32,
-    /// From 10 % to 90 %, ms; none where it never gets there.
+    /// Rise time from 10 % to 90 %, ms. `None`: it does not reach 90 %.
     pub rise_ms: Option<f64>,
-    /// How far beyond the goal, per cent of the step.
+    /// Overshoot beyond the goal, per cent of the step.
     pub overshoot_percent: Option<f64>,
-    /// Until it stays within 1 count of the goal, ms; none where it does not.
+    /// Time until it stays within 1 count of the goal, ms. `None`: it does not settle.
     pub settling_ms: Option<f64>,
-    /// Goal less where it is at the end, counts.
+    /// Goal minus position at the end, counts.
     pub steady_error: i32,
-    /// Largest reading of the motor current, of 255.
+    /// Largest reading of the motor current, 0 to 255.
     pub peak_current: u8,
 }
 
-/// Commands a step of `size` counts with the servo on, and returns with the trace what it looks
-/// like.
+/// Commands a step of `size` counts with the servo on. Returns its figures and its trace.
 ///
 /// # Errors
 ///
@@ -49,7 +48,7 @@ pub fn figures(trace: &Trace, from: i32) -> StepFigures {
     let size = f64::from(goal - from);
     let positions = trace.positions(PERIOD_S);
     let of = |band| step_response(&positions, PERIOD_S, from.into(), goal.into(), band);
-    // Whole counts: 1 is within, 2 are not.
+    // In whole counts: 1 count is within the band, 2 counts are not.
     let settled = of(1.25 / size.abs().max(1.0));
     let whole = of(f64::MAX);
     let ms = |seconds: f64| (seconds * 1e5).round() / 100.0;

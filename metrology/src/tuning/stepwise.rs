@@ -1,5 +1,5 @@
-//! Gains step by step, as one would find them by hand: derivative, proportional, integral, its
-//! limit.
+//! Stepwise tuning, as by hand: derivative gain, proportional gain, integral gain, limit of the
+//! integral.
 
 use super::moves;
 use super::stand::{Stand, Trace};
@@ -9,20 +9,20 @@ use super::trial::{LARGEST, Trial};
 use crate::trouble::Trouble;
 use husillo_transports::nmc::Gains;
 
-/// The proportional gain while the derivative one is looked for: it brings the axis back.
+/// The proportional gain during the search for the derivative gain. It brings the axis back.
 const FIRST_P: u16 = 100;
 const FIRST_D: u16 = 1000;
 const FIRST_I: u16 = 50;
-/// The limit while the integral gain is looked for.
+/// The limit of the integral during the search for the integral gain.
 const WIDE_LIMIT: u16 = 16_000;
-/// How long a step of a trial is watched, us.
+/// Time for which a step of a trial is recorded, us.
 const TRIAL_US: u64 = 900_000;
-/// More overshoot than this is too much, per cent.
+/// Largest accepted overshoot, per cent.
 const OVERSHOOT_PERCENT: f64 = 25.0;
-/// Moves that a limit has to place.
+/// Number of moves that check a limit.
 const MOVES: u32 = 9;
 
-/// What a trial showed.
+/// Results of a trial.
 struct Shown {
     is_vibrating: bool,
     figures: Vec<StepFigures>,
@@ -59,13 +59,13 @@ impl Shown {
     }
 }
 
-/// Finds gains with steps of `size` counts to and fro. Every trial goes to `trials`.
+/// Finds gains with steps of `size` counts back and forth. Appends every trial to `trials`.
 ///
 /// # Errors
 ///
 /// A limit is passed, or the link fails.
 pub fn stepwise(stand: &mut Stand, size: i32, trials: &mut Vec<Trial>) -> Result<Gains, Trouble> {
-    // Derivative: up to vibration, then half.
+    // Derivative gain: up to vibration, then half of it.
     let mut gains = Gains {
         integration_limit: 0,
         ..stand.gains(FIRST_P, 0, FIRST_D)
@@ -77,7 +77,7 @@ pub fn stepwise(stand: &mut Stand, size: i32, trials: &mut Vec<Trial>) -> Result
         };
         Ok(attempt(stand, "derivative", &tried, size, trials)?.is_vibrating)
     })?;
-    // Proportional: up to vibration or much overshoot, then half.
+    // Proportional gain: up to vibration or too much overshoot, then half of it.
     gains.proportional = raise(FIRST_P, |proportional| {
         let tried = Gains {
             proportional,
@@ -86,14 +86,14 @@ pub fn stepwise(stand: &mut Stand, size: i32, trials: &mut Vec<Trial>) -> Result
         let shown = attempt(stand, "proportional", &tried, size, trials)?;
         Ok(shown.is_vibrating || shown.overshoot() > OVERSHOOT_PERCENT)
     })?;
-    // Integral, with a wide limit: up to vibration or much overshoot, then half.
+    // Integral gain with a wide limit: up to vibration or too much overshoot, then half of it.
     gains.integration_limit = WIDE_LIMIT;
     gains.integral = raise(FIRST_I, |integral| {
         let tried = Gains { integral, ..gains };
         let shown = attempt(stand, "integral", &tried, size, trials)?;
         Ok(shown.is_vibrating || shown.overshoot() > OVERSHOOT_PERCENT)
     })?;
-    // The limit down, as long as moves end where they should.
+    // The limit is halved as long as all moves end at their goals.
     let mut limit = WIDE_LIMIT;
     while limit >= 512 {
         let tried = Gains {
@@ -119,7 +119,7 @@ pub fn stepwise(stand: &mut Stand, size: i32, trials: &mut Vec<Trial>) -> Result
     Ok(gains)
 }
 
-/// Doubles a gain until `is_too_much`; half of that one, or of the largest there is.
+/// Doubles a gain until `is_too_much`. Returns half of that gain, or half of the largest gain.
 fn raise(
     first: u16,
     mut is_too_much: impl FnMut(u16) -> Result<bool, Trouble>,
@@ -133,7 +133,7 @@ fn raise(
     }
 }
 
-/// A step there and one back.
+/// Makes a step and a step back.
 fn attempt(
     stand: &mut Stand,
     stage: &'static str,
@@ -156,7 +156,7 @@ fn attempt(
         last = Some(trace);
     }
     Trial::end(trials, number, shown.text());
-    // The last of each stage is what ended it.
+    // Only the last trace of each stage is kept. It shows why the stage ended.
     let title = format!(
         "The last step of the search for the {stage} gain: p {}, i {}, d {}",
         gains.proportional, gains.integral, gains.derivative

@@ -1,28 +1,28 @@
-//! Whether an axis swings, and how.
+//! Detection of an oscillation of an axis.
 
 use super::stand::Trace;
 use husillo_pid::tuning::{Oscillation, oscillation};
 
-/// Readings are looked at every so many seconds: a servo period.
+/// Period at which traces are sampled, s: a servo period.
 pub const PERIOD_S: f64 = 512e-6;
 
-/// Smallest amplitude that the steps of the encoder do not make by themselves: at a count or two
-/// they give up to 4/pi of the gain, counts.
+/// Smallest amplitude of a real oscillation, counts. At one or two counts the steps of the encoder
+/// alone give up to 4/pi of the gain.
 const LEAST_COUNTS: f64 = 3.0;
 
-/// How an axis moves some time after a step.
+/// Motion of an axis some time after a step.
 #[derive(Clone, Copy, Debug)]
 pub struct Swing {
-    /// Half the way from the least to the greatest position of the last third, counts.
+    /// Half of the range of the positions in the last third, counts.
     pub amplitude: f64,
-    /// The same of the third before.
+    /// The same for the third before, counts.
     pub amplitude_before: f64,
-    /// The oscillation of the last third, if it is one.
+    /// Oscillation in the last third, if there is one.
     pub oscillation: Option<Oscillation>,
 }
 
 impl Swing {
-    /// Of positions every [`PERIOD_S`].
+    /// Evaluates positions every [`PERIOD_S`].
     pub fn of(positions: &[f64]) -> Self {
         let third = positions.len() / 3;
         let (rest, late) = positions.split_at(positions.len() - third);
@@ -35,12 +35,13 @@ impl Swing {
         }
     }
 
-    /// Of a trace.
+    /// Evaluates a trace.
     pub fn of_trace(trace: &Trace) -> Self {
         Self::of(&trace.positions(PERIOD_S))
     }
 
-    /// It goes on: beyond what a count does, without dying away, at least three periods.
+    /// Whether the oscillation is sustained: above the effect of single counts, without decay, for
+    /// at least three periods.
     pub fn is_sustained(&self) -> bool {
         self.amplitude >= LEAST_COUNTS
             && self.amplitude >= 0.95 * self.amplitude_before
@@ -54,13 +55,12 @@ fn half_way(positions: &[f64]) -> f64 {
     if high >= low { (high - low) / 2.0 } else { 0.0 }
 }
 
-/// Periods that a Fourier coefficient is taken over: few, as those of a relay behind a line are not
-/// all alike.
+/// Number of periods for a Fourier coefficient. It is small, as the periods of a relay behind a
+/// line vary.
 const TOGETHER: f64 = 4.0;
 
-/// The amplitude of the part of `positions` that swings with a period: its first Fourier
-/// coefficient, which the steps of the encoder hardly disturb, over a few periods, and the mean of
-/// those.
+/// Amplitude of the part of `positions` that oscillates with `period_s`: the mean of its first
+/// Fourier coefficients over a few periods each. The steps of the encoder hardly disturb them.
 pub fn fundamental(positions: &[f64], period_s: f64) -> f64 {
     let length = (TOGETHER * period_s / PERIOD_S).round().max(1.0) as usize;
     let omega = std::f64::consts::TAU / period_s;
@@ -91,7 +91,7 @@ mod tests {
     }
 
     #[test]
-    fn what_dies_away_is_not_sustained() {
+    fn a_decaying_oscillation_is_not_sustained() {
         assert!(Swing::of(&wave(5.0, 0.0)).is_sustained());
         assert!(!Swing::of(&wave(2.2, 0.0)).is_sustained());
         assert!(!Swing::of(&wave(50.0, 2.0)).is_sustained());

@@ -1,4 +1,4 @@
-//! One setting tried.
+//! One trial of an experiment.
 
 use husillo_transports::nmc::Gains;
 use serde::Serialize;
@@ -6,10 +6,10 @@ use serde::Serialize;
 /// Largest gain of a module.
 pub const LARGEST: u16 = 0x7fff;
 
-/// Gains that were tried, and what came of it.
+/// Gains that were tried, and the result.
 #[derive(Clone, Debug, Serialize)]
 pub struct Trial {
-    /// What was looked for.
+    /// The gain or limit that is searched.
     pub stage: &'static str,
     /// Proportional gain of the module.
     pub p: u16,
@@ -19,15 +19,15 @@ pub struct Trial {
     pub d: u16,
     /// Bound of the sum of errors.
     pub integral_limit: u16,
-    /// Servo periods of a sample.
+    /// Servo periods per sample.
     pub rate_divisor: u8,
-    /// What came of it.
+    /// The result as text.
     pub result: String,
 }
 
 impl Trial {
-    /// Notes gains that are about to be tried; what comes of it follows. An experiment that is
-    /// aborted leaves it open.
+    /// Appends a trial before it starts and returns its index. Its result is "aborted" until
+    /// [`end`](Self::end) sets it.
     pub fn begin(trials: &mut Vec<Self>, stage: &'static str, gains: &Gains) -> usize {
         trials.push(Self {
             stage,
@@ -41,7 +41,7 @@ impl Trial {
         trials.len() - 1
     }
 
-    /// What came of it.
+    /// Sets the result of a trial.
     pub fn end(trials: &mut [Self], number: usize, result: String) {
         if let Some(trial) = trials.get_mut(number) {
             trial.result = result;

@@ -1,4 +1,4 @@
-//! The ultimate gain, by raising the proportional gain until the axis swings for ever.
+//! The ultimate gain: the proportional gain is raised until the axis oscillates steadily.
 
 use super::stand::{Stand, Trace};
 use super::swing::Swing;
@@ -7,22 +7,22 @@ use crate::trouble::Trouble;
 use husillo_pid::tuning::Ultimate;
 use husillo_transports::nmc::Gains;
 
-/// The kick that a trial begins with, counts.
+/// Length of the step at the start of a trial, counts.
 const KICK: i32 = 10;
-/// How long a trial takes, us.
+/// Duration of a trial, us.
 const TRIAL_US: u64 = 1_800_000;
-/// First gain, and what it is multiplied by until the axis swings.
+/// First gain, and the factor by which it is raised until the axis oscillates.
 const FIRST: u16 = 256;
 const FACTOR: f64 = 1.5;
-/// The gain is found to this part.
+/// The gain is found to this ratio.
 const EXACT: f64 = 1.02;
-/// The slowest servo that is tried, as its rate divisor.
+/// Rate divisor of the slowest servo that is tried.
 const SLOWEST: u8 = 32;
 
-/// Looks for the ultimate point with the rate divisor of the machine file. Where not even the
-/// largest gain makes the axis swing - an encoder with few counts and friction leave it no room -
-/// the divisor is doubled until one does: a slower loop swings at a lower gain. Every trial goes to
-/// `trials`; `None`: no luck. With the point comes the divisor.
+/// Searches the ultimate point with the rate divisor of the machine file. Friction and a coarse
+/// encoder may prevent an oscillation even at the largest gain. Then the divisor is doubled, as a
+/// slower loop oscillates at a lower gain. Returns the point and the divisor. `None`: no divisor
+/// gives an oscillation. Appends every trial to `trials`.
 ///
 /// # Errors
 ///
@@ -37,7 +37,8 @@ pub fn ultimate(
         if let Some(found) = at_divisor(stand, divisor, first, trials)? {
             return Ok(Some((found, divisor)));
         }
-        // Twice the hold takes half the gain at most, and a margin.
+        // With twice the period the ultimate gain is at most half as large. The other half is
+        // margin.
         first = LARGEST / 4;
         divisor = divisor.saturating_mul(2);
         if divisor > SLOWEST {
@@ -46,7 +47,7 @@ pub fn ultimate(
     }
 }
 
-/// Raises the gain, then halves the interval in which swinging begins.
+/// Raises the gain, then bisects the interval in which the oscillation begins.
 fn at_divisor(
     stand: &mut Stand,
     divisor: u8,
@@ -65,7 +66,7 @@ fn at_divisor(
         let top = swinging.as_ref().map(|(gain, ..)| *gain);
         proportional = match top {
             Some(top) if f64::from(top) <= f64::from(calm.max(1)) * EXACT => break,
-            // The geometric mean, and never one of both ends.
+            // The geometric mean, which is between both ends.
             Some(top) => (f64::from(calm.max(1)) * f64::from(top)).sqrt() as u16,
             None if calm == LARGEST => break,
             None => (f64::from(calm) * FACTOR).min(LARGEST.into()) as u16,
@@ -78,7 +79,7 @@ fn at_divisor(
         return Ok(None);
     };
     stand.traces.push(Trace {
-        title: format!("Proportional gain {gain}, rate divisor {divisor}: the axis swings"),
+        title: format!("Proportional gain {gain}, rate divisor {divisor}: the axis oscillates"),
         ..trace
     });
     Ok(swing.oscillation.map(|found| Ultimate {
@@ -108,12 +109,12 @@ fn attempt(
         number,
         match swing.oscillation.filter(|_| swing.is_sustained()) {
             Some(found) => format!(
-                "swings by {:.1} counts, {:.1} ms",
+                "oscillates with {:.1} counts, {:.1} ms",
                 swing.amplitude,
                 found.period_s * 1e3
             ),
             None => format!(
-                "does not go on swinging: {:.1} counts at the end",
+                "no sustained oscillation: {:.1} counts at the end",
                 swing.amplitude
             ),
         },

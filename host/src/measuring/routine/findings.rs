@@ -1,4 +1,4 @@
-//! What is wrong with routines and programs, as it is shown.
+//! Mistakes and failures of routines and programs, as findings.
 
 use crate::diagnostics::{Finding, Place};
 use crate::measuring::help;
@@ -9,13 +9,13 @@ use husillo_metrology::routine::{Failure, Mistake, Refusal, Refused, Wrong, code
 /// Name of the standard input in findings.
 const INPUT: &str = "<input>";
 
-/// A line of a routine that is not understood.
+/// The finding of a line that is not understood.
 pub fn of_mistake(mistake: Mistake, file: &str, text: &str) -> Finding {
     let line = text.lines().nth(mistake.line - 1).unwrap_or_default();
     of_wrong(mistake.wrong, file, mistake.line, line)
 }
 
-/// A line of a routine that was not carried out.
+/// The finding of a line that failed on the machine.
 pub fn of_failure(failure: &Failure, file: &str, number: usize, line: &str) -> Finding {
     failed(
         failure,
@@ -23,7 +23,7 @@ pub fn of_failure(failure: &Failure, file: &str, number: usize, line: &str) -> F
     )
 }
 
-/// A typed line that is not part of a recording.
+/// The finding of a typed line that the recording refused.
 pub fn of_refused(refused: &Refused) -> Finding {
     let Refused { line, text, why } = refused;
     match why {
@@ -32,7 +32,7 @@ pub fn of_refused(refused: &Refused) -> Finding {
     }
 }
 
-/// What is wrong with a program, or went wrong in it.
+/// The finding of a mistake in a program, or of its failure on the machine.
 pub fn of_program(error: &ProgramError, file: &str) -> Finding {
     let at = At {
         file,
@@ -49,7 +49,7 @@ pub fn of_program(error: &ProgramError, file: &str) -> Finding {
                 .clone()
                 .map_or_else(|| at.whole(), |span| at.place(span));
             Finding::error(code::MACHINE, error.fault.to_string(), place)
-                .label("nothing here can do it")
+                .label("a measuring program cannot do this")
                 .help(
                     "there are G0, G1, G38.2 to G38.5, frames, M0, M2, M30, O-words, parameters \
                      and the measuring cycles",

@@ -1,4 +1,4 @@
-//! `husillo measure run` and `husillo measure record`: files, the machine, and how it ended.
+//! `husillo measure run` and `husillo measure record`: reads and writes their files.
 
 use super::{findings, listing, page};
 use crate::cli::{Measure, Results};
@@ -12,18 +12,17 @@ use std::io::{self, BufRead, BufReader, IsTerminal, Write};
 /// How a routine without mistakes ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ending {
-    /// Everything done, and within its tolerance.
+    /// It is complete, and everything is within tolerance.
     Good,
-    /// Everything done, and something out of tolerance.
+    /// It is complete, and something is out of tolerance.
     OutOfTolerance,
-    /// It stopped on the way.
+    /// It stopped before its end.
     Trouble,
-    /// An axis has met something where nothing was to be touched: nothing that was measured is
-    /// good.
+    /// There was a collision. No result is valid.
     Collision,
 }
 
-/// What is to be run.
+/// A routine or a program, ready to run.
 pub enum Routine {
     /// Statements.
     Statements {
@@ -36,11 +35,12 @@ pub enum Routine {
 }
 
 impl Routine {
-    /// Reads and checks a file; G code by the end of its name. Mistakes are told.
+    /// Reads and checks a file. The end of its name marks G-code. Prints mistakes and then returns
+    /// `None`.
     ///
     /// # Errors
     ///
-    /// A sentence, where there is no such file.
+    /// The file cannot be read.
     pub fn load(name: &str) -> Result<Option<Self>, String> {
         let text = crate::input::read(name).map_err(|error| format!("{name}: {error}"))?;
         let is_program = [".nc", ".ngc", ".gcode", ".tap", ".cnc"];
@@ -77,13 +77,13 @@ impl Routine {
         }
     }
 
-    /// As it is called.
+    /// The name of its file.
     pub fn name(&self) -> &str {
         let (Self::Statements { name, .. } | Self::Program { name, .. }) = self;
         name
     }
 
-    /// Carries it out; features go to `each` as they come.
+    /// Carries it out. `each` gets each feature when it is measured.
     fn carry_out(
         &self,
         runner: &mut Runner<'_>,
@@ -112,11 +112,11 @@ impl Routine {
     }
 }
 
-/// Runs a routine, prints what was measured to `out`, and writes the report of `-o` to `file`.
+/// Runs a routine, prints the features to `out`, and writes the report of `-o` to `file`.
 ///
 /// # Errors
 ///
-/// Writing fails.
+/// `out` cannot be written.
 pub fn run(
     routine: &Routine,
     args: &Measure,
@@ -178,7 +178,7 @@ pub fn run(
     })
 }
 
-/// Carries out what comes on the standard input and writes the routine that repeats it.
+/// Carries out the lines from standard input and writes the routine that repeats them.
 ///
 /// # Errors
 ///
@@ -190,7 +190,7 @@ pub fn recorded(
     out: &mut dyn Write,
 ) -> io::Result<Ending> {
     let mut runner = Runner::new(Site::new(prober, stylus));
-    // What was taught stays, however the session ends.
+    // The file keeps the lines so far, however the session ends.
     let mut routine = Outputs::stream(path)?;
     let mut input = BufReader::new(io::stdin());
     let each = |feature: &Feature| {
@@ -211,12 +211,12 @@ pub fn recorded(
     })
 }
 
-/// M0: waits for a line where somebody is there to give it.
+/// M0: waits for Enter if standard input is a terminal.
 fn pause(line: usize) {
     let input = io::stdin();
     if input.is_terminal() {
-        eprintln!("line {line}: M0; Enter goes on");
-        // At the end of the input it goes on, too.
+        eprintln!("line {line}: M0; press Enter to go on");
+        // The end of the input goes on, too.
         let _ = input.lock().read_line(&mut String::new());
     } else {
         eprintln!("line {line}: M0");
@@ -225,6 +225,6 @@ fn pause(line: usize) {
 
 fn tell(finding: &Finding) {
     let is_colour = io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
-    // Nobody to tell that it cannot be told.
+    // If standard error is closed, there is no place left for a message.
     let _ = finding.print(Format::Text, is_colour, &mut io::stderr());
 }

@@ -9,7 +9,7 @@ use std::fmt::Write;
 pub const CSV_HEAD: &str =
     "feature,kind,line,figure,unit,actual,nominal,least,most,deviation,result";
 
-/// Lines for people, the last without its end.
+/// Lines for people. The last one has no line end.
 pub fn text(feature: &Feature) -> String {
     let mut text = format!("{} {}", feature.keyword, feature.name);
     for dimension in &feature.dimensions {
@@ -57,7 +57,7 @@ pub fn text(feature: &Feature) -> String {
     }
 }
 
-/// `+0.03 -0.01`, `+-0.02`, or `0 to +0.01`.
+/// Limits as text: `+0.03 -0.01`, `+-0.02`, or `0 to +0.01`.
 pub fn limits([least, most]: [i64; 2]) -> String {
     let plain = |micro: i64| {
         let text = format!("{:+}", number(micro));
@@ -70,7 +70,7 @@ pub fn limits([least, most]: [i64; 2]) -> String {
     }
 }
 
-/// How it ended, for people: the last line.
+/// The last line for people: how many features, and how many tolerances are kept.
 pub fn summary(features: &[Feature]) -> String {
     let judged = features.iter().flat_map(|feature| &feature.dimensions);
     let verdicts: Vec<bool> = judged.filter_map(Dimension::is_good).collect();
@@ -91,8 +91,8 @@ pub fn summary(features: &[Feature]) -> String {
     }
 }
 
-/// One JSON object for all, with the trouble that ended it and whether it was, or came after, a
-/// collision.
+/// One JSON object for all features. It also has the trouble that ended the routine, and whether
+/// there was a collision.
 pub fn json(
     name: &str,
     machine: &str,
@@ -152,7 +152,7 @@ fn figure(feature: &Feature, dimension: &Dimension) -> Value {
         if let Some([least, most]) = wanted.tolerance_micro {
             value["least"] = number(least).into();
             value["most"] = number(most).into();
-            // `null`: nobody knows.
+            // `null` after a collision: the result is unknown.
             let verdict = feature.verdict(dimension);
             let judged = verdict.filter(|verdict| *verdict != Verdict::Spoiled);
             value["in_tolerance"] = judged.map(|verdict| verdict == Verdict::Good).into();
@@ -161,7 +161,7 @@ fn figure(feature: &Feature, dimension: &Dimension) -> Value {
     value
 }
 
-/// A table with one figure a line.
+/// A table with one figure per line.
 pub fn csv(features: &[Feature]) -> String {
     let mut table = format!("{CSV_HEAD}\n");
     for feature in features {

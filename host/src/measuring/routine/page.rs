@@ -1,4 +1,4 @@
-//! The measuring report: one HTML file with everything inside, no script, no network.
+//! The measuring report: one self-contained HTML file without scripts.
 
 use super::listing::{limits, summary};
 use super::picture::{self, ABOVE, FRONT};
@@ -8,7 +8,7 @@ use crate::text::length::length;
 use husillo_metrology::routine::{Dimension, Feature, Site, Verdict, decimal, signed};
 use std::fmt::Write;
 
-/// Green, red, and what only this page draws.
+/// The styles of this page alone.
 const LOOK: &str = "\
 :root{--good:#116329}@media(prefers-color-scheme:dark){:root{--good:#56d364}}\
 .good{stroke:var(--feed);stroke-width:1.6}path.bad,circle.bad{stroke:var(--limit);stroke-width:2}\
@@ -50,7 +50,7 @@ pub fn html(
 
 fn verdict(features: &[Feature], trouble: Option<&str>) -> String {
     match trouble {
-        Some(trouble) => format!("Stopped: {trouble}. Until then: {}.", summary(features)),
+        Some(trouble) => format!("Stopped: {trouble}. Before that: {}.", summary(features)),
         None => format!("{}.", summary(features)),
     }
 }
@@ -139,10 +139,10 @@ fn views(page: &mut String, features: &[Feature], site: &Site<'_>) {
     let factor = picture::factor(features, picture::size_nm(features, part));
     let _ = writeln!(
         page,
-        "<section><h2>Where they are</h2><p>In the frame at the end of the routine. Dots: points \
+        "<section><h2>Positions</h2><p>In the frame at the end of the routine. Dots: points \
          of the surface, corrected for \
-         tip and pre-travel. Thick strokes: how far they are from their feature, {factor:.0} times \
-         as large. Red: out of tolerance.</p>"
+         tip and pre-travel. Thick strokes: their deviations from the feature, magnified \
+         {factor:.0} times. Red: out of tolerance.</p>"
     );
     for plan in [ABOVE, FRONT] {
         let _ = writeln!(page, "<figure><figcaption>{} view</figcaption>", plan.name);
@@ -159,8 +159,8 @@ fn residuals(page: &mut String, features: &[Feature]) {
         return;
     }
     page.push_str(
-        "<section><h2>Residuals</h2><p>Each point's distance from its feature, in the \
-         order of touching; outside is up.</p>\n",
+        "<section><h2>Residuals</h2><p>The distance of each point from its feature, in the \
+         order of touching. Points outside the feature are up.</p>\n",
     );
     features.for_each(|feature| picture::residuals(page, feature));
     page.push_str("</section>\n");
@@ -168,8 +168,8 @@ fn residuals(page: &mut String, features: &[Feature]) {
 
 fn points(page: &mut String, features: &[Feature]) {
     page.push_str(
-        "<section><h2>Points</h2><details><summary>All points of the surface, mm, each in the \
-         frame it was measured in</summary>\
+        "<section><h2>Points</h2><details><summary>All points of the surface, mm. Each is given \
+         in the frame in which it was measured</summary>\
          <div class=\"scroll\"><table><thead><tr><th scope=\"col\">feature</th><th \
          scope=\"col\">point</th><th scope=\"col\">x</th>\
          <th scope=\"col\">y</th><th scope=\"col\">z</th><th \

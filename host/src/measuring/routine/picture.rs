@@ -1,4 +1,4 @@
-//! Features and their points in a plan view, deviations enlarged.
+//! Features and their points in a plan view. Deviations are magnified.
 
 use crate::page::report::{Frame as View, round_down};
 use crate::text::escape::escape;
@@ -7,10 +7,10 @@ use husillo_metrology::routine::vector::{self, Vector, floats, minus, plus, scal
 use husillo_metrology::routine::{Feature, Frame, Mark, Shape};
 use std::fmt::Write;
 
-/// A view along an axis of the part: which axes go to the right and up.
+/// A view along an axis of the part. It selects the axes that point right and up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Plan {
-    /// Its name, and the beginning of identifiers in the page.
+    /// Its name, which also begins identifiers in the page.
     pub name: &'static str,
     right: usize,
     up: usize,
@@ -36,7 +36,7 @@ impl Plan {
     }
 }
 
-/// How much larger than they are deviations are drawn, that the largest is well seen; 1 at least.
+/// The magnification of deviations. It makes the largest one well visible; at least 1.
 pub fn factor(features: &[Feature], size_nm: f64) -> f64 {
     let marks = features.iter().flat_map(|feature| &feature.marks);
     let largest = marks.map(|mark| mark.residual_nm.abs()).max();
@@ -63,7 +63,7 @@ pub fn draw(page: &mut String, features: &[Feature], part: &Frame, plan: Plan, f
         plan.name,
         &format!("Features and points, {} view", plan.name),
         &format!(
-            "{}; deviations drawn {factor:.0} times as large as they are",
+            "{}; deviations are magnified {factor:.0} times",
             names.join(", ")
         ),
     );
@@ -112,7 +112,7 @@ fn bounds(features: &[Feature], part: &Frame, plan: Plan) -> [[f64; 2]; 2] {
     }
 }
 
-/// What a straight thing is drawn between.
+/// The ends of a shape that is drawn as one stroke.
 fn ends(shape: &Shape) -> Vec<[i64; 3]> {
     match shape {
         Shape::Width { ends_nm, .. } | Shape::Distance { ends_nm, .. } => ends_nm.to_vec(),
@@ -208,7 +208,7 @@ fn outline(page: &mut String, view: &View, feature: &Feature, part: &Frame, plan
     }
 }
 
-/// From the first to the last point along a direction, a little beyond them.
+/// A line from the first to the last point along a direction, extended a little at both ends.
 fn extent(feature: &Feature, part: &Frame, along: Vector) -> Vec<Vector> {
     let Some(origin) = feature.shape.point_nm().map(|nm| place(nm, part)) else {
         return Vec::new();
@@ -221,7 +221,7 @@ fn extent(feature: &Feature, part: &Frame, along: Vector) -> Vec<Vector> {
     ends.map(|at| plus(origin, scaled(along, at))).to_vec()
 }
 
-/// The points of a face in the order of their direction from its middle.
+/// The points of a face, in the order of their direction from its middle.
 fn hull(feature: &Feature, part: &Frame, plan: Plan) -> Vec<Vector> {
     let marks = feature.marks.iter();
     let mut points: Vec<Vector> = marks.map(|mark| place(mark.surface_nm, part)).collect();
@@ -237,10 +237,10 @@ fn hull(feature: &Feature, part: &Frame, plan: Plan) -> Vec<Vector> {
     points
 }
 
-/// A point, and its deviation along the normal.
+/// Draws a point and its deviation along the normal.
 fn point(page: &mut String, view: &View, mark: &Mark, part: &Frame, plan: Plan, factor: f64) {
     let surface = place(mark.surface_nm, part);
-    // Directions of the machine turn with the part.
+    // The normal is in the machine's frame: turns it into that of the part.
     let normal = vector::direction(mark.normal).map(|normal| part.direction_to_part(&normal));
     let [x, y] = view.at(plan.flat(surface));
     let _ = writeln!(
@@ -248,8 +248,8 @@ fn point(page: &mut String, view: &View, mark: &Mark, part: &Frame, plan: Plan, 
         "<circle class=\"dot\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"2.6\"/>"
     );
     if mark.residual_nm != 0 {
-        let way = scaled(normal.unwrap_or_default(), mark.residual_nm as f64 * factor);
-        let [u, v] = view.at(plan.flat(plus(surface, way)));
+        let deviation = scaled(normal.unwrap_or_default(), mark.residual_nm as f64 * factor);
+        let [u, v] = view.at(plan.flat(plus(surface, deviation)));
         let _ = writeln!(
             page,
             "<path class=\"off\" d=\"M{x:.1} {y:.1}L{u:.1} {v:.1}\"><title>{}</title></path>",
@@ -258,18 +258,18 @@ fn point(page: &mut String, view: &View, mark: &Mark, part: &Frame, plan: Plan, 
     }
 }
 
-/// The names drawn so far, each as its left end, right end and base line.
+/// The labels drawn so far, each as its left end, right end and base line.
 #[derive(Default)]
 struct Labels(Vec<[f64; 3]>);
 
 impl Labels {
-    /// Width of a character and height of a line at the 12 pixels of the page, so that most texts
-    /// are narrower.
+    /// Width of a character, pixels. Most texts in the 12 pixels of the page are narrower.
     const CHARACTER: f64 = 7.0;
+    /// Height of a line, pixels.
     const LINE: f64 = 13.0;
 
-    /// A position where a name can begin without covering another one: above the point, below it,
-    /// then line by line farther up.
+    /// A position where a label can begin without covering another one. It tries above the point,
+    /// below it, and then line by line farther up.
     fn place(&mut self, text: &str, [x, y]: [f64; 2]) -> [f64; 2] {
         let left = x + 6.0;
         let right = left + text.chars().count() as f64 * Self::CHARACTER;
@@ -328,7 +328,7 @@ fn label(
     }
 }
 
-/// What is left of the points of a feature, each a bar, in the order they were touched.
+/// Draws the residuals of a feature as bars, in the order of touching.
 pub fn residuals(page: &mut String, feature: &Feature) {
     const WIDTH: f64 = 1000.0;
     const HEIGHT: f64 = 150.0;
@@ -358,15 +358,15 @@ pub fn residuals(page: &mut String, feature: &Feature) {
     }
     for (index, mark) in marks.iter().enumerate() {
         let x = 145.0 + step * (index as f64 + 0.5);
-        let way = mark.residual_nm as f64 * unit;
+        let height = mark.residual_nm as f64 * unit;
         let _ = writeln!(
             page,
             "<path class=\"bar\" d=\"M{x:.1} {middle}v{:.1}\"><title>point {}: {}</title></path>\
              <circle class=\"dot\" cx=\"{x:.1}\" cy=\"{:.1}\" r=\"3\"/>",
-            -way,
+            -height,
             index + 1,
             length(mark.residual_nm as f64),
-            middle - way
+            middle - height
         );
     }
     page.push_str("</svg></figure>\n");
@@ -377,13 +377,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_do_not_lie_on_one_another() {
+    fn labels_do_not_overlap() {
         let mut labels = Labels::default();
         let mut places = Vec::new();
         for name in ["far", "right", "B", "sides", "far"] {
             places.push(labels.place(name, [100.0, 50.0]));
         }
-        // Somewhere else there is room.
+        // There is room elsewhere.
         assert_eq!(labels.place("left", [20.0, 50.0]), [26.0, 44.0]);
         assert_eq!(places[..2], [[106.0, 44.0], [106.0, 65.0]]);
         for (number, [_, y]) in places.iter().enumerate() {

@@ -6,7 +6,7 @@ use husillo_gcode::{Command, Direction, Feed, Nm, Plane, Side, SpindleDirection}
 use serde::Serialize;
 use serde_json::value::RawValue;
 
-/// A command at its line.
+/// A command with its line number.
 #[derive(Serialize)]
 pub struct Line {
     line: usize,
@@ -14,7 +14,7 @@ pub struct Line {
     object: Object,
 }
 
-/// What a command says; lengths and places in nm.
+/// The content of a command; lengths and positions in nm.
 #[derive(Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 enum Object {
@@ -100,7 +100,7 @@ enum PathFeed {
 }
 
 impl Line {
-    /// The object of a command that begins at `from`; `None` for one that is only a mode.
+    /// The object of a command that begins at `from`. `None` for a command that only sets a mode.
     pub fn new(line: usize, command: &Command<3>, from: [Nm; 3]) -> Option<Self> {
         let object = motion(command, from).or_else(|| tool(command));
         Some(Self {
@@ -225,7 +225,7 @@ fn other(command: &Command<3>) -> Option<Object> {
     })
 }
 
-/// Thousandths as a decimal without zeros at its end.
+/// Thousandths as a decimal number without trailing zeros.
 fn thousandths(value: u64) -> String {
     let digits = format!("{}.{:03}", value / 1000, value % 1000);
     digits
@@ -234,7 +234,7 @@ fn thousandths(value: u64) -> String {
         .to_owned()
 }
 
-/// The feed along the path; under inverse time it follows from the length of the move.
+/// The feed along the path. An inverse-time feed is converted with the length of the move.
 fn path_feed(feed: &Feed, command: &Command<3>, from: [Nm; 3]) -> PathFeed {
     match *feed {
         Feed::PerMinute(rate) => PathFeed::PerMinute(rate.0),
@@ -265,7 +265,7 @@ mod tests {
     }
 
     #[test]
-    fn turns_of_the_spindle_are_exact() {
+    fn spindle_speeds_are_exact() {
         for (milli_rpm, rpm) in [(0, "0"), (600_000, "600"), (1_001, "1.001"), (2_500, "2.5")] {
             let spindle = Command::Spindle {
                 direction: SpindleDirection::Clockwise,

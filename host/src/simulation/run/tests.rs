@@ -1,4 +1,4 @@
-//! What the speed of moves that follow the spindle is taken for.
+//! The recorded speed of moves that follow the spindle.
 
 use super::*;
 use crate::programs::feeder;
@@ -8,7 +8,7 @@ use crate::simulation::speed::{Band, Column};
 use husillo_gcode::Dialect;
 use std::io::Cursor;
 
-/// The columns of a program on the lathe that comes along.
+/// The columns of a program on the built-in lathe.
 fn columns(program: &str) -> Vec<Column> {
     let file = MachineFile::load("lathe").unwrap();
     let mut run = Run::new(&file, false, None).unwrap();
@@ -32,21 +32,22 @@ fn largest(columns: &[Column], band: fn(&Column) -> Band) -> f64 {
     f64::from(highest.fold(0.0, f32::max)) * 60e-6
 }
 
-/// Each pass of a thread, alone or of a cycle, is a feed at the lead times the turns a minute.
+/// Each pass of a thread is a feed at the lead times the turns per minute. This holds for a single
+/// pass and for those of a cycle.
 #[test]
 fn a_pass_of_a_thread_is_a_feed() {
     const THREAD: &str = include_str!("../../../../examples/thread.nc");
     let on = "G21 G90 G18 G8 M3 S600\nG0 X10 Z5\nG4 P1\n";
     let cycle = format!("{on}G76 P1.5 Z-20 I-1 J0.3 R1 K0.9 Q29.5 H1 E0 L0\nM30\n");
     let slower = format!("{on}S300\nG4 P1\nG33 Z-20 K1.5\nM30\n");
-    // All rapids of the cycle are made by the machine.
+    // The machine makes all rapids of the cycle.
     for (program, expected) in [(THREAD, 900.0), (&cycle, 900.0), (&slower, 450.0)] {
         let columns = columns(program);
         let programmed = largest(&columns, |column| column.programmed);
         assert!((programmed - expected).abs() < 1e-3, "{programmed}");
         let feed = largest(&columns, |column| column.feed);
         assert!((feed / expected - 1.0).abs() < 0.05, "{feed}");
-        // While the thread is cut nothing else is shown, but in the columns of its ends.
+        // Only the columns at the ends of a pass may also show a rapid.
         let is_cut = |column: &&Column| column.programmed.high * 60e-6 > 0.9 * expected as f32;
         let cut: Vec<_> = columns.iter().filter(is_cut).collect();
         assert!(cut.len() > 20, "{}", cut.len());
@@ -59,9 +60,9 @@ fn a_pass_of_a_thread_is_a_feed() {
     }
 }
 
-/// The same of a feed that is given by the turn.
+/// The same holds for a feed per turn.
 #[test]
-fn a_feed_by_the_turn_has_a_programmed_speed() {
+fn a_feed_per_turn_has_a_programmed_speed() {
     let columns = columns("G21 G90 G18 G8 M3 S600\nG4 P1\nG95 G1 Z-5 F0.2\nM30\n");
     let programmed = largest(&columns, |column| column.programmed);
     assert!((programmed - 120.0).abs() < 1e-3, "{programmed}");

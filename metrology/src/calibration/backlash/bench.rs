@@ -1,19 +1,19 @@
-//! A machine whose tool is watched while it moves.
+//! A machine whose tool is observed while it moves.
 
-/// Where things are after a step.
+/// Positions after a step.
 #[derive(Clone, Copy, Debug)]
 pub struct Moment {
-    /// Where the controller has the tool, nm.
+    /// Position of the tool in the controller, nm.
     pub sent_nm: [f64; 3],
-    /// Where it is, nm.
+    /// True position of the tool, nm.
     pub tool_nm: [f64; 3],
-    /// The step takes up backlash: the tool is not to move.
+    /// The step takes up backlash: the tool should not move.
     pub is_take_up: bool,
 }
 
-/// A homed machine that makes blocks of G-code, with something that sees where its tool is.
+/// A homed machine that executes blocks of G-code, with an observer of its tool.
 pub trait Bench {
-    /// Makes a block; `each` sees every step of it.
+    /// Executes a block and calls `each` after every step.
     ///
     /// # Errors
     ///

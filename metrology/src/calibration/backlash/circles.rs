@@ -1,16 +1,17 @@
-//! The circle test: what is left where an axis turns round.
+//! The circle test: the error that remains where an axis reverses.
 
 use super::bench::Bench;
 use std::f64::consts::FRAC_1_SQRT_2;
 
-/// Names of the ends in the order in which a circle that begins at 45 degrees passes them.
+/// Names of the ends of a circle, in the order in which a circle that begins at 45 degrees passes
+/// them.
 pub const CIRCLE_ENDS: [&str; 4] = ["top", "left", "bottom", "right"];
 
-/// The same: the axis that turns round there, and its direction before.
+/// The axis that reverses at each end, and its direction before.
 const TURNS: [(usize, f64); 4] = [(1, 1.0), (0, -1.0), (1, -1.0), (0, 1.0)];
 
-/// What is left, um, at each end of a circle: how far the tool is off along the axis that turned
-/// round there, on its one flank and on the other.
+/// Error that remains at each end of a circle, um. It is the difference between the errors of the
+/// tool on the two flanks, along the axis that reverses there.
 ///
 /// # Errors
 ///
@@ -31,7 +32,8 @@ pub fn left_at_ends(
         &format!("G0 X{:.5} Y{:.5}", start[0], start[1]),
         &mut |_| {},
     )?;
-    // A tenth of the radius before an end and behind it the axis has its flank.
+    // At a tenth of the radius before an end the axis is on its old flank, and at a tenth behind
+    // the end it is on the new one.
     let near = 0.9 * radius_mm;
     let mut off = [[None; 2]; 4];
     bench.make(
@@ -45,11 +47,11 @@ pub fn left_at_ends(
                 if at[axis] * side < near {
                     continue;
                 }
-                // Counter-clockwise: at the top X falls, at the left Y.
+                // Counter-clockwise: X falls at the top, Y falls at the left.
                 let way = if axis == 1 { -at[0] } else { at[1] } * side;
                 let behind = usize::from(way > 0.0);
                 let value = (moment.tool_nm[axis] - moment.sent_nm[axis]) / 1e3;
-                // The first before an end, the last behind it.
+                // The first error before an end, and the last one behind it.
                 if behind == 1 || off[0].is_none() {
                     off[behind] = Some(value);
                 }

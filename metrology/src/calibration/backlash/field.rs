@@ -1,22 +1,22 @@
-//! What compensation leaves, by cell of the work area.
+//! Error that compensation leaves, by cell of the work area.
 
 use super::line_pair::LinePair;
 use super::place_table::{Map, PlaceTable};
 use super::survey::{CELLS, Leftover};
 
-/// What is left, by cell.
+/// The remaining error by cell.
 #[derive(Clone, Debug)]
 pub struct Field {
     /// Borders of the columns and of the rows, mm.
     pub edges_mm: [Vec<f64>; 2],
-    /// Rows of cells, the lowest Y first: the largest deviation with its sign, um.
+    /// Largest signed deviation in each cell, um. Row by row, lowest Y first.
     pub um: Vec<f64>,
-    /// Lowest and highest, um.
+    /// Lowest and highest deviation, um.
     pub span_um: [f64; 2],
 }
 
 impl Field {
-    /// What a survey found over a travel of X and Y.
+    /// The field of a survey over a travel of X and Y.
     #[must_use]
     pub fn surveyed(left: Leftover, travel_mm: [[f64; 2]; 2]) -> Self {
         Self {
@@ -30,8 +30,8 @@ impl Field {
         }
     }
 
-    /// What a map leaves of measured pairs, each with the play that it says, nm, at each place the
-    /// largest; cells reach half the way to the next place.
+    /// The error that a map leaves of measured pairs. `lash` has the pairs with the play that each
+    /// shows, nm. A cell has the largest error at its place and reaches halfway to the next place.
     #[must_use]
     pub fn measured(
         axis: usize,

@@ -1,36 +1,36 @@
-//! What the two-line test measures, and the table by place that comes of it.
+//! Results of the two-line test, and the table by position that is made from them.
 
 use super::place_table::{Map, PlaceTable};
 
-/// What the reading of a mark may be off, um: so far below zero is no lash at all.
+/// Largest error of reading a mark, um. Play down to this much below zero counts as none.
 const NOISE_UM: f64 = 10.0;
 
-/// Places nearer to each other than this are one, mm.
+/// Places with a smaller distance than this are the same place, mm.
 const SAME_MM: f64 = 0.001;
 
-/// Two lines of the two-line test, and what was measured between them.
+/// Two lines of the two-line test, and the measured distance between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinePair {
-    /// X or Y, by number.
+    /// The axis: 0 for X, 1 for Y.
     pub axis: usize,
-    /// Where the line from above was cut, mm; `None` along an axis that bands lie along.
+    /// Position of the line from above, mm. `None` on the axis along which bands lie.
     pub place_mm: [Option<f64>; 2],
-    /// From the line that was reached from below to that reached from above, as programmed, nm;
-    /// signed.
+    /// Programmed signed distance from the line that was reached from below to the one that was
+    /// reached from above, nm.
     pub programmed_nm: f64,
-    /// The same as measured.
+    /// The same distance as measured, nm.
     pub measured_nm: f64,
 }
 
 impl LinePair {
-    /// Play at the place, nm, where `taken_up_nm` of it was made up for.
+    /// Play at the place, nm. `taken_up_nm` of it were compensated during the test.
     #[must_use]
     pub fn lash_nm(&self, taken_up_nm: f64) -> f64 {
         taken_up_nm + self.measured_nm - self.programmed_nm
     }
 
-    /// What a map takes up where the pair was cut, nm; for bands, in the middle of the travel along
-    /// them.
+    /// Take-up of a map at the place of the pair, nm. For bands it is taken in the middle of the
+    /// travel along them.
     #[must_use]
     pub fn taken_up_nm(&self, map: &Map, step_nm: [f64; 3], travel_mm: [[f64; 2]; 2]) -> f64 {
         let at = map.axes().map(|axis| {
@@ -43,7 +43,7 @@ impl LinePair {
         f64::from(map.steps(at)) * step_nm[self.axis]
     }
 
-    /// Whether the pair was cut where the axes go.
+    /// Checks that the pair lies within the travel.
     ///
     /// # Errors
     ///
@@ -61,12 +61,12 @@ impl LinePair {
     }
 }
 
-/// The table of an axis from its readings, each with the lash that it says, in nm; several at a
-/// place are averaged. `None` without readings.
+/// Makes the table of an axis from its readings, each with the play that it shows, in nm. Several
+/// readings at a place are averaged. `None` without readings.
 ///
 /// # Errors
 ///
-/// A sentence: a place of the grid without a reading, or readings of bands and of places.
+/// A sentence: a place of the grid has no reading, or there are readings of both bands and places.
 pub fn place_table(axis: usize, pairs: &[(LinePair, f64)]) -> Result<Option<PlaceTable>, String> {
     let own: Vec<_> = pairs.iter().filter(|(pair, _)| pair.axis == axis).collect();
     let Some((first, _)) = own.first() else {
@@ -79,11 +79,13 @@ pub fn place_table(axis: usize, pairs: &[(LinePair, f64)]) -> Result<Option<Plac
         .any(|(reading, _)| reading.place_mm.map(|place| place.is_some()) != has)
     {
         return Err(format!(
-            "{letter}: some readings have a place that others leave out"
+            "{letter}: some readings have a coordinate that others leave out"
         ));
     }
     if has == [false; 2] {
-        return Err(format!("{letter}: no reading says where it was made"));
+        return Err(format!(
+            "{letter}: no reading has the position where it was made"
+        ));
     }
     let along = |index: usize| {
         let mut places: Vec<f64> = own
@@ -106,14 +108,14 @@ pub fn place_table(axis: usize, pairs: &[(LinePair, f64)]) -> Result<Option<Plac
                 here.fold((0.0, 0_u32), |(sum, count), (_, nm)| (sum + nm, count + 1));
             if count == 0 {
                 return Err(format!(
-                    "{letter}: no reading at X{x:.3} Y{y:.3}, where others of that column and \
-                     that row are"
+                    "{letter}: no reading at X{x:.3} Y{y:.3}, but there are others in that column \
+                     and in that row"
                 ));
             }
             let um = sum / f64::from(count) / 1e3;
             if um < -NOISE_UM {
                 return Err(format!(
-                    "{letter}: a lash of {um:.0} um at X{x:.3} Y{y:.3}: there is none below zero; \
+                    "{letter}: a backlash of {um:.0} um at X{x:.3} Y{y:.3}, which is below zero: \
                      is a reading mistyped?"
                 ));
             }

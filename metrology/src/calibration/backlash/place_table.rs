@@ -1,4 +1,4 @@
-//! Backlash by place.
+//! Backlash by position.
 
 use crate::quantity::Fraction;
 use husillo_backlash::{LashMap, MapError};
@@ -7,20 +7,20 @@ use std::sync::Arc;
 /// A map of backlash in whole steps.
 pub type Map = LashMap<Arc<[i32]>, Arc<[u32]>>;
 
-/// Backlash by place: places in mm along one axis or two, and um there.
+/// Backlash by position: places along one or two axes in mm, and the backlash there in um.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlaceTable {
-    /// Axes by number, rising; the same one twice for a table along one axis.
+    /// Numbers of the axes in rising order. A table along one axis has it twice.
     pub axes: [usize; 2],
-    /// Places along them; one place for an axis along which it is the same everywhere.
+    /// Places along these axes. An axis without influence has one place.
     pub places_mm: [Vec<f64>; 2],
-    /// All places of the first axis at the first of the second, and so on.
+    /// Backlash of all places of the first axis at the first place of the second, and so on.
     pub lash_um: Vec<f64>,
 }
 
 impl PlaceTable {
-    /// The map of an axis, in whole steps. `own` is its step in nm, `steps` are those of X, Y and
-    /// Z.
+    /// The map of an axis, in whole steps. `own` is the step of this axis in nm, `steps` are the
+    /// steps of X, Y and Z.
     ///
     /// # Errors
     ///
@@ -37,7 +37,7 @@ impl PlaceTable {
     }
 }
 
-/// Saturates where it is converted.
+/// A length in steps. The casts of the callers saturate.
 fn in_steps(nm: f64, step: Fraction) -> f64 {
     (nm * step.den as f64 / step.num as f64).round()
 }

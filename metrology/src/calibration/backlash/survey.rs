@@ -1,22 +1,22 @@
-//! What compensation leaves over the work area: the axes go to and fro everywhere, and the tool is
-//! looked at.
+//! Survey of the error that compensation leaves: the axes go back and forth over the whole work
+//! area while the tool is observed.
 
 use super::bench::Bench;
 
-/// Cells of the work area along X and Y; lines are through their middles.
+/// Cells of the work area along X and Y. The lines of the survey go through their middles.
 pub const CELLS: [usize; 2] = [20, 14];
 
-/// What is left on one axis, um: the largest of each cell, with its sign.
+/// The error that remains on one axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Leftover {
-    /// Rows of cells, the lowest Y first.
+    /// Largest signed error in each cell, um. Row by row, lowest Y first.
     pub cells_um: Vec<f64>,
-    /// Lowest and highest anywhere.
+    /// Lowest and highest error anywhere, um.
     pub span_um: [f64; 2],
 }
 
-/// Goes along X through the middle of every row of cells, there and back, then along Y through that
-/// of every column, and returns what X is off in the first and Y in the second.
+/// Goes along X through the middle of every row of cells and back, then along Y through the middle
+/// of every column and back. Returns the errors of X from the rows and those of Y from the columns.
 ///
 /// # Errors
 ///

@@ -4,14 +4,14 @@ use super::*;
 use husillo_backlash::LashMap;
 use std::sync::Arc;
 
-/// Steps of 1 um on X and Y, with play that a controller may take up.
+/// A machine with steps of 1 um on X and Y, whose controller may take up the play.
 struct Screws {
-    /// Where the controller has the tool, um.
+    /// Position of the tool in the controller, um.
     sent_um: [i64; 2],
-    /// Where the nut is behind the screw, um: 0 to the play.
+    /// How far the nut is behind the screw, um: 0 to the play.
     behind_um: [i64; 2],
     play_um: [i64; 2],
-    /// The controller makes up for this much where an axis turns round, um.
+    /// Take-up of the controller when an axis reverses, um.
     taken_up_um: [i64; 2],
     is_positive: [bool; 2],
 }
@@ -27,7 +27,7 @@ impl Screws {
         }
     }
 
-    /// One step of the screw, which the nut follows once the play is used up.
+    /// One step of the screw. The nut follows when the play is used up.
     fn turn(&mut self, axis: usize, way: i64) {
         self.behind_um[axis] = (self.behind_um[axis] + way).clamp(0, self.play_um[axis]);
     }
@@ -45,11 +45,12 @@ impl Screws {
         each(&self.moment(false));
     }
 
-    /// Homed in the positive direction: the tool is where it is sent while an axis goes that way.
+    /// The machine is homed in the positive direction: while an axis moves in it, the tool is at
+    /// its commanded position.
     fn moment(&self, is_take_up: bool) -> Moment {
         let nm = |um: i64| um as f64 * 1e3;
         let tool = |axis: usize| {
-            // What was taken up has turned the screw by as much as the controller does not count.
+            // The controller does not count the steps of a take-up.
             let taken_up = if self.is_positive[axis] {
                 0
             } else {
@@ -66,7 +67,7 @@ impl Screws {
 }
 
 impl Bench for Screws {
-    /// X first, then Y: nothing here is measured on oblique ways.
+    /// Moves X first, then Y. Nothing here is measured on oblique moves.
     fn make(&mut self, block: &str, each: &mut dyn FnMut(&Moment)) -> Result<(), String> {
         for (axis, letter) in ["X", "Y"].into_iter().enumerate() {
             let word = block
@@ -87,14 +88,14 @@ impl Bench for Screws {
 const TRAVEL_MM: [[f64; 2]; 2] = [[0.0, 4.0], [0.0, 3.0]];
 const STEP_NM: [f64; 3] = [1e3; 3];
 
-/// A map of one value.
+/// A map with one value everywhere.
 fn map(um: u32) -> Map {
     let places: [Arc<[i32]>; 2] = [vec![0].into(), vec![0].into()];
     LashMap::new([0, 1], places, vec![um].into()).unwrap()
 }
 
 #[test]
-fn two_lines_find_the_play_and_a_survey_what_is_left_of_it() {
+fn two_lines_find_the_play_and_a_survey_finds_the_rest() {
     let play = [204, 178];
     for taken_up in [[0, 0], [190, 190]] {
         let mut screws = Screws::new(play, taken_up);
@@ -119,7 +120,7 @@ fn two_lines_find_the_play_and_a_survey_what_is_left_of_it() {
             assert_eq!(table.axes, [0, 1]);
             let is_play = |um: &f64| (um - play as f64).abs() < 1e-6;
             assert!(table.lash_um.iter().all(is_play), "{table:?}");
-            // What a map of what was taken up leaves of it.
+            // The error that remains with a map of the take-up.
             let left = Field::measured(axis, &table, &lash, &maps[axis], STEP_NM, TRAVEL_MM);
             let wanted = (play - taken_up[axis]) as f64;
             assert!(left.um.iter().all(|um| (um - wanted).abs() < 1e-6));
@@ -127,14 +128,15 @@ fn two_lines_find_the_play_and_a_survey_what_is_left_of_it() {
     }
     let mut screws = Screws::new([204, 178], [190, 190]);
     let [x, y] = survey(&mut screws, TRAVEL_MM).unwrap();
-    // 14 um are left, and 12 um are too much: in the negative direction only.
+    // The take-up of X is 14 um too small, that of Y 12 um too large. Both show only in the
+    // negative direction.
     assert_eq!((x.span_um, y.span_um), ([0.0, 14.0], [-12.0, 0.0]));
     let field = Field::surveyed(x, TRAVEL_MM);
     assert_eq!(field.edges_mm.map(|edges| edges.len() - 1), CELLS);
 }
 
 #[test]
-fn readings_that_make_no_table_are_told() {
+fn readings_that_make_no_table_are_refused() {
     let pair = |x: Option<f64>, y: Option<f64>, measured_nm: f64| LinePair {
         axis: 0,
         place_mm: [x, y],
@@ -149,7 +151,7 @@ fn readings_that_make_no_table_are_told() {
         place_table(0, &pairs)
     };
     assert_eq!(table(&[]), Ok(None));
-    // Bands along Y, averaged.
+    // Readings of bands along Y are averaged.
     let bands = [
         pair(Some(1.0), None, 100e3),
         pair(Some(1.0), None, 110e3),

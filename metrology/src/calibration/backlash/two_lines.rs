@@ -1,19 +1,20 @@
-//! The two-line test: a line cut with the axis coming from below and one beside it with the axis
-//! coming from above.
+//! The two-line test: a line is cut after the axis came from below, and a second one next to it
+//! after the axis came from above.
 
 use super::bench::Bench;
 use super::line_pair::LinePair;
 
-/// How far the axis goes to a line, mm, where its lash is taken up: more than what is left of it.
+/// Run-up of the axis to a line if its backlash is taken up, mm. It is more than the remaining
+/// backlash.
 pub const RUN_UP_MM: f64 = 0.05;
-/// The same where nothing is taken up: more than any lash of these screws.
+/// Run-up without take-up, mm. It is more than any backlash of these screws.
 pub const WHOLE_RUN_UP_MM: f64 = 0.4;
 /// Length of a line, mm.
 const LINE_MM: f64 = 0.02;
-/// From one line to the other, mm.
+/// Distance from one line to the other, mm.
 const APART_MM: f64 = 0.3;
 
-/// Cuts the lines of an axis (0 or 1) around a place and measures what lies between them.
+/// Cuts the two lines of an axis (0 or 1) near a place and measures their distance.
 ///
 /// # Errors
 ///
@@ -27,7 +28,7 @@ fn cut(
 ) -> Result<LinePair, String> {
     let other = 1 - axis;
     let [low, high] = travel_mm[axis];
-    // As near to the end of the travel as the way to it from above allows.
+    // As near to the end of the travel as the run-up from above allows.
     let from_above = place_mm[axis].min(high - run_up_mm);
     let from_below = if from_above - APART_MM - run_up_mm < low {
         from_above + APART_MM
@@ -59,7 +60,7 @@ fn cut(
     let mut place = place_mm;
     place[axis] = from_above;
     place[other] = begin + LINE_MM / 2.0;
-    // Whole steps are what the machine goes to; what it was told is what the operator knows.
+    // The machine moves in whole steps, but the operator knows only the commanded distance.
     Ok(LinePair {
         axis,
         place_mm: place.map(Some),
@@ -68,8 +69,8 @@ fn cut(
     })
 }
 
-/// Cuts pairs for X and Y all over the travel, `every_mm` apart at most, which is above 0.
-/// `run_up_mm` is [`RUN_UP_MM`] where backlash is taken up, else [`WHOLE_RUN_UP_MM`].
+/// Cuts pairs for X and Y over the whole travel, at most `every_mm` apart, which is above 0.
+/// `run_up_mm` is [`RUN_UP_MM`] if backlash is taken up, else [`WHOLE_RUN_UP_MM`].
 ///
 /// # Errors
 ///

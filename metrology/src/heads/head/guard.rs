@@ -1,5 +1,4 @@
-//! What is done so that no axis runs on: readings that are checked, stops, and what comes after
-//! one.
+//! Guards so that no axis runs on: checked readings, stops, and the recovery after a stop.
 
 use super::{Head, READ, stop};
 use crate::heads::port::Port;
@@ -12,7 +11,7 @@ impl<P: Port> Head<P> {
     ///
     /// # Errors
     ///
-    /// No answer, or an axis in trouble.
+    /// No answer, or an axis with a fault.
     pub(crate) fn read(&mut self) -> Result<Vec<Reply>, Trouble> {
         let mut replies = Vec::with_capacity(self.axes.len());
         for axis in &self.axes {
@@ -29,12 +28,12 @@ impl<P: Port> Head<P> {
         Ok(replies)
     }
 
-    /// Does something that moves axes. Whatever goes wrong with it, the link or the user among it,
-    /// all axes are told to stop, and the next motion begins where they then are.
+    /// Carries out `what`, which moves axes. After any failure, also of the link or by a stop of
+    /// the operator, all axes are commanded to stop. The next motion begins where they then are.
     ///
     /// # Errors
     ///
-    /// Those of what is done.
+    /// Those of `what`, and a stop that the operator wanted.
     pub(crate) fn guarded<T>(
         &mut self,
         what: impl FnOnce(&mut Self) -> Result<T, Trouble>,
@@ -44,7 +43,7 @@ impl<P: Port> Head<P> {
             .find_again()
             .and_then(|()| what(self))
             .and_then(|done| {
-                // Too late to break it off; all the same nothing comes after it.
+                // It is too late to stop this move, but no other follows.
                 if self.line.operator().is_stop_wanted() {
                     Err(Trouble::Interrupted)
                 } else {
@@ -66,8 +65,8 @@ impl<P: Port> Head<P> {
         result
     }
 
-    /// After a trouble: waits until the axes stand, forgets their faults and holds them where they
-    /// are.
+    /// Recovers after a trouble: waits until the axes stand, clears their faults and holds them
+    /// where they are.
     pub(crate) fn find_again(&mut self) -> Result<(), Trouble> {
         if !self.is_astray {
             return Ok(());
@@ -82,8 +81,8 @@ impl<P: Port> Head<P> {
         Ok(())
     }
 
-    /// Reads all axes, which stand, until two readings of each agree: what is told or kept comes
-    /// from these.
+    /// Reads all axes, which stand, until two readings of each agree. Reported and stored positions
+    /// come from these readings.
     ///
     /// # Errors
     ///
@@ -101,7 +100,8 @@ impl<P: Port> Head<P> {
             .read_twice(axis.settings.module, items, jitter_counts)
     }
 
-    /// Tells an axis that stands what to hold, so that the next way is known exactly.
+    /// Commands a standing axis to hold `counts`, so that the length of the next move is known
+    /// exactly.
     pub(crate) fn hold(&mut self, index: usize, counts: i32) -> Result<(), Trouble> {
         let module = self.axes[index].settings.module;
         self.line.command(module, stop(StopWay::Here(counts)))?;
@@ -109,8 +109,8 @@ impl<P: Port> Head<P> {
         Ok(())
     }
 
-    /// Stops all axes; each gets its command, whatever the others answer. One whose module has
-    /// given up stays without drive: something blocks it, or its motor has too much current.
+    /// Stops all axes. Each gets its command, whatever the others answer. An axis with a fault is
+    /// left without drive: something blocks it, or its motor has too much current.
     pub(crate) fn stop(&mut self, way: StopWay) -> Result<(), Trouble> {
         let given_up = self.given_up.take();
         let mut result = Ok(());

@@ -1,4 +1,4 @@
-//! Counts of the axes as positions, and back.
+//! Conversion of the counts of the axes to positions, and back.
 
 use super::Head;
 use crate::heads::port::Port;
@@ -8,27 +8,27 @@ use husillo_probe::UnitVector;
 use husillo_transports::nmc::Reply;
 
 impl<P: Port> Head<P> {
-    /// Where the axes are to be.
+    /// The commanded position.
     pub fn held(&self) -> [i64; 3] {
         self.place(|_, axis| axis.held)
     }
 
-    /// Where the axes are by these replies.
+    /// The position in these replies.
     pub fn place_of(&self, replies: &[Reply]) -> [i64; 3] {
         self.place(|index, _| replies[index].readings.position)
     }
 
-    /// Where the axes are at these counts, one each.
+    /// The position at these counts, one per axis.
     pub(crate) fn place_at(&self, counts: &[i32]) -> [i64; 3] {
         self.place(|index, _| counts[index])
     }
 
-    /// Where the axes were by these replies when they found what they looked for.
+    /// The position in these replies at which the axes found the event of their search.
     pub fn latched(&self, replies: &[Reply]) -> [i64; 3] {
         self.place(|index, _| replies[index].readings.home)
     }
 
-    /// Readings of all axes for people.
+    /// Readings of all axes as text.
     pub fn text(&self, readings: [i64; 3]) -> String {
         let place = self.view.position(readings);
         let numbers = self.axes.iter().map(|axis| {
@@ -41,14 +41,15 @@ impl<P: Port> Head<P> {
         numbers.collect::<Vec<_>>().join(", ")
     }
 
-    /// Counts of an axis for people, as in `X 1200 counts`, with the others where they are held.
+    /// Counts of an axis as text, such as `X 1200 counts`. The other axes are taken at their held
+    /// positions.
     pub(crate) fn axis_text(&self, index: usize, counts: i32) -> String {
         let axis = &self.axes[index];
         let text = self.scale.text(self.seen(index, self.held(), counts));
         format!("{} {text}", axis.settings.letter)
     }
 
-    /// The position of an axis at these counts, with the others at these readings.
+    /// The position of an axis at these counts. The other axes are at these readings.
     fn seen(&self, index: usize, mut readings: [i64; 3], counts: i32) -> i64 {
         let axis = &self.axes[index];
         let coordinate = axis.settings.coordinate();
@@ -64,11 +65,11 @@ impl<P: Port> Head<P> {
         place
     }
 
-    /// Counts of a place, an axis each.
+    /// Counts of a position, one per axis.
     ///
     /// # Errors
     ///
-    /// It is beside the axes of the machine.
+    /// A coordinate is not 0, and the machine does not have its axis.
     pub(crate) fn counts(&self, place: [i64; 3]) -> Result<Vec<i32>, Trouble> {
         for (axis, position) in "XYZ".chars().zip(place) {
             if position != 0 && !self.axes.iter().any(|there| there.settings.letter == axis) {
@@ -79,11 +80,11 @@ impl<P: Port> Head<P> {
         Ok(self.axes.iter().map(of).collect())
     }
 
-    /// Whether all axes may go to these counts, meant by these readings.
+    /// Checks that all axes may go to these counts. `meant` are the readings that they come from.
     ///
     /// # Errors
     ///
-    /// The first that may not.
+    /// The first axis that may not.
     pub(crate) fn check_travel(&self, goal: &[i32], meant: [i64; 3]) -> Result<(), Trouble> {
         for (index, (axis, goal)) in self.axes.iter().zip(goal).enumerate() {
             let [low, high] = axis.settings.travel;
@@ -99,20 +100,20 @@ impl<P: Port> Head<P> {
         Ok(())
     }
 
-    /// How far it is in a direction to the end of the travel.
+    /// Distance in a direction to the end of the travel, an amount of the scale.
     pub fn room(&self, direction: &UnitVector) -> u64 {
         let components = direction.components().map(|part| part.to_num::<f64>());
         let rooms = self.axes.iter().map(|axis| {
             let [low, high] = axis.travel(self.scale);
             let at = axis.position(self.scale, axis.held);
-            // Travels are far below 2^53 nm, and 0 / 0 is no room to `min`.
+            // Travels are far below 2^53 nm, so the conversions are exact.
             match components[axis.settings.coordinate()] {
                 part if part > 0.0 => (high - at) as f64 / part,
                 part if part < 0.0 => (low - at) as f64 / part,
                 _ => f64::INFINITY,
             }
         });
-        // Nothing is left of a negative one.
+        // The cast turns a negative distance into 0.
         rooms.fold(f64::INFINITY, f64::min) as u64
     }
 }

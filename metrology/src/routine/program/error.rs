@@ -1,35 +1,36 @@
-//! What is wrong with a measuring program, or went wrong in it.
+//! Errors of measuring programs.
 
 use crate::routine::Failure;
 use std::fmt;
 use std::ops::Range;
 
-/// What is wrong with a line of a program, or went wrong at it.
+/// An error of a line of a program.
 #[derive(Debug)]
 pub struct ProgramError {
     /// Number of the line, from 1.
     pub line: usize,
     /// The line.
     pub text: Vec<u8>,
-    /// What is wrong.
+    /// The fault.
     pub fault: ProgramFault,
 }
 
-/// What is wrong with a line.
+/// The fault of a line.
 #[derive(Debug)]
 pub enum ProgramFault {
-    /// It is no G-code.
+    /// The line is no valid G-code.
     Code(husillo_gcode::Error),
-    /// It asks for what no measuring machine does: the bytes of the word, or the whole line.
+    /// A measuring machine does not have this function. The bytes are those of its word. `None`:
+    /// the whole line.
     Foreign(Option<Range<usize>>),
-    /// A cycle is not called as it has to be.
+    /// The call of a cycle is wrong.
     Call {
-        /// What is wrong.
+        /// The message.
         message: &'static str,
-        /// How the cycle is called, or what its arguments must be, where that helps.
+        /// The right call of the cycle, or a sentence about its arguments.
         expected: Option<String>,
     },
-    /// It was not carried out.
+    /// The line was not carried out.
     Failed(Failure),
 }
 
@@ -52,7 +53,7 @@ impl fmt::Display for ProgramError {
 
 impl std::error::Error for ProgramError {}
 
-/// A line while it is carried out.
+/// A line that is carried out.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct At<'a> {
     /// Number of the line, from 1.
@@ -62,7 +63,7 @@ pub(super) struct At<'a> {
 }
 
 impl At<'_> {
-    /// What is wrong with the line.
+    /// An error of this line.
     pub fn error(&self, fault: ProgramFault) -> ProgramError {
         ProgramError {
             line: self.line,
@@ -71,12 +72,12 @@ impl At<'_> {
         }
     }
 
-    /// A failure at it.
+    /// A failure of this line.
     pub fn failed(&self, failure: impl Into<Failure>) -> Box<ProgramError> {
         Box::new(self.error(ProgramFault::Failed(failure.into())))
     }
 
-    /// It asks for what spindles do.
+    /// The error that a measuring machine cannot carry out this line.
     pub fn foreign(&self) -> Box<ProgramError> {
         Box::new(self.error(ProgramFault::Foreign(None)))
     }

@@ -1,24 +1,25 @@
-//! What the expressions of a measuring program can ask for.
+//! The values that the expressions of a measuring program can use.
 
 use crate::routine::called;
 use husillo_gcode::parameters::{System, Value};
 use husillo_gcode::{Modal, Nm, Units};
 use std::collections::HashMap;
 
-/// What expressions can ask for: the state of the program, and what was found.
+/// The values that expressions can use: the state of the program, and measured figures.
 pub(super) struct State {
     /// The state of the program.
     pub(super) modal: Modal<3>,
-    /// Where the last probe move ended, machine frame, and whether at a contact.
+    /// Result of the last probe move: a point in the machine frame, and whether there was a
+    /// contact.
     pub(super) probed: ([Nm; 3], bool),
-    /// Figures of the cycles by their names in capitals, without `_`: nm, or millionths of a
-    /// degree.
+    /// Figures of the cycles by their names in capitals, without the leading `_`. The flag is true
+    /// for a length in nm, and false for an angle in millionths of a degree.
     pub(super) found: HashMap<Vec<u8>, (i64, bool)>,
 }
 
 impl System for State {
-    /// #5061 to #5069 are the last probed point in the work frame, #5070 is 1 where there was a
-    /// contact; the rest is the modal state's.
+    /// #5061 to #5069 are the last probed point in the work frame. #5070 is 1 if there was a
+    /// contact. All others come from the modal state.
     fn numbered(&self, number: u16) -> Option<Value> {
         let (at, is_contact) = self.probed;
         match number {
@@ -55,7 +56,7 @@ impl State {
         std::array::from_fn(|axis| offset[axis].0.saturating_add(tool[axis].0))
     }
 
-    /// A length in the units in effect; inches to 10^-9.
+    /// A length in the units in effect. Inches are rounded to 10^-9.
     fn length(&self, nm: i64) -> Option<Value> {
         match self.modal.units() {
             Units::Millimetres => Value::new(nm, 6),
@@ -68,7 +69,7 @@ impl State {
         }
     }
 
-    /// A value in the units in effect, nm.
+    /// A value in the units in effect as a length, nm.
     pub(super) fn nm(&self, value: Value) -> Option<i64> {
         let (factor, exponent) = match self.modal.units() {
             Units::Millimetres => (1, 6),

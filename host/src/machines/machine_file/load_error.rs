@@ -1,0 +1,26 @@
+//! Why a machine file cannot be loaded.
+
+use crate::diagnostics::Finding;
+
+/// Why a machine file cannot be loaded.
+#[derive(Debug)]
+pub enum LoadError {
+    /// The file cannot be read.
+    File(String),
+    /// The file has mistakes.
+    Findings(Vec<Finding>),
+}
+
+/// Reads the text of a file for a machine of this kind. `built_in` lists the built-in machines of
+/// that kind, for the message.
+///
+/// # Errors
+///
+/// The file cannot be read.
+pub fn read_text(path: &str, kind: &str, built_in: &str) -> Result<String, LoadError> {
+    crate::input::read_to_string(path).map_err(|error| {
+        LoadError::File(format!(
+            "no {kind} `{path}`: {built_in} are built in; as a file: {error}"
+        ))
+    })
+}
