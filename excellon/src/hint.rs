@@ -208,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn plating_is_told_by_a_name() {
+    fn plating_is_recognised_by_a_name() {
         assert_eq!(
             hint("contents:Drill/Plated"),
             Some(Hint::Plated(Some(true)))

@@ -542,7 +542,7 @@ fn a_numbered_contour_is_found_where_it_is() {
 }
 
 #[test]
-fn a_thread_is_told_in_two_lines() {
+fn a_thread_is_reported_in_two_lines() {
     let program = |first: &str, second: &str| {
         format!("M3 S500\nG0 X20 Z5\nG76 {first}\nG76 {second}\nG0 Z9\n")
     };

@@ -66,7 +66,7 @@ fn holes_move_by_move() {
 
 /// A cycle does not announce the number of its commands; everything else does, including the rest.
 #[test]
-fn as_many_commands_as_are_told() {
+fn as_many_commands_as_stated() {
     for (line, is_known) in [
         ("G81 X1 Z0 R1 F60 M2", false),
         ("G0 X1 M3 S1 M2", true),

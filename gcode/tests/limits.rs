@@ -62,7 +62,7 @@ fn numbers_are_scaled_by_every_power() {
 
 /// A number is whole when only zeros follow its point, however many.
 #[test]
-fn whole_numbers_are_told_from_others() {
+fn whole_numbers_are_distinguished_from_others() {
     for digits in [0, 10, -10, 1_000_000, 10_i64.pow(18), 5, -105]
         .into_iter()
         .chain(DIGITS)
@@ -137,7 +137,7 @@ fn fixed_types_end_where_they_end() {
 
 /// Sign, zero and places of numbers that are zero, negative and positive.
 #[test]
-fn signs_and_places_are_told() {
+fn signs_and_places_are_reported() {
     for (digits, sign) in [(0, 0), (3, 1), (-3, -1)] {
         for places in [0, 1, 18, 19, 20, 30] {
             let number = Decimal::new(digits, places).expect("within range");

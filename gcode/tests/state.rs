@@ -81,7 +81,7 @@ fn the_state_a_program_makes() {
 
 /// A feed is reported under G94 only, and not when it is zero.
 #[test]
-fn a_feed_is_told_under_g94_only() {
+fn a_feed_is_reported_under_g94_only() {
     assert_eq!(after(&["F2"]).feed(), Some(Nm(2_000_000)));
     assert_eq!(after(&["F0"]).feed(), None);
     assert_eq!(after(&["G93 F2"]).feed(), None);
@@ -224,7 +224,7 @@ fn ranges() {
 /// Dialects with checksums report it, lines that are too long have their number, and unprintable
 /// bytes are named by their value.
 #[test]
-fn what_is_told_besides() {
+fn what_else_is_reported() {
     use husillo_gcode::{ErrorKind, Framing, LineTooLong};
     assert_eq!(Dialect::PRINTER.framing(), Some(Framing::PRINTER));
     assert_eq!(Dialect::GRBL.framing(), None);

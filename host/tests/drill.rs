@@ -114,7 +114,7 @@ fn drilling(file: &str, device: &mut Emulated) -> std::process::Child {
 
 /// Steps lost in the middle of a board: the switch tells on the way home, and the host at once.
 #[test]
-fn lost_steps_are_told() {
+fn lost_steps_are_reported() {
     let Some(mut device) = device("drill-lost", &[]) else {
         return;
     };

@@ -37,7 +37,7 @@ fn run_losing(name: &str, on_loss: Option<&str>, losses: &[&str]) -> (i32, Value
 }
 
 #[test]
-fn what_is_lost_is_told_and_given_again() {
+fn lost_steps_are_reported_and_re_emitted() {
     let (status, without) = run("none", None);
     assert_eq!((status, &without["encoders"]), (1, &Value::Null));
     assert_eq!(without["lost_steps"], 8);

@@ -408,7 +408,7 @@ fn others_are_quoted_as_they_are() {
 }
 
 #[test]
-fn a_compensated_move_is_told_at_its_own_line() {
+fn a_compensated_move_is_reported_at_its_own_line() {
     let program = "G21 F100\nG41.1 D2\nG1 X5 Y0\nX900\nY5\nX5\nG40 X0\n";
     let output = husillo()
         .args(["check", "-m", "router", "--format", "short", "-"])

@@ -302,7 +302,7 @@ fn the_original_does_not_answer() {
 /// A switch that closes on the way ends the action; the device is off it again by 200 steps, and
 /// says so.
 #[test]
-fn a_switch_on_the_way_is_told_over_the_link() {
+fn a_switch_on_the_way_is_reported_over_the_link() {
     let Some(mut device) = device("switch", &[]) else {
         return;
     };

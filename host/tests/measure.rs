@@ -756,7 +756,7 @@ fn results_as_text_and_table_and_the_bytes_beside_them() {
 }
 
 #[test]
-fn a_dead_port_is_told() {
+fn a_dead_port_is_reported() {
     husillo()
         .args(["measure", "--port", "/dev/no-such-port", "status"])
         .assert()

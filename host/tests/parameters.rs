@@ -30,7 +30,7 @@ fn the_machine_makes_them() {
 }
 
 #[test]
-fn an_error_in_a_loop_is_told_once() {
+fn an_error_in_a_loop_is_reported_once() {
     let program = LOOP.replace("Y#1", "Y[1/0]");
     husillo(&["check", "-m", "free", "--format", "short", "-"], &program)
         .failure()

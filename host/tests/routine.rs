@@ -192,7 +192,7 @@ fn trouble_is_exit_status_3() {
 }
 
 #[test]
-fn mistakes_are_told_before_anything_moves() {
+fn mistakes_are_reported_before_anything_moves() {
     let data = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data");
     let wanted = fs::read_to_string(data.join("wrong.routine.told")).unwrap();
     let run = measure()

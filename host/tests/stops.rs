@@ -182,7 +182,7 @@ fn a_host_that_is_asked_to_end_stops_the_mill() {
 /// Nobody answers: the stop was sent all the same, and the host does not wait for ever; asked again
 /// it leaves at once.
 #[test]
-fn a_mill_that_does_not_answer_the_stop_is_told() {
+fn a_mill_that_does_not_answer_the_stop_is_reported() {
     for times in [1, 2] {
         let controller = Controller::new(true);
         let child = controller.begin(&["jog", "run", "x", "100", "30s"]);

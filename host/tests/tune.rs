@@ -202,7 +202,7 @@ fn json_of_an_aborted_experiment_has_the_reason_and_the_trials() {
 }
 
 #[test]
-fn mistakes_are_told() {
+fn mistakes_are_reported() {
     for (args, message) in [
         (
             &["--method", "step", "--size", "400"][..],

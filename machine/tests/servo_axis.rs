@@ -59,7 +59,7 @@ fn it_drives_back_to_where_it_is_to_be() {
 }
 
 #[test]
-fn without_power_or_far_off_it_lets_go_until_it_is_told() {
+fn without_power_or_far_off_it_lets_go_until_it_is_commanded() {
     for lost in [
         ServoInputs {
             has_power: false,
@@ -154,7 +154,7 @@ fn a_name_given_before_the_first_period_counts() {
 }
 
 #[test]
-fn going_round_the_counter_is_told() {
+fn going_round_the_counter_is_reported() {
     let mut axis = holding(i32::MAX);
     assert!(axis.set_position(i32::MAX));
     axis.tick(&ServoInputs {

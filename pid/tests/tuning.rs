@@ -160,7 +160,7 @@ fn integers_of_the_servo_law() {
 }
 
 #[test]
-fn what_cannot_be_told() {
+fn what_cannot_be_determined() {
     assert_eq!(step_response(&[0.0, 1.0], 1.0, 1.0, 1.0, 0.02), None);
     assert_eq!(step_response(&[0.0, 0.5], 1.0, 0.0, 1.0, 0.02), None);
     assert_eq!(step_response(&[0.0, 1.0, 2.0], 1.0, 0.0, 1.0, 0.02), None);

@@ -321,7 +321,7 @@ fn worked_example_of_the_module() {
 }
 
 #[test]
-fn acceleration_slew_and_end_are_told() {
+fn acceleration_slew_and_end_are_reported() {
     let mut profile = ServoProfile::new(0);
     profile.start(trapezoid(20, 2 << 16, 1 << 15));
     let mut flags = Vec::new();

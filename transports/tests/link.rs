@@ -195,7 +195,7 @@ fn any_single_fault_is_mended() {
 /// it, and at most one payload is in doubt. The same holds for a cable that is unplugged and stays
 /// so.
 #[test]
-fn a_restart_or_an_unplugged_cable_at_any_moment_is_told() {
+fn a_restart_or_an_unplugged_cable_at_any_moment_is_reported() {
     let sent = payloads(3);
     let mut clean = 0;
     Shared::up().feed(1, &sent, &mut |_, byte| {

@@ -210,7 +210,7 @@ fn streaming_is_asked_for_and_confirmed() {
 }
 
 #[test]
-fn one_step_in_so_many_is_told() {
+fn one_step_in_so_many_is_reported() {
     let mut device = ready();
     let told = |device: &mut Device<64>, steps: i32| {
         let mut out = Vec::new();

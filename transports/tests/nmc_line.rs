@@ -325,7 +325,7 @@ fn a_motion_that_a_contact_stopped_is_not_repeated() {
 }
 
 #[test]
-fn a_dead_module_is_told_from_a_living_one() {
+fn a_dead_module_is_distinguished_from_a_living_one() {
     let (mut line, mut host) = started(3, 4);
     line.dead = 0b010;
     let nop = |address| request(address, Command::NoOperation);

@@ -1,4 +1,4 @@
-//! What to do with a drill by hand, one thing after another.
+//! Actions of a drill that is moved by hand.
 
 use std::fmt;
 use std::time::Duration;
@@ -8,21 +8,21 @@ use std::time::Duration;
 pub enum Action {
     /// Home Z, Y and X.
     Home,
-    /// An axis by so many steps, signed; Z positive downwards.
+    /// Move an axis by signed steps. Z is positive downwards.
     Steps(Axis, i32),
-    /// An axis for a while.
+    /// Jog an axis forward (`true`) or backward for a time.
     Jog(Axis, bool, Duration),
-    /// The spindle.
+    /// Switch the spindle.
     Spindle(bool),
-    /// Stop: behind the record it is at, out of the manual mode, the spindle off.
+    /// Stop after the present record, leave the manual mode, switch off the spindle.
     Stop,
-    /// The present place becomes a hole of the program.
+    /// Add the present position as a hole of the program.
     Teach,
     /// Write the program in the memory to a file.
     Save(String),
     /// Run the program in the memory.
     Run,
-    /// Clear the program, and call the present place zero.
+    /// Clear the program, and make the present position zero.
     Clear,
     /// Test the link.
     Test,
@@ -67,7 +67,7 @@ impl Action {
     ///
     /// # Errors
     ///
-    /// A sentence about the first that is not understood.
+    /// A sentence about the first word that is not understood.
     pub fn parse(words: &[String]) -> Result<Vec<Self>, String> {
         let mut words = words.iter();
         let mut actions = Vec::new();

@@ -7,7 +7,7 @@ use husillo_transports::drill::{
 };
 use std::time::Duration;
 
-/// The longest wait before the host looks whether it has to stop.
+/// The longest wait between two checks for a request to stop.
 const LOOK: Duration = Duration::from_millis(20);
 /// A step that takes longer has failed. During a run the host extends the wait up to the caller's
 /// own limit.
@@ -18,7 +18,7 @@ const AT_WORK: Duration = Duration::from_millis(400);
 const ASKED: usize = 4;
 /// The period in which a drill that runs a program is asked.
 const ASK: Duration = Duration::from_secs(1);
-/// After so many questions without an answer the drill is gone.
+/// After this number of questions without an answer the drill counts as gone.
 const UNANSWERED: u32 = 5;
 /// A drill that is stopped completes its record first: a move of the table, or a drilling.
 const RECORD: Duration = Duration::from_secs(180);
@@ -26,11 +26,11 @@ const RECORD: Duration = Duration::from_secs(180);
 /// Why a step has failed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Trouble {
-    /// The link, or the device.
+    /// The link failed, or the device reports a fault.
     Link(Failure),
     /// Stopped on request.
     Stopped,
-    /// The port failed: why.
+    /// The port failed, for this reason.
     Port(String),
     /// The device cannot do this now.
     Refused(Refused),
@@ -115,7 +115,7 @@ impl Client {
         Ok(Self::new(wire, bits_per_s, stop))
     }
 
-    /// A client on a wire of this rate. It stops when the flag is set.
+    /// A client on a wire of this rate. It stops when a stop is requested.
     pub fn new(wire: Wire<Device>, bits_per_s: u32, stop: StopRequests) -> Self {
         let mut timing = Timing::of(bits_per_s, RUN_US);
         if matches!(wire, Wire::Real { .. }) {
@@ -214,7 +214,7 @@ impl Client {
     ///
     /// # Errors
     ///
-    /// The link.
+    /// The link failed.
     pub fn drillings(&mut self) -> Result<Option<u16>, Trouble> {
         if !self.has_extras {
             return Ok(None);
@@ -228,7 +228,7 @@ impl Client {
     ///
     /// # Errors
     ///
-    /// The link, or the device cannot.
+    /// The link failed, or the device does not report its program.
     pub fn program(&mut self) -> Result<Vec<[u8; 3]>, Trouble> {
         let mut records = Vec::new();
         for number in 0..COUNT {
@@ -246,11 +246,11 @@ impl Client {
     ///
     /// # Errors
     ///
-    /// The link, or the device has none.
+    /// The link failed, or the device has no help.
     pub fn help(&mut self) -> Result<String, Trouble> {
         self.text.clear();
         self.run(Step::Help)?;
-        // The echo before it and the mark behind it are no text.
+        // The echo before the text and the mark after it are not part of it.
         let inner = self.text.get(1..self.text.len().max(2) - 1);
         Ok(String::from_utf8_lossy(inner.unwrap_or_default()).into_owned())
     }
@@ -289,7 +289,7 @@ impl Client {
                 Progress::Idle | Progress::Sending => {}
                 Progress::Waiting { us } => {
                     let passed = self.elapsed() - start;
-                    // A host waits 30 s for a run: while the run may last, that begins anew.
+                    // A host waits 30 s for a run. While the run may last, the wait is restarted.
                     if us < RUN_US / 2 && us > 1_000_000 && passed < longest {
                         let now = self.now_us();
                         self.host.wait_on(now);
@@ -329,7 +329,7 @@ impl Client {
     ///
     /// # Errors
     ///
-    /// It did not start, or does not confirm it.
+    /// The program did not start, or the device does not confirm its start.
     pub fn start(&mut self) -> Result<bool, Trouble> {
         let now = self.now_us();
         self.host

@@ -1,10 +1,10 @@
-//! How long the drill takes, by its rates.
+//! Durations at the rates of the drill.
 
 use super::part::{Part, Stop};
 use husillo_controllers::DrillConfig;
 use husillo_sim::device::drill::STROKE_STEPS;
 
-/// Seconds of a move or a drilling, and the rest behind it.
+/// Seconds of rest after a move or a drilling.
 const SETTLE_S: f64 =
     DrillConfig::ORIGINAL.settle_ticks as f64 / DrillConfig::ORIGINAL.timer_hz as f64;
 
@@ -19,7 +19,7 @@ pub fn seconds(part: &Part, mut from: [u16; 2]) -> Vec<f64> {
         .collect()
 }
 
-/// Seconds of the way from one place to another, X before Y.
+/// Seconds of a move of the table, X before Y.
 pub fn travel_s(from: [u16; 2], to: [u16; 2]) -> f64 {
     let [x_hz, y_hz, _] = DrillConfig::ORIGINAL.rate_hz.map(f64::from);
     f64::from(from[0].abs_diff(to[0])) / x_hz

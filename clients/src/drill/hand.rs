@@ -9,9 +9,9 @@ use std::time::Duration;
 
 /// Steps of one key of a jog: a fifth of a second at 247 Hz.
 const JOG_STEPS: u8 = 50;
-/// A key takes 255 steps and the ways of Z at most.
+/// Longest time of a key: 255 steps, and the moves of Z.
 const KEY: Duration = Duration::from_secs(60);
-/// Longest run of a program that is in the memory: nobody knows how long it takes.
+/// Longest run of a program in the memory, whose duration is unknown.
 const LONGEST: Duration = Duration::from_secs(24 * 3600);
 
 /// Writes a program of the drill to the file that [`Action::Save`] names.
@@ -26,14 +26,14 @@ pub type Keep = fn(file: &str, bytes: &[u8]) -> Result<(), String>;
 pub struct Hand {
     client: Client,
     keep: Keep,
-    /// The advance of the manual mode, while it is in it.
+    /// The step size of the manual mode, while the drill is in it.
     advance: Option<u8>,
-    /// The spindle is to turn, as far as was asked for here.
+    /// Whether this client has switched the spindle on.
     spindle: bool,
 }
 
 impl Hand {
-    /// A device that was reached.
+    /// A device that has answered ([`Client::reach`]).
     pub const fn new(client: Client, keep: Keep) -> Self {
         Self {
             client,
@@ -48,11 +48,11 @@ impl Hand {
         &mut self.client
     }
 
-    /// Carries out an action: what there is to say of it.
+    /// Carries out an action. Returns a text about the result, which may be empty.
     ///
     /// # Errors
     ///
-    /// A sentence.
+    /// A sentence about the failure.
     pub fn carry_out(&mut self, action: &Action) -> Result<String, String> {
         self.do_it(action).map_err(|failed| {
             let sentence = match &failed {
@@ -67,7 +67,7 @@ impl Hand {
         })
     }
 
-    /// After trouble: out of the manual mode, the spindle off.
+    /// After a failure: leaves the manual mode and switches the spindle off.
     fn leave(&mut self) -> Result<(), Trouble> {
         self.advance = None;
         self.client.find_out()?;
@@ -84,7 +84,7 @@ impl Hand {
             Action::Teach | Action::Save(_) | Action::Help | Action::Spindle(_)
         );
         if needs_extras && !self.client.has_extras() {
-            // In the manual mode the original has a spindle, too.
+            // The original switches its spindle in the manual mode only.
             if !matches!(action, Action::Spindle(_)) {
                 return Err(Failed::Other(
                     "this drill is an original one, which has no teach-in and no help".into(),
@@ -93,7 +93,7 @@ impl Hand {
             self.manual(JOG_STEPS)?;
         }
         match action {
-            // What ran before was ended as the drill was reached.
+            // An earlier run was ended when the drill was reached.
             Action::Stop => {
                 self.advance = None;
                 self.client.reach()?;
@@ -149,7 +149,7 @@ impl Hand {
         Ok(String::new())
     }
 
-    /// The program in the memory, whoever put it there, with the spindle on.
+    /// Runs the program in the memory with the spindle on.
     fn run(&mut self) -> Result<String, Failed> {
         if !self.client.has_extras() {
             return Err(Failed::Other(
@@ -167,7 +167,7 @@ impl Hand {
         Ok(format!("{holes} drillings, with the spindle on"))
     }
 
-    /// `false` where the axis came to its end before.
+    /// Returns `false` if the axis reached its end first.
     fn steps(&mut self, axis: Axis, steps: i32) -> Result<bool, Failed> {
         let mut left = steps.unsigned_abs();
         while left > 0 {
@@ -188,7 +188,7 @@ impl Hand {
         Ok(true)
     }
 
-    /// A key that moves an axis; `false` where it came to its end before all steps were made.
+    /// Sends a key that moves an axis. Returns `false` if the axis reached its end first.
     fn moved(&mut self, key: u8) -> Result<bool, Failed> {
         match self.client.run_for(Step::Key(key), KEY, |_| {}) {
             Ok(()) => Ok(true),
@@ -217,15 +217,15 @@ impl Hand {
         Ok(self.client.run_for(Step::Key(key), KEY, |_| {})?)
     }
 
-    /// Into the manual mode, which homes; with this advance where it is entered.
+    /// Enters the manual mode with this step size. The drill homes first.
     fn manual(&mut self, advance: u8) -> Result<(), Failed> {
         if self.advance.is_none() {
             if self.client.has_extras() {
-                // What was taught before is kept.
+                // Holes that were taught before are kept.
                 self.client
                     .run_for(Step::ManualKept(advance), KEY, |_| {})?;
             } else {
-                // One wrong bit makes `e` of `m`: there must be nothing to run.
+                // A wrong bit turns `m` into `e`, which runs the program: clear it first.
                 self.client.run(Step::Clear)?;
                 self.client.run_for(Step::Manual(advance), KEY, |_| {})?;
             }
@@ -234,11 +234,11 @@ impl Hand {
         Ok(())
     }
 
-    /// Out of it.
+    /// Leaves the manual mode.
     ///
     /// # Errors
     ///
-    /// The link.
+    /// The link failed.
     fn idle(&mut self) -> Result<(), Failed> {
         if self.advance.take().is_some() {
             self.client.run(Step::Quit)?;
@@ -246,11 +246,11 @@ impl Hand {
         Ok(())
     }
 
-    /// Leaves the manual mode, as the next client expects.
+    /// Leaves the manual mode. The next client expects an idle drill.
     ///
     /// # Errors
     ///
-    /// A sentence.
+    /// A sentence about the failure.
     pub fn end(&mut self) -> Result<(), String> {
         self.idle().map_err(|failed| match failed {
             Failed::Link(trouble) => trouble.text(),
@@ -263,11 +263,11 @@ fn at_end(axis: Axis) -> String {
     format!("{} is at its end: not all of it was done", axis.name())
 }
 
-/// How many drillings a program that was read back has.
+/// Number of drillings of a program that was read back.
 ///
 /// # Errors
 ///
-/// It is none, or one that was cut off: a link that failed while it came in.
+/// There is no program, or it is incomplete because the link failed during its transfer.
 fn whole(program: &[[u8; 3]]) -> Result<usize, String> {
     let [last_x, last_y] = DrillConfig::FIXED.travel_steps;
     let is_good = |record: &Record| match *record {

@@ -1,4 +1,4 @@
-//! What is drilled with one tool.
+//! The holes of one tool.
 
 use husillo_gcode::Nm;
 use husillo_transports::drill::{Record, record_bytes};
@@ -6,11 +6,11 @@ use husillo_transports::drill::{Record, record_bytes};
 /// Records for one tool.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
-    /// Number of the tool; 0 where nobody gave it one.
+    /// Number of the tool; 0 if it has none.
     pub tool: u32,
-    /// Its diameter, where it is known.
+    /// Its diameter, if known.
     pub diameter: Option<Nm>,
-    /// What to do with it.
+    /// The moves and drillings.
     pub records: Vec<Record>,
 }
 
@@ -19,7 +19,7 @@ pub struct Part {
 pub struct Stop {
     /// Steps of X and Y.
     pub at: [u16; 2],
-    /// Steps below the upper sensor; 0 is all of the way.
+    /// Depth in steps below the upper sensor; 0 is the full stroke.
     pub depth: u16,
 }
 
@@ -29,7 +29,7 @@ impl Part {
         self.pecks().filter(|is_peck| !is_peck).count()
     }
 
-    /// Of each drilling: whether it goes on with the hole of the one before.
+    /// For each drilling: whether it deepens the hole of the one before.
     pub fn pecks(&self) -> impl Iterator<Item = bool> {
         let mut before: Option<u16> = None;
         self.records.iter().filter_map(move |record| {
@@ -63,7 +63,7 @@ impl Part {
         })
     }
 
-    /// What is left of it behind so many holes: it begins where the last of them is.
+    /// The part without its first holes. It begins at the last of those.
     pub fn rest_behind(&self, holes: usize) -> Part {
         let (mut found, mut drillings) = (0, 0);
         for is_peck in self.pecks() {
@@ -121,7 +121,7 @@ pub fn lean(records: &[Record]) -> Vec<Record> {
     records.iter().filter(moves).copied().collect()
 }
 
-/// A place in steps as millimetres, to the nanometre.
+/// A position in steps as a length, to the nanometre.
 pub fn millimetres(steps: u16) -> Nm {
     let scaled = i64::from(steps) * 1_000_000;
     let per_mm = i64::from(husillo_transports::drill::STEPS_PER_MM);

@@ -20,7 +20,7 @@ pub trait Operator {
     fn progress(&mut self, share: f64, left_s: f64);
 }
 
-/// How it ended.
+/// End of a job.
 #[derive(Clone, Debug, PartialEq)]
 pub enum End {
     /// All holes are drilled.
@@ -31,10 +31,10 @@ pub enum End {
     Failed(Failed),
 }
 
-/// Where it stopped.
+/// Progress of a failed job.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Failed {
-    /// What happened.
+    /// The reason.
     pub why: String,
     /// Holes of the whole job that are done for certain.
     pub done: usize,
@@ -42,7 +42,7 @@ pub struct Failed {
     pub begun: usize,
 }
 
-/// What to do with a board.
+/// A job: the holes of a board.
 #[derive(Debug)]
 pub struct Sender<'a, O> {
     /// The drill.
@@ -67,7 +67,7 @@ fn count(number: usize, name: &str) -> String {
     format!("{number} {name}{plural}")
 }
 
-/// How a part ended.
+/// End of a part.
 enum Ended {
     /// Drilled, or started and detached.
     Well { is_detached: bool },
@@ -78,7 +78,7 @@ enum Ended {
     After(Trouble),
 }
 
-/// A part, as it is sent.
+/// A part in the form in which it is sent.
 struct Load {
     bytes: Vec<u8>,
     /// Seconds of each drilling, and of the move home after them.
@@ -91,7 +91,7 @@ struct Load {
 }
 
 impl Load {
-    /// How many holes so many drillings have finished, and so many have begun.
+    /// Converts numbers of finished and begun drillings to numbers of holes.
     fn holes(&self, [done, begun]: [usize; 2]) -> [usize; 2] {
         let starts = |drillings: usize| {
             let first = self.pecks.iter().take(drillings);
@@ -368,17 +368,17 @@ impl<O: Operator> Sender<'_, O> {
         let is_reached = !matches!(trouble, Trouble::Port(_)) && self.client.find_out().is_ok();
         let stands = trouble == Trouble::Link(husillo_transports::drill::Failure::Fault);
         if is_reached {
-            // A count of before a reset is gone.
+            // A reset clears the count.
             if let (Ok(Some(count)), false) = (self.client.drillings(), is_reset) {
                 let count = usize::from(count);
-                // Modulo 2^16: the count that lies between what is known.
+                // The device counts modulo 2^16: take the count within the known bounds.
                 let laps = done.saturating_sub(count).div_ceil(1 << 16);
                 let exact = count + (laps << 16);
                 if (done..=begun).contains(&exact) {
                     (done, begun) = (exact, exact);
                 }
             }
-            // It stands: what it says to this is not what went wrong.
+            // The device stands. Its answer here is not the reason of the failure.
             let _ = self.spindle(false);
         } else if !stands && !is_reset {
             self.operator
@@ -403,7 +403,7 @@ impl<O: Operator> Sender<'_, O> {
 /// Home from anywhere on the table.
 const HOMING: Duration = Duration::from_secs(180);
 
-/// Drillings whose records are whole in so many bytes of a program.
+/// Drillings whose records are complete in the first bytes of a program.
 fn drillings(bytes: &[u8], length: usize) -> usize {
     let bytes = bytes.get(..length.min(bytes.len())).unwrap_or_default();
     let records = bytes.chunks_exact(3);
@@ -417,7 +417,7 @@ impl Estimate {
         self.behind_s / self.all_s.max(1e-9)
     }
 
-    /// Seconds that are left when so many of the present run have passed.
+    /// Remaining seconds, by those that have passed of the present run.
     fn left_s(&self, passed_s: f64) -> f64 {
         (self.all_s - self.behind_s - passed_s).max(0.0) * self.pace
     }

@@ -336,7 +336,7 @@ fn a_detached_start_is_certain() {
 
 /// A start that the device did not hear is told: nothing has started.
 #[test]
-fn a_start_that_was_lost_is_told() {
+fn a_start_that_was_lost_is_reported() {
     let parts = [part(1, &[[2000, 10]])];
     let (end, mut good) = send(client(false), &parts, 0, true, &mut Script::default());
     assert_eq!(end, Ok(End::Detached));
@@ -392,7 +392,7 @@ fn an_original_is_not_left_to_itself() {
 /// A fault is told when it happens, not after the longest time of the board: here the lower sensor
 /// does not work.
 #[test]
-fn a_fault_is_told_at_once() {
+fn a_fault_is_reported_at_once() {
     let holes: Vec<[u16; 2]> = (0..200).map(|n| [7 * n, n]).collect();
     let mut client = client(false);
     device(&mut client).control("open down");

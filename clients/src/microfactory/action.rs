@@ -1,4 +1,4 @@
-//! What to do with a microfactory, one thing after another.
+//! Actions of a microfactory.
 
 use super::figure::Figure;
 use std::fmt;
@@ -9,27 +9,27 @@ use std::time::Duration;
 pub enum Action {
     /// Home X, Y and Z.
     Home,
-    /// Turn a motor by so many steps, signed.
+    /// Turn a motor by signed steps.
     Steps {
         /// 0 to 3.
         motor: u8,
         /// Not 0.
         steps: i32,
     },
-    /// Turn a motor for a while.
+    /// Turn a motor for a time.
     Jog {
         /// 0 to 3.
         motor: u8,
         /// Forward, or clockwise.
         forward: bool,
-        /// How long.
+        /// Duration.
         time: Duration,
     },
     /// Store another figure.
     Load(Figure),
     /// Cut the stored figure.
     Figure,
-    /// Tell where it is.
+    /// Report the position.
     Where,
     /// Stop.
     Stop,
@@ -85,7 +85,7 @@ impl Action {
     ///
     /// # Errors
     ///
-    /// A sentence about the first that is not understood.
+    /// A sentence about the first word that is not understood.
     pub fn parse(
         words: &[String],
         figure: impl Fn(&str) -> Result<Figure, String>,

@@ -9,13 +9,13 @@ use husillo_transports::microfactory::{
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-/// The longest wait for an answer, and the silence after which no byte of one is under way.
+/// The longest wait for an answer, and the silence after which an answer is complete.
 /// An answer of two bytes takes 2.08 ms.
 const IN_SIMULATED_TIME: Waits = Waits {
     answer: Duration::from_millis(200),
     quiet: Duration::from_millis(60),
 };
-/// The same in real time, where a busy computer or an adapter may add delays.
+/// The same wait in real time, where a busy computer or an adapter adds delays.
 const IN_REAL_TIME: Waits = Waits {
     answer: Duration::from_millis(1500),
     quiet: Duration::from_millis(150),
@@ -77,8 +77,8 @@ enum Answer {
 }
 
 impl Client {
-    /// A client on a wire to a device that answers, or to one that does not. It stops when the flag
-    /// is set.
+    /// A client on a wire to a device that answers, or to one that does not. It stops when a
+    /// stop is requested.
     pub fn new(wire: Wire<Device>, table: ByteTable, answers: bool, stop: StopRequests) -> Self {
         let waits = match wire {
             Wire::Simulated { .. } => IN_SIMULATED_TIME,
@@ -100,7 +100,7 @@ impl Client {
         }
     }
 
-    /// The same for machine 0 or 1 of a controller of two.
+    /// Selects machine 0 or 1 of a controller of two.
     pub const fn of_machine(mut self, machine: u8) -> Self {
         self.machine = machine;
         self

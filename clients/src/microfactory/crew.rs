@@ -6,12 +6,12 @@ use std::io::{self, Write};
 use std::sync::mpsc;
 use std::thread;
 
-/// One machine and what it has to do.
+/// One machine and its actions.
 #[derive(Debug)]
 pub struct Worker {
-    /// Where it is.
+    /// Name of its port.
     pub port: String,
-    /// The link to it.
+    /// The client of the machine.
     pub client: Client,
     /// Its actions.
     pub actions: Vec<Action>,
@@ -23,11 +23,11 @@ pub struct Row {
     action: String,
     began_s: f64,
     took_s: f64,
-    /// How it ended, well or not.
+    /// The result, or the reason of the failure.
     end: Result<String, String>,
 }
 
-/// What a machine did.
+/// Record of one machine.
 #[derive(Debug)]
 pub struct Share {
     port: String,
@@ -82,7 +82,7 @@ fn alone(worker: Worker, machine: usize, sender: &mpsc::Sender<(usize, String)>)
         actions,
     } = worker;
     let tell = |line| {
-        // The other end is there until all machines have ended.
+        // The receiver exists until all machines have ended.
         let _ = sender.send((machine, line));
     };
     let mut share = Share {
@@ -120,7 +120,7 @@ fn alone(worker: Worker, machine: usize, sender: &mpsc::Sender<(usize, String)>)
 ///
 /// # Errors
 ///
-/// What the writer says.
+/// Writing failed.
 pub fn report(shares: &[Share], out: &mut dyn Write) -> io::Result<bool> {
     let width = |name: fn(&Share) -> usize| shares.iter().map(name).max().unwrap_or(0);
     let ports = width(|share| share.port.chars().count()).max(4);
@@ -177,7 +177,7 @@ pub fn report(shares: &[Share], out: &mut dyn Write) -> io::Result<bool> {
     Ok(well == shares.len())
 }
 
-/// Tells each machine's trouble on standard error; whether there is none.
+/// Prints the failure of each machine on standard error. Returns whether there is none.
 pub fn is_well(shares: &[Share]) -> bool {
     for share in shares {
         if let Some(trouble) = share.trouble() {

@@ -1,17 +1,17 @@
-//! What a client has to know of a microfactory.
+//! Settings of a microfactory.
 
 use husillo_controllers::MicrofactoryConfig;
 use husillo_gcode::Nm;
 use husillo_transports::microfactory::ByteTable;
 
-/// Rates, lash and bytes of a machine.
+/// Rates, backlash and bytes of a machine.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// What its controller is made of.
+    /// Configuration of its controller.
     pub config: MicrofactoryConfig,
     /// The bytes of its link.
     pub table: ByteTable,
-    /// The shortest interval of a motor's steps in ticks of the controller's timer.
+    /// Shortest interval between two steps that a motor follows, in ticks of the controller.
     pub pull_out_ticks: u32,
     /// A step of X and of Z in nm, as numerator and denominator.
     pub steps: [[i128; 2]; 2],
@@ -26,7 +26,7 @@ impl Settings {
         steps: [[1870, 1]; 2],
     };
 
-    /// The nearest step of a place in X and Z, halves away from zero.
+    /// The step nearest to a position in X and Z, halves rounded away from zero.
     pub fn nearest(&self, place: [Nm; 2]) -> [i64; 2] {
         let mut steps = [0; 2];
         for ((steps, Nm(nm)), [num, den]) in steps.iter_mut().zip(place).zip(self.steps) {
@@ -37,7 +37,7 @@ impl Settings {
         steps
     }
 
-    /// Where so many steps of X and Z lead, to the nearest nanometre.
+    /// The position of these steps of X and Z, to the nearest nanometre.
     pub fn place(&self, steps: [i64; 2]) -> [Nm; 2] {
         let mut place = [Nm(0); 2];
         for ((nm, steps), [num, den]) in place.iter_mut().zip(steps).zip(self.steps) {

@@ -306,7 +306,7 @@ fn switch_reports(client: &mut Client) -> usize {
 /// A jog that ends at a switch is reported and not begun again, however long it should last. The
 /// axis backs off the switch completely.
 #[test]
-fn a_jog_into_a_switch_is_told_and_ends() {
+fn a_jog_into_a_switch_is_reported_and_ends() {
     let mut client = client();
     client.carry_out(&Action::Home).unwrap();
     let trouble = client.carry_out(&jog(0, false, 60)).unwrap_err();
@@ -322,7 +322,7 @@ fn a_jog_into_a_switch_is_told_and_ends() {
 
 /// The same with counted steps, which the host sends by 255.
 #[test]
-fn steps_into_a_switch_are_told_and_end() {
+fn steps_into_a_switch_are_reported_and_end() {
     let mut client = client();
     client.carry_out(&Action::Home).unwrap();
     let steps = Action::Steps {

@@ -1,4 +1,4 @@
-//! What to do with a mill by hand, one thing after another.
+//! Actions of a mill that is moved by hand.
 
 use husillo_transports::micromill::Axis;
 use std::fmt;
@@ -9,39 +9,39 @@ use std::time::Duration;
 pub enum Action {
     /// Home Z, X and Y.
     Home,
-    /// An axis by so many steps, signed.
+    /// Move an axis by signed steps.
     Steps(Axis, i32),
-    /// One axis or several for a while, and on, faster or slower, for further whiles.
+    /// Jog one or several axes for a time, then at other speeds for further times.
     Jog([i8; 3], Vec<Leg>),
-    /// An axis at so many steps a second, signed, for a while.
+    /// Run an axis at a signed rate in steps/s for a time.
     Run(Axis, i16, Duration),
-    /// The lash of an axis, micrometres.
+    /// Set the backlash of an axis, um.
     Backlash(Axis, u16),
-    /// The part's zero is here.
+    /// Make the present position the zero of the part.
     Zero,
-    /// Stop what moves, another's motion too.
+    /// Stop any motion, also that of another client.
     Stop,
-    /// Tell where the motors are.
+    /// Report the positions of the motors.
     Where,
 }
 
 /// A part of a jog.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Leg {
-    /// How the speed changes at first.
+    /// Change of speed at its start.
     pub pace: Pace,
-    /// How long it lasts.
+    /// Its duration.
     pub time: Duration,
 }
 
-/// How a jog goes on.
+/// Change of speed between parts of a jog.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pace {
-    /// As it went.
+    /// Unchanged.
     Same,
-    /// By 10 steps a second faster.
+    /// 10 steps/s faster.
     Faster,
-    /// By 10 steps a second slower.
+    /// 10 steps/s slower.
     Slower,
 }
 
@@ -50,7 +50,7 @@ impl Action {
     ///
     /// # Errors
     ///
-    /// A sentence about the first that is not understood.
+    /// A sentence about the first word that is not understood.
     pub fn parse(words: &[String]) -> Result<Vec<Self>, String> {
         let mut words = words.iter().map(String::as_str);
         let mut actions = Vec::new();

@@ -7,14 +7,14 @@ use husillo_sim::device::micromill::Device;
 use husillo_transports::micromill::{Axis, Order, Outcome};
 use std::time::Duration;
 
-/// A jog ends by itself so long after the host was heard last, ms.
+/// A jog ends this long after the last byte of the host, ms.
 const LEASE_MS: u16 = 500;
-/// How often the host is heard, us.
+/// Period of the bytes that keep a jog going, us.
 const RENEWAL_US: u32 = 150_000;
-/// Most steps of one string.
+/// Largest number of steps of one string.
 const MOST_STEPS: i32 = 9999;
 
-/// A session, and where the motors are by the steps they tell.
+/// A session, and the positions of the motors by the reported steps.
 #[derive(Debug)]
 pub struct Hand {
     session: Session,
@@ -22,7 +22,7 @@ pub struct Hand {
 }
 
 impl Hand {
-    /// Stops what moves; jogs end by themselves where the host is not heard any more.
+    /// Stops any motion. From now on a jog ends when the bytes of the host stop.
     ///
     /// # Errors
     ///
@@ -40,11 +40,11 @@ impl Hand {
         })
     }
 
-    /// Does it; what is worth telling.
+    /// Carries out an action. Returns a text about the result.
     ///
     /// # Errors
     ///
-    /// A sentence about why it did not end well.
+    /// A sentence about the failure.
     pub fn carry_out(&mut self, action: &Action) -> Result<String, String> {
         let made = match action {
             Action::Home => self.ordered(Order::Home),
@@ -56,7 +56,7 @@ impl Hand {
             }
             Action::Backlash(axis, um) => self.ordered(Order::Backlash(*axis, *um)),
             Action::Zero => self.ordered(Order::Zero),
-            // Once more: the first string of the session was one.
+            // Repeated, because the first string of the session may be lost.
             Action::Stop => self.ordered(Order::Stop),
             Action::Where => Ok(()),
         };
@@ -106,7 +106,7 @@ impl Hand {
         Ok(())
     }
 
-    /// What goes on until it is stopped: for some times, with changes of speed between them.
+    /// Carries out a motion without an end: parts of a given duration, with changes of speed.
     fn moves(&mut self, order: Order, legs: &[Leg]) -> Result<(), String> {
         if !self.session.start(order) {
             return Err("the string before it has not ended".into());
@@ -130,7 +130,7 @@ impl Hand {
         }
     }
 
-    /// Lets it move, heard by it all the time.
+    /// Keeps a motion going for a time.
     fn wait(&mut self, time: Duration, is_jog: bool) -> Result<(), String> {
         let mut left_us = time.as_micros() as u64; // an hour at most
         let (mut last, mut renewed) = (self.session.now(), self.session.now());
@@ -150,7 +150,7 @@ impl Hand {
         Ok(())
     }
 
-    /// Says something to what moves, as soon as the string before it was heard.
+    /// Sends an order during a motion, after the previous string was confirmed.
     fn say(&mut self, order: Order) -> Result<(), String> {
         while !self.session.start(order) {
             over(self.session.turn(RENEWAL_US)?)?;
@@ -159,7 +159,7 @@ impl Hand {
     }
 }
 
-/// A motion that ended while it should go on.
+/// The message about a motion that ended early.
 fn over(outcome: Option<Outcome>) -> Result<(), String> {
     match outcome {
         None => Ok(()),

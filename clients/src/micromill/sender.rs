@@ -5,23 +5,23 @@ use crate::{StopRequests, Wire};
 use husillo_sim::device::micromill::Device;
 use husillo_transports::micromill::{Line, Order};
 
-/// How lines are sent.
+/// Settings of a transmission.
 #[derive(Clone, Copy, Debug)]
 pub struct Sending {
-    /// Bits a second of the port.
+    /// Rate of the port, bits/s.
     pub bits_per_s: u32,
-    /// Without a stop between lines.
+    /// Send a line while the previous one is made, without a stop between them.
     pub streams: bool,
-    /// One step in so many is reported; 0 for none.
+    /// Report every n-th step; 0 reports none.
     pub every: u16,
-    /// The controller homes first.
+    /// Home first.
     pub homes: bool,
 }
 
-/// What came back.
+/// Result of a transmission.
 #[derive(Debug, Default)]
 pub struct Sent {
-    /// Each step reported since homing: axis, and whether forward.
+    /// Each step reported since homing: its axis, and whether it was forward.
     pub steps: Vec<(u8, bool)>,
     /// Lines that were made.
     pub lines: usize,

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 /// The longest wait for a byte in one turn, us.
 const TURN_US: u32 = 100_000;
-/// The longest wait before Ctrl-C is looked for, us: 4 steps of a jog.
+/// The longest wait between two checks for Ctrl-C, us: 4 steps of a jog.
 const LOOK_US: u32 = 20_000;
 /// The report of a controller that was just switched on, or reset by the opened port, arrives
 /// within this time.
@@ -52,7 +52,7 @@ impl Session {
         }
     }
 
-    /// Begins to send an order. `false`: another one is under way.
+    /// Begins to send an order. Returns `false` if another one is being sent.
     pub fn start(&mut self, order: Order) -> bool {
         let now = self.now();
         self.host.start(order, now)
@@ -80,7 +80,7 @@ impl Session {
     ///
     /// # Errors
     ///
-    /// The port.
+    /// The port failed.
     pub fn finish(&mut self) -> Result<(), String> {
         while self.host.lines() > 0 {
             self.turn(TURN_US)?;
@@ -144,7 +144,7 @@ impl Session {
     /// Stops any motion, whatever is on the line. Returns the message about it. A second Ctrl-C
     /// ends the wait.
     fn halt(&mut self) -> String {
-        // The string under way is dropped. The first byte of this one goes at once, and stops.
+        // The string being sent is dropped. The first byte of this order stops the motion at once.
         self.host = Host::new(self.timing);
         let start = self.now();
         self.host.start(Order::Stop, start);
@@ -177,12 +177,12 @@ impl Session {
         Ok(())
     }
 
-    /// Time since the port was opened; that of a simulated mill is its own.
+    /// Time since the port was opened. A simulated mill has simulated time.
     pub fn elapsed(&self) -> Duration {
         self.wire.elapsed()
     }
 
-    /// Time at the port, wrapping.
+    /// Time at the port, us, wrapping.
     pub fn now(&self) -> u32 {
         self.wire.elapsed().as_micros() as u32
     }

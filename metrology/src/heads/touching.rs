@@ -72,25 +72,9 @@ impl<P: Port> Head<P> {
         self.find_again()?;
         let from = self.held();
         let search = distance.min(self.room(direction)).min(u32::MAX.into());
-        let amount = |counts: u32| {
-            let amount = self.scale.of_counts(counts.into());
-            u32::try_from(amount).unwrap_or(u32::MAX)
-        };
-        let mut cycle = Cycle::new(&Plan {
-            approach: from,
-            direction: *direction,
-            // Limited to 32 bits above.
-            search: search as u32,
-            over_travel: amount(self.probe.over_travel),
-            back_off: amount(self.probe.back_off),
-            touches: self.touches,
-            travel_speed: self.probe.rate,
-            probing_speed: self.probe.rate,
-            slow_speed: self.probe.slow_rate,
-            back_off_speed: self.probe.rate,
-            until: Edge::Made,
-        })
-        .map_err(Trouble::Plan)?;
+        // Limited to 32 bits above.
+        let plan = self.plan(from, direction, search as u32);
+        let mut cycle = Cycle::new(&plan).map_err(Trouble::Plan)?;
         let mut way = Way {
             replies: self.read()?,
             is_found: false,
@@ -151,6 +135,27 @@ impl<P: Port> Head<P> {
                     return Err(self.failure(failure, unlatched, [from, to]));
                 }
             }
+        }
+    }
+
+    /// The plan of a touch from a position.
+    fn plan(&self, from: [i64; 3], direction: &UnitVector, search: u32) -> Plan {
+        let amount = |counts: u32| {
+            let amount = self.scale.of_counts(counts.into());
+            u32::try_from(amount).unwrap_or(u32::MAX)
+        };
+        Plan {
+            approach: from,
+            direction: *direction,
+            search,
+            over_travel: amount(self.probe.over_travel),
+            back_off: amount(self.probe.back_off),
+            touches: self.touches,
+            travel_speed: self.probe.rate,
+            probing_speed: self.probe.rate,
+            slow_speed: self.probe.slow_rate,
+            back_off_speed: self.probe.rate,
+            until: Edge::Made,
         }
     }
 

@@ -1,4 +1,4 @@
-//! A simulated drill behind its link: what is particular to it.
+//! The simulated drill.
 
 use super::{Event, Machine, Pair, hold, push};
 use crate::{DrillRig, DrilledHole, Emulated};
@@ -21,14 +21,14 @@ pub type Device = super::Device<EmulatedDrill>;
 pub struct EmulatedDrill;
 
 impl Device {
-    /// Switched on, at so many bits a second: as it was, or with its flaws mended.
+    /// A drill that is switched on, at a rate in bits/s: the original, or the corrected one.
     pub fn new(bits_per_s: u32, is_original: bool) -> Self {
         let rig = DrillRig::new(BEGIN, STROKE_STEPS, BOARD_STEPS, PULL_OUT_TICKS);
         let emulated = Emulated::new(Drill::new(config(is_original)), vec![rig]);
         Self::of(EmulatedDrill, emulated, bits_per_s)
     }
 
-    /// One that is small and quick, so that many programs are run in little time.
+    /// A small and fast drill, so that a test runs many programs in a short time.
     pub fn quick(is_original: bool) -> Self {
         let config = DrillConfig {
             rate_hz: [1000; 3],

@@ -1,4 +1,4 @@
-//! A simulated microfactory behind its link: what is particular to it.
+//! The simulated microfactory.
 
 use super::{Event, Machine, Pair, hold};
 use crate::{Emulated, MicrofactoryRig};

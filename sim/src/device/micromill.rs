@@ -1,4 +1,4 @@
-//! A simulated micro mill behind its link: what is particular to it.
+//! The simulated micro mill.
 
 use super::{Event, Machine, Pair, hold, push};
 use crate::{Emulated, MicromillRig};
@@ -20,7 +20,7 @@ pub type Device = super::Device<EmulatedMicromill>;
 pub struct EmulatedMicromill;
 
 impl Device {
-    /// Switched on, at so many bits a second.
+    /// A mill that is switched on, at a rate in bits/s.
     pub fn new(bits_per_s: u32) -> Self {
         let rig = MicromillRig::new(&CONFIG, ABOVE_SWITCHES, PULL_OUT_TICKS);
         let emulated = Emulated::new(Micromill::new(&CONFIG), vec![rig]);

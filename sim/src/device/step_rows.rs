@@ -1,8 +1,8 @@
-//! What an emulated device makes, as rows of CSV.
+//! Step events of an emulated device as rows of CSV.
 
 use std::fmt::Write;
 
-/// Rows that nobody has taken yet.
+/// Rows not yet taken.
 #[derive(Debug)]
 pub struct StepRows {
     text: String,
@@ -19,9 +19,9 @@ impl StepRows {
         }
     }
 
-    /// At a time, after a wait, the motors step, each by -1, 0 or 1. These are the states from then
-    /// on. A row without steps has the number of the event before it. If that event was longer ago
-    /// than the wait, the device stood in between.
+    /// Adds a row: at this time, after a wait, each motor steps by -1, 0 or 1, and the states hold
+    /// from then on. A row without steps has the number of the previous step event. If that event
+    /// is longer ago than the wait, the device stood in between.
     pub fn push(&mut self, t_us: u64, wait_ticks: u32, delta: &[i8], states: &[u8]) {
         self.events += u64::from(delta.iter().any(|way| *way != 0));
         let text = &mut self.text;
@@ -36,7 +36,7 @@ impl StepRows {
         text.push('\n');
     }
 
-    /// The rows since the last time; the first time the heading, too.
+    /// Returns the rows since the last call. The first call also returns the heading.
     pub fn take(&mut self) -> String {
         std::mem::take(&mut self.text)
     }

@@ -153,7 +153,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_told_comes_back_and_no_flipped_bit_does() {
+    fn what_is_reported_comes_back_and_no_flipped_bit_does() {
         for byte in 0..=255 {
             let report = Report::of(byte);
             assert!(report.is_none_or(|report| report.byte() == byte));

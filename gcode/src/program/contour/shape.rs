@@ -216,7 +216,7 @@ mod tests {
     }
 
     #[test]
-    fn what_goes_back_is_told_by_its_axis() {
+    fn what_goes_back_is_reported_with_its_axis() {
         let back = |to, arc| WAYS.goes_back([10_000, 0], &Segment { to, arc });
         assert_eq!(back([9_000, -1_000], None), Some(b'X'));
         assert_eq!(back([11_000, 1_000], None), Some(b'Z'));
