@@ -192,7 +192,7 @@ fn microfactory(machine: &str) -> Result<Option<Settings>, Failure> {
 
 fn measure(args: &Measure) -> Result<u8, Failure> {
     let mut table = Vec::new();
-    let result = measuring::measure(args, &mut console::stdout(), &mut table);
+    let result = measuring::measure(args, &mut console::lasting_stdout(), &mut table);
     if let Some(path) = args.output.as_ref().filter(|_| !table.is_empty()) {
         write(path, &table)?;
     }
@@ -239,7 +239,7 @@ fn made(args: &Emulate) -> Result<Option<Box<dyn Write>>, Failure> {
 }
 
 fn calibrate(args: &Calibrate) -> Result<u8, Failure> {
-    let out = &mut console::stdout();
+    let out = &mut console::lasting_stdout();
     ended(match &args.what {
         What::Backlash(args) => {
             let made = lash::calibrate_backlash(args, &load(&args.machine)?, out)?;

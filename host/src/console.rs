@@ -28,6 +28,50 @@ pub fn stdout() -> Shown<StdoutLock<'static>> {
     Shown::new(io::stdout().lock())
 }
 
+/// Standard output for text of a command that goes on when its reader has gone: a machine finishes
+/// its work, and files are still written.
+pub fn lasting_stdout() -> Lasting<Shown<StdoutLock<'static>>> {
+    Lasting {
+        out: stdout(),
+        has_reader: true,
+    }
+}
+
+/// A writer that drops everything after its reader has gone.
+#[derive(Debug)]
+pub struct Lasting<W> {
+    out: W,
+    has_reader: bool,
+}
+
+impl<W: Write> Lasting<W> {
+    /// The value of `written`, or `gone` if the reader has gone.
+    fn or_gone<T>(&mut self, written: io::Result<T>, gone: T) -> io::Result<T> {
+        match written {
+            Err(error) if error.kind() == io::ErrorKind::BrokenPipe => {
+                self.has_reader = false;
+                Ok(gone)
+            }
+            written => written,
+        }
+    }
+}
+
+impl<W: Write> Write for Lasting<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if !self.has_reader {
+            return Ok(bytes.len());
+        }
+        let written = self.out.write(bytes);
+        self.or_gone(written, bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        let flushed = self.out.flush();
+        self.or_gone(flushed, ())
+    }
+}
+
 /// Standard error for text.
 pub fn stderr() -> Shown<StderrLock<'static>> {
     Shown::new(io::stderr().lock())

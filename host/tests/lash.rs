@@ -287,3 +287,23 @@ fn maps_are_shown_and_counted() {
         "{said}"
     );
 }
+
+/// The reader of the output goes at once: the report and the machine file are written.
+#[test]
+fn a_calibration_outlasts_the_reader_of_its_output() {
+    let [report, machine] = ["lash-unread.html", "lash-unread.toml"].map(scratch);
+    for file in [&report, &machine] {
+        let _ = std::fs::remove_file(file);
+    }
+    let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_husillo"))
+        .args(["calibrate", "backlash", "--simulate", "--report"])
+        .arg(&report)
+        .arg("-o")
+        .arg(&machine)
+        .stdout(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    assert_eq!(child.wait().unwrap().code(), Some(0));
+    assert!(report.exists() && machine.exists());
+}

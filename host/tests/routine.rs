@@ -123,6 +123,30 @@ fn out_of_tolerance_is_exit_status_1() {
     run.code(1).stdout(predicate::str::starts_with(head));
 }
 
+/// The reader of the output goes at once, as with `| head -0`: the routine is finished, and its
+/// report is written.
+#[test]
+fn a_routine_outlasts_the_reader_of_its_output() {
+    let report = scratch("corner-unread.html");
+    let _ = fs::remove_file(&report);
+    let routine = written("corner-unread.routine", CORNER);
+    let mut run = std::process::Command::new(env!("CARGO_BIN_EXE_husillo"));
+    run.args(["measure", "-m", "cmm3", "--ball", "0"]);
+    run.args([
+        "--contact",
+        "1:2500",
+        "--contact",
+        "2:1500",
+        "--contact",
+        "3:..-2000",
+    ]);
+    run.arg("-o").arg(&report).arg("run").arg(&routine);
+    let mut child = run.stdout(std::process::Stdio::piped()).spawn().unwrap();
+    drop(child.stdout.take());
+    assert_eq!(child.wait().unwrap().code(), Some(0));
+    assert!(fs::read_to_string(&report).unwrap().contains("</html>"));
+}
+
 /// A routine that goes from one side of the block to the other.
 const THROUGH: &str = "\
 goto x 30 y 2 z -8
