@@ -3,6 +3,8 @@
 #![deny(missing_docs)]
 
 pub mod drill;
+#[cfg(unix)]
+pub mod holder;
 pub mod microfactory;
 pub mod micromill;
 mod port;

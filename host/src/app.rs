@@ -6,6 +6,7 @@ mod milling;
 mod reporting;
 mod rewrite;
 mod simulate;
+mod stop;
 
 use job::{Job, displayed, load, not_loaded, whole};
 use reporting::{colour, verdict, with_findings};
@@ -93,6 +94,7 @@ pub fn run(cli: &Cli) -> Result<u8, Failure> {
         Command::Compare(args) => compare_methods(args),
         Command::Machines(args) => show_machines(args),
         Command::Jog(args) => jog(args),
+        Command::Stop(args) => stop::stop(args),
         Command::Measure(args) => measure(args),
         Command::Emulate(args) => emulate(args),
         Command::Tune(args) => tune_servo(args),

@@ -4,6 +4,7 @@ mod drilling;
 mod jog;
 mod moves;
 mod servo;
+mod stop;
 mod zero;
 
 use crate::diagnostics::Format;
@@ -17,6 +18,7 @@ use moves::COMPARE_HELP;
 pub use moves::{ArcShape, Compare, Interpolate, LineShape, Shape, Turning};
 use servo::TUNE_HELP;
 pub use servo::{Emulate, Measure, Tune, TuneMethod, TuneRule, words};
+pub use stop::Stop;
 pub use zero::Zero;
 
 /// Check, simulate and draw programs for small machines
@@ -143,6 +145,15 @@ pub enum Command {
         husillo jog --port /dev/ttyUSB0 home y+ 1s\n  \
         husillo jog --port /dev/ttyUSB0 --port /dev/ttyUSB1 home 1: x 400 2: z -60 all: figure")]
     Jog(Jog),
+    /// Stop a machine, also one that another program is driving
+    #[command(after_help = "Examples:\n  \
+        husillo stop                                     every machine that husillo drives here\n  \
+        husillo stop -m micromill --port /dev/ttyUSB0\n  \
+        husillo stop -m microfactory --emergency\n\n\
+        The husillo that drives the machine stops it as at Ctrl-C and ends. Then this one opens the\n\
+        port, sends the stop itself and waits for the answer. Exit status: 0 the machine has\n\
+        confirmed the stop, 1 it has not.")]
+    Stop(Stop),
     /// Measure with a contact probe and correct for pre-travel
     #[command(after_help = "Actions, done in turn:\n  \
         goto POSITION         straight to X10 Y-2.5 Z0; in mm if the machine file has a \

@@ -3,6 +3,7 @@
 //! Names, cells, comments and answers of devices are written by others. A control character in them
 //! is shown as the escape that JSON has for it, so that a line of JSON stays one.
 
+pub mod sharing;
 pub mod stop;
 pub mod typed;
 

@@ -20,6 +20,7 @@ pub use page::{Board, html as page};
 pub use program::{Translation, text as program_text};
 
 use crate::cli::Jog;
+use crate::console::sharing::share;
 use crate::console::stop::stop_requests;
 use crate::holes;
 use crate::output::Outputs;
@@ -50,7 +51,9 @@ pub fn jog(args: &Jog, out: &mut dyn Write) -> Result<bool, String> {
     if args.without_answers {
         return Err("--without-answers is for the microfactory: a drill answers every byte".into());
     }
-    let mut client = Client::open(port, args.baud.unwrap_or(BAUD), stop_requests()?)?;
+    let baud = args.baud.unwrap_or(BAUD);
+    let mut client = Client::open(port, baud, stop_requests()?)?;
+    share(&args.machine, port, baud);
     let tell = |line: &str, out: &mut dyn Write| {
         // A reader that has gone away does not stop a machine.
         let _ = writeln!(out, "{line}").and_then(|()| out.flush());
@@ -96,6 +99,11 @@ pub fn send(args: &crate::cli::Send, parts: &[Part], out: &mut dyn Write) -> Res
     let (_, port) = args.alone()?;
     let baud = args.baud.unwrap_or(BAUD);
     let client = Client::open(port, baud, stop_requests()?)?;
+    share(
+        args.target.machine.as_deref().unwrap_or("drill"),
+        port,
+        baud,
+    );
     let mut operator = operator::Console::new(out);
     let mut sender = Sender {
         client,

@@ -51,7 +51,9 @@ fn main() -> ExitCode {
         Ok(cli) => cli,
         Err(error) => return answered(&error),
     };
-    match app::run(&cli) {
+    let ended = app::run(&cli);
+    console::sharing::end();
+    match ended {
         Ok(code) => ExitCode::from(code),
         Err(app::Failure::Gone) => ExitCode::SUCCESS,
         Err(app::Failure::Usage(message)) => {

@@ -11,6 +11,7 @@ mod calibrating;
 mod calibration_file;
 mod direction;
 pub mod file;
+mod halt;
 mod help;
 pub mod interrupt;
 mod module_list;
@@ -21,15 +22,17 @@ mod routine;
 mod session;
 
 pub use calibrating::{calibrate_axis, calibrate_squareness};
+pub use halt::halt;
 
 use crate::cli::{Emulate, Measure, Results};
+use crate::console::stop::INTERRUPTED;
 use crate::machines::machine_file::LoadError;
 use action::Action;
 use husillo_metrology::Trouble;
 use husillo_metrology::calibration::Calibrated;
 use husillo_metrology::heads::{Head, Machine, Prober as _, Stylus};
 use husillo_metrology::simulated::{Mounted, PANEL, SimulatedChain};
-use interrupt::{INTERRUPTED, Interrupt, User};
+use interrupt::{Interrupt, User};
 use result_row::{CSV_HEAD, ResultRow};
 use routine::{Ending, Routine};
 use session::{AnyPort, Session};

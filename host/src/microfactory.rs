@@ -11,6 +11,7 @@ mod figure;
 pub use figure::{is_list, program};
 
 use crate::cli::Jog;
+use crate::console::sharing::share;
 use crate::console::stop::stop_requests;
 use crate::machines::machine_file::MachineFile;
 use husillo_clients::microfactory::{Action, BAUD, Links, Settings, crew, shares};
@@ -58,7 +59,9 @@ pub fn jog(args: &Jog, settings: &Settings, out: &mut dyn Write) -> Result<bool,
         figure: &figure,
         stop: stop_requests()?,
     };
-    let shares = crew::work(links.crew(&args.port, shares)?, out)?;
+    let crew = links.crew(&args.port, shares)?;
+    (args.port.iter()).for_each(|port| share(&args.machine, port, links.bits_per_s));
+    let shares = crew::work(crew, out)?;
     if shares.len() > 1 {
         crew::report(&shares, out).map_err(|error| error.to_string())?;
     }
@@ -83,7 +86,7 @@ pub fn send(
             ports.len()
         ));
     }
-    let share = |file: &String| {
+    let actions_of = |file: &String| {
         let home = (!args.no_home).then_some(Action::Home);
         let figure = figure::load(file, settings)?;
         Ok(home
@@ -93,7 +96,7 @@ pub fn send(
     };
     let mut shares = files
         .iter()
-        .map(share)
+        .map(actions_of)
         .collect::<Result<Vec<_>, String>>()?;
     if let [one] = &shares[..] {
         shares = vec![one.clone(); ports.len()];
@@ -105,7 +108,10 @@ pub fn send(
         figure: &FIGURE,
         stop: stop_requests()?,
     };
-    let shares = crew::work(links.crew(ports, shares)?, out)?;
+    let crew = links.crew(ports, shares)?;
+    let machine = args.target.machine.as_deref().unwrap_or("microfactory");
+    (ports.iter()).for_each(|port| share(machine, port, links.bits_per_s));
+    let shares = crew::work(crew, out)?;
     crew::report(&shares, out).map_err(|error| error.to_string())?;
     Ok(crew::is_well(&shares))
 }

@@ -13,6 +13,7 @@ mod translate;
 pub use translate::{Translated, translate};
 
 use crate::cli::Jog;
+use crate::console::sharing::share;
 use crate::console::stop::stop_requests;
 use husillo_clients::micromill::{Action, BAUD, Hand, open};
 use husillo_sim::device::micromill::Device;
@@ -73,7 +74,9 @@ pub fn jog(args: &Jog, out: &mut dyn io::Write) -> Result<bool, String> {
     }
     let baud = args.baud.unwrap_or(BAUD);
     let stop = stop_requests()?;
-    let mut hand = match Hand::new(open(name, baud)?, baud, stop) {
+    let wire = open(name, baud)?;
+    share(&args.machine, name, baud);
+    let mut hand = match Hand::new(wire, baud, stop) {
         Ok(hand) => hand,
         Err(sentence) => {
             // A terminal that has gone away does not matter.

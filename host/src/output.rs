@@ -6,7 +6,7 @@
 //! files (a terminal, a pipe, `/dev/null`, `-`) are written directly.
 
 use crate::console;
-use crate::console::stop::on_request;
+use crate::console::stop::{INTERRUPTED, on_request};
 use crate::input::{self, Identity};
 use std::fs::{File, Metadata, OpenOptions};
 use std::io::{self, BufWriter, Write};
@@ -15,9 +15,6 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// Temporary files that are not complete yet. Ctrl-C removes them.
 static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
-
-/// Exit status of a program that was requested to end: 128 plus the number of the signal of Ctrl-C.
-const INTERRUPTED: i32 = 130;
 
 /// Buffer of a writer, bytes. It keeps rows of a table from going to the system one by one.
 const BUFFER: usize = 1 << 18;
@@ -342,6 +339,6 @@ fn remove_when_interrupted() {
         for path in unfinished.drain(..) {
             let _ = std::fs::remove_file(path);
         }
-        std::process::exit(INTERRUPTED);
+        std::process::exit(INTERRUPTED.into());
     });
 }

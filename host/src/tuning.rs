@@ -4,8 +4,10 @@ mod listing;
 mod page;
 
 use crate::cli::{Output, Tune, TuneMethod, TuneRule};
+use crate::console::sharing::share;
+use crate::console::stop::INTERRUPTED;
 use crate::measuring::file;
-use crate::measuring::interrupt::{INTERRUPTED, Interrupt, User};
+use crate::measuring::interrupt::{Interrupt, User};
 use crate::measuring::port::ChainPort;
 use crate::measuring::{Stopped, told};
 use husillo_metrology::Trouble;
@@ -129,7 +131,13 @@ fn open(
         }
         name => {
             let port = ChainPort::open(name);
-            Box::new(port.map_err(|error| format!("{name}: {error}"))?)
+            let port = port.map_err(|error| format!("{name}: {error}"))?;
+            share(
+                args.machine.as_deref().unwrap_or("cmm"),
+                name,
+                machine.baud.bits_per_s(),
+            );
+            Box::new(port)
         }
     };
     let line = Line::new(port).with_operator(User::new(interrupt, args.raw));

@@ -48,6 +48,7 @@ fn check(session: &Session) {
         a_job_is_made(session, &device);
         is_moved(session, &mut device);
         ctrl_c_stops_it(session, &mut device);
+        a_second_terminal_stops_it(session, &mut device);
         a_second_client_is_turned_away(session, &mut device, refusal);
         the_next_client_takes_over_from_a_killed_one(session, &mut device);
     }
@@ -195,6 +196,30 @@ fn ctrl_c_stops_it(session: &Session, device: &mut Emulated) {
     let output = child.wait_with_output().unwrap();
     assert!(!output.status.success(), "{}", text(&output));
     stands(device, Duration::from_millis(900));
+}
+
+fn stop(session: &Session, device: &Emulated, arguments: &[&str]) -> Output {
+    let stop = husillo()
+        .args(["stop", "-m", session.machine, "--port", device.port()])
+        .args(arguments)
+        .output();
+    stop.unwrap()
+}
+
+/// The program that holds the port stops its machine; the machine confirms it.
+fn a_second_terminal_stops_it(session: &Session, device: &mut Emulated) {
+    let child = begin(session, device);
+    let stopped = stop(session, device, &[]);
+    assert!(stopped.status.success(), "{}", text(&stopped));
+    let holder = format!("`husillo jog -m {} ", session.machine);
+    assert!(text(&stopped).contains(&holder), "{}", text(&stopped));
+    stands(device, Duration::from_millis(900));
+    let output = child.wait_with_output().unwrap();
+    assert!(!output.status.success(), "{}", text(&output));
+    // And while nobody holds the port.
+    let stopped = stop(session, device, &[]);
+    assert!(stopped.status.success(), "{}", text(&stopped));
+    assert!(text(&stopped).starts_with("stop: "), "{}", text(&stopped));
 }
 
 fn a_second_client_is_turned_away(session: &Session, device: &mut Emulated, refusal: &str) {

@@ -5,10 +5,10 @@ use super::reporting::{verdict, with_findings};
 use super::{ERRORS, Failure, OK, write};
 use crate::cli::{Compile, Send, Target};
 use crate::console;
-use crate::console::stop::{stop_requests, stops_asked};
+use crate::console::sharing::share;
+use crate::console::stop::{INTERRUPTED, stop_requests, stops_asked};
 use crate::console::typed::typed_line;
 use crate::diagnostics::Findings;
-use crate::measuring::interrupt::INTERRUPTED;
 use crate::micromill::{self, Translated};
 use crate::programs::feeder;
 use crate::programs::program;
@@ -56,6 +56,11 @@ pub(super) fn send(args: &Send) -> Result<u8, Failure> {
     let baud = args.baud.unwrap_or(client::BAUD);
     let stop = stop_requests()?;
     let wire = client::open(port, baud)?;
+    share(
+        args.target.machine.as_deref().unwrap_or("micromill"),
+        port,
+        baud,
+    );
     let sending = client::Sending {
         bits_per_s: baud,
         streams: args.stream,

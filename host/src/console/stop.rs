@@ -1,18 +1,23 @@
 //! Requests to end: Ctrl-C, SIGTERM, and a closed terminal.
 
 use husillo_clients::StopRequests;
-use std::sync::OnceLock;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, OnceLock, PoisonError};
+
+/// Exit status of a program that Ctrl-C has ended: 128 and the number of the signal.
+pub const INTERRUPTED: u8 = 130;
 
 /// The requests of this process.
 static REQUESTS: OnceLock<StopRequests> = OnceLock::new();
 
-/// Requests to stop, counted from now on.
+/// Requests to stop, counted from the first call on.
 ///
 /// # Errors
 ///
 /// The system does not deliver the signals.
 pub fn stop_requests() -> Result<StopRequests, String> {
+    if let Some(requests) = REQUESTS.get() {
+        return Ok(requests.clone());
+    }
     let requests = REQUESTS.get_or_init(StopRequests::default).clone();
     let signalled = requests.clone();
     on_request(move || signalled.request())?;
@@ -24,6 +29,9 @@ pub fn stops_asked() -> u32 {
     REQUESTS.get().map_or(0, StopRequests::count)
 }
 
+/// What is called at a request to end.
+static HANDLER: Mutex<Option<Box<dyn FnMut() + Send>>> = Mutex::new(None);
+
 /// Calls `handle` at every request to end, in a thread of its own. A process has one such handler:
 /// the first.
 ///
@@ -31,27 +39,41 @@ pub fn stops_asked() -> u32 {
 ///
 /// There is a handler already, or the system does not deliver the signals.
 pub fn on_request(handle: impl FnMut() + Send + 'static) -> Result<(), String> {
-    static HAS_HANDLER: AtomicBool = AtomicBool::new(false);
-    if HAS_HANDLER.swap(true, Ordering::SeqCst) {
+    let mut handler = HANDLER.lock().unwrap_or_else(PoisonError::into_inner);
+    if handler.is_some() {
         return Err("requests to end are handled already".into());
     }
-    deliver(handle).map_err(|error| format!("signals: {error}"))
+    *handler = Some(Box::new(handle));
+    drop(handler);
+    deliver().map_err(|error| format!("signals: {error}"))
+}
+
+/// A request to end, as Ctrl-C is one. Without a handler it ends the program.
+pub fn request() {
+    match HANDLER
+        .lock()
+        .unwrap_or_else(PoisonError::into_inner)
+        .as_mut()
+    {
+        Some(handle) => handle(),
+        None => std::process::exit(INTERRUPTED.into()),
+    }
 }
 
 #[cfg(unix)]
-fn deliver(mut handle: impl FnMut() + Send + 'static) -> std::io::Result<()> {
+fn deliver() -> std::io::Result<()> {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
     let mut signals = signal_hook::iterator::Signals::new([SIGINT, SIGTERM])?;
     if !ignores(SIGHUP) {
         signals.add_signal(SIGHUP)?;
     }
-    std::thread::spawn(move || signals.forever().for_each(|_| handle()));
+    std::thread::spawn(move || signals.forever().for_each(|_| request()));
     Ok(())
 }
 
 #[cfg(not(unix))]
-fn deliver(handle: impl FnMut() + Send + 'static) -> Result<(), ctrlc::Error> {
-    ctrlc::set_handler(handle)
+fn deliver() -> Result<(), ctrlc::Error> {
+    ctrlc::set_handler(request)
 }
 
 /// Whether this process was started with a signal ignored, as `nohup` does with SIGHUP. Only Linux

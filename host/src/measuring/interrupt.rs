@@ -1,13 +1,10 @@
 //! Ctrl-C while motors run.
 
-use crate::console::stop::on_request;
+use crate::console::stop::{INTERRUPTED, on_request};
 use husillo_metrology::heads::Operator;
 use std::fmt::Write;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-
-/// Exit status of a program that Ctrl-C has ended: 128 and the number of the signal.
-pub const INTERRUPTED: u8 = 130;
 
 /// A request of the user or the system to end the program.
 #[derive(Clone, Debug, Default)]

@@ -6,6 +6,7 @@ use super::result_row::{
     CalibrationFigures, Entry, Numbers, ResultRow, StatusFigures, TouchFigures,
 };
 use crate::cli::Measure;
+use crate::console::sharing::share;
 use crate::measuring::port::ChainPort;
 use husillo_metrology::calibration::{Body, Calibrated, Face, FoundProbe, is_by_axis, surface_nm};
 use husillo_metrology::heads::{Head, Line, Machine, Port, Prober, Stylus, both_ways};
@@ -320,7 +321,13 @@ pub fn open(
         Box::new(SimulatedPort::new(chain.with_noise(args.noise)))
     } else if contacts.is_empty() && piece.is_none() && args.noise == 0.0 {
         let port = ChainPort::open(&args.port);
-        Box::new(port.map_err(|error| format!("{}: {error}", args.port))?)
+        let port = port.map_err(|error| format!("{}: {error}", args.port))?;
+        share(
+            args.machine.as_deref().unwrap_or("cmm"),
+            &args.port,
+            machine.baud.bits_per_s(),
+        );
+        Box::new(port)
     } else {
         return Err(
             "--contact, --piece and --noise are for --port sim; `husillo emulate` has these \

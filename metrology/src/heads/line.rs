@@ -1,5 +1,7 @@
 //! A line of modules behind a port. It carries out the steps of the protocol one after another.
 
+mod halt;
+
 use super::operator::Operator;
 use super::port::Port;
 use crate::trouble::Trouble;
@@ -56,7 +58,7 @@ impl<P: Port> Line<P> {
     }
 
     #[cfg(test)]
-    pub(super) fn into_port(self) -> P {
+    pub(in crate::heads) fn into_port(self) -> P {
         self.port
     }
 

@@ -1,0 +1,131 @@
+//! `husillo stop`: the program that holds the port stops its machine, then the machine is asked.
+
+use super::{ERRORS, Failure, OK, ended, jog, microfactory};
+use crate::cli::{Jog, Stop};
+use crate::console;
+use crate::measuring;
+use std::time::Duration;
+
+/// A port, and the machine at it.
+struct Place {
+    machine: Option<String>,
+    port: String,
+    baud: Option<u32>,
+}
+
+/// Stops every machine that `args` mean.
+///
+/// # Errors
+///
+/// Nothing is to be stopped, or the command line is wrong.
+pub(super) fn stop(args: &Stop) -> Result<u8, Failure> {
+    let mut places = Vec::new();
+    let mut is_well = true;
+    for place in released(args, &mut is_well) {
+        places.push(place);
+    }
+    if let (true, Some(port)) = (places.is_empty() && is_well, &args.port) {
+        if args.machine.is_none() {
+            let why = "no running husillo has this port: name the machine at it with -m";
+            return Err(Failure::Usage(format!("{port}: {why}")));
+        }
+        places.push(Place {
+            machine: args.machine.clone(),
+            port: port.clone(),
+            baud: args.baud,
+        });
+    }
+    if places.is_empty() && is_well {
+        let which = args.machine.as_deref().unwrap_or("a machine");
+        let why = "no running husillo of this user drives";
+        return Err(Failure::Usage(format!(
+            "{why} {which}: name its port with --port"
+        )));
+    }
+    for place in places {
+        is_well &= confirm(place, args)?;
+    }
+    Ok(if is_well { OK } else { ERRORS })
+}
+
+/// Asks the machine itself, at a port that is free now. Returns whether it has confirmed the stop.
+fn confirm(place: Place, args: &Stop) -> Result<bool, Failure> {
+    let Place { port, baud, .. } = place;
+    let Some(machine) = args.machine.clone().or(place.machine) else {
+        return Ok(true);
+    };
+    let is_by_hand = matches!(machine.as_str(), "drill" | "micromill");
+    if !is_by_hand && microfactory(&machine)?.is_none() {
+        let halted = measuring::halt(&machine, &port, &mut console::stdout());
+        return Ok(ended(halted)? == OK);
+    }
+    let action = match !is_by_hand && args.emergency {
+        true => "emergency",
+        false => "stop",
+    };
+    let done = jog(&Jog {
+        actions: vec![action.into()],
+        machine,
+        port: vec![port],
+        figure: None,
+        baud: args.baud.or(baud),
+        without_answers: args.without_answers,
+    });
+    match done {
+        Ok(code) => Ok(code == OK),
+        Err(Failure::Usage(message)) => {
+            eprintln!("error: {message}");
+            Ok(false)
+        }
+        Err(failure) => Err(failure),
+    }
+}
+
+/// Asks the programs that hold the ports to stop. Returns the ports that are free again. `is_well`
+/// becomes `false` at a program that does not end.
+#[cfg(unix)]
+fn released(args: &Stop, is_well: &mut bool) -> Vec<Place> {
+    use husillo_clients::holder::{Urgency, folder, holders};
+    /// A drill that is stopped completes its record first, within this time.
+    const LONGEST: Duration = Duration::from_secs(180);
+    let mut held = folder().map(|folder| holders(&folder)).unwrap_or_default();
+    held.retain(|held| {
+        let is_port = args.port.as_deref().is_none_or(|port| held.holds(port));
+        let is_machine = args.machine.as_deref();
+        is_port && is_machine.is_none_or(|machine| held.holder.machine == machine)
+    });
+    let urgency = match args.emergency {
+        true => Urgency::Emergency,
+        false => Urgency::Stop,
+    };
+    for held in &mut held {
+        let holder = &held.holder;
+        let text = format!("`husillo {}` (process {})", holder.command, holder.process);
+        eprintln!("{}: {text} is stopping the machine", holder.port);
+        // One that has ended meanwhile has released its port.
+        let _ = held.ask(urgency);
+    }
+    let mut places = Vec::new();
+    for mut held in held {
+        let holder = held.holder.clone();
+        if !held.has_ended(LONGEST) {
+            let seconds = LONGEST.as_secs();
+            let port = &holder.port;
+            eprintln!("error: {port}: it has not ended within {seconds} s: switch off the machine");
+            *is_well = false;
+            continue;
+        }
+        places.push(Place {
+            machine: Some(holder.machine),
+            port: holder.port,
+            baud: Some(holder.bits_per_s),
+        });
+    }
+    places
+}
+
+/// Programs do not share their ports here.
+#[cfg(not(unix))]
+fn released(_args: &Stop, _is_well: &mut bool) -> Vec<Place> {
+    Vec::new()
+}

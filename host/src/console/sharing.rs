@@ -1,0 +1,64 @@
+//! The ports of this program, shared with other programs for one purpose: a stop.
+
+use std::sync::{Mutex, PoisonError};
+
+/// What keeps the ports shared.
+#[cfg(unix)]
+static SHARED: Mutex<Vec<husillo_clients::holder::Listening>> = Mutex::new(Vec::new());
+
+/// From now on `husillo stop` reaches this program by the name of the port, and is a Ctrl-C here.
+/// Without it the machine still works, so a failure is a warning.
+#[cfg(unix)]
+pub fn share(machine: &str, port: &str, bits_per_s: u32) {
+    use husillo_clients::holder::{Holder, Urgency, folder};
+    if port == "sim" {
+        return;
+    }
+    let words = std::env::args_os().skip(1);
+    let words: Vec<_> = words
+        .map(|word| word.to_string_lossy().into_owned())
+        .collect();
+    let holder = Holder {
+        process: std::process::id(),
+        command: words.join(" "),
+        machine: machine.to_owned(),
+        port: port.to_owned(),
+        bits_per_s,
+    };
+    let stop = |urgency| {
+        let requests = if urgency == Urgency::Emergency { 2 } else { 1 };
+        for _ in 0..requests {
+            // Two signals that wait at the same time are one.
+            super::stop::request();
+        }
+    };
+    let folder = folder().ok_or_else(|| "no folder of the user for a socket".to_owned());
+    match folder.and_then(|folder| {
+        holder
+            .listen(&folder, stop)
+            .map_err(|error| error.to_string())
+    }) {
+        Ok(listening) => SHARED
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .push(listening),
+        Err(why) => eprintln!("warning: {port}: `husillo stop` cannot reach this program: {why}"),
+    }
+}
+
+/// Nobody else can ask this program for a stop here.
+#[cfg(not(unix))]
+pub fn share(_machine: &str, _port: &str, _bits_per_s: u32) {}
+
+/// Ends the sharing of all ports, before the program ends.
+#[cfg(unix)]
+pub fn end() {
+    SHARED
+        .lock()
+        .unwrap_or_else(PoisonError::into_inner)
+        .clear();
+}
+
+/// Nothing is shared.
+#[cfg(not(unix))]
+pub fn end() {}

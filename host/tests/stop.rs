@@ -1,0 +1,167 @@
+//! `husillo stop` from a second terminal.
+
+#![cfg(unix)]
+
+mod common;
+mod emulated;
+
+use common::{husillo, scratch};
+use emulated::Emulated;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+/// A command on a machine; `stop` finds it in this folder.
+fn begin(folder: &Path, words: &[&str]) -> Child {
+    Command::new(env!("CARGO_BIN_EXE_husillo"))
+        .env("XDG_RUNTIME_DIR", folder)
+        .args(words)
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap()
+}
+
+fn stop(folder: &Path, words: &[&str]) -> Output {
+    let mut stop = husillo();
+    stop.env("XDG_RUNTIME_DIR", folder).arg("stop").args(words);
+    stop.output().unwrap()
+}
+
+fn text(output: &Output) -> String {
+    let [out, error] = [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text));
+    format!("{out}{error}")
+}
+
+/// The folder of the sockets of one test.
+fn sockets(name: &str) -> std::path::PathBuf {
+    let folder = scratch(name);
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+/// Waits until a program holds its port.
+fn held(folder: &Path, ports: usize) {
+    let end = Instant::now() + Duration::from_secs(20);
+    let folder = folder.join("husillo");
+    while std::fs::read_dir(&folder).map_or(0, Iterator::count) < ports {
+        assert!(Instant::now() < end, "no program holds a port");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    // It sets the machine in motion meanwhile.
+    std::thread::sleep(Duration::from_millis(700));
+}
+
+/// The first number of a text after a name.
+fn number_after(text: &str, name: &str) -> f64 {
+    let rest = text
+        .split(name)
+        .nth(1)
+        .unwrap_or_else(|| panic!("{name}: {text}"));
+    let words = rest.split(|c: char| c.is_whitespace() || c == ',' || c == ';');
+    let mut numbers = words.filter_map(|word| word.parse().ok());
+    numbers.next().unwrap_or_else(|| panic!("{name}: {text}"))
+}
+
+#[test]
+fn a_measuring_machine_is_stopped_while_held_and_after_a_kill() {
+    let Some(chain) = Emulated::new("cmm3", "stop-cmm", &[]) else {
+        return;
+    };
+    let folder = sockets("stop-cmm");
+    let halt = ["-m", "cmm3", "--port", chain.port()];
+    for is_killed in [false, true] {
+        let jog = ["--raw", "--port", chain.port(), "jog", "+x", "60s"];
+        let mut child = begin(&folder, &[&["measure", "-m", "cmm3"], &jog[..]].concat());
+        // A trajectory to the end of the travel, 99 999 counts.
+        let lines = BufReader::new(child.stderr.take().unwrap()).lines();
+        let mut lines = lines.map(Result::unwrap);
+        assert!(lines.any(|line| line.starts_with("> aa 01 ") && line.contains(" 9f 86 01 00 ")));
+        // At 1200 counts/s.
+        std::thread::sleep(Duration::from_millis(500));
+        let reader = std::thread::spawn(move || lines.count());
+        if is_killed {
+            child.kill().unwrap();
+        }
+        let stopped = stop(&folder, &halt);
+        assert!(stopped.status.success(), "{}", text(&stopped));
+        assert_eq!(text(&stopped).contains("`husillo measure"), !is_killed);
+        let at = number_after(&text(&stopped), "X at");
+        assert!(at > 100.0, "{}", text(&stopped));
+        if !is_killed {
+            assert_eq!(child.wait().unwrap().code(), Some(130));
+        }
+        child.wait().unwrap();
+        reader.join().unwrap();
+        // It stands, and nothing was reset.
+        let again = stop(&folder, &halt);
+        assert_eq!(number_after(&text(&again), "X at"), at, "{}", text(&again));
+    }
+}
+
+#[test]
+fn without_a_name_every_machine_stops() {
+    let machines = ["micromill", "microfactory"];
+    let devices = machines.map(|machine| Emulated::listening(machine, &[]));
+    let folder = sockets("stop-all");
+    let children = [0, 1].map(|one| {
+        let port = devices[one].port();
+        begin(
+            &folder,
+            &[
+                "jog",
+                "-m",
+                machines[one],
+                "--port",
+                port,
+                "home",
+                "x-",
+                "60s",
+            ],
+        )
+    });
+    held(&folder, 2);
+    let stopped = stop(&folder, &[]);
+    assert!(stopped.status.success(), "{}", text(&stopped));
+    for (device, child) in devices.iter().zip(children) {
+        let line = format!("{}: `husillo jog", device.port());
+        assert!(text(&stopped).contains(&line), "{}", text(&stopped));
+        assert!(!child.wait_with_output().unwrap().status.success());
+    }
+    let nothing = stop(&folder, &[]);
+    assert_eq!(nothing.status.code(), Some(2));
+    let why = "no running husillo of this user drives a machine: name its port with --port";
+    assert!(text(&nothing).contains(why), "{}", text(&nothing));
+}
+
+#[test]
+fn an_emergency_stop_lasts_until_the_panels_reset() {
+    let mut device = Emulated::listening("microfactory", &[]);
+    let folder = sockets("stop-emergency");
+    let child = begin(
+        &folder,
+        &["jog", "--port", device.port(), "home", "x+", "60s"],
+    );
+    held(&folder, 1);
+    let stopped = stop(&folder, &["-m", "microfactory", "--emergency"]);
+    assert!(
+        text(&stopped).contains("is stopping the machine"),
+        "{}",
+        text(&stopped)
+    );
+    let output = child.wait_with_output().unwrap();
+    assert!(!output.status.success(), "{}", text(&output));
+    device.type_line("where", "emergency");
+}
+
+#[test]
+fn a_port_that_is_free_needs_the_machine_at_it() {
+    let folder = sockets("stop-usage");
+    let unknown = stop(&folder, &["--port", "/dev/null"]);
+    assert_eq!(unknown.status.code(), Some(2));
+    let why = "/dev/null: no running husillo has this port: name the machine at it with -m";
+    assert!(text(&unknown).contains(why), "{}", text(&unknown));
+}

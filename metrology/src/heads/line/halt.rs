@@ -1,0 +1,131 @@
+//! A stop for modules that another program has set up and left.
+
+use super::Line;
+use crate::heads::head::stop;
+use crate::heads::{AxisSettings, Machine, Port};
+use crate::trouble::Trouble;
+use husillo_transports::nmc::{Baud, EVERY_GROUP, Group, Items, StopWay};
+
+/// Silence after which the replies to the stops have passed, us.
+const SILENCE_US: u32 = 50_000;
+
+impl<P: Port> Line<P> {
+    /// Stops every axis of the machine abruptly, with its servo on, and waits until each stands.
+    /// Returns their positions in counts. The modules keep their addresses, positions and settings.
+    ///
+    /// It is for a machine whose program was killed. The modules answer at the rate of the machine
+    /// or, without a start-up, at that of a reset.
+    ///
+    /// # Errors
+    ///
+    /// [`Trouble`] of the axis that does not confirm. The stop was sent to all axes at both rates.
+    pub fn halt(&mut self, machine: &Machine) -> Result<Vec<i32>, Trouble> {
+        match self.halt_at(machine.baud, &machine.axes) {
+            Err(_) if machine.baud != Baud::default() => {
+                self.halt_at(Baud::default(), &machine.axes)
+            }
+            halted => halted,
+        }
+    }
+
+    fn halt_at(&mut self, baud: Baud, axes: &[AxisSettings]) -> Result<Vec<i32>, Trouble> {
+        self.port.set_baud(baud)?;
+        self.host.set_timing(self.port.timing_of_known(baud));
+        let command = stop(StopWay::Abrupt);
+        let addresses = axes.iter().map(|axis| axis.module);
+        // A long row of zeros ends a command that was cut off. It may hide the first command, so
+        // the group of all modules and each module get one.
+        self.port.send(&[0; 20])?;
+        for address in [EVERY_GROUP].into_iter().chain(addresses.clone()) {
+            self.port.send(command.frame(address).bytes())?;
+            while !self.port.receive(SILENCE_US)?.is_empty() {}
+        }
+        let group = Group {
+            address: EVERY_GROUP,
+            is_leader: false,
+        };
+        addresses
+            .map(|address| {
+                self.host.adopt(address, Items::NONE, group);
+                let reply = self.read_twice(address, Items::POSITION, 0)?;
+                Ok(reply.readings.position)
+            })
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::heads::Head;
+    use crate::simulated::{SimulatedChain, SimulatedPort, three_axes};
+    use husillo_transports::nmc::{Command, Mode, Trajectory};
+
+    /// A chain whose program was killed while all axes move, at the rate of the machine.
+    fn abandoned(machine: &Machine) -> SimulatedPort {
+        let chain = SimulatedChain::new(&[4; 3], &[], None).unwrap();
+        let mut head = Head::start(Line::new(SimulatedPort::new(chain)), machine, 1).unwrap();
+        for axis in &machine.axes {
+            let far = Trajectory {
+                position: Some(50_000),
+                velocity: Some(30_000),
+                acceleration: Some(300),
+                mode: Mode::Trapezoid,
+                start_now: true,
+                ..Trajectory::default()
+            };
+            let command = Command::LoadTrajectory(far);
+            head.line.command(axis.module, command).unwrap();
+        }
+        let mut port = head.line.into_port();
+        port.receive(300_000).unwrap();
+        port
+    }
+
+    fn counts(port: &mut SimulatedPort) -> [i64; 3] {
+        [0, 1, 2].map(|module| port.chain.chain().motor(module).unwrap().counts())
+    }
+
+    #[test]
+    fn axes_that_a_killed_program_left_moving_are_stopped() {
+        let fast = Machine {
+            baud: Baud::B115200,
+            ..three_axes()
+        };
+        for machine in [three_axes(), fast] {
+            let mut port = abandoned(&machine);
+            let before = counts(&mut port);
+            let mut line = Line::new(port);
+            let start_us = line.elapsed_us();
+            let positions = line.halt(&machine).unwrap();
+            assert!(line.elapsed_us() - start_us < 700_000);
+            let mut port = line.into_port();
+            let halted = counts(&mut port);
+            for _ in 0..2000 {
+                port.chain.tick();
+            }
+            let later = counts(&mut port);
+            for (axis, position) in positions.iter().enumerate() {
+                assert!(before[axis] > 100, "{before:?}");
+                assert!(
+                    halted[axis].abs_diff(later[axis]) <= 1,
+                    "{halted:?} {later:?}"
+                );
+                // Nothing was reset.
+                assert!(
+                    later[axis].abs_diff(i64::from(*position)) <= 1,
+                    "{positions:?}"
+                );
+            }
+        }
+    }
+
+    /// The next start-up finds the modules as ever.
+    #[test]
+    fn a_stop_of_a_line_after_a_reset_reports_the_silence() {
+        let chain = SimulatedChain::new(&[4; 3], &[], None).unwrap();
+        let mut line = Line::new(SimulatedPort::new(chain));
+        assert!(matches!(line.halt(&three_axes()), Err(Trouble::Link(_))));
+        assert_eq!(line.start_up(Baud::B19200).unwrap().modules, 3);
+    }
+}
