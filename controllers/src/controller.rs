@@ -8,7 +8,8 @@
 /// | when | call |
 /// | --- | --- |
 /// | a byte arrives | [`receive`](Controller::receive) |
-/// | it returned `true` and the motors have stopped | [`halted`](Controller::halted) |
+/// | no byte has arrived for [`lease_us`](Controller::lease_us) | [`expire`](Controller::expire) |
+/// | one of them returned `true` and the motors have stopped | [`halted`](Controller::halted) |
 /// | the last event was made, or there is room for more | [`next_event`](Controller::next_event) |
 /// | an event with a wait was made | [`made`](Controller::made) |
 /// | the transmitter is free | [`transmit`](Controller::transmit) |
@@ -71,6 +72,18 @@ pub trait Controller {
 
     /// Confirms that the motors have stopped, after [`receive`](Controller::receive) requested it.
     fn halted(&mut self) {}
+
+    /// Returns the longest silence of the line during the present motion, us. `None`: nothing moves,
+    /// or the motion needs no host.
+    fn lease_us(&self) -> Option<u32> {
+        None
+    }
+
+    /// Ends the motion: no byte has arrived for [`lease_us`](Controller::lease_us). Returns `true`
+    /// as [`receive`](Controller::receive) does: the motors must stop before their next event.
+    fn expire(&mut self) -> bool {
+        false
+    }
 
     /// Returns the next event of a machine for its present inputs.
     ///

@@ -14,6 +14,7 @@ mod ways;
 pub use config::MicromillConfig;
 pub use event::{MicromillEvent, MicromillInputs, MicromillStep};
 
+use husillo_gcode::SpindleDirection;
 use husillo_planner::Timer;
 use husillo_transports::micromill::{Answer, Axis, Device, Order, Stops};
 
@@ -98,8 +99,10 @@ pub struct Micromill<'a, const QUEUE: usize = 16, const AHEAD: usize = 8, const 
     ahead: Ring<Given, AHEAD>,
     /// Number of lines that end with a given event.
     ends_ahead: u16,
-    /// Duration of a jog that is not renewed, in ticks.
-    lease_ticks: Option<u32>,
+    /// Longest silence of the host during a motion, ms; 0: a motion needs no host.
+    lease_ms: u16,
+    /// The lease is over: the spindle must be switched off.
+    is_expired: bool,
     is_homed: bool,
 }
 
@@ -139,7 +142,8 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
                 ends: 0,
             }),
             ends_ahead: 0,
-            lease_ticks: None,
+            lease_ms: 0,
+            is_expired: false,
             is_homed: false,
         }
     }
@@ -173,6 +177,22 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
     /// [`receive`](Micromill::receive) requests a stop, or the events continue.
     pub const fn stops(&self) -> Stops {
         self.link.stops()
+    }
+
+    /// Returns the longest silence of the line during the present motion, us. After it the caller
+    /// stops the motors as after [`receive`](Micromill::receive). `None`: nothing moves, or the host
+    /// has not requested a lease.
+    pub fn lease_us(&self) -> Option<u32> {
+        let is_leased = self.lease_ms > 0 && self.is_moving();
+        is_leased.then_some(u32::from(self.lease_ms).wrapping_mul(1000)) // 9 999 000 at most
+    }
+
+    /// Ends the motion, because no byte has arrived for [`lease_us`](Micromill::lease_us). The
+    /// spindle is switched off, too. The caller stops the motors and calls
+    /// [`halted`](Micromill::halted).
+    pub const fn expire(&mut self) -> bool {
+        self.is_expired = true;
+        true
     }
 
     /// Confirms that the motors have stopped. Drops the queue and undoes the events that were not
@@ -320,6 +340,9 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
     /// Returns the next event, unless it is a step of a path that nothing precedes.
     #[inline(never)]
     fn look(&mut self, inputs: &MicromillInputs) -> Next {
+        if core::mem::take(&mut self.is_expired) {
+            return Next::Give(lines::spindle(SpindleDirection::Off, 0));
+        }
         if self.path.is_some() {
             return self.precede(inputs);
         }
@@ -417,6 +440,14 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Controller
 
     fn halted(&mut self) {
         Micromill::halted(self);
+    }
+
+    fn lease_us(&self) -> Option<u32> {
+        Micromill::lease_us(self)
+    }
+
+    fn expire(&mut self) -> bool {
+        Micromill::expire(self)
     }
 
     #[inline(always)]

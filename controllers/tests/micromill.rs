@@ -20,6 +20,8 @@ struct Bench {
     /// Positions at which the switches close, in load steps.
     switches: [i32; 3],
     now_ticks: u64,
+    /// When the last byte arrived.
+    heard_ticks: u64,
     steps: Vec<(u64, [i8; 3])>,
     spindle: Vec<(SpindleDirection, u16)>,
     /// Answers without steps and echoes.
@@ -38,6 +40,7 @@ impl Bench {
             ahead: [0; 3],
             switches: [i32::MIN; 3],
             now_ticks: 0,
+            heard_ticks: 0,
             steps: Vec::new(),
             spindle: Vec::new(),
             answers: Vec::new(),
@@ -68,6 +71,7 @@ impl Bench {
     }
 
     fn say(&mut self, string: &str) {
+        self.heard_ticks = self.now_ticks;
         for byte in string.bytes() {
             if self.mill.receive(byte) {
                 self.mill.halted();
@@ -89,6 +93,15 @@ impl Bench {
         };
         match event {
             MicromillEvent::Step(step) => {
+                let silence_ticks = self.now_ticks + u64::from(step.wait_ticks) - self.heard_ticks;
+                let lease_us = self.mill.lease_us().map(u64::from);
+                if let Some(lease_us) = lease_us.filter(|lease_us| silence_ticks > *lease_us) {
+                    self.now_ticks = self.heard_ticks + lease_us;
+                    assert!(self.mill.expire());
+                    self.mill.halted();
+                    self.hear();
+                    return true;
+                }
                 self.now_ticks += u64::from(step.wait_ticks);
                 for (axis, delta) in step.deltas().into_iter().enumerate() {
                     let delta = i32::from(delta);
@@ -217,6 +230,63 @@ fn a_jog_is_faster_slower_and_mortal() {
     (0..100).for_each(|_| bench.say("V;"));
     assert_eq!(interval(&mut bench), 100_000);
     assert_eq!(bench.does("A;"), [0x8d, 0x8c]);
+}
+
+/// With a lease every motion ends on its own, with the spindle, when the host has gone. `L;`
+/// continues each of them.
+#[test]
+fn every_motion_has_a_lease() {
+    const LEASE_TICKS: u64 = 250_000;
+    for (mode, string) in [
+        ("S0;", "G01X01000F14;"),
+        ("S1;", "G01X01000F14;"),
+        ("S1;", "G01X01000F14;G01X02000F14;"),
+        ("S0;", "G02X02000Y00000I01000J00000F14;"),
+        ("S0;", "G01X00100F01;"),
+        ("S0;", "G04P9;"),
+        ("S0;", "PX+9999;"),
+        ("S0;", "FY+100;"),
+        ("S0;", "JX+;"),
+        ("S0;", "H;"),
+    ] {
+        let mut bench = Bench::homed();
+        bench.does(mode);
+        bench.does("L0250;");
+        bench.answers.clear();
+        bench.say(string);
+        let start = bench.now_ticks;
+        // Renewed, it continues for five times the lease. A dwell is one event of the bench.
+        let is_dwell = string.starts_with("G04");
+        while !is_dwell && bench.now_ticks < start + 5 * LEASE_TICKS {
+            assert!(bench.go(), "{string}");
+            bench.say("L;");
+        }
+        assert!(
+            !bench.answers.contains(&0x8d),
+            "{string}: {:x?}",
+            bench.answers
+        );
+        let renewed = bench.now_ticks;
+        bench.run();
+        assert_eq!(
+            bench.answers.last(),
+            Some(&0x8d),
+            "{string}: {:x?}",
+            bench.answers
+        );
+        assert_eq!(
+            bench.spindle.last(),
+            Some(&(SpindleDirection::Off, 0)),
+            "{string}"
+        );
+        let silence = bench.now_ticks - renewed;
+        assert_eq!(silence, LEASE_TICKS, "{string}");
+        assert!(!bench.mill.is_moving());
+        assert_eq!(bench.reported, bench.motors, "{string}");
+        // The next order works, and needs no lease any more where there is none.
+        assert!(bench.does("L0000;").ends_with(&[0x8c]));
+        assert_eq!(bench.does("S0;PZ+0100;"), [0x8c, 0x8f], "{string}");
+    }
 }
 
 #[test]

@@ -50,6 +50,8 @@ pub struct Emulated<C: Controller, P> {
     /// The event of each machine that waits for its time, us.
     due: Vec<Option<(u64, C::Event)>>,
     now_us: u64,
+    /// When the last byte arrived, us.
+    heard_us: u64,
 }
 
 impl<C, P> Emulated<C, P>
@@ -66,6 +68,7 @@ where
             plants,
             due,
             now_us: 0,
+            heard_us: 0,
         }
     }
 
@@ -100,10 +103,16 @@ where
 
     /// A byte arrives now.
     pub fn receive(&mut self, byte: u8) {
+        self.heard_us = self.now_us;
         if self.controller.receive(byte) {
-            self.due.fill_with(|| None);
-            self.controller.halted();
+            self.halt();
         }
+    }
+
+    /// Drops the events that wait, and tells the controller.
+    fn halt(&mut self) {
+        self.due.fill_with(|| None);
+        self.controller.halted();
     }
 
     /// The next byte that the controller sends now.
@@ -125,8 +134,26 @@ where
     /// Time passes: the events that are due happen. Each is shown to `made` with the number of its
     /// machine, its time in us, and the machine after it.
     pub fn pass(&mut self, us: u64, mut made: impl FnMut(u8, u64, &C::Event, &P)) {
+        let end_us = self.now_us + us;
+        loop {
+            let lease_us = self.controller.lease_us().map(u64::from);
+            let over_us = lease_us.map(|lease_us| self.heard_us + lease_us);
+            match over_us.filter(|over_us| *over_us < end_us) {
+                Some(over_us) => self.pass_until(over_us.max(self.now_us), &mut made),
+                None => return self.pass_until(end_us, &mut made),
+            }
+            // The silence begins anew for what the controller does next.
+            let is_over = self.controller.lease_us().is_some();
+            self.heard_us = self.now_us;
+            if is_over && self.controller.expire() {
+                self.halt();
+            }
+        }
+    }
+
+    fn pass_until(&mut self, end_us: u64, made: &mut impl FnMut(u8, u64, &C::Event, &P)) {
         let begin_us = self.now_us;
-        self.now_us += us;
+        self.now_us = end_us;
         for (machine, (plant, due)) in (0_u8..).zip(self.plants.iter_mut().zip(&mut self.due)) {
             let mut from_us = begin_us;
             loop {

@@ -7,10 +7,8 @@ use husillo_sim::device::micromill::Device;
 use husillo_transports::micromill::{Axis, Order, Outcome};
 use std::time::Duration;
 
-/// A jog ends this long after the last byte of the host, ms.
-const LEASE_MS: u16 = 500;
-/// Period of the bytes that keep a jog going, us.
-const RENEWAL_US: u32 = 150_000;
+/// The longest wait in one turn, us.
+const TURN_US: u32 = 50_000;
 /// Largest number of steps of one string.
 const MOST_STEPS: i32 = 9999;
 
@@ -22,17 +20,15 @@ pub struct Hand {
 }
 
 impl Hand {
-    /// Stops any motion. From now on a jog ends when the bytes of the host stop.
+    /// Stops any motion. From now on every motion ends when the bytes of the host stop.
     ///
     /// # Errors
     ///
     /// A sentence about the port or the controller.
     pub fn new(wire: Wire<Device>, bits_per_s: u32, stop: StopRequests) -> Result<Self, String> {
         let mut session = Session::new(wire, bits_per_s, stop);
-        session.order(Order::Stop, "stop")?;
-        session.order(Order::Stream(false), "no streaming")?;
+        session.begin()?;
         session.order(Order::Every(1), "report of steps")?;
-        session.order(Order::Lease(LEASE_MS), "lease of jogs")?;
         session.steps.clear();
         Ok(Self {
             session,
@@ -111,18 +107,17 @@ impl Hand {
         if !self.session.start(order) {
             return Err("the string before it has not ended".into());
         }
-        let is_jog = matches!(order, Order::Jog(_));
         for leg in legs {
             match leg.pace {
                 Pace::Same => {}
                 Pace::Faster => self.say(Order::Faster)?,
                 Pace::Slower => self.say(Order::Slower)?,
             }
-            self.wait(leg.time, is_jog)?;
+            self.wait(leg.time)?;
         }
         self.say(Order::Stop)?;
         loop {
-            match self.session.turn(RENEWAL_US)? {
+            match self.session.turn(TURN_US)? {
                 None => {}
                 Some(Outcome::Done) => return Ok(()),
                 Some(outcome) => return Err(why(outcome).into()),
@@ -131,17 +126,11 @@ impl Hand {
     }
 
     /// Keeps a motion going for a time.
-    fn wait(&mut self, time: Duration, is_jog: bool) -> Result<(), String> {
+    fn wait(&mut self, time: Duration) -> Result<(), String> {
         let mut left_us = time.as_micros() as u64; // an hour at most
-        let (mut last, mut renewed) = (self.session.now(), self.session.now());
+        let mut last = self.session.now();
         while left_us > 0 {
-            if is_jog
-                && last.wrapping_sub(renewed) >= RENEWAL_US
-                && self.session.start(Order::Renew)
-            {
-                renewed = last;
-            }
-            let turn_us = left_us.min(u64::from(RENEWAL_US) / 3) as u32;
+            let turn_us = left_us.min(TURN_US.into()) as u32;
             over(self.session.turn(turn_us)?)?;
             let now = self.session.now();
             left_us = left_us.saturating_sub(u64::from(now.wrapping_sub(last)));
@@ -153,7 +142,7 @@ impl Hand {
     /// Sends an order during a motion, after the previous string was confirmed.
     fn say(&mut self, order: Order) -> Result<(), String> {
         while !self.session.start(order) {
-            over(self.session.turn(RENEWAL_US)?)?;
+            over(self.session.turn(TURN_US)?)?;
         }
         Ok(())
     }

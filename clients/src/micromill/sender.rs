@@ -86,8 +86,7 @@ fn made(
     mut progress: impl FnMut(usize),
     mut operator: impl FnMut(u8) -> bool,
 ) -> Result<(), String> {
-    session.order(Order::Stop, "stop")?;
-    session.order(Order::Stream(false), "no streaming")?;
+    session.begin()?;
     session.order(Order::Every(sending.every), "report of steps")?;
     if sending.homes {
         session.order(Order::Home, "homing")?;

@@ -10,6 +10,10 @@ use std::time::Duration;
 const TURN_US: u32 = 100_000;
 /// The longest wait between two checks for Ctrl-C, us: 4 steps of a jog.
 const LOOK_US: u32 = 20_000;
+/// A motion ends when the controller has received nothing for this long, ms.
+const LEASE_MS: u16 = 250;
+/// Period of the strings that continue a motion, us.
+const RENEWAL_US: u32 = 80_000;
 /// The report of a controller that was just switched on, or reset by the opened port, arrives
 /// within this time.
 const GREETING: Duration = Duration::from_millis(20);
@@ -27,6 +31,8 @@ pub struct Session {
     stop: StopRequests,
     /// The stop was carried out.
     is_halted: bool,
+    /// When the last string that continues a motion was sent, us. `None`: a motion needs no host.
+    renewed_us: Option<u32>,
     /// Each reported step: axis, and whether forward.
     pub steps: Vec<(u8, bool)>,
     /// Streamed lines that were made.
@@ -47,9 +53,24 @@ impl Session {
             waiting: VecDeque::new(),
             stop,
             is_halted: false,
+            renewed_us: None,
             steps: Vec::new(),
             lines: 0,
         }
+    }
+
+    /// Brings a controller in any state to rest. From now on every motion ends 250 ms after the last
+    /// byte of the host, and the calls of this session continue it.
+    ///
+    /// # Errors
+    ///
+    /// A sentence about the port or the controller.
+    pub fn begin(&mut self) -> Result<(), String> {
+        self.order(Order::Stop, "stop")?;
+        self.order(Order::Stream(false), "no streaming")?;
+        self.order(Order::Lease(LEASE_MS), "lease of motions")?;
+        self.renewed_us = Some(self.now());
+        Ok(())
     }
 
     /// Begins to send an order. Returns `false` if another one is being sent.
@@ -99,6 +120,7 @@ impl Session {
             self.is_halted = true;
             return Err(self.halt());
         }
+        self.renew();
         let wait_us = match self.host.poll(self.now()) {
             Progress::Over(outcome) => return Ok(Some(outcome)),
             Progress::Sending => {
@@ -120,6 +142,15 @@ impl Session {
         self.waiting.extend(bytes);
         self.hear()?;
         Ok(None)
+    }
+
+    /// Continues what moves, while no other string is sent.
+    fn renew(&mut self) {
+        let now = self.now();
+        let is_due = |renewed_us| now.wrapping_sub(renewed_us) >= RENEWAL_US;
+        if self.renewed_us.is_some_and(is_due) && self.host.start(Order::Renew, now) {
+            self.renewed_us = Some(now);
+        }
     }
 
     /// What a simulated mill has reported on its panel.

@@ -42,10 +42,7 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
         if core::mem::take(&mut self.owes_taken) {
             self.link.answer(Answer::Taken);
         }
-        let spindle = |direction| MicromillEvent::Spindle {
-            direction,
-            rpm: entry.value,
-        };
+        let spindle = |direction| spindle(direction, entry.value);
         let event = match entry.kind {
             Kind::Nothing => {
                 self.end_line();
@@ -119,6 +116,10 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
         self.course = Course::new(Timer::new(ticks, sweep, largest), heading);
         ticks
     }
+}
+
+pub(super) const fn spindle(direction: SpindleDirection, rpm: u16) -> MicromillEvent {
+    MicromillEvent::Spindle { direction, rpm }
 }
 
 #[inline(never)]

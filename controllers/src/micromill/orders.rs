@@ -22,15 +22,10 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
             Order::Line(line) => self.take(line),
             Order::Faster => self.change_jog(1),
             Order::Slower => self.change_jog(-1),
-            Order::Renew => {
-                if let Task::Jog { left_ticks, .. } = &mut self.task {
-                    *left_ticks = self.lease_ticks;
-                }
-            }
-            // 9999 ms of a 4 GHz timer saturate and stay below its 2^32 ticks.
+            // Its bytes have ended the silence.
+            Order::Renew => {}
             Order::Lease(ms) => {
-                let ticks = (self.config.machine.timer_hz / 1000).saturating_mul(ms.into());
-                self.lease_ticks = (ms != 0).then_some(ticks);
+                self.lease_ms = ms;
                 self.link.answer(Answer::Taken);
             }
             _ if !is_free => self.link.answer(Answer::Refused),
@@ -38,7 +33,6 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
                 self.task = Task::Jog {
                     ways: Ways::of(ways),
                     hz: self.config.jog_hz,
-                    left_ticks: self.lease_ticks,
                 };
             }
             Order::Run(axis, hz) => {

@@ -15,8 +15,6 @@ pub(super) enum Task {
     Jog {
         ways: Ways,
         hz: u16,
-        /// Ticks left until the jog ends, unless it is renewed.
-        left_ticks: Option<u32>,
     },
     Run {
         ways: Ways,
@@ -60,18 +58,8 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
             Task::Leave { axis, left } => self.leave(axis, left, inputs),
             Task::Search { axis, left } => self.search(axis, left, inputs),
             Task::BackOff { axis, left } => self.back_off(axis, left, inputs),
-            Task::Jog { ways, hz, .. } | Task::Run { ways, hz } => {
+            Task::Jog { ways, hz } | Task::Run { ways, hz } => {
                 let wait_ticks = self.interval(hz);
-                if let Task::Jog {
-                    left_ticks: Some(left),
-                    ..
-                } = &mut self.task
-                {
-                    match left.checked_sub(wait_ticks) {
-                        Some(rest) => *left = rest,
-                        None => return self.end(Answer::Stopped),
-                    }
-                }
                 if self.is_at_end(ways, inputs) {
                     return self.end(Answer::Stopped);
                 }

@@ -23,6 +23,8 @@ const RESERVE: usize = 8;
 pub struct Device<const OUT: usize> {
     string: Buffer<STRING_BYTES>,
     motion: Motion,
+    /// A motion ends without strings of the host, so [`Order::Renew`] may come at any time.
+    is_leased: bool,
     is_streaming: bool,
     /// One step in so many is told; 0: none.
     every: u16,
@@ -41,7 +43,7 @@ enum Motion {
     None,
     /// `W;`, `V;` and `L;` are for it.
     Jog,
-    /// Any byte stops it, unless lines are streamed.
+    /// Any byte stops it, unless lines are streamed. With a lease `L;` continues it.
     Other,
 }
 
@@ -52,6 +54,7 @@ impl<const OUT: usize> Device<OUT> {
         let mut device = Device {
             string: Buffer::new(),
             motion: Motion::None,
+            is_leased: false,
             is_streaming: false,
             every: 1,
             untold: [0; 3],
@@ -95,6 +98,8 @@ impl<const OUT: usize> Device<OUT> {
             (Motion::None, _) => true,
             (Motion::Jog, []) => matches!(byte, b'W' | b'V' | b'L'),
             (Motion::Jog, b"W" | b"V" | b"L") => byte == b';',
+            (Motion::Other, []) => byte == b'L' && self.is_leased,
+            (Motion::Other, b"L") => byte == b';' && self.is_leased,
             _ => false,
         }
     }
@@ -126,7 +131,12 @@ impl<const OUT: usize> Device<OUT> {
                 self.untold = [0; 3];
                 self.answer(Answer::Taken);
             }
-            Some(order) => return Some(order),
+            Some(order) => {
+                if let Order::Lease(ms) = order {
+                    self.is_leased = ms != 0;
+                }
+                return Some(order);
+            }
         }
         None
     }
@@ -147,6 +157,7 @@ impl<const OUT: usize> Device<OUT> {
             (Motion::None, _) => Stops::Nothing,
             (_, true) => Stops::Letter,
             (Motion::Jog, false) => Stops::Jog,
+            (Motion::Other, false) if self.is_leased => Stops::Jog,
             (Motion::Other, false) => Stops::Anything,
         }
     }

@@ -56,10 +56,10 @@ pub enum Order {
     Line(Line),
     /// `S1;`, `S0;`: lines are streamed, or not.
     Stream(bool),
-    /// `L0500;`: a jog ends this many milliseconds after the last [`Order::Renew`], 1 to 9999. 0:
-    /// it does not end.
+    /// `L0250;`: a motion ends this many milliseconds after the last string, 1 to 9999. 0: a motion
+    /// needs no host.
     Lease(u16),
-    /// `L;`: the jog goes on.
+    /// `L;`: the motion continues.
     Renew,
     /// `R010;`: one step in so many is told, 1 to 999; 0: none.
     Every(u16),

@@ -6,7 +6,7 @@
 pub enum Stops {
     /// None: nothing moves.
     Nothing,
-    /// Any but those of `W;`, `V;` and `L;`: a jog.
+    /// Any but those of `W;`, `V;` and `L;`: a jog, or a motion with a lease.
     Jog,
     /// Any.
     Anything,
@@ -15,7 +15,7 @@ pub enum Stops {
 }
 
 impl Stops {
-    /// Whether the byte stops the motion. In a jog the bytes of `W;`, `V;` and `L;` also stop it
+    /// Whether the byte stops the motion. The bytes of `W;`, `V;` and `L;` also stop a jog
     /// where they are out of place; the foreground detects this.
     pub const fn takes(self, byte: u8) -> bool {
         match self {
