@@ -99,11 +99,19 @@ pub struct Micromill<'a, const QUEUE: usize = 16, const AHEAD: usize = 8, const 
     ahead: Ring<Given, AHEAD>,
     /// Number of lines that end with a given event.
     ends_ahead: u16,
-    /// Longest silence of the host during a motion, ms; 0: a motion needs no host.
-    lease_ms: u16,
-    /// The lease is over: the spindle must be switched off.
-    is_expired: bool,
+    lease: Lease,
     is_homed: bool,
+}
+
+/// Whether a motion needs the host.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+enum Lease {
+    /// The silence was too long. The spindle is switched off next.
+    Over,
+    /// It does: the longest silence of the host, ms.
+    Ms(u16),
+    /// It does not.
+    None,
 }
 
 /// Result of the search for the next event.
@@ -142,8 +150,7 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
                 ends: 0,
             }),
             ends_ahead: 0,
-            lease_ms: 0,
-            is_expired: false,
+            lease: Lease::None,
             is_homed: false,
         }
     }
@@ -183,15 +190,17 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
     /// stops the motors as after [`receive`](Micromill::receive). `None`: nothing moves, or the host
     /// has not requested a lease.
     pub fn lease_us(&self) -> Option<u32> {
-        let is_leased = self.lease_ms > 0 && self.is_moving();
-        is_leased.then_some(u32::from(self.lease_ms).wrapping_mul(1000)) // 9 999 000 at most
+        match self.lease {
+            Lease::Ms(ms) if self.is_moving() => Some(u32::from(ms).wrapping_mul(1000)), // 10 s
+            _ => None,
+        }
     }
 
     /// Ends the motion, because no byte has arrived for [`lease_us`](Micromill::lease_us). The
-    /// spindle is switched off, too. The caller stops the motors and calls
+    /// spindle is switched off, too, and the lease ends. The caller stops the motors and calls
     /// [`halted`](Micromill::halted).
     pub const fn expire(&mut self) -> bool {
-        self.is_expired = true;
+        self.lease = Lease::Over;
         true
     }
 
@@ -288,6 +297,7 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
     }
 
     /// Whether a task is under way or a line is queued.
+    #[inline(never)] // on a small chip four copies are too many
     pub fn is_moving(&self) -> bool {
         self.task != Task::Idle || !self.ahead.is_empty() || !self.queue.is_empty()
     }
@@ -340,7 +350,8 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
     /// Returns the next event, unless it is a step of a path that nothing precedes.
     #[inline(never)]
     fn look(&mut self, inputs: &MicromillInputs) -> Next {
-        if core::mem::take(&mut self.is_expired) {
+        if self.lease == Lease::Over {
+            self.lease = Lease::None;
             return Next::Give(lines::spindle(SpindleDirection::Off, 0));
         }
         if self.path.is_some() {

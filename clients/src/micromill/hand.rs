@@ -20,14 +20,20 @@ pub struct Hand {
 }
 
 impl Hand {
-    /// Stops any motion. From now on every motion ends when the bytes of the host stop.
+    /// Stops any motion. From now on every motion ends `lease_ms` after the last byte of the host;
+    /// with 0 it needs no host.
     ///
     /// # Errors
     ///
     /// A sentence about the port or the controller.
-    pub fn new(wire: Wire<Device>, bits_per_s: u32, stop: StopRequests) -> Result<Self, String> {
+    pub fn new(
+        wire: Wire<Device>,
+        bits_per_s: u32,
+        lease_ms: u16,
+        stop: StopRequests,
+    ) -> Result<Self, String> {
         let mut session = Session::new(wire, bits_per_s, stop);
-        session.begin()?;
+        session.begin(lease_ms)?;
         session.order(Order::Every(1), "report of steps")?;
         session.steps.clear();
         Ok(Self {

@@ -10,6 +10,8 @@ use husillo_transports::micromill::{Line, Order};
 pub struct Sending {
     /// Rate of the port, bits/s.
     pub bits_per_s: u32,
+    /// Longest silence of the host after which a motion ends, ms; 0: it needs no host.
+    pub lease_ms: u16,
     /// Send a line while the previous one is made, without a stop between them.
     pub streams: bool,
     /// Report every n-th step; 0 reports none.
@@ -86,7 +88,7 @@ fn made(
     mut progress: impl FnMut(usize),
     mut operator: impl FnMut(u8) -> bool,
 ) -> Result<(), String> {
-    session.begin()?;
+    session.begin(sending.lease_ms)?;
     session.order(Order::Every(sending.every), "report of steps")?;
     if sending.homes {
         session.order(Order::Home, "homing")?;

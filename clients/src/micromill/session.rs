@@ -10,10 +10,7 @@ use std::time::Duration;
 const TURN_US: u32 = 100_000;
 /// The longest wait between two checks for Ctrl-C, us: 4 steps of a jog.
 const LOOK_US: u32 = 20_000;
-/// A motion ends when the controller has received nothing for this long, ms.
-const LEASE_MS: u16 = 250;
-/// Period of the strings that continue a motion, us.
-const RENEWAL_US: u32 = 80_000;
+
 /// The report of a controller that was just switched on, or reset by the opened port, arrives
 /// within this time.
 const GREETING: Duration = Duration::from_millis(20);
@@ -31,8 +28,10 @@ pub struct Session {
     stop: StopRequests,
     /// The stop was carried out.
     is_halted: bool,
-    /// When the last string that continues a motion was sent, us. `None`: a motion needs no host.
-    renewed_us: Option<u32>,
+    /// Period of the strings that continue a motion, us. `None`: a motion needs no host.
+    renewal_us: Option<u32>,
+    /// When the last one of them was sent, us.
+    renewed_us: u32,
     /// Each reported step: axis, and whether forward.
     pub steps: Vec<(u8, bool)>,
     /// Streamed lines that were made.
@@ -53,23 +52,34 @@ impl Session {
             waiting: VecDeque::new(),
             stop,
             is_halted: false,
-            renewed_us: None,
+            renewal_us: None,
+            renewed_us: 0,
             steps: Vec::new(),
             lines: 0,
         }
     }
 
-    /// Brings a controller in any state to rest. From now on every motion ends 250 ms after the last
-    /// byte of the host, and the calls of this session continue it.
+    /// Brings a controller in any state to rest. From now on every motion ends `lease_ms` after the
+    /// last byte of the host, and the calls of this session continue it. With 0 a motion needs no
+    /// host.
     ///
     /// # Errors
     ///
     /// A sentence about the port or the controller.
-    pub fn begin(&mut self) -> Result<(), String> {
+    pub fn begin(&mut self, lease_ms: u16) -> Result<(), String> {
         self.order(Order::Stop, "stop")?;
         self.order(Order::Stream(false), "no streaming")?;
-        self.order(Order::Lease(LEASE_MS), "lease of motions")?;
-        self.renewed_us = Some(self.now());
+        if lease_ms > 0 {
+            let leased = self.order(Order::Lease(lease_ms), "lease");
+            leased.map_err(|why| {
+                format!(
+                    "{why}; without a lease (--lease 0) a motion continues \
+                when the host has gone"
+                )
+            })?;
+            self.renewal_us = Some(u32::from(lease_ms) * 1000 / 3);
+            self.renewed_us = self.now();
+        }
         Ok(())
     }
 
@@ -147,9 +157,12 @@ impl Session {
     /// Continues what moves, while no other string is sent.
     fn renew(&mut self) {
         let now = self.now();
-        let is_due = |renewed_us| now.wrapping_sub(renewed_us) >= RENEWAL_US;
-        if self.renewed_us.is_some_and(is_due) && self.host.start(Order::Renew, now) {
-            self.renewed_us = Some(now);
+        let passed_us = now.wrapping_sub(self.renewed_us);
+        let is_due = self
+            .renewal_us
+            .is_some_and(|period_us| passed_us >= period_us);
+        if is_due && self.host.start(Order::Renew, now) {
+            self.renewed_us = now;
         }
     }
 

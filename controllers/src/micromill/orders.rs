@@ -3,7 +3,7 @@
 use husillo_transports::micromill::{Answer, Axis, Line, Order};
 
 use super::{
-    Micromill,
+    Lease, Micromill,
     entry::{Entry, nm},
     path::Flat,
     task::Task,
@@ -25,7 +25,7 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
             // Its bytes have ended the silence.
             Order::Renew => {}
             Order::Lease(ms) => {
-                self.lease_ms = ms;
+                self.lease = if ms == 0 { Lease::None } else { Lease::Ms(ms) };
                 self.link.answer(Answer::Taken);
             }
             _ if !is_free => self.link.answer(Answer::Refused),

@@ -72,6 +72,8 @@ const PWM: u32 = 3;
 const ENCODER: [usize; 2] = [1, 2];
 /// The timer accepts every wait: none is above 2^31.
 pub const LONGEST_US: u32 = u32::MAX;
+/// The counter of time counts microseconds.
+pub const CLOCKS_PER_US: u32 = 1;
 /// The shortest wait: the time that the timer needs to detect a match, so that it never waits for a
 /// time that has passed. If the time passes nevertheless, the wait is doubled.
 const LEAST_US: u32 = 2;
@@ -226,6 +228,11 @@ pub fn inputs(simulated: u8) -> u8 {
 fn now_us() -> u32 {
     set(TIMER + CAPTURE1, 1);
     read(TIMER + CC1)
+}
+
+/// The counter of time, which wraps: [`CLOCKS_PER_US`] a microsecond.
+pub fn clock() -> u32 {
+    now_us()
 }
 
 /// Calls `on_time` this many microseconds after the end of the previous wait, or at once if that

@@ -34,7 +34,8 @@ const GPIO1: usize = 0x4001_1000;
 const LOW_BYTE: usize = 0x400 + 4 * 0xff;
 const PINS_8_TO_11: usize = 0x800 + 4 * 0x0f;
 const OUTENSET: usize = 0x10;
-const CLOCKS_PER_US: u32 = 25;
+/// The counter of time counts clocks.
+pub const CLOCKS_PER_US: u32 = 25;
 const CLOCKS_PER_S: u32 = 25_000_000;
 /// The longest wait of the timer: 67 s.
 pub const LONGEST_US: u32 = 1 << 26;
@@ -66,7 +67,7 @@ pub fn send(byte: u8) -> bool {
     let is_free = read(UART0 + STATE) & 1 == 0;
     if is_free {
         set(UART0 + DATA, byte.into());
-        SENT_AT.with(|at| *at = !read(TIMER1 + VALUE));
+        SENT_AT.with(|at| *at = clock());
     }
     is_free
 }
@@ -79,7 +80,7 @@ pub fn baud(bits_per_s: u32) {
 /// Whether the last stop bit has been sent. The UART reports only that its buffer is empty, which
 /// is one byte earlier. Two characters later, the stop bit has been sent.
 pub fn is_sent() -> bool {
-    let since = SENT_AT.with(|at| (!read(TIMER1 + VALUE)).wrapping_sub(*at));
+    let since = SENT_AT.with(|at| clock().wrapping_sub(*at));
     read(UART0 + STATE) & 1 == 0 && since > read(UART0 + BAUDDIV).wrapping_mul(20)
 }
 
@@ -110,12 +111,17 @@ pub fn inputs(simulated: u8) -> u8 {
     !read(GPIO1 + DATA) as u8 & 0x1f
 }
 
+/// The counter of time, which wraps: [`CLOCKS_PER_US`] a microsecond.
+pub fn clock() -> u32 {
+    !read(TIMER1 + VALUE)
+}
+
 /// Calls `on_time` this many microseconds after the end of the previous wait, or at once if that
 /// time has passed.
 #[inline]
 pub fn wait(us: u32, section: CriticalSection<'_>) {
     LAST.within(section, |last| {
-        let now = !read(TIMER1 + VALUE);
+        let now = clock();
         // Below 2^31.
         let clocks = us.wrapping_mul(CLOCKS_PER_US);
         let left = last.wrapping_add(clocks).wrapping_sub(now);

@@ -58,6 +58,8 @@ const OUTPUTS: u32 = 0xf << 10;
 const INPUTS: usize = 14;
 /// The timer accepts every wait: none is above 2^31.
 pub const LONGEST_US: u32 = u32::MAX;
+/// The counter of time counts microseconds.
+pub const CLOCKS_PER_US: u32 = 1;
 /// The shortest wait: the time that setting it takes.
 const LEAST_US: u32 = 2;
 /// Numbers of the interrupts.
@@ -192,6 +194,11 @@ pub fn inputs(simulated: u8) -> u8 {
         return simulated;
     }
     (!read(SIO + GPIO_IN) >> INPUTS & 0x1f) as u8
+}
+
+/// The counter of time, which wraps: [`CLOCKS_PER_US`] a microsecond.
+pub fn clock() -> u32 {
+    read(TIMER + NOW_US)
 }
 
 /// Calls `on_time` this many microseconds after the end of the previous wait, or at once if that

@@ -36,7 +36,8 @@ const PLIC_THRESHOLD: usize = PLIC + 0x20_0000;
 const PLIC_CLAIM: usize = PLIC + 0x20_0004;
 const TIME: usize = 0x0200_bff8;
 const COMPARE: usize = 0x0200_4000;
-const CLOCKS_PER_US: u64 = 10;
+/// The counter of time counts clocks.
+pub const CLOCKS_PER_US: u32 = 10;
 /// The timer accepts every wait: none is above 2^31.
 pub const LONGEST_US: u32 = u32::MAX;
 
@@ -126,6 +127,11 @@ fn now() -> u64 {
     }
 }
 
+/// The counter of time, which wraps: [`CLOCKS_PER_US`] a microsecond.
+pub fn clock() -> u32 {
+    now() as u32
+}
+
 /// Calls `on_time` this many microseconds after the end of the previous wait, or at once if that
 /// time has passed.
 pub fn wait(us: u32, section: CriticalSection<'_>) {
@@ -133,7 +139,7 @@ pub fn wait(us: u32, section: CriticalSection<'_>) {
         let now = now();
         // If the previous wait was cut short, its end is later than now. Then this wait counts from
         // now.
-        let clocks = u64::from(us).wrapping_mul(CLOCKS_PER_US);
+        let clocks = u64::from(us).wrapping_mul(CLOCKS_PER_US.into());
         let end = now.min(*last).wrapping_add(clocks).max(now);
         if end >> 32 != *last >> 32 {
             // The value must never be too early between these writes.

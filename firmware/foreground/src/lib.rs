@@ -59,11 +59,20 @@ pub fn run<P: Product, const PLACES: usize, const PULSED: u8, const PULSE_US: u3
     const { assert!(P::Controller::AHEAD <= PLACES, "events wait in the queue") };
     let mut reported = 0_u8;
     let mut transmitter = Transmitter::new();
+    let mut heard = board::clock();
     loop {
         let made = interrupts.with(|now| now.steps.made());
         report(product, controller, &mut reported, made);
-        while let Some(byte) = board::received() {
-            if controller.receive(byte) {
+        loop {
+            let must_halt = match board::received() {
+                Some(byte) => {
+                    heard = board::clock();
+                    controller.receive(byte)
+                }
+                None if is_over(controller, heard) => controller.expire(),
+                None => break,
+            };
+            if must_halt {
                 halt(product, controller, &mut reported, interrupts);
             }
         }
@@ -115,6 +124,16 @@ pub fn run<P: Product, const PLACES: usize, const PULSED: u8, const PULSE_US: u3
             });
         }
     }
+}
+
+/// Whether the line has been silent for longer than the motion may go on. `heard` is the time of the
+/// last byte.
+#[inline]
+fn is_over(controller: &impl Controller, heard: u32) -> bool {
+    let silence = board::clock().wrapping_sub(heard);
+    // A lease is ten seconds at most, and the counter wraps after a longer time.
+    let clocks = |us: u32| us.wrapping_mul(board::CLOCKS_PER_US);
+    controller.lease_us().is_some_and(|us| silence > clocks(us))
 }
 
 /// Reports to the controller how many events were made.

@@ -112,6 +112,8 @@ class Attack:
         """Homes it. On a busy host, hostile bytes may still arrive and stop the homing."""
         for _ in range(9):
             self.calm()
+            # The bytes may have requested a lease.
+            self.watch.hear(self.mill.ask(b"L0000;"))
             said = self.mill.ask(b"H;", (DONE, NO_SWITCH, STOPPED))
             if said[-1] == DONE:
                 self.watch.start(True)

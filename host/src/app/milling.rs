@@ -63,6 +63,7 @@ pub(super) fn send(args: &Send) -> Result<u8, Failure> {
     );
     let sending = client::Sending {
         bits_per_s: baud,
+        lease_ms: args.lease.unwrap_or(client::LEASE_MS),
         streams: args.stream,
         every: args.every,
         homes: !args.no_home,

@@ -23,8 +23,8 @@ const RESERVE: usize = 8;
 pub struct Device<const OUT: usize> {
     string: Buffer<STRING_BYTES>,
     motion: Motion,
-    /// A motion ends without strings of the host, so [`Order::Renew`] may come at any time.
-    is_leased: bool,
+    /// A motion needs no strings of the host. Otherwise [`Order::Renew`] may come at any time.
+    is_unattended: bool,
     is_streaming: bool,
     /// One step in so many is told; 0: none.
     every: u16,
@@ -43,7 +43,7 @@ enum Motion {
     None,
     /// `W;`, `V;` and `L;` are for it.
     Jog,
-    /// Any byte stops it, unless lines are streamed. With a lease `L;` continues it.
+    /// Any byte stops it, unless lines are streamed. With a lease it is as a jog.
     Other,
 }
 
@@ -54,7 +54,7 @@ impl<const OUT: usize> Device<OUT> {
         let mut device = Device {
             string: Buffer::new(),
             motion: Motion::None,
-            is_leased: false,
+            is_unattended: true,
             is_streaming: false,
             every: 1,
             untold: [0; 3],
@@ -96,10 +96,9 @@ impl<const OUT: usize> Device<OUT> {
     fn passes(&self, byte: u8) -> bool {
         match (self.motion, self.string.bytes()) {
             (Motion::None, _) => true,
-            (Motion::Jog, []) => matches!(byte, b'W' | b'V' | b'L'),
-            (Motion::Jog, b"W" | b"V" | b"L") => byte == b';',
-            (Motion::Other, []) => byte == b'L' && self.is_leased,
-            (Motion::Other, b"L") => byte == b';' && self.is_leased,
+            (Motion::Other, _) if self.is_unattended => false,
+            (_, []) => matches!(byte, b'W' | b'V' | b'L'),
+            (_, b"W" | b"V" | b"L") => byte == b';',
             _ => false,
         }
     }
@@ -133,7 +132,7 @@ impl<const OUT: usize> Device<OUT> {
             }
             Some(order) => {
                 if let Order::Lease(ms) = order {
-                    self.is_leased = ms != 0;
+                    self.is_unattended = ms == 0;
                 }
                 return Some(order);
             }
@@ -156,9 +155,8 @@ impl<const OUT: usize> Device<OUT> {
         match (self.motion, self.is_streaming) {
             (Motion::None, _) => Stops::Nothing,
             (_, true) => Stops::Letter,
-            (Motion::Jog, false) => Stops::Jog,
-            (Motion::Other, false) if self.is_leased => Stops::Jog,
-            (Motion::Other, false) => Stops::Anything,
+            (Motion::Other, false) if self.is_unattended => Stops::Anything,
+            (_, false) => Stops::Jog,
         }
     }
 
