@@ -20,7 +20,7 @@ use husillo_sim::device::micromill::Device;
 
 /// Rate of the original's link, bits/s.
 pub const BAUD: u32 = 9600;
-/// A motion ends this long after the last byte of the host, unless the user wants another lease, ms.
+/// A motion ends this long after the last byte of the host, ms. A user may want another time.
 pub const LEASE_MS: u16 = 250;
 
 /// Opens a controller at a port, or a simulated one at `sim`.

@@ -73,8 +73,8 @@ pub trait Controller {
     /// Confirms that the motors have stopped, after [`receive`](Controller::receive) requested it.
     fn halted(&mut self) {}
 
-    /// Returns the longest silence of the line during the present motion, us. `None`: nothing moves,
-    /// or the motion needs no host.
+    /// Returns the longest silence of the line during the present motion, us. `None`: nothing
+    /// moves, or the motion needs no host.
     fn lease_us(&self) -> Option<u32> {
         None
     }

@@ -187,8 +187,8 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
     }
 
     /// Returns the longest silence of the line during the present motion, us. After it the caller
-    /// stops the motors as after [`receive`](Micromill::receive). `None`: nothing moves, or the host
-    /// has not requested a lease.
+    /// stops the motors as after [`receive`](Micromill::receive). `None`: nothing moves, or the
+    /// host has not requested a lease.
     pub fn lease_us(&self) -> Option<u32> {
         match self.lease {
             Lease::Ms(ms) if self.is_moving() => Some(u32::from(ms).wrapping_mul(1000)), // 10 s

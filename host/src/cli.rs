@@ -150,9 +150,9 @@ pub enum Command {
         husillo stop                                     every machine that husillo drives here\n  \
         husillo stop -m micromill --port /dev/ttyUSB0\n  \
         husillo stop -m microfactory --emergency\n\n\
-        The husillo that drives the machine stops it as at Ctrl-C and ends. Then this one opens the\n\
-        port, sends the stop itself and waits for the answer. Exit status: 0 the machine has\n\
-        confirmed the stop, 1 it has not.")]
+        The husillo that drives the machine stops it as at Ctrl-C and ends. Then this one opens\n\
+        the port, sends the stop itself and waits for the answer. Exit status: 0 the machine\n\
+        has confirmed the stop, 1 it has not.")]
     Stop(Stop),
     /// Measure with a contact probe and correct for pre-travel
     #[command(after_help = "Actions, done in turn:\n  \

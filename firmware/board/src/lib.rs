@@ -47,7 +47,10 @@ mod registers;
 mod shared;
 mod steps;
 
-pub use chosen::{CLOCKS_PER_US, baud, clock, counts, drive, inputs, is_sent, send, start, stop, switch, wait, write};
+pub use chosen::{
+    CLOCKS_PER_US, baud, clock, counts, drive, inputs, is_sent, send, start, stop, switch, wait,
+    write,
+};
 pub use critical_section::{CriticalSection, with as uninterrupted};
 pub use shared::Shared;
 pub use steps::{Step, Steps};

@@ -126,8 +126,8 @@ pub fn run<P: Product, const PLACES: usize, const PULSED: u8, const PULSE_US: u3
     }
 }
 
-/// Whether the line has been silent for longer than the motion may go on. `heard` is the time of the
-/// last byte.
+/// Whether the line has been silent for longer than the lease of the motion. `heard` is the time of
+/// the last byte.
 #[inline]
 fn is_over(controller: &impl Controller, heard: u32) -> bool {
     let silence = board::clock().wrapping_sub(heard);
