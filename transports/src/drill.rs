@@ -49,8 +49,7 @@
 //!
 //! One error is not detected by echoes: `m` with one wrong bit is `e`, so the host empties the
 //! program first. One wrong bit in the other letters is harmless: it turns `B`, `c` or `r` into
-//! `b`, and `b` into `c`, `r` or `B`. is harmless: `b` for `B`, `c`, `r`, and `c`, `r`, `B` for
-//! `b`.
+//! `b`, and `b` into `c`, `r` or `B`.
 
 mod device;
 mod host;
@@ -80,7 +79,7 @@ pub const AT_WORK: u8 = b'p';
 pub const FAULT: u8 = b'!';
 /// The manual mode that keeps the program.
 const KEPT: u8 = b'M';
-/// The answer to a key, or to teach-in, of which not everything was done.
+/// The answer to a key, or to teach-in, that was not carried out completely.
 const NOT_ALL: u8 = b'w';
 /// Ends the help text.
 pub const END_OF_TEXT: u8 = 4;

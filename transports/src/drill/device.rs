@@ -4,7 +4,7 @@ use crate::buffer::Buffer;
 
 use super::{AT_WORK, Axis, COUNT, END_OF_TEXT, FAULT, KEPT, NOT_ALL, Order, Rules};
 
-/// What `?` says.
+/// The answer to `?`.
 const HELP: &[u8] =
     b"B test  c clear  r home  b program  e run  m manual  n record  O S spindle  ? help\r\n\
     M manual, the program kept. program: X lo hi, Y lo hi, Z lo hi; f ends it. p at work?  E stops \
@@ -15,24 +15,24 @@ const HELP: &[u8] =
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Mode {
     Idle,
-    /// Bytes since `b`.
+    /// Number of bytes since `b`.
     Download(u32),
-    /// The next byte is the advance; homes then, or does not.
+    /// The next byte is the advance. Whether the device homes after it.
     Advance {
         homes: bool,
     },
     Manual,
-    /// Which record is asked for: its low byte comes next, or came already.
+    /// The number of a record is being received: its low byte, once that has arrived.
     Asked(Option<u8>),
 }
 
-/// What keeps the controller from hearing.
+/// The work during which the controller does not obey bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Work {
     None,
-    /// One order, or two, then an answer.
+    /// One or two orders, then an answer.
     Orders([Option<Order>; 2], Option<u8>),
-    /// The program from this byte on, then that.
+    /// The program from this byte on, and what follows it.
     Program(usize, After),
 }
 
@@ -40,9 +40,9 @@ enum Work {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum After {
     Answer(u8),
-    /// The byte that came when the memory was full.
+    /// This byte, which arrived when the memory was full, is stored.
     Store(u8),
-    /// It was `b`, which begins a program.
+    /// A program begins: that byte was `b`.
     Begin,
 }
 
@@ -62,30 +62,30 @@ pub struct Device<const N: usize> {
     rules: Rules,
     mode: Mode,
     memory: Buffer<N>,
-    /// Bytes of a record that began before the memory did.
+    /// The first bytes of a record whose other bytes are the first in the memory.
     carried: Buffer<2>,
     work: Work,
     /// An order is being carried out.
     is_busy: bool,
     stops: bool,
-    /// What came while nobody listened.
+    /// The first byte that arrived during work.
     unheard: Option<u8>,
     advance: u8,
     out: Buffer<8>,
     sent: usize,
-    /// What is left to say of the help.
+    /// The rest of the help text.
     help: &'static [u8],
-    /// The order under way is a drilling of a program.
+    /// The present order is a drilling of a program.
     is_drilling: bool,
-    /// What is in the memory is the end of a longer program.
+    /// The memory holds the end of a longer program.
     is_tail: bool,
-    /// Drillings done since `c`, modulo 2^16, and whether there was a `c` since the reset.
+    /// Number of drillings since `c`, modulo 2^16, and whether a `c` has arrived since the reset.
     drillings: u16,
     was_cleared: bool,
 }
 
 impl<const N: usize> Device<N> {
-    /// After a reset: it homes, then says `B`.
+    /// Creates a device after a reset: it homes, then sends `B`.
     pub const fn new(rules: Rules) -> Device<N> {
         Device {
             rules,
@@ -107,7 +107,7 @@ impl<const N: usize> Device<N> {
         }
     }
 
-    /// Takes a byte of the line.
+    /// Takes a byte from the line.
     pub fn push(&mut self, byte: u8) {
         match self.work {
             Work::None => self.hear(byte),
@@ -122,7 +122,8 @@ impl<const N: usize> Device<N> {
         }
     }
 
-    /// What the machine has to do next; nothing while the last order is not [`done`](Device::done).
+    /// Returns the next order for the machine. `None` while the last one is not
+    /// [`done`](Device::done), or if there is none.
     pub fn take(&mut self) -> Option<Order> {
         if self.is_busy {
             return None;
@@ -149,7 +150,7 @@ impl<const N: usize> Device<N> {
         }
     }
 
-    /// The order is carried out.
+    /// Confirms that the order is carried out.
     pub fn done(&mut self) {
         let is_drilled = core::mem::take(&mut self.is_drilling);
         // modulo 2^16 by its meaning
@@ -157,8 +158,8 @@ impl<const N: usize> Device<N> {
         self.is_busy = false;
     }
 
-    /// Adds a hole at this position, in steps, to the end of the program: the result of
-    /// [`Order::Teach`], to be given before its answer. If the memory has no room for the nine
+    /// Adds a hole at this position, in steps, to the end of the program. The caller does this for
+    /// [`Order::Teach`], before [`done`](Device::done). If the memory has no room for the nine
     /// bytes, the answer reports it.
     pub fn teach(&mut self, [x, y]: [u16; 2]) {
         let stored = self.memory.bytes().len();
@@ -171,16 +172,16 @@ impl<const N: usize> Device<N> {
         self.memory.extend(&hole);
     }
 
-    /// Reports that an order given by hand was not completed. A device with extras says so in its
-    /// answer.
+    /// Reports that an order given by hand was not completed. The answer of a device with extras
+    /// says so.
     pub fn cut_short(&mut self) {
         if let (Work::Orders(orders, Some(_)), true) = (self.work, self.rules.has_extras) {
             self.work = Work::Orders(orders, Some(NOT_ALL));
         }
     }
 
-    /// Reports that the machine stands because of a fault. The order under way is never answered. A
-    /// device with extras sends [`FAULT`] once, unless it would be taken for an echo.
+    /// Reports that a fault has stopped the machine. The present order is never answered. A device
+    /// with extras sends [`FAULT`] once, unless a host would take it for an echo.
     pub fn fail(&mut self) {
         let answer = match self.work {
             Work::None => None,
@@ -193,16 +194,16 @@ impl<const N: usize> Device<N> {
         }
     }
 
-    /// The program runs, or an order that was given by hand.
+    /// Whether the program runs, or an order given by hand.
     pub fn is_working(&self) -> bool {
         self.is_busy || self.work != Work::None
     }
 
-    /// The next byte for the line.
+    /// Returns the next byte for the line.
     pub fn transmit(&mut self) -> Option<u8> {
         if let Some(byte) = self.out.bytes().get(self.sent).copied() {
             self.sent = self.sent.wrapping_add(1); // 8 at most
-            // At once: the next byte of the line may come before this is called again.
+            // At once, because the next byte may arrive before this is called again.
             if self.sent == self.out.bytes().len() {
                 self.out.clear();
                 self.sent = 0;
@@ -217,7 +218,7 @@ impl<const N: usize> Device<N> {
         Some(*byte)
     }
 
-    /// Bytes in the memory.
+    /// Returns the bytes in the memory.
     pub fn stored(&self) -> &[u8] {
         self.memory.bytes()
     }
@@ -290,7 +291,7 @@ impl<const N: usize> Device<N> {
         }
     }
 
-    /// The record of this number with the complement of its sum; see [`COUNT`].
+    /// Sends the record of this number with the complement of its sum; see [`COUNT`].
     fn read_back(&mut self, number: u16) {
         let [low, high] = self.drillings.to_le_bytes();
         let letter = if self.was_cleared { b'c' } else { b'B' };
@@ -298,7 +299,7 @@ impl<const N: usize> Device<N> {
         let stored = self.memory.bytes().get(at..).unwrap_or_default();
         let record = match stored.first_chunk() {
             _ if number == COUNT => [letter, low, high],
-            // Records cut off from those before them are no program.
+            // Records without those before them are no program.
             _ if self.is_tail => [b'f', 0, 0],
             Some(record) => *record,
             None => [b'f', 0, 0],
@@ -307,7 +308,7 @@ impl<const N: usize> Device<N> {
         self.out.push(check(record));
     }
 
-    /// The end needs no room; any other byte waits until there is some.
+    /// Takes a byte of a program. The end needs no room. Any other byte waits until there is room.
     fn download(&mut self, byte: u8, count: u32) {
         let may_end = count > 0 || self.rules.ends_when_empty;
         if byte == b'f' && may_end && count.checked_rem(3) == Some(0) {
@@ -378,12 +379,12 @@ impl<const N: usize> Device<N> {
         self.memory.bytes().len() >= N
     }
 
-    /// The record that begins at this byte of what is carried and stored.
+    /// Returns the record that begins at this byte, counted from the first carried byte.
     fn record(&self, at: usize) -> Option<Order> {
         let carried = self.carried.bytes();
         let byte = |place: usize| {
             let all = carried.iter().chain(self.memory.bytes());
-            // Places are below N + 5; only the first records look into what is carried.
+            // Indices are below N + 5. Only the first records contain carried bytes.
             match place.checked_sub(carried.len()) {
                 Some(place) => self.memory.bytes().get(place).copied(),
                 None => all.copied().nth(place),
@@ -402,7 +403,7 @@ impl<const N: usize> Device<N> {
         }
     }
 
-    /// Nothing is left to do of what kept it busy.
+    /// Ends the present work.
     fn finish(&mut self) {
         let work = core::mem::replace(&mut self.work, Work::None);
         match work {
@@ -435,7 +436,7 @@ impl<const N: usize> Device<N> {
         }
     }
 
-    /// The memory is empty again, but for the part of a record at its end.
+    /// Empties the memory. Part of a record at its end is carried over.
     fn restart_memory(&mut self) {
         let bytes = self.memory.bytes();
         let length = self.carried.bytes().len().wrapping_add(bytes.len()); // at most N + 2
@@ -449,7 +450,7 @@ impl<const N: usize> Device<N> {
     }
 }
 
-/// A count that keeps its remainder by three when it has come to its end.
+/// The next count. At its end it keeps its remainder by three.
 fn next(count: u32) -> u32 {
     // 2^32 - 1 is a multiple of 3.
     if count == u32::MAX - 1 {
@@ -459,7 +460,7 @@ fn next(count: u32) -> u32 {
     }
 }
 
-/// What follows a record that is read back.
+/// The check byte of a record that is read back.
 pub(super) fn check([letter, low, high]: [u8; 3]) -> u8 {
     !letter.wrapping_add(low).wrapping_add(high)
 }

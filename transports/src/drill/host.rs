@@ -20,12 +20,12 @@ const BEYOND: u32 = 6;
 enum Mode {
     Unknown,
     Idle,
-    /// Bytes since `b`.
+    /// Number of bytes since `b`.
     Download(u32),
     Manual,
 }
 
-/// What is waited for.
+/// What the host waits for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Phase {
     Idle,
@@ -33,29 +33,29 @@ enum Phase {
     Send(u8),
     /// The answer to it.
     Answer(u8),
-    /// The same, late.
+    /// The answer, after the usual time has passed.
     Late,
     /// The echo that follows a `w`.
     Border,
-    /// What follows the answer: the bytes of a record that came so far, or of a text.
+    /// What follows the answer: a record, of which this many bytes have arrived, or a text.
     Record(u8),
     Text,
     /// Silence after the answer.
     Guard,
-    /// The byte of this number is next; what comes of those before is thrown away.
+    /// The byte with this number is next. Answers to those before are dropped.
     Resync(u8),
     Boot,
     Over(Outcome),
 }
 
-/// A host of the drill: one [`Step`] at a time.
+/// The host's end of the drill's line: one [`Step`] at a time.
 ///
 /// | when | call |
 /// | --- | --- |
-/// | something is to be done | [`start`](Host::start) |
+/// | a step is to begin | [`start`](Host::start) |
 /// | the port takes bytes | [`transmit`](Host::transmit) |
 /// | a byte arrives | [`push`](Host::push) |
-/// | after each of these and after the time it names | [`poll`](Host::poll) |
+/// | after each of these, and after the time that it returns | [`poll`](Host::poll) |
 ///
 /// [`done_bytes`](Host::done_bytes) were done for certain, and [`begun_bytes`](Host::begun_bytes)
 /// may have been begun. After a failure the operator checks the board between these two. `now_us`
@@ -67,39 +67,39 @@ pub struct Host {
     step: Step,
     mode: Mode,
     phase: Phase,
-    /// What the device has to say.
+    /// The expected answer.
     answer: u8,
-    /// The next bytes of a step with several parts, and what the device sends after them unasked.
+    /// The next bytes of a step with several parts, and what the device sends after them.
     then: [Option<u8>; 2],
     last: Option<u8>,
     /// The record that was read last.
     record: [u8; 3],
-    /// Left for this byte.
+    /// Tries left for this byte.
     tries: u8,
-    /// Answers more that may come, since the byte was sent again.
+    /// Number of further answers that may arrive, because the byte was repeated.
     repeats: u8,
     since_us: u32,
     wait_us: u32,
-    /// Bytes stored since the program was cleared.
+    /// Number of bytes stored since the program was cleared.
     stored: u32,
-    /// Nothing was stored since.
+    /// Whether nothing was stored since.
     is_clear: bool,
-    /// The program has its end, and can be run.
+    /// Whether the program has its end, and can run.
     is_whole: bool,
     done: u32,
     begun: u32,
     stops: bool,
-    /// Whether it was asked if a program runs, and has said so.
+    /// Whether the device was asked if a program runs, and whether it has confirmed it.
     asks_at_work: bool,
     is_at_work: bool,
-    /// Came while nothing was awaited.
+    /// A byte that arrived while the host waited for none.
     unasked: Option<u8>,
     heard: Option<u8>,
 }
 
 impl Host {
-    /// For a device in an unknown state with a memory of this many bytes;
-    /// [`MEMORY_BYTES`](super::MEMORY_BYTES) in the original.
+    /// Creates a host for a device in an unknown state, whose memory holds this many bytes. The
+    /// original holds [`MEMORY_BYTES`](super::MEMORY_BYTES).
     pub const fn new(timing: Timing, memory_bytes: u32) -> Host {
         Host {
             timing,
@@ -128,10 +128,10 @@ impl Host {
         }
     }
 
-    /// Begins a step. One that follows a byte nobody asked for fails at once.
+    /// Begins a step. It fails at once if an unexpected byte arrived before it.
     ///
     /// # Errors
-    /// [`Refused`]; nothing is sent then.
+    /// [`Refused`]. Nothing is sent then.
     pub fn start(&mut self, step: Step, now_us: u32) -> Result<(), Refused> {
         if self.phase != Phase::Idle {
             return Err(Refused::Busy);
@@ -198,12 +198,12 @@ impl Host {
         self.asks_at_work.then_some(AT_WORK)
     }
 
-    /// Whether the device has said that the program runs, since it was asked last.
+    /// Whether the device has confirmed, since the last question, that the program runs.
     pub const fn is_at_work(&self) -> bool {
         self.is_at_work
     }
 
-    /// Gives up the step under way. The device is then in an unknown state, as after a failure.
+    /// Gives up the present step. The device is then in an unknown state, as after a failure.
     pub fn give_up(&mut self) {
         if self.phase != Phase::Idle {
             self.lose();
@@ -211,13 +211,12 @@ impl Host {
         }
     }
 
-    /// Restarts the present wait. For work that takes longer than 2^31 us and that the caller knows
-    /// of.
+    /// Restarts the present wait, for work that takes longer than 2^31 us.
     pub const fn wait_on(&mut self, now_us: u32) {
         self.since_us = now_us;
     }
 
-    /// The next byte for the line, once; `None` when there is none for now.
+    /// Returns the next byte for the line. `None` if there is none now.
     pub fn transmit(&mut self, now_us: u32) -> Option<u8> {
         match self.phase {
             Phase::Send(byte) => {
@@ -247,7 +246,7 @@ impl Host {
         }
     }
 
-    /// Takes a byte of the line.
+    /// Takes a byte from the line.
     pub fn push(&mut self, byte: u8, now_us: u32) {
         match self.phase {
             Phase::Answer(_) | Phase::Late => self.hear(byte, now_us),
@@ -280,7 +279,7 @@ impl Host {
         }
     }
 
-    /// Goes on where time or bytes allow it.
+    /// Continues the step as far as time and bytes allow.
     pub fn poll(&mut self, now_us: u32) -> Progress {
         let left_us = self.left_us(now_us);
         match self.phase {
@@ -329,24 +328,24 @@ impl Host {
         Progress::Done(outcome)
     }
 
-    /// Bytes stored since the program was cleared.
+    /// Returns the number of bytes stored since the program was cleared.
     pub const fn stored_bytes(&self) -> u32 {
         self.stored
     }
 
-    /// Bytes of the program that the device has done for certain since it was cleared, in whole
-    /// records.
+    /// Returns the number of program bytes that the device has certainly done since the program was
+    /// cleared, in whole records.
     pub const fn done_bytes(&self) -> u32 {
         self.done
     }
 
-    /// Bytes that the device may have done. They exceed [`done_bytes`](Self::done_bytes) only while
-    /// a program runs and after a failure.
+    /// Returns the number of bytes that the device may have done. They exceed
+    /// [`done_bytes`](Self::done_bytes) only while a program runs and after a failure.
     pub const fn begun_bytes(&self) -> u32 {
         self.begun
     }
 
-    /// The record that [`Step::Read`] has read: letter, low and high byte.
+    /// Returns the record that [`Step::Read`] has read: letter, low and high byte.
     pub const fn record(&self) -> [u8; 3] {
         self.record
     }
@@ -379,7 +378,7 @@ impl Host {
             _ if mode != self.mode => Err(Refused::Mode),
             // These are steps of their own.
             Step::Key(b'a' | b'Q' | b'T') => Err(Refused::Mode),
-            // One wrong bit makes `e` of `m`.
+            // One wrong bit turns `m` into `e`.
             Step::Begin | Step::Manual(_) if !self.is_clear => Err(Refused::NotCleared),
             Step::End if !is_at_end => Err(Refused::Incomplete),
             // It would end the program here.
@@ -396,7 +395,7 @@ impl Host {
         }
     }
 
-    /// How long the answer to the next byte may take.
+    /// Returns the longest time until the answer to the next byte.
     fn answer_us(&self) -> u32 {
         match self.step {
             Step::Execute | Step::Key(b'e') => self.timing.run_us,
@@ -429,7 +428,7 @@ impl Host {
         }
     }
 
-    /// Whether the step moves the machine, which may fail at it.
+    /// Whether the step moves the machine, so that the machine may report a fault.
     const fn moves(&self) -> bool {
         matches!(
             self.step,
@@ -437,7 +436,7 @@ impl Host {
         )
     }
 
-    /// A byte of a record, the fourth being its check.
+    /// Takes a byte of a record. The fourth one is its check.
     fn hear_record(&mut self, byte: u8, count: u8, now_us: u32) {
         let wanted = check(self.record);
         match self.record.get_mut(usize::from(count)) {
@@ -449,7 +448,7 @@ impl Host {
             None if byte == wanted => {
                 let [letter, ..] = self.record;
                 if self.step == Step::Read(0) && matches!(letter, b'X' | b'Y' | b'Z') {
-                    // There is a program; whether it is all of one is the caller's to see.
+                    // There is a program. The caller decides whether it is complete.
                     (self.is_whole, self.is_clear) = (true, false);
                 }
                 self.conclude(now_us);
@@ -458,12 +457,12 @@ impl Host {
         }
     }
 
-    /// The longest pause between bytes that the device says one after the other.
+    /// The longest pause between bytes that the device sends one after the other.
     const fn pause_us(&self) -> u32 {
         self.timing.echo_us.saturating_add(self.timing.late_us)
     }
 
-    /// The answer is there: the next byte, the next answer, or what the step has changed.
+    /// Acts on the answer: sends the next byte, waits for the next answer, or ends the step.
     fn settle(&mut self, now_us: u32) {
         let [next, after] = self.then;
         if let Some(next) = next {
@@ -507,7 +506,7 @@ impl Host {
             }
             Step::Execute => {
                 self.done = self.begun;
-                // Of a longer program the device holds the end alone.
+                // Of a longer program the device holds only the end.
                 self.is_whole = self.stored <= self.memory_bytes;
             }
             _ => {}
@@ -515,10 +514,10 @@ impl Host {
         self.conclude(now_us);
     }
 
-    /// Nothing is left of the step but silence.
+    /// Waits for the silence after the last answer.
     fn conclude(&mut self, now_us: u32) {
         let guard_us = if self.repeats > 0 {
-            // What was sent again may be answered again.
+            // A repeated byte may be answered again.
             self.timing.guard_us.saturating_add(self.timing.late_us)
         } else {
             self.timing.guard_us
@@ -530,7 +529,7 @@ impl Host {
         }
     }
 
-    /// Nothing more is sent.
+    /// Drops the bytes that are not sent yet.
     fn end_resync(&mut self, failure: Failure) -> Option<u8> {
         self.fail(failure);
         None
@@ -541,7 +540,7 @@ impl Host {
         self.phase = Phase::Over(Outcome::Failed(failure));
     }
 
-    /// From here on the device's state is not known.
+    /// Ends the step with a failure. The state of the device is unknown from now on.
     fn lose(&mut self) {
         if let Mode::Download(_) = self.mode {
             let border = self
@@ -578,7 +577,7 @@ impl Host {
     }
 }
 
-/// Bytes of whole records.
+/// The number of bytes in whole records.
 fn whole(bytes: u32) -> u32 {
     bytes.wrapping_sub(bytes.checked_rem(3).unwrap_or_default()) // a remainder is not above
 }

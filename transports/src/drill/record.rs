@@ -1,9 +1,9 @@
-//! The records of the circuit-board drill: places in, three bytes each out, and back.
+//! The records of the circuit-board drill: positions in, three bytes each out, and back.
 //!
-//! The drill's controller keeps its program as records of three bytes: which axis, and where to, in
-//! motor steps from home. X and Y move one after the other; Z is one whole drilling. The original
-//! does not look at its number; with its flaws mended it is a depth. A file of records is what its
-//! link takes in download mode: the records, then `f`.
+//! The drill's controller keeps its program as records of three bytes: an axis, and its position in
+//! motor steps from home. X and Y move one after the other. Z is one whole drilling. The original
+//! ignores the number of Z; with its flaws corrected it is a depth. A file of records contains what
+//! the link takes in download mode: the records, then `f`.
 //!
 //! ```text
 //!   58 lo hi   `X`: to lo + 256 hi steps         59 lo hi   `Y`: likewise
@@ -23,35 +23,35 @@
 //! ```
 //!
 //! Limits: a record holds 0 to 65 535 steps, that is 612.477 mm; the table is 23 540 by 4815 steps
-//! ([`Table::DRILL`]). A place is rounded to the nearest step, so it is off by at most half of one,
-//! 4.673 um, and that does not add up. The controller's buffer holds 8192 bytes, 2730 records and
-//! two bytes of the next; a longer file is sent in pieces.
+//! ([`Table::DRILL`]). A position is rounded to the nearest step, so its error is at most half a
+//! step, 4.673 um. These errors do not add up. The controller's buffer holds 8192 bytes, 2730
+//! records and two bytes of the next; a longer file is sent in pieces.
 
 use core::fmt;
 use core::iter::FusedIterator;
 
-/// Motor steps a millimetre in X and Y: 200 a turn of a screw of 1 mm, geared 0.53499, taken as the
-/// whole number that the controller's own tables use.
+/// Motor steps per millimetre in X and Y: 200 steps per turn, a screw of 1 mm and a gear of
+/// 0.53499. This is the whole number that the controller's own tables use.
 pub const STEPS_PER_MM: u16 = 107;
 
-/// The byte behind the last record.
+/// The byte after the last record.
 pub const END_OF_PROGRAM: u8 = b'f';
 
 /// One record.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Record {
-    /// To this place in X, steps from home.
+    /// Move X to this position, in steps from home.
     X(u16),
-    /// To this place in Y, steps from home.
+    /// Move Y to this position, in steps from home.
     Y(u16),
-    /// One drilling: down by so many steps, or to the lower end switch, and up to the upper one. 0
-    /// is all of the way, and all that the original does, which does not look at the number.
+    /// Drill: down by this many steps, then up to the upper end switch. With 0 the spindle goes
+    /// down to the lower end switch. The original always does, because it ignores the number.
     Drill(u16),
 }
 
 impl Record {
-    /// Its three bytes: letter, low and high byte of the steps.
+    /// Returns its three bytes: letter, low and high byte of the steps.
     pub const fn to_bytes(self) -> [u8; 3] {
         let (letter, [low, high]) = match self {
             Record::X(steps) => (b'X', steps.to_le_bytes()),
@@ -61,8 +61,8 @@ impl Record {
         [letter, low, high]
     }
 
-    /// The record of three bytes; `None` when the first is none of `X`, `Y`, `Z`. The controller
-    /// takes any such byte but `f` for an X, which is refused here.
+    /// Reads a record of three bytes. `None` if the first is not `X`, `Y` or `Z`. The controller
+    /// takes any other byte except `f` for an X; here it is refused.
     pub const fn from_bytes([letter, low, high]: [u8; 3]) -> Option<Record> {
         let steps = u16::from_le_bytes([low, high]);
         match letter {
@@ -86,7 +86,7 @@ impl fmt::Display for Record {
     }
 }
 
-/// How far the table goes, in steps from home.
+/// The last positions of the table, in steps from home.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Table {
@@ -103,17 +103,17 @@ impl Table {
         y: 4_815,
     };
 
-    /// As far as a record can say, for boards that are larger than the table: 612.477 mm either
-    /// way.
+    /// The largest positions of a record, for boards that are larger than the table: 612.477 mm in
+    /// both axes.
     pub const UNBOUNDED: Table = Table {
         x: u16::MAX,
         y: u16::MAX,
     };
 
-    /// The record that moves X there, nanometres from home.
+    /// Returns the record that moves X to a position in nanometres from home.
     ///
     /// # Errors
-    /// The place is not on the table.
+    /// The position is not on the table.
     pub const fn move_x(&self, to_nm: i64) -> Result<Record, OffTable> {
         match steps(to_nm, self.x) {
             Some(steps) => Ok(Record::X(steps)),
@@ -125,10 +125,10 @@ impl Table {
         }
     }
 
-    /// The record that moves Y there, nanometres from home.
+    /// Returns the record that moves Y to a position in nanometres from home.
     ///
     /// # Errors
-    /// The place is not on the table.
+    /// The position is not on the table.
     pub const fn move_y(&self, to_nm: i64) -> Result<Record, OffTable> {
         match steps(to_nm, self.y) {
             Some(steps) => Ok(Record::Y(steps)),
@@ -140,10 +140,10 @@ impl Table {
         }
     }
 
-    /// A place in nanometres from home as steps of X and Y.
+    /// Converts a position in nanometres from home to steps of X and Y.
     ///
     /// # Errors
-    /// It is not on the table; of X where both are off.
+    /// The position is not on the table. If neither axis is, the error is that of X.
     pub const fn steps(&self, [x, y]: [i64; 2]) -> Result<[u16; 2], OffTable> {
         match (self.move_x(x), self.move_y(y)) {
             (Ok(Record::X(x)), Ok(Record::Y(y))) => Ok([x, y]),
@@ -153,10 +153,10 @@ impl Table {
         }
     }
 
-    /// The records of one hole, nanometres from home: X, Y, drill.
+    /// Returns the records of a hole at a position in nanometres from home: X, Y, drill.
     ///
     /// # Errors
-    /// The place is not on the table; of X where both are off.
+    /// The position is not on the table. If neither axis is, the error is that of X.
     pub const fn hole(&self, [x, y]: [i64; 2]) -> Result<[Record; 3], OffTable> {
         match (self.move_x(x), self.move_y(y)) {
             (Ok(x), Ok(y)) => Ok([x, y, Record::Drill(0)]),
@@ -185,7 +185,7 @@ const fn steps(at_nm: i64, last: u16) -> Option<u16> {
     }
 }
 
-/// Nanometres that print as millimetres, without trailing zeros.
+/// Nanometres that are printed as millimetres, without trailing zeros.
 struct Millimetres(i64);
 
 impl fmt::Display for Millimetres {
@@ -204,13 +204,13 @@ impl fmt::Display for Millimetres {
     }
 }
 
-/// A place that is not on the table.
+/// A position that is not on the table.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct OffTable {
     /// `X` or `Y`.
     pub letter: u8,
-    /// The place, nanometres from home.
+    /// The position, nanometres from home.
     pub at_nm: i64,
     /// The last step of that axis.
     pub last: u16,
@@ -235,8 +235,8 @@ impl fmt::Display for OffTable {
 
 impl core::error::Error for OffTable {}
 
-/// The bytes of a program: its records, then [`END_OF_PROGRAM`]. A program without records is one
-/// that the controller cannot take: its download has no end before the first record.
+/// Returns the bytes of a program: its records, then [`END_OF_PROGRAM`]. The controller cannot take
+/// a program without records, because a download does not end before the first record.
 pub fn record_bytes<R: IntoIterator<Item = Record>>(records: R) -> RecordBytes<R::IntoIter> {
     RecordBytes {
         records: records.into_iter(),
@@ -252,7 +252,7 @@ pub struct RecordBytes<R> {
     records: R,
     /// The second and the third byte of the present record.
     rest: [u8; 2],
-    /// How many of them are still to come.
+    /// The number of them that are left.
     left: u8,
     ended: bool,
 }
@@ -290,32 +290,32 @@ impl<R: Iterator<Item = Record>> Iterator for RecordBytes<R> {
 
 impl<R: Iterator<Item = Record>> FusedIterator for RecordBytes<R> {}
 
-/// What is wrong with bytes that should be a program.
+/// The error in bytes that should be a program.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum RecordErrorKind {
-    /// A record begins with this byte, which is none of `X`, `Y`, `Z` and `f`.
+    /// A record begins with this byte, which is not `X`, `Y`, `Z` or `f`.
     UnknownAxis(u8),
-    /// One or two bytes of a record, and no more.
+    /// The last record has one or two bytes only.
     CutOff,
-    /// No `f` behind the last record.
+    /// There is no `f` after the last record.
     NoEnd,
-    /// `f` before the first record: the controller would take it for the first byte of one.
+    /// `f` is before the first record. The controller would take it for the first byte of one.
     Empty,
-    /// Bytes behind the `f`.
+    /// There are bytes after the `f`.
     AfterEnd,
 }
 
-/// Where bytes stop to be a program, and why.
+/// The first error in bytes that should be a program, and its position.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RecordError {
-    /// What is wrong.
+    /// The error.
     pub kind: RecordErrorKind,
     /// Offset of the first wrong byte.
     pub at: usize,
-    /// Offset behind the last one; equal to `at` where something is missing at the end.
+    /// Offset after the last wrong byte. Equal to `at` if something is missing at the end.
     pub end: usize,
 }
 
@@ -333,7 +333,7 @@ impl fmt::Display for RecordError {
 
 impl core::error::Error for RecordError {}
 
-/// The records of a program. The first error is the last item.
+/// Returns the records of a program. The first error is the last item.
 pub fn records(bytes: &[u8]) -> Records<'_> {
     Records {
         rest: bytes,

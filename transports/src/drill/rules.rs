@@ -1,8 +1,9 @@
 //! Flaws of the original controller, each with a name.
 
-/// What the controller does where the original is flawed: `true` is mended.
+/// The flaws of the original controller: `true` is corrected.
 ///
-/// Sources: the assembly text of the original. Its description contradicts it in places; then the
+/// # Source
+/// The assembly text of the original. Its description contradicts it in some points; then the
 /// assembly text holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -17,13 +18,13 @@ pub struct Rules {
     /// echo. It ignores other bytes. The original hears nothing, and later takes the first such
     /// byte as data.
     pub stops_at_border: bool,
-    /// An advance of 0 steps is no move. The original makes 256 steps of it in Z.
+    /// An advance of 0 steps is no move. In Z the original then makes 256 steps.
     pub zero_is_no_move: bool,
-    /// The Z word of a record is a depth in steps, 0 being the whole way. The original ignores it.
+    /// The Z word of a record is a depth in steps. 0 is the whole stroke. The original ignores it.
     pub z_is_depth: bool,
-    /// The spindle, which the host switches on before a program, stops when the program has ended:
-    /// one that is left to itself does not leave it turning. The original's controller stops it
-    /// after each hole.
+    /// The spindle, which the host switches on before a program, stops when the program has ended.
+    /// So it does not turn on when no host is left. The original's controller stops it after each
+    /// hole.
     pub stops_spindle: bool,
     /// Functions that the original reserved or lacked. `T` in the manual mode teaches a hole, `?`
     /// prints help, `n` reads records back and counts them. Outside of the manual mode, which
@@ -34,7 +35,7 @@ pub struct Rules {
 }
 
 impl Rules {
-    /// As the original.
+    /// The rules of the original.
     pub const FAITHFUL: Rules = Rules {
         begins_when_full: false,
         ends_when_empty: false,
@@ -45,7 +46,7 @@ impl Rules {
         has_extras: false,
     };
 
-    /// All mended.
+    /// All flaws are corrected.
     pub const FIXED: Rules = Rules {
         begins_when_full: true,
         ends_when_empty: true,

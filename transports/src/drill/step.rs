@@ -1,8 +1,8 @@
-//! What the host is asked to do, and what came of it.
+//! The steps of the host, and their outcomes.
 
 use core::fmt;
 
-/// One thing to do on the line.
+/// A step on the line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Step {
@@ -10,34 +10,34 @@ pub enum Step {
     /// mode, and tests the link. It runs nothing, with one exception: a device whose full memory
     /// waits for its next byte runs what it holds.
     Resync,
-    /// The link test.
+    /// Tests the link.
     Test,
-    /// An empty program; the present place becomes X 0, Y 0.
+    /// Empties the program. The present position becomes X 0, Y 0.
     Clear,
-    /// Home all axes.
+    /// Homes all axes.
     Home,
-    /// Begin a program.
+    /// Begins a program.
     Begin,
-    /// A byte of it.
+    /// Sends a byte of the program.
     Store(u8),
-    /// The end of it.
+    /// Ends the program.
     End,
-    /// Run it.
+    /// Runs the program.
     Execute,
-    /// The manual mode, with an advance in steps; homes first.
+    /// Homes, then enters the manual mode with an advance in steps.
     Manual(u8),
-    /// The same on a device with extras, whose program is kept.
+    /// Does the same on a device with extras, and keeps the program.
     ManualKept(u8),
-    /// A key of the manual mode.
+    /// Sends a key of the manual mode.
     Key(u8),
-    /// A new advance in the manual mode.
+    /// Changes the advance in the manual mode.
     Advance(u8),
     /// Adds a hole at the present position to the end of the program; in the manual mode of a
     /// device with extras.
     Teach,
-    /// Leave the manual mode.
+    /// Leaves the manual mode.
     Quit,
-    /// Spindle on or off outside of the manual mode, on a device with extras.
+    /// Switches the spindle outside of the manual mode, on a device with extras.
     Spindle(bool),
     /// Reads the record with this number, from 0, of the program in a device with extras:
     /// [`Host::record`](super::Host::record). [`COUNT`](super::COUNT) asks how many holes were
@@ -46,7 +46,7 @@ pub enum Step {
     /// Reads the text of a device with extras, up to [`END_OF_TEXT`](super::END_OF_TEXT). The
     /// caller keeps it.
     Help,
-    /// The device was reset by hand: wait for its `B`.
+    /// Waits for the `B` of a device that was reset by hand.
     AwaitBoot,
 }
 
@@ -54,13 +54,14 @@ pub enum Step {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Refused {
-    /// The step before is not done.
+    /// The previous step is not done.
     Busy,
-    /// Not in this mode; after a failure only [`Step::Resync`] and [`Step::AwaitBoot`].
+    /// The mode does not allow it. After a failure only [`Step::Resync`] and [`Step::AwaitBoot`]
+    /// are allowed.
     Mode,
-    /// A program without a record, or with part of one.
+    /// The program has no record, or ends within one.
     Incomplete,
-    /// A program that was not cleared away first would be run again before this one.
+    /// An earlier program was not cleared. It would run again before this one.
     NotCleared,
 }
 
@@ -77,37 +78,37 @@ impl fmt::Display for Refused {
 
 impl core::error::Error for Refused {}
 
-/// What came of a [`Step`].
+/// The outcome of a [`Step`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Outcome {
     /// Done.
     Done,
-    /// Stopped on request; how far it came is not known.
+    /// Stopped on request. How far it came is not known.
     Stopped,
-    /// It did not go well, and the device is in an unknown state.
+    /// It failed, and the state of the device is unknown.
     Failed(Failure),
 }
 
-/// How a [`Step`] failed.
+/// Why a [`Step`] failed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Failure {
     /// No answer in time.
     Silent,
-    /// Another byte than the answer: this one.
+    /// This byte arrived instead of the answer.
     Wrong(u8),
-    /// A byte that nothing was sent for, this one: something arrived twice.
+    /// This byte arrived although nothing was sent: a byte was doubled.
     Unasked(u8),
-    /// The device says that it was reset.
+    /// The device reports that it was reset.
     Restarted,
-    /// The device stands because of a fault: a switch, a sensor, lost steps, or a position off the
-    /// table. Until a reset it does nothing.
+    /// The device has stopped because of a fault: a switch, a sensor, lost steps, or a position off
+    /// the table. It does nothing until a reset.
     Fault,
     /// The memory of the device has no room for another hole. Only this outcome and the next one
     /// leave the device in a known state.
     Full,
-    /// The axis came to its end before all steps of a key were made.
+    /// The axis reached its end before all steps of a key were made.
     NotAll,
 }
 
@@ -127,15 +128,15 @@ impl fmt::Display for Failure {
 
 impl core::error::Error for Failure {}
 
-/// How far the host is.
+/// The progress of the host.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Progress {
-    /// Nothing to do.
+    /// There is no step.
     Idle,
     /// A byte waits to be sent.
     Sending,
-    /// For a byte, at most so many microseconds: then ask again.
+    /// The host waits for a byte. After this time the caller polls again.
     Waiting {
         /// Microseconds.
         us: u32,

@@ -1,4 +1,4 @@
-//! How long the host waits, and what it sends again.
+//! The waits of the host, and the bytes that it repeats.
 
 /// Waits in microseconds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -8,9 +8,9 @@ pub struct Timing {
     pub character_us: u32,
     /// From the last bit sent to the whole echo.
     pub echo_us: u32,
-    /// More of it once, for an echo that is late; 0 = none.
+    /// An additional wait, once, for a late echo. 0 is none.
     pub late_us: u32,
-    /// How often a byte is sent until it is echoed; at least 1.
+    /// How often a byte is sent until it is echoed, at least once.
     pub tries: u8,
     /// Whether this holds for every byte, as in the original, where a late echo makes the device
     /// store a byte twice. Otherwise it holds for `B` and `c` only, which may be done twice.
@@ -18,17 +18,17 @@ pub struct Timing {
     /// The silence that must follow the last byte of an exchange before the exchange counts as
     /// ended. An additional echo means an additional byte.
     pub guard_us: u32,
-    /// Homing, and a reset with its homing.
+    /// Longest time of homing, and of a reset with its homing.
     pub home_us: u32,
-    /// A whole program, or a full memory.
+    /// Longest time of a whole program, or of a full memory.
     pub run_us: u32,
     /// Between the bytes that bring an unknown device to rest.
     pub pause_us: u32,
 }
 
 impl Timing {
-    /// For a line at this rate in baud. An echo may take two characters and 10 ms, a late one 100
-    /// ms more; homing may take a minute.
+    /// Returns the timing for a line at this rate in baud. An echo may take two characters and 10
+    /// ms, a late one 100 ms more; homing may take a minute.
     ///
     /// `run_us` is the longest time of a program, or of 8192 bytes of it. The caller knows it: one
     /// hole takes up to 15 s.
