@@ -51,7 +51,7 @@ pub enum Order {
     },
     /// Cut the stored figure.
     Figure,
-    /// Stop what moves.
+    /// Stop the motion.
     Stop,
     /// Stop at once, and obey nothing until a reset.
     Emergency,
@@ -61,7 +61,7 @@ pub enum Order {
     Line([i16; 2]),
     /// The moves since [`Order::Clear`] are the figure; their number and check are right.
     Keep,
-    /// Report: the bytes of a [`Status`] follow the answer.
+    /// Report. The bytes of a [`Status`] follow the answer.
     Ask,
 }
 
@@ -148,7 +148,7 @@ struct Loading {
 pub const REJECTED: u8 = b'?';
 
 impl Device {
-    /// A device with no mode chosen and without acknowledgement.
+    /// Creates a device without a chosen mode and without acknowledgement.
     pub const fn new(table: ByteTable) -> Self {
         Self {
             table,
@@ -201,7 +201,7 @@ impl Device {
         }
     }
 
-    /// Takes a byte of the line. `is_moving`: a motor turns.
+    /// Takes a byte from the line. `is_moving`: a motor turns.
     ///
     /// While a motor turns, only [`Order::Stop`], [`Order::Emergency`] and the repeated jog are
     /// accepted.
@@ -456,7 +456,7 @@ mod tests {
         assert_eq!(link.receive(b't', true).reply, Some(b't'));
         assert_eq!(link.machine(), 1);
         assert_eq!(link.receive(b'X', false).reply, Some(REJECTED));
-        // In the position of a count, the byte is a count.
+        // Where a count is expected, the byte is a count.
         for byte in *b"NYo" {
             assert_eq!(link.receive(byte, false).reply, Some(byte));
         }

@@ -18,11 +18,11 @@
 //! | `H;` | home: Z, X, Y, each to its switch and off it | `Done`, [`Answer::NoSwitch`] |
 //! | `A;` | stop | [`Answer::Taken`], after a `Stopped` if something was stopped |
 //! | `W;` `V;` | faster, slower: jogs only | none |
-//! | `Q;` | the part's zero is here | `Done` |
+//! | `Q;` | the present position becomes the part's zero | `Done` |
 //! | `G..;` `M..;` | one line of a program: [`Line`] | `Done` |
 //! | `S1;` `S0;` | ours: streaming of lines on, off | `Taken` |
-//! | `L0500;` | ours: a jog ends this many milliseconds after the last `L;`, four digits; `L0000;`: it lasts until it is stopped | `Taken` |
-//! | `L;` | ours: the jog goes on | none |
+//! | `L0250;` | ours: a lease. Every motion ends after this silence of the host, in milliseconds, four digits; `L0000;`: a motion needs no host | `Taken` |
+//! | `L;` | ours: the motion continues | none |
 //! | `R010;` | ours: report one step in this many, three digits; `R000;` none | `Taken` |
 //!
 //! Any string may be answered by [`Answer::Wrong`] (unknown string) or [`Answer::Refused`] (not
@@ -33,8 +33,8 @@
 //! # Motion
 //!
 //! While the machine moves, any byte stops it and begins a new string. Only `W;`, `V;` and `L;` do
-//! not stop a jog. The host therefore sends a line when the one before is done, and the machine
-//! stands still between lines.
+//! not stop a jog or a motion with a lease. The host therefore sends a line when the previous one
+//! is done, and the machine stands still between lines.
 //!
 //! # Streaming
 //!

@@ -12,14 +12,14 @@ pub const fn move_bytes([x, z]: [i16; 2]) -> [u8; 4] {
     [x0, x1, z0, z1]
 }
 
-/// The move of four bytes.
+/// Reads the move of four bytes.
 pub(super) const fn move_of([x0, x1, z0, z1]: [u8; 4]) -> [i16; 2] {
     [i16::from_le_bytes([x0, x1]), i16::from_le_bytes([z0, z1])]
 }
 
-/// The check of bytes behind others whose check is known; of none it is 0.
+/// The check of bytes that follow others whose check is known. Without bytes it is 0.
 pub(super) fn checked(before: u16, bytes: &[u8]) -> u16 {
-    // The last exclusive or undone, in the order of bits in which a start is given.
+    // Undoes the last exclusive or, in the bit order of a start value.
     let mut digest = CHECK.digest_with_initial((before ^ 0xFFFF).reverse_bits());
     digest.update(bytes);
     digest.finalize()

@@ -1,46 +1,46 @@
-//! What a device tells: how its last task ended, and where it is.
+//! The report of a device: how its last task ended, and its positions.
 
 use super::figure::checked;
 
-/// What has happened.
+/// An event that a device reports.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Report {
-    /// All axes stand off their switches, at zero.
+    /// All axes are homed and stand at zero, off their switches.
     Homed,
-    /// Counted steps, a figure or going back off a switch ended.
+    /// Counted steps, a figure or a back-off from a switch ended.
     Done,
     /// Stopped by command.
     Stopped,
-    /// A jog was not said again in time.
+    /// A jog was not repeated in time.
     DeadMan,
     /// The tool touches the work piece: the figure begins.
     Contact,
-    /// The approach ended without contact; the figure was not cut.
+    /// The approach ended without contact. The figure was not cut.
     NoContact,
-    /// There is no figure: none was kept since another one was cleared.
+    /// There is no figure: none was stored since another one was deleted.
     NoFigure,
-    /// A home switch closed where none was looked for: the axis goes back off it.
+    /// A home switch closed unexpectedly. The axis backs off it.
     Switch {
         /// 0 to 2.
         axis: u8,
     },
-    /// No home switch closed on the longest way.
+    /// No home switch closed within the longest distance.
     NoSwitch {
         /// 0 to 2.
         axis: u8,
     },
-    /// A home switch is closed still after the way back off it.
+    /// A home switch is still closed after the back-off.
     StillClosed {
         /// 0 to 2.
         axis: u8,
     },
-    /// Emergency stop: until a reset nothing moves.
+    /// Emergency stop: nothing moves until a reset.
     Emergency,
 }
 
 impl Report {
-    /// Its byte: a letter.
+    /// Returns its byte, a letter.
     pub const fn byte(self) -> u8 {
         match self {
             Self::Homed => b'h',
@@ -51,14 +51,14 @@ impl Report {
             Self::NoContact => b'n',
             Self::NoFigure => b'f',
             Self::Emergency => b'!',
-            // Axes are below 3: no byte comes twice.
+            // Axes are below 3, so no byte occurs twice.
             Self::Switch { axis } => b'x'.wrapping_add(axis),
             Self::NoSwitch { axis } => b'X'.wrapping_add(axis),
             Self::StillClosed { axis } => b'1'.wrapping_add(axis),
         }
     }
 
-    /// The report of a byte.
+    /// Returns the report of a byte.
     pub const fn of(byte: u8) -> Option<Self> {
         Some(match byte {
             b'h' => Self::Homed,
@@ -85,19 +85,19 @@ impl Report {
 
 /// Bytes of a [`Status`] on the line.
 pub const STATUS_BYTES: usize = 20;
-/// Stands in place of a report: nothing has happened since the last command that began a motion, or
+/// The byte without a report: nothing has happened since the last command that began a motion, or
 /// since the reset.
 const NOTHING: u8 = b'-';
 
-/// Where a device is.
+/// The state of a device.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Status {
-    /// How the last task ended, or what has happened in the present one.
+    /// How the last task ended, or the last event of the present one.
     pub report: Option<Report>,
-    /// A task is under way.
+    /// Whether a task is in progress.
     pub is_moving: bool,
-    /// Positions count from the home switches.
+    /// Whether positions count from the home switches.
     pub is_homed: bool,
     /// **Steps** of the load in X, Y and Z, and of the spindle.
     pub position_steps: [i32; 4],
@@ -124,7 +124,7 @@ impl Status {
         bytes
     }
 
-    /// What a device told; `None` where the check is wrong.
+    /// Reads the bytes of a device. `None` if the check is wrong.
     pub fn of(bytes: &[u8; STATUS_BYTES]) -> Option<Self> {
         let (content, check) = bytes.split_last_chunk::<2>()?;
         if checked(0, content) != u16::from_le_bytes(*check) {

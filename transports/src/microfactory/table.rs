@@ -1,6 +1,6 @@
-//! Which byte is which command.
+//! The byte of each command.
 
-/// Motors that a table has letters for: X, Y, Z and the spindle.
+/// Number of motors in a table: X, Y, Z and the spindle.
 pub const MOTORS: usize = 4;
 
 /// The byte of each command.
@@ -9,29 +9,30 @@ pub const MOTORS: usize = 4;
 pub struct ByteTable {
     /// Home all axes.
     pub home: u8,
-    /// Into jogging.
+    /// Enter the mode of jogs.
     pub manual: u8,
-    /// Into counted steps.
+    /// Enter the mode of counted steps.
     pub steps: u8,
     /// Cut the stored figure.
     pub figure: u8,
     /// Forward and backward of each motor.
     pub motors: [[u8; 2]; MOTORS],
-    /// Stop what moves.
+    /// Stop the motion.
     pub stop: u8,
     /// Make the counted steps.
     pub run: u8,
     /// Emergency stop.
     pub emergency: u8,
-    /// Forget the stored figure: another one begins.
+    /// Delete the stored figure and begin another one.
     pub clear: u8,
-    /// A move of it, four bytes: X and Z in steps, low bytes first.
+    /// A move of the figure, four bytes: X and Z in steps, low bytes first.
     pub line: u8,
-    /// It is complete, four bytes: the number of its moves and their check, low bytes first.
+    /// The figure is complete, four bytes: the number of its moves and their check, low bytes
+    /// first.
     pub keep: u8,
-    /// Tell where the axes are and how the last task ended.
+    /// Report the positions of the axes and how the last task ended.
     pub ask: u8,
-    /// What follows is for the first machine of the controller, or for the second.
+    /// The following commands are for the first or the second machine of the controller.
     pub machines: [u8; 2],
 }
 
@@ -55,7 +56,7 @@ impl ByteTable {
         machines: *b"ot",
     };
 
-    /// Whether every byte means one thing only; `?` is the answer to what is not taken.
+    /// Whether every byte has one meaning only. `?` answers a byte that is not accepted.
     pub fn is_unambiguous(&self) -> bool {
         let [[x, x_back], [y, y_back], [z, z_back], [c, c_back]] = self.motors;
         let [first, second] = self.machines;
@@ -97,7 +98,7 @@ impl ByteTable {
         })
     }
 
-    /// Motor and whether forward.
+    /// The motor of a letter, and whether the letter is its forward one.
     pub(super) fn motor(&self, byte: u8) -> Option<(u8, bool)> {
         (0..4_u8)
             .zip(self.motors)

@@ -1,8 +1,8 @@
-//! What the controller says: bytes with bit 7 set.
+//! The answers of the controller: bytes with bit 7 set.
 
 use super::Axis;
 
-/// A byte of the controller that is no echo.
+/// A byte of the controller that is not an echo.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Answer {
@@ -15,23 +15,23 @@ pub enum Answer {
     },
     /// `88`: ready; sent once after a reset.
     Ready,
-    /// `89`: homing found no switch, or did not get off it. Where the axes are is not known.
+    /// `89`: homing found no switch, or did not get off it. The positions are unknown.
     NoSwitch,
     /// `8b`: a correct string that cannot be obeyed. The mill is not homed, the target is beyond
     /// the travel, the arc is impossible, or the mill is moving.
     Refused,
-    /// `8c`: in the queue, or a mode of ours is confirmed.
+    /// `8c`: the line is in the queue, or one of our modes is confirmed.
     Taken,
-    /// `8d`: something ended before it was done.
+    /// `8d`: a motion ended before it was done.
     Stopped,
-    /// `8e`: no such string.
+    /// `8e`: there is no such string.
     Wrong,
     /// `8f`: done.
     Done,
 }
 
 impl Answer {
-    /// Its byte.
+    /// Returns its byte.
     pub const fn byte(self) -> u8 {
         match self {
             Answer::Step { axis, forward } => 0x80 | (axis as u8) << 1 | forward as u8,
@@ -45,7 +45,7 @@ impl Answer {
         }
     }
 
-    /// The answer of a byte; `None` for an echo, and for values that mean nothing.
+    /// Returns the answer of a byte. `None` for an echo, and for values without a meaning.
     pub const fn of(byte: u8) -> Option<Answer> {
         Some(match byte {
             0x80..=0x85 => {

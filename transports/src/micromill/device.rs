@@ -3,7 +3,7 @@
 use super::{Answer, Axis, Order, STRING_BYTES, Stops};
 use crate::buffer::Buffer;
 
-/// Room that echoes and answers keep beside the steps.
+/// Room that is kept for echoes and answers, in bytes.
 const RESERVE: usize = 8;
 
 /// The controller's end of the mill's line: bytes in, [`Order`]s out; echoes, steps and answers
@@ -11,9 +11,9 @@ const RESERVE: usize = 8;
 ///
 /// | when | call |
 /// | --- | --- |
-/// | a byte arrives | [`push`](Device::push), which gives an order or none |
-/// | the machine begins or ends something that a byte stops | [`set_motion`](Device::set_motion) |
-/// | a motor step was made | [`step`](Device::step), where it [`has_room`](Device::has_room) |
+/// | a byte arrives | [`push`](Device::push), which may return an order |
+/// | a motion begins or ends | [`set_motion`](Device::set_motion) |
+/// | a motor step was made | [`step`](Device::step), if it [`has_room`](Device::has_room) |
 /// | an order was obeyed, or refused | [`answer`](Device::answer) |
 /// | the transmitter is free | [`transmit`](Device::transmit) |
 ///
@@ -26,10 +26,10 @@ pub struct Device<const OUT: usize> {
     /// A motion needs no strings of the host. Otherwise [`Order::Renew`] may come at any time.
     is_unattended: bool,
     is_streaming: bool,
-    /// One step in so many is told; 0: none.
+    /// One step in this many is reported. 0: none.
     every: u16,
-    /// Steps of each axis that were not told, less than `every` of them.
-    untold: [i16; 3],
+    /// Steps of each axis since the last report, fewer than `every`.
+    unreported: [i16; 3],
     out: [u8; OUT],
     /// Below `OUT`.
     first: usize,
@@ -37,18 +37,18 @@ pub struct Device<const OUT: usize> {
     waiting: usize,
 }
 
-/// What moves, as far as the line is concerned.
+/// The kind of motion, which decides the bytes that stop it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Motion {
     None,
-    /// `W;`, `V;` and `L;` are for it.
+    /// `W;`, `V;` and `L;` do not stop it.
     Jog,
     /// Any byte stops it, unless lines are streamed. With a lease it is as a jog.
     Other,
 }
 
 impl<const OUT: usize> Device<OUT> {
-    /// After a reset: it says [`Answer::Ready`].
+    /// Creates a device after a reset: it sends [`Answer::Ready`].
     pub fn new() -> Self {
         const { assert!(OUT > 2 * RESERVE, "room for echoes, answers and steps") };
         let mut device = Device {
@@ -57,7 +57,7 @@ impl<const OUT: usize> Device<OUT> {
             is_unattended: true,
             is_streaming: false,
             every: 1,
-            untold: [0; 3],
+            unreported: [0; 3],
             out: [0; OUT],
             first: 0,
             waiting: 0,
@@ -66,8 +66,8 @@ impl<const OUT: usize> Device<OUT> {
         device
     }
 
-    /// Takes a byte of the line and returns the order that it completes, or [`Order::Stop`] if the
-    /// byte stops the motion. While nothing moves, a stop is the whole string `A;`.
+    /// Takes a byte from the line and returns the order that it completes, or [`Order::Stop`] if
+    /// the byte stops the motion. While nothing moves, a stop is the whole string `A;`.
     pub fn push(&mut self, byte: u8) -> Option<Order> {
         // With bit 7 set it would be an answer. `?` is in no string, and the host has not sent it.
         self.send(if byte < 0x80 { byte } else { b'?' });
@@ -84,7 +84,7 @@ impl<const OUT: usize> Device<OUT> {
             b';' => self.end(),
             b' ' | b'\t' | b'\r' | b'\n' => None,
             _ => {
-                // One byte more than a string may have marks one that is too long.
+                // A string that is too long has one byte more than the longest one.
                 self.string.push(byte);
                 None
             }
@@ -92,7 +92,7 @@ impl<const OUT: usize> Device<OUT> {
         if stops { Some(Order::Stop) } else { order }
     }
 
-    /// Whether a byte leaves alone what moves.
+    /// Whether a byte does not stop the present motion.
     fn passes(&self, byte: u8) -> bool {
         match (self.motion, self.string.bytes()) {
             (Motion::None, _) => true,
@@ -103,7 +103,7 @@ impl<const OUT: usize> Device<OUT> {
         }
     }
 
-    /// A `;` has come.
+    /// Ends a string at its `;`.
     fn end(&mut self) -> Option<Order> {
         let string = core::mem::replace(&mut self.string, Buffer::new());
         let order = match string.bytes() {
@@ -114,7 +114,7 @@ impl<const OUT: usize> Device<OUT> {
         match order {
             None => self.answer(Answer::Wrong),
             Some(Order::Stream(on)) => {
-                // Lines in the queue are finished by the rules they were sent under.
+                // Queued lines end under the rules under which they were sent.
                 let is_free = self.motion == Motion::None;
                 if is_free {
                     self.is_streaming = on;
@@ -127,7 +127,7 @@ impl<const OUT: usize> Device<OUT> {
             }
             Some(Order::Every(steps)) => {
                 self.every = steps;
-                self.untold = [0; 3];
+                self.unreported = [0; 3];
                 self.answer(Answer::Taken);
             }
             Some(order) => {
@@ -140,7 +140,7 @@ impl<const OUT: usize> Device<OUT> {
         None
     }
 
-    /// Sets what moves: nothing, a jog, or another motion. While lines are streamed, queued lines
+    /// Sets the present motion: none, a jog, or another one. While lines are streamed, queued lines
     /// count as motion.
     pub fn set_motion(&mut self, is_moving: bool, is_jog: bool) {
         self.motion = match (is_moving, is_jog) {
@@ -150,7 +150,7 @@ impl<const OUT: usize> Device<OUT> {
         };
     }
 
-    /// Which bytes stop what moves now.
+    /// Returns the bytes that stop the present motion.
     pub const fn stops(&self) -> Stops {
         match (self.motion, self.is_streaming) {
             (Motion::None, _) => Stops::Nothing,
@@ -177,32 +177,32 @@ impl<const OUT: usize> Device<OUT> {
         self.waiting == 0
     }
 
-    /// Whether steps are told, or counted to be told: without there is no need to say them.
+    /// Whether steps are reported at all. If not, [`step`](Device::step) need not be called.
     pub const fn tells_steps(&self) -> bool {
         self.every != 0
     }
 
-    /// Tells a motor step, or counts it where only one in so many is told.
+    /// Reports a motor step, or counts it if only one in several is reported.
     pub fn step(&mut self, axis: Axis, forward: bool) {
-        let Some(untold) = self.untold.get_mut(axis as usize) else {
+        let Some(unreported) = self.unreported.get_mut(axis as usize) else {
             return; // there is no other axis
         };
         if self.every != 0 {
             // Below 1000 either way.
-            *untold = untold.wrapping_add(if forward { 1 } else { -1 });
-            if untold.unsigned_abs() >= self.every {
-                *untold = 0;
+            *unreported = unreported.wrapping_add(if forward { 1 } else { -1 });
+            if unreported.unsigned_abs() >= self.every {
+                *unreported = 0;
                 self.answer(Answer::Step { axis, forward });
             }
         }
     }
 
-    /// Answers.
+    /// Sends an answer.
     pub fn answer(&mut self, answer: Answer) {
         self.send(answer.byte());
     }
 
-    /// The next byte for the line.
+    /// Returns the next byte for the line.
     pub fn transmit(&mut self) -> Option<u8> {
         if self.waiting == 0 {
             return None;
@@ -213,7 +213,8 @@ impl<const OUT: usize> Device<OUT> {
         byte
     }
 
-    /// What finds no room is dropped: a host that sends without reading misses its own echoes.
+    /// Queues a byte for the line. Without room the byte is dropped, so a host that does not read
+    /// misses echoes of its own.
     fn send(&mut self, byte: u8) {
         // Both at most OUT.
         let place = wrapped::<OUT>(self.first.wrapping_add(self.waiting));
@@ -232,7 +233,7 @@ impl<const OUT: usize> Default for Device<OUT> {
     }
 }
 
-/// A place in a ring, from one below twice its length.
+/// The index in a ring for an index below twice its length.
 const fn wrapped<const OUT: usize>(place: usize) -> usize {
     if place >= OUT {
         place.wrapping_sub(OUT)

@@ -11,19 +11,19 @@ pub struct HostTiming {
     /// The time from the last echo to the answer of an order without motion. Also the time after
     /// which a string whose `;` was not echoed must have shown an effect.
     pub answer_us: u32,
-    /// From the last echo to the answer of what moves; below 2^31.
+    /// From the last echo to the answer of a motion, below 2^31.
     pub motion_us: u32,
-    /// How often a string is sent until its echo is right; at least 1.
+    /// How often a string is sent until its echo is right, at least once.
     pub tries: u8,
-    /// Silence before the `;`: an echo more means a byte more.
+    /// Silence before the `;`. An additional echo means that the controller got an additional byte.
     pub guard_us: u32,
-    /// Bytes that may wait for their echo: what the controller's receiver holds.
+    /// Number of bytes that may wait for their echo: the size of the controller's receive buffer.
     pub window: u8,
 }
 
 impl HostTiming {
-    /// For a line at this rate in baud. An echo may take two characters and 200 ms, an answer 500
-    /// ms more, a move half an hour. The guard is three characters of silence.
+    /// Returns the timing for a line at this rate in baud. An echo may take two characters and 200
+    /// ms, an answer 500 ms more, a move half an hour. The guard is three characters of silence.
     pub const fn of(bits_per_s: u32) -> HostTiming {
         let character_us = match 10_000_000_u32.checked_div(bits_per_s) {
             Some(us) => us,
@@ -41,33 +41,33 @@ impl HostTiming {
     }
 }
 
-/// What came of a string.
+/// The outcome of a string.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Outcome {
-    /// Obeyed; a streamed line: in the queue.
+    /// It was obeyed. A streamed line is in the queue.
     Done,
-    /// Something ended it.
+    /// It was stopped before its end.
     Stopped,
-    /// It cannot be obeyed now; nothing has changed.
+    /// It cannot be obeyed now. Nothing has changed.
     Refused,
-    /// The controller knows no such string; nothing has changed.
+    /// The controller knows no such string. Nothing has changed.
     Wrong,
     /// Homing found no switch.
     NoSwitch,
-    /// Not echoed as it was sent, several times; it was not obeyed.
+    /// Its echo was wrong several times. It was not obeyed.
     Garbled,
-    /// No answer in time; whether it was obeyed is not known.
+    /// No answer arrived in time. Whether it was obeyed is unknown.
     Silent,
     /// The controller was reset.
     Restarted,
 }
 
-/// What the controller says beside the outcome of a string.
+/// What the controller reports in addition to the outcome of a string.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Report {
-    /// A motor step; of so many where [`Order::Every`] says so.
+    /// A motor step, or the last of the number that [`Order::Every`] has set.
     Step {
         /// The axis.
         axis: Axis,
@@ -76,28 +76,28 @@ pub enum Report {
     },
     /// A streamed line was made.
     LineDone,
-    /// Something ended before it was done; what was queued is dropped.
+    /// A motion ended before it was done. The queue is dropped.
     Stopped,
-    /// It was reset: not homed, nothing queued.
+    /// It was reset: it is not homed, and its queue is empty.
     Restarted,
-    /// A byte that nothing was sent for, or that means nothing.
+    /// A byte without a meaning, or one that arrived although nothing was sent.
     Noise(u8),
 }
 
-/// How far the host is.
+/// The progress of the host.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Progress {
-    /// Nothing to do.
+    /// There is no string.
     Idle,
     /// A byte waits to be sent.
     Sending,
-    /// For a byte, at most so many microseconds: then ask again.
+    /// The host waits for a byte. After this time the caller polls again.
     Waiting {
         /// Microseconds.
         us: u32,
     },
-    /// The string is done with. Told once.
+    /// The string has ended. This is returned once.
     Over(Outcome),
 }
 
@@ -107,10 +107,10 @@ pub enum Progress {
 ///
 /// | when | call |
 /// | --- | --- |
-/// | something is to be done | [`start`](Host::start) |
+/// | a string is to be sent | [`start`](Host::start) |
 /// | the port takes bytes | [`transmit`](Host::transmit) |
 /// | a byte arrives | [`push`](Host::push) |
-/// | after each of these and after the time it names | [`poll`](Host::poll) |
+/// | after each of these, and after the time that it returns | [`poll`](Host::poll) |
 ///
 /// The host sends `;` only if the echo of all characters before it was right. Otherwise it spoils
 /// the string with a `!`, which no string contains, and sends it again. So a wrong bit never causes
@@ -121,20 +121,20 @@ pub struct Host {
     timing: HostTiming,
     order: Option<Order>,
     text: Text,
-    /// Bytes sent, and bytes echoed.
+    /// Number of bytes sent, and of bytes echoed.
     sent: u8,
     echoed: u8,
     phase: Phase,
     /// The answer of the order whose string is, or was, sent.
     answer: Option<Outcome>,
     tries: u8,
-    /// The string is one beside the order.
+    /// The string is sent in addition to the order, not for it.
     is_aside: bool,
     is_streaming: bool,
-    /// The number of bytes that extend [`Phase::Quiet`]. A controller that reports steps without a
-    /// pause is not waited for longer.
+    /// Number of bytes that have extended [`Phase::Quiet`]. It is limited, because a controller may
+    /// report steps without a pause.
     heard: u8,
-    /// Streamed lines taken and not made.
+    /// Number of streamed lines that are in the queue and not made.
     lines: u32,
     since_us: u32,
 }
@@ -143,17 +143,18 @@ pub struct Host {
 enum Phase {
     /// The string, then its answer.
     String,
-    /// The echo of the `;` was wrong or is missing: it is obeyed, or it is not.
+    /// The echo of the `;` was wrong or is missing. The string may have been obeyed.
     Unsure,
-    /// `!;`, then that there is no such string.
+    /// `!;`, then the answer that there is no such string.
     Spoil,
-    /// This answer was received. If it was asked for more than once, more of the same may follow,
-    /// so nothing is sent until the line is silent.
+    /// That answer was received. If `!;` was sent more than once, further answers may follow, so
+    /// nothing is sent until the line is silent.
     Quiet,
 }
 
 impl Host {
-    /// At rest. The controller may be in any state: [`Order::Stop`] is a good beginning.
+    /// Creates a host at rest. The controller may be in any state, so the first order should be
+    /// [`Order::Stop`].
     pub fn new(timing: HostTiming) -> Host {
         Host {
             timing,
@@ -172,7 +173,7 @@ impl Host {
         }
     }
 
-    /// Begins to send a string. `false`: the one before is not done with.
+    /// Begins to send a string. Returns `false` if the previous one has not ended.
     pub fn start(&mut self, order: Order, now_us: u32) -> bool {
         let is_free = match self.order {
             None => true,
@@ -193,12 +194,13 @@ impl Host {
         true
     }
 
-    /// The next byte for the line, if one may be sent.
+    /// Returns the next byte for the line, if one may be sent.
     pub fn transmit(&mut self, now_us: u32) -> Option<u8> {
         self.order?;
         let byte = self.text.bytes().get(usize::from(self.sent)).copied()?;
         let open = self.sent.wrapping_sub(self.echoed); // never more echoed than sent
-        // The last byte waits until all others were right; what spoils does not look at echoes.
+        // The last byte waits until all other echoes were right. A spoilt string does not wait for
+        // echoes.
         let may_go = match byte {
             b';' if self.phase == Phase::String => {
                 open == 0 && now_us.wrapping_sub(self.since_us) >= self.timing.guard_us
@@ -216,7 +218,7 @@ impl Host {
         Some(byte)
     }
 
-    /// Takes a byte of the line.
+    /// Takes a byte from the line.
     pub fn push(&mut self, byte: u8, now_us: u32) -> Option<Report> {
         if self.phase == Phase::Quiet && self.heard < u8::MAX {
             self.heard = self.heard.wrapping_add(1); // below its most
@@ -266,7 +268,7 @@ impl Host {
                     Answer::NoSwitch => Outcome::NoSwitch,
                     _ => Outcome::Done,
                 };
-                // What is answered was sent; its echo may be lost.
+                // An answered string was sent. Its echo may be lost.
                 let is_sent = self.text.bytes().len() == usize::from(self.sent);
                 let is_open = self.phase == Phase::String && !self.is_aside && !is_sent;
                 if self.order.is_none() || is_open {
@@ -287,7 +289,7 @@ impl Host {
         }
     }
 
-    /// How far the string is.
+    /// Returns the progress of the string.
     pub fn poll(&mut self, now_us: u32) -> Progress {
         let Some(order) = self.order else {
             return Progress::Idle;
@@ -315,7 +317,7 @@ impl Host {
         };
         let past_us = now_us.wrapping_sub(self.since_us);
         if past_us < wait_us {
-            // More bytes may go while echoes are awaited.
+            // Further bytes may be sent while the host waits for echoes.
             let may_go = !is_sent && open < self.timing.window.max(1);
             let next = self.text.bytes().get(usize::from(self.sent));
             if may_go && (next != Some(&b';') || self.phase == Phase::Spoil) {
@@ -333,12 +335,12 @@ impl Host {
         self.is_streaming
     }
 
-    /// Streamed lines that were taken and not made yet.
+    /// Returns the number of streamed lines in the queue that are not made yet.
     pub const fn lines(&self) -> u32 {
         self.lines
     }
 
-    /// Something did not come in time.
+    /// Acts when an expected byte has not arrived in time.
     fn late(&mut self, is_sent: bool, open: u8, now_us: u32) -> Progress {
         match self.phase {
             Phase::Quiet => {
@@ -373,13 +375,13 @@ impl Host {
             return Some(Report::Noise(byte));
         }
         if self.sent == self.echoed && self.phase == Phase::String {
-            // A byte more than was sent: the controller may have it, too.
+            // One echo more than bytes were sent: the controller may have the byte, too.
             self.spoil(now_us);
             return None;
         }
         let expected = self.text.bytes().get(usize::from(self.echoed)).copied();
         match self.phase {
-            // Whatever comes: it may be late echoes.
+            // Any byte may be a late echo.
             Phase::Spoil | Phase::Quiet => None,
             Phase::Unsure => {
                 if expected == Some(byte) {
@@ -404,7 +406,7 @@ impl Host {
         }
     }
 
-    /// Makes the string one that is none.
+    /// Turns the string into an unknown one.
     fn spoil(&mut self, now_us: u32) {
         self.tries = self.tries.saturating_sub(1);
         let mut text = Text::new();
@@ -414,11 +416,11 @@ impl Host {
         self.phase = Phase::Spoil;
     }
 
-    /// The spoilt string was refused: once more, or not.
+    /// Acts after the spoilt string was refused: sends the order again, or gives up.
     fn respoilt(&mut self, now_us: u32) {
         self.phase = Phase::String;
         match self.order {
-            // What was beside it has stopped it, and what was answered was received.
+            // An additional string has stopped the order, and an answered one was received.
             Some(order) if self.tries > 0 && !self.is_aside && self.answer.is_none() => {
                 self.load(order.text(), now_us);
             }
@@ -429,7 +431,7 @@ impl Host {
         }
     }
 
-    /// An answer that only a string that was received can have.
+    /// Takes an answer that proves that the string was received.
     fn obeyed(&mut self, outcome: Outcome, now_us: u32) {
         if self.phase == Phase::Unsure || (!self.is_aside && !self.is_echoed()) {
             self.is_obeyed(now_us);
@@ -460,7 +462,7 @@ impl Host {
         self.text.bytes().len() == usize::from(self.echoed)
     }
 
-    /// A line that waits for its place in the queue.
+    /// Whether a line waits for its slot in the queue.
     fn is_queueing(&self) -> bool {
         self.is_streaming && matches!(self.order, Some(Order::Line(_)))
     }

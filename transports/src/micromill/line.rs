@@ -6,7 +6,7 @@ use super::{Text, reader::Reader};
 /// keeps its position.
 pub type XyPoint = [Option<i32>; 2];
 
-/// Where a straight move goes: X and Y (one of them at least), or Z alone.
+/// The end of a straight move: X and Y (at least one of them), or Z alone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Point {
@@ -23,7 +23,7 @@ pub enum Point {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Line {
-    /// `G00X01000Y00500;`, `G00Z00100.50;`: as fast as it goes.
+    /// `G00X01000Y00500;`, `G00Z00100.50;`: a rapid move.
     Rapid(Point),
     /// `G01X01000F08;`, `G01Z-00100F08;`: at a feed of two to four digits, not 0.
     Linear(Point, u16),
@@ -34,19 +34,19 @@ pub enum Line {
         clockwise: bool,
         /// Its end.
         to: [i32; 2],
-        /// Its centre, a place in the part's frame like the end.
+        /// Its centre, in the part's frame like the end.
         centre: [i32; 2],
         /// Tenths of mm/min, not 0.
         feed: u16,
     },
     /// `G04P03;`: seconds, one to four digits.
     Dwell(u16),
-    /// `G28X0Y0;`, `G28Z0;`: as fast as it goes to machine zero.
+    /// `G28X0Y0;`, `G28Z0;`: a rapid move to machine zero.
     MachineZero {
-        /// Z; otherwise X and Y.
+        /// Z. Otherwise X and Y.
         z: bool,
     },
-    /// `G54;`: the part's zero is here.
+    /// `G54;`: the present position becomes the part's zero.
     Zero,
     /// `G90;`: coordinates are absolute, as always.
     Absolute,
@@ -66,7 +66,7 @@ pub enum Line {
 }
 
 impl Line {
-    /// Reads a string without its `;`, blanks or ends of lines; `None` where there is no such line.
+    /// Reads a string without its `;`, blanks or line ends. `None` if no such line exists.
     pub fn read(string: &[u8]) -> Option<Line> {
         let (code, words) = string.split_first_chunk::<3>()?;
         let mut reader = Reader(words);

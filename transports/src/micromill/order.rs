@@ -1,4 +1,4 @@
-//! What a string asks for.
+//! The meanings of the strings.
 
 use super::{Line, Text, reader::Reader};
 
@@ -16,10 +16,10 @@ pub enum Axis {
 }
 
 impl Axis {
-    /// X, Y, Z.
+    /// All axes: X, Y, Z.
     pub const ALL: [Axis; 3] = [Axis::X, Axis::Y, Axis::Z];
 
-    /// Its letter.
+    /// Returns its letter.
     pub const fn letter(self) -> u8 {
         match self {
             Axis::X => b'X',
@@ -33,41 +33,41 @@ impl Axis {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Order {
-    /// `JX+;`, `&X+Y-Z+;`: these axes, 1, -1 or 0 each, until something stops them.
+    /// `JX+;`, `&X+Y-Z+;`: jogs these axes, 1, -1 or 0 each, until they are stopped.
     Jog([i8; 3]),
-    /// `PX+1000;`: so many steps of an axis, -9999 to 9999.
+    /// `PX+1000;`: moves an axis by this many steps, -9999 to 9999.
     Steps(Axis, i16),
     /// `FX+250;`: runs an axis at this many steps per second, -999 to 999, not 0, until it is
     /// stopped.
     Run(Axis, i16),
-    /// `BX200;`: the backlash of an axis in micrometres, 0 to 999.
+    /// `BX200;`: sets the backlash of an axis in micrometres, 0 to 999.
     Backlash(Axis, u16),
-    /// `H;`: home.
+    /// `H;`: homes.
     Home,
-    /// `A;`: stop.
+    /// `A;`: stops.
     Stop,
-    /// `W;`: a jog goes faster.
+    /// `W;`: makes a jog faster.
     Faster,
-    /// `V;`: a jog goes slower.
+    /// `V;`: makes a jog slower.
     Slower,
-    /// `Q;`: the part's zero is here.
+    /// `Q;`: makes the present position the part's zero.
     Zero,
     /// A line of a program.
     Line(Line),
-    /// `S1;`, `S0;`: lines are streamed, or not.
+    /// `S1;`, `S0;`: switches the streaming of lines on or off.
     Stream(bool),
     /// `L0250;`: a motion ends this many milliseconds after the last string, 1 to 9999. 0: a motion
     /// needs no host.
     Lease(u16),
     /// `L;`: the motion continues.
     Renew,
-    /// `R010;`: one step in so many is told, 1 to 999; 0: none.
+    /// `R010;`: has one step in this many reported, 1 to 999. 0: none.
     Every(u16),
 }
 
 impl Order {
     /// Reads a string without its `;`, blanks and line ends. `None` if no such string exists.
-    #[inline(never)] // whoever takes strings may be optimized for speed: this need not
+    #[inline(never)] // a caller may be optimized for speed, this function need not be
     pub fn read(string: &[u8]) -> Option<Order> {
         let mut reader = Reader(string);
         let (first, _) = string.split_first()?;
@@ -115,13 +115,13 @@ impl Order {
         reader.is_empty().then_some(order)
     }
 
-    /// The string with its `;`. Numbers with too many digits lose the upper ones; orders from
-    /// [`Order::read`] have none such.
+    /// Returns the string with its `;`. Numbers with too many digits lose the upper ones. Orders
+    /// from [`Order::read`] have no such numbers.
     pub fn text(&self) -> Text {
         let mut text = Text::new();
         match *self {
             Order::Jog(ways) => {
-                // Not `count`: it could overflow for all the compiler knows.
+                // Not `count`, because the compiler cannot exclude its overflow.
                 let moving = ways.iter().filter(|way| **way != 0);
                 let is_one = moving.take(2).fold(0_u8, |count, _| count.wrapping_add(1)) == 1;
                 text.push(if is_one { b'J' } else { b'&' });
@@ -163,13 +163,13 @@ impl Order {
         text
     }
 
-    /// Whether the controller answers; the others are only echoed.
+    /// Whether the controller answers. Other strings are only echoed.
     pub const fn is_answered(&self) -> bool {
         !matches!(self, Order::Faster | Order::Slower | Order::Renew)
     }
 }
 
-/// One axis, one way.
+/// One axis with its direction.
 fn way(axis: Axis, is_forward: bool) -> [i8; 3] {
     Axis::ALL.map(|other| match (other == axis, is_forward) {
         (false, _) => 0,
@@ -195,7 +195,7 @@ fn ways(reader: &mut Reader<'_>) -> Option<[i8; 3]> {
     (count >= 2).then_some(ways)
 }
 
-/// A sign and so many digits, at most four.
+/// A sign and this many digits, at most four.
 fn signed(reader: &mut Reader<'_>, digits: u8) -> Option<i16> {
     let is_forward = reader.way()?;
     let value = reader.digits(digits, digits)? as i16;

@@ -1,8 +1,8 @@
-//! The characters of a string, from the front.
+//! The characters of a string, from its beginning.
 
 use super::Axis;
 
-/// What is left of a string.
+/// The rest of a string.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Reader<'a>(pub(super) &'a [u8]);
 
@@ -22,7 +22,7 @@ impl Reader<'_> {
         Axis::ALL.into_iter().find(|axis| self.takes(axis.letter()))
     }
 
-    /// `+` or `-`: whether it is `+`.
+    /// Takes `+` or `-`. Returns whether it is `+`.
     pub(super) fn way(&mut self) -> Option<bool> {
         if self.takes(b'+') {
             Some(true)
@@ -33,7 +33,7 @@ impl Reader<'_> {
         }
     }
 
-    /// A number of `least` to `most` digits. `most` is below 10, so the number is below 10^9.
+    /// Takes a number of `least` to `most` digits. `most` is below 10, so the number is below 10^9.
     pub(super) fn digits(&mut self, least: u8, most: u8) -> Option<u32> {
         let (mut value, mut count) = (0_u32, 0_u8);
         while let Some((first, rest)) = self.0.split_first() {
@@ -48,8 +48,8 @@ impl Reader<'_> {
         (count >= least).then_some(value)
     }
 
-    /// The word with this letter, if it is next, in units of 10 nm: an optional sign, one to five
-    /// digits of micrometres and up to two decimals.
+    /// Takes the word with this letter, if it is next, in units of 10 nm: an optional sign, one to
+    /// five digits of micrometres and up to two decimals.
     pub(super) fn coordinate(&mut self, letter: u8) -> Option<Option<i32>> {
         if !self.takes(letter) {
             return Some(None);
@@ -70,7 +70,7 @@ impl Reader<'_> {
         }))
     }
 
-    /// The number of a letter that has to be next.
+    /// Takes the number of a letter. The letter must be next.
     pub(super) fn word(&mut self, letter: u8, least: u8, most: u8) -> Option<u16> {
         if !self.takes(letter) {
             return None;

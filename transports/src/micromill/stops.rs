@@ -1,14 +1,14 @@
-//! Which bytes stop.
+//! The bytes that stop a motion.
 
 /// Bytes that stop the motion. For an interrupt that must act before the foreground takes the byte.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Stops {
-    /// None: nothing moves.
+    /// No byte: nothing moves.
     Nothing,
-    /// Any but those of `W;`, `V;` and `L;`: a jog, or a motion with a lease.
+    /// Any byte except those of `W;`, `V;` and `L;`: a jog, or a motion with a lease.
     Jog,
-    /// Any.
+    /// Any byte.
     Anything,
     /// `A`: lines are streamed.
     Letter,

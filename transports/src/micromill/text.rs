@@ -1,4 +1,4 @@
-//! A string that is put together.
+//! A string under construction.
 
 use super::STRING_BYTES;
 use crate::buffer::Buffer;
@@ -12,7 +12,7 @@ impl Text {
         Text(Buffer::new())
     }
 
-    /// Its bytes.
+    /// Returns its bytes.
     pub fn bytes(&self) -> &[u8] {
         self.0.bytes()
     }
@@ -25,7 +25,7 @@ impl Text {
         self.push(if is_forward { b'+' } else { b'-' });
     }
 
-    /// So many digits, at most five, leading zeros kept.
+    /// Appends this many digits, at most five, with leading zeros.
     pub(super) fn digits(&mut self, value: u32, count: u8) {
         for (place, power) in [(4, 10_000), (3, 1000), (2, 100), (1, 10), (0, 1_u32)] {
             if place < count {
@@ -35,7 +35,7 @@ impl Text {
         }
     }
 
-    /// A letter and micrometres, five digits and two decimals; the sign only if it is minus.
+    /// Appends a letter and micrometres, with five digits, two decimals, and a sign if negative.
     pub(super) fn coordinate(&mut self, letter: u8, value: Option<i32>) {
         let Some(value) = value else { return };
         self.push(letter);
