@@ -4,7 +4,7 @@
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Buffer<const N: usize> {
     bytes: [u8; N],
-    /// At most `N`.
+    /// Length, at most `N`.
     length: usize,
 }
 

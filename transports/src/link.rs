@@ -70,7 +70,7 @@ pub const WINDOW_FRAMES: usize = 7;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Lost {
-    /// The other end answered none of the tries.
+    /// The other end did not answer any try.
     NoAnswer,
     /// The other end has restarted since it was called.
     Restarted,

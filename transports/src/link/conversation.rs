@@ -1,23 +1,23 @@
-//! One end of a numbered exchange: go back and send again.
+//! One end of a numbered exchange, which repeats frames from a number on (go back N).
 
 use super::{PAYLOAD_BYTES, WINDOW_FRAMES};
 use crate::buffer::Buffer;
 
-/// Why a payload was not taken.
+/// Why a payload was not accepted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Refused {
-    /// The other end was not called yet, or is down.
+    /// The other end was not called, or is down.
     NotUp,
-    /// As many are on their way as may be.
+    /// The largest number of payloads is in flight.
     Full,
-    /// More than [`PAYLOAD_BYTES`].
+    /// The payload has more than [`PAYLOAD_BYTES`].
     TooLong,
     /// There is no such station.
     NoStation,
 }
 
-/// What a numbered frame is to its receiver.
+/// The meaning of a numbered frame for its receiver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Order {
     Next,
@@ -25,7 +25,7 @@ pub(super) enum Order {
     Gap,
 }
 
-/// Frames on their way in one direction, and the number of the last one taken in the other.
+/// Frames in flight in one direction, and the number of the last one accepted in the other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Conversation<const WINDOW: usize> {
     /// A ring: the oldest at `head`.
@@ -69,7 +69,7 @@ impl<const WINDOW: usize> Conversation<WINDOW> {
         Ok(())
     }
 
-    /// Frames that the other end has not acknowledged.
+    /// Returns the number of frames that the other end has not acknowledged.
     pub(super) const fn unacknowledged(&self) -> usize {
         self.queued
     }
@@ -78,12 +78,12 @@ impl<const WINDOW: usize> Conversation<WINDOW> {
         self.sent >= self.queued
     }
 
-    /// The number of the last frame taken.
+    /// Returns the number of the last accepted frame.
     pub(super) const fn taken(&self) -> u8 {
         self.taken
     }
 
-    /// The next one to be sent, with its number; it counts as sent.
+    /// Returns the next frame to send, with its number. It counts as sent.
     pub(super) fn next(&mut self) -> Option<(u8, &[u8])> {
         if self.all_sent() {
             return None;
@@ -104,12 +104,12 @@ impl<const WINDOW: usize> Conversation<WINDOW> {
         self.head = self.slot(more);
         self.first = self.first.wrapping_add(more as u8) & 15; // more is at most WINDOW
         self.queued = self.queued.wrapping_sub(more);
-        // After a rewind an answer to what was sent before may come.
+        // After a rewind an answer to an earlier frame may arrive.
         self.sent = self.sent.saturating_sub(more);
         true
     }
 
-    /// What is not acknowledged is to be sent again.
+    /// Has all frames sent again that are not acknowledged.
     pub(super) fn rewind(&mut self) {
         self.sent = 0;
     }
@@ -126,7 +126,7 @@ impl<const WINDOW: usize> Conversation<WINDOW> {
         }
     }
 
-    /// The place of the n-th frame from the head; n is at most WINDOW.
+    /// The index of the n-th frame from the head. n is at most WINDOW.
     const fn slot(&self, n: usize) -> usize {
         let place = self.head.wrapping_add(n);
         if place < WINDOW {

@@ -19,15 +19,15 @@ const _: () = assert!(BODY_BYTES < 254);
 
 const CHECK: Crc<u16, Table<1>> = Crc::<u16, Table<1>>::new(&CRC_16_IBM_SDLC);
 
-/// What a frame is for.
+/// The kind of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Kind {
     /// A numbered payload.
     Data,
-    /// Nothing but the number taken last; of a master, a question.
+    /// Only the number of the last accepted frame. From a master it is a question.
     Acknowledge,
-    /// The same, and something was missing: send again from there.
+    /// The same, and a frame was missing: send again from there.
     Gap,
     /// A call and its answer: both ends restart their numbers. A call without payload means that
     /// the station has restarted and waits for a call.
@@ -55,30 +55,30 @@ impl Kind {
     }
 }
 
-/// A frame, without what the line needs.
+/// A frame, without its encoding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Frame<'a> {
-    /// Of the station that speaks or is spoken to, or [`BROADCAST`](super::BROADCAST).
+    /// Address of the station that sends or receives it, or [`BROADCAST`](super::BROADCAST).
     pub address: u8,
-    /// What it is for.
+    /// Its kind.
     pub kind: Kind,
-    /// A station speaks.
+    /// Whether a station sends it.
     pub from_station: bool,
     /// From a master: the number of its last broadcast, 1 to 7, 0 for none. From a station: the
     /// same number if it heard that broadcast, otherwise 0.
     pub broadcast: u8,
     /// Its number, 0 to 15; of a broadcast, 1 to 7; 0 where it is no data.
     pub number: u8,
-    /// The number of the last frame taken, 0 to 15.
+    /// The number of the last accepted frame, 0 to 15.
     pub acknowledged: u8,
-    /// Up to [`PAYLOAD_BYTES`].
+    /// Its payload, up to [`PAYLOAD_BYTES`].
     pub payload: &'a [u8],
 }
 
 impl<'a> Frame<'a> {
-    /// The frame as bytes of the line. `None` if the payload is too long. Numbers are taken modulo
-    /// 16, that of the broadcast modulo 8.
+    /// Returns the frame as bytes of the line. `None` if the payload is too long. Numbers are taken
+    /// modulo 16, that of the broadcast modulo 8.
     ///
     /// ```
     /// use husillo_transports::link::{Frame, Kind};
@@ -115,7 +115,7 @@ impl<'a> Frame<'a> {
         Some(Sent { wire, next: 0 })
     }
 
-    /// The frame of a body with its check, or `None` where it is none.
+    /// Reads the frame of a body with its check. `None` if it is not valid.
     fn of(body: &'a [u8]) -> Option<Frame<'a>> {
         let (checked, check) = body.split_last_chunk::<2>()?;
         if CHECK.checksum(checked) != u16::from_le_bytes(*check) {
@@ -134,7 +134,7 @@ impl<'a> Frame<'a> {
     }
 }
 
-/// A frame on its way out.
+/// A frame that is being sent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Sent {
     wire: Buffer<WIRE_BYTES>,
@@ -142,12 +142,12 @@ pub struct Sent {
 }
 
 impl Sent {
-    /// All of its bytes.
+    /// Returns all of its bytes.
     pub fn bytes(&self) -> &[u8] {
         self.wire.bytes()
     }
 
-    /// The next byte to send; `None` when all are.
+    /// Returns the next byte to send. `None` if all are sent.
     pub fn transmit(&mut self) -> Option<u8> {
         let byte = self.wire.bytes().get(self.next).copied()?;
         self.next = self.next.wrapping_add(1); // at most WIRE_BYTES
@@ -155,7 +155,7 @@ impl Sent {
     }
 }
 
-/// Bytes to frames: whatever came before, a zero begins anew.
+/// Bytes to frames. A zero begins a new frame, whatever came before.
 ///
 /// A byte costs a comparison or two; the check is made at the end of a frame. 144 bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -168,17 +168,17 @@ pub struct Receiver {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum State {
-    /// Nothing since the last zero.
+    /// No byte since the last zero.
     Empty,
     Filling,
-    /// Too long: up to the next zero.
+    /// The frame is too long. Bytes are dropped up to the next zero.
     Skipping,
-    /// The body was given out.
+    /// The body was returned.
     Given,
 }
 
 impl Receiver {
-    /// At the beginning of a frame.
+    /// Creates a receiver at the beginning of a frame.
     pub const fn new() -> Receiver {
         Receiver {
             body: Buffer::new(),
@@ -209,7 +209,7 @@ impl Receiver {
                 self.take(byte);
             }
             state => {
-                // A distance: the zero before it, but for the first.
+                // A distance. A zero precedes it, except the first one.
                 self.run = byte.wrapping_sub(1); // above zero
                 if state == State::Filling {
                     self.take(0);

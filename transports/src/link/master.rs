@@ -5,34 +5,34 @@ use super::frame::{Frame, Kind, Receiver, Sent};
 use super::{BROADCAST, Lost, PAYLOAD_BYTES, Refused, Timing};
 use crate::buffer::Buffer;
 
-/// What happened; `station` counts from 0 in the order of the addresses.
+/// An event of the line. `station` counts from 0 in the order of the addresses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Event<'a> {
     /// The station has answered its call.
     Up {
-        /// Which.
+        /// The station.
         station: usize,
     },
     /// The station is down until it is called again.
     Down {
-        /// Which.
+        /// The station.
         station: usize,
-        /// Why.
+        /// The reason.
         why: Lost,
-        /// Payloads of which nobody knows whether they arrived: 0 or 1.
+        /// Number of payloads in doubt: 0 or 1.
         unacknowledged: usize,
     },
     /// The next payload of a station, once.
     Data {
-        /// Whose.
+        /// The station.
         station: usize,
-        /// What.
+        /// The payload.
         payload: &'a [u8],
     },
     /// The station did not hear the last broadcast.
     Missed {
-        /// Which.
+        /// The station.
         station: usize,
     },
     /// Every station that is up has reported whether it heard the last broadcast. [`Event::Missed`]
@@ -56,23 +56,23 @@ struct Line {
     conversation: Conversation<1>,
     tries: u8,
     asked_us: u32,
-    /// It had something to say, and may have more.
+    /// It had a payload, and may have more.
     is_talking: bool,
-    /// Has to say whether it heard the broadcast.
+    /// It must report whether it received the broadcast.
     is_checked: bool,
     has_missed: bool,
 }
 
-/// A master. It asks its stations in turn, as often as there is something to send. It takes 176
-/// bytes per station, and 504.
+/// A master. It asks its stations in turn, as often as there is something to send. It takes 504
+/// bytes, and 176 per station.
 ///
 /// | when | call |
 /// | --- | --- |
 /// | a station is to be used | [`call`](Master::call) |
-/// | there is something to say | [`send`](Master::send), [`broadcast`](Master::broadcast) |
+/// | a payload is to be sent | [`send`](Master::send), [`broadcast`](Master::broadcast) |
 /// | the port takes bytes | [`transmit`](Master::transmit) |
 /// | a byte arrives | [`push`](Master::push) |
-/// | after each of these, and every few milliseconds | [`poll`](Master::poll) until it has nothing more |
+/// | after each of these, and every few milliseconds | [`poll`](Master::poll) until it returns `None` |
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Master<const STATIONS: usize> {
     timing: Timing,
@@ -83,7 +83,7 @@ pub struct Master<const STATIONS: usize> {
     awaited: Option<(usize, u32)>,
     /// When the line may be used again; `None` = now.
     ready_us: Option<u32>,
-    /// Asked last.
+    /// The station that was asked last.
     last: usize,
     shout: Option<Buffer<PAYLOAD_BYTES>>,
     /// Number of the last broadcast, 1 to 7; 0 = none yet.
@@ -92,7 +92,8 @@ pub struct Master<const STATIONS: usize> {
 }
 
 impl<const STATIONS: usize> Master<STATIONS> {
-    /// Of stations with these addresses, each different and none [`BROADCAST`]; all are down.
+    /// Creates the master of stations with these addresses, each different and none
+    /// [`BROADCAST`]. All are down.
     pub fn new(timing: Timing, addresses: [u8; STATIONS]) -> Self {
         Master {
             timing,
@@ -131,10 +132,10 @@ impl<const STATIONS: usize> Master<STATIONS> {
         Ok(())
     }
 
-    /// Queues a payload for a station; one at a time.
+    /// Queues a payload for a station, one at a time.
     ///
     /// # Errors
-    /// [`Refused`]; nothing changes then.
+    /// [`Refused`]. Nothing changes then.
     pub fn send(&mut self, station: usize, payload: &[u8]) -> Result<(), Refused> {
         let line = self.lines.get_mut(station).ok_or(Refused::NoStation)?;
         if line.state != State::Up {
@@ -165,7 +166,7 @@ impl<const STATIONS: usize> Master<STATIONS> {
         Ok(())
     }
 
-    /// The next byte for the line; `None` when there is none for now.
+    /// Returns the next byte for the line. `None` if there is none now.
     pub fn transmit(&mut self, now_us: u32) -> Option<u8> {
         if self.sending.is_none() {
             if self.awaited.is_some()
@@ -188,12 +189,12 @@ impl<const STATIONS: usize> Master<STATIONS> {
         byte
     }
 
-    /// Takes a byte of the line; what came with it.
+    /// Takes a byte from the line. Returns what the byte completes.
     pub fn push(&mut self, byte: u8, now_us: u32) -> Option<Event<'_>> {
         let frame = self.receiver.push(byte)?;
         let (station, _) = self.awaited?;
         let line = self.lines.get_mut(station)?;
-        // An answer to an earlier question comes again when it is asked for.
+        // An answer to an earlier question is repeated when the master asks again.
         if !frame.from_station || frame.address != line.address {
             return None;
         }
@@ -228,13 +229,13 @@ impl<const STATIONS: usize> Master<STATIONS> {
         })
     }
 
-    /// What time has brought; call it until there is nothing more.
+    /// Returns an event that the time has caused. Call it until it returns `None`.
     pub fn poll(&mut self, now_us: u32) -> Option<Event<'static>> {
         if let Some((station, until_us)) = self.awaited {
             if has_come(until_us, now_us) {
                 self.awaited = None;
                 self.sending = None;
-                // Whoever still speaks is to end before the next question.
+                // A station that still sends must end before the next question.
                 self.ready_us = Some(now_us.wrapping_add(self.timing.turnaround_us));
                 let line = self.lines.get_mut(station)?;
                 line.tries = line.tries.saturating_add(1);
@@ -263,8 +264,8 @@ impl<const STATIONS: usize> Master<STATIONS> {
             .is_some_and(|line| line.state == State::Up)
     }
 
-    /// Payloads that a station has not acknowledged: 0 or 1. The number stays after the station
-    /// went down, until it is called again.
+    /// Returns the number of payloads that a station has not acknowledged: 0 or 1. The number stays
+    /// after the station went down, until it is called again.
     pub fn unacknowledged(&self, station: usize) -> usize {
         self.lines
             .get(station)
@@ -302,7 +303,7 @@ impl<const STATIONS: usize> Master<STATIONS> {
         Some(sent)
     }
 
-    /// The question to the next station that has to be asked.
+    /// Returns the question to the next station that must be asked.
     fn ask(&mut self, now_us: u32) -> Option<Sent> {
         let (timing, broadcast) = (self.timing, self.broadcast);
         let (before, behind) = self

@@ -1,33 +1,33 @@
-//! For programs that wait with `nb::block!`: takes a payload, or would block until a payload is
-//! acknowledged.
+//! Functions for programs that wait with `nb::block!`. They accept a payload, or would block until
+//! one is acknowledged.
 
 use super::{Master, Peer, Refused, Station};
 
 impl<const WINDOW: usize> Peer<WINDOW> {
-    /// [`send`](Peer::send), for a loop.
+    /// [`send`](Peer::send) that can be repeated in a loop.
     ///
     /// # Errors
-    /// `WouldBlock` while as many are on their way as may be; otherwise what stays wrong.
+    /// `WouldBlock` while the largest number of payloads is in flight. Other errors are permanent.
     pub fn poll_send(&mut self, payload: &[u8]) -> nb::Result<(), Refused> {
         or_full(self.send(payload))
     }
 }
 
 impl Station {
-    /// [`send`](Station::send), for a loop.
+    /// [`send`](Station::send) that can be repeated in a loop.
     ///
     /// # Errors
-    /// `WouldBlock` while the last one was not fetched; otherwise what stays wrong.
+    /// `WouldBlock` while the master has not fetched the last one. Other errors are permanent.
     pub fn poll_send(&mut self, payload: &[u8]) -> nb::Result<(), Refused> {
         or_full(self.send(payload))
     }
 }
 
 impl<const STATIONS: usize> Master<STATIONS> {
-    /// [`send`](Master::send), for a loop.
+    /// [`send`](Master::send) that can be repeated in a loop.
     ///
     /// # Errors
-    /// `WouldBlock` while as many are on their way as may be; otherwise what stays wrong.
+    /// `WouldBlock` while the largest number of payloads is in flight. Other errors are permanent.
     pub fn poll_send(&mut self, station: usize, payload: &[u8]) -> nb::Result<(), Refused> {
         or_full(self.send(station, payload))
     }

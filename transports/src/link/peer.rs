@@ -12,19 +12,19 @@ enum State {
     Up,
 }
 
-/// What is to be said beside data.
+/// What an end sends in addition to data.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Answer {
     Acknowledge,
     Gap,
-    /// To the call of this number.
+    /// The answer to the call with this number.
     Up(u8),
     /// Not called since the start.
     Down,
 }
 
 /// One end of a full-duplex line. Both ends may send at any time, up to `WINDOW` frames (1 to 7)
-/// before the first is acknowledged. It takes 128 bytes per frame, and 384.
+/// before the first is acknowledged. It takes 384 bytes, and 128 per frame.
 ///
 /// One end calls, the other end is called. Each sends a sign of life every [`Timing::ask_us`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -37,9 +37,9 @@ pub struct Peer<const WINDOW: usize> {
     state: State,
     call: u8,
     answer: Option<Answer>,
-    /// A gap was told, and nothing in order came since.
+    /// A gap was reported, and no frame in order has arrived since.
     is_gap_told: bool,
-    /// When what is on its way has to be acknowledged.
+    /// When the frames in flight must be acknowledged.
     until_us: Option<u32>,
     tries: u8,
     heard_us: u32,
@@ -49,7 +49,7 @@ pub struct Peer<const WINDOW: usize> {
 }
 
 impl<const WINDOW: usize> Peer<WINDOW> {
-    /// The end that is called, of this address.
+    /// Creates the end that is called, with this address.
     pub const fn station(address: u8, timing: Timing) -> Self {
         Peer {
             address,
@@ -70,7 +70,7 @@ impl<const WINDOW: usize> Peer<WINDOW> {
         }
     }
 
-    /// The end that calls the station of this address.
+    /// Creates the end that calls the station with this address.
     pub const fn caller(address: u8, timing: Timing) -> Self {
         let mut peer = Self::station(address, timing);
         peer.calls = true;
@@ -90,7 +90,7 @@ impl<const WINDOW: usize> Peer<WINDOW> {
     /// Queues a payload.
     ///
     /// # Errors
-    /// [`Refused`]; nothing changes then.
+    /// [`Refused`]. Nothing changes then.
     pub fn send(&mut self, payload: &[u8]) -> Result<(), Refused> {
         if self.state != State::Up {
             return Err(Refused::NotUp);
@@ -98,7 +98,7 @@ impl<const WINDOW: usize> Peer<WINDOW> {
         self.conversation.queue(payload)
     }
 
-    /// Takes a byte of the line; what came with it.
+    /// Takes a byte from the line. Returns what the byte completes.
     pub fn push(&mut self, byte: u8, now_us: u32) -> Option<Received<'_>> {
         let frame = self.receiver.push(byte)?;
         if frame.from_station != self.calls || frame.address != self.address {
@@ -164,7 +164,7 @@ impl<const WINDOW: usize> Peer<WINDOW> {
         }
     }
 
-    /// The next byte for the line; `None` when there is none for now.
+    /// Returns the next byte for the line. `None` if there is none now.
     pub fn transmit(&mut self, now_us: u32) -> Option<u8> {
         if self.sending.is_none() {
             self.sending = self.say(now_us);
@@ -179,7 +179,7 @@ impl<const WINDOW: usize> Peer<WINDOW> {
         byte
     }
 
-    /// Whether the link has gone down since the last call. The payloads under way at that time are
+    /// Whether the link has gone down since the last call. The payloads in flight at that time are
     /// [`unacknowledged`](Peer::unacknowledged).
     pub fn poll(&mut self, now_us: u32) -> Option<Lost> {
         if self
@@ -204,13 +204,13 @@ impl<const WINDOW: usize> Peer<WINDOW> {
         self.lost.take()
     }
 
-    /// Whether both ends hear each other.
+    /// Whether both ends receive each other.
     pub fn is_up(&self) -> bool {
         self.state == State::Up
     }
 
-    /// Payloads that the other end has not acknowledged. After the link went down it is unknown
-    /// whether they arrived.
+    /// Returns the number of payloads that the other end has not acknowledged. After the link went
+    /// down it is unknown whether they arrived.
     pub const fn unacknowledged(&self) -> usize {
         self.conversation.unacknowledged()
     }

@@ -4,11 +4,11 @@ use super::conversation::{Conversation, Order};
 use super::frame::{Frame, Kind, Receiver, Sent};
 use super::{BROADCAST, Lost, Refused, Timing};
 
-/// What a frame brought.
+/// The content of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Received<'a> {
-    /// The link is up, and everything is counted anew: what was queued before is gone.
+    /// The link is up, and all numbers start again. Payloads that were queued before are dropped.
     Up,
     /// The next payload of the other end, once.
     Data(&'a [u8]),
@@ -16,25 +16,25 @@ pub enum Received<'a> {
     Broadcast(&'a [u8]),
 }
 
-/// What is to be said.
+/// What the station sends next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Answer {
-    /// Data if there is any, else an acknowledgement.
+    /// Data if there is any, otherwise an acknowledgement.
     Next,
     Gap,
-    /// To the call of this number.
+    /// The answer to the call with this number.
     Up(u8),
     /// Not called since the start.
     Down,
 }
 
-/// A station: speaks when it is asked, one frame. 496 bytes.
+/// A station. It sends one frame when it is asked. It takes 496 bytes.
 ///
 /// | when | call |
 /// | --- | --- |
-/// | a byte arrives | [`push`](Station::push), and take what it brought: it is acknowledged with the answer |
+/// | a byte arrives | [`push`](Station::push). What it returns is acknowledged with the answer |
 /// | the port takes bytes | [`transmit`](Station::transmit) |
-/// | now and then | [`poll`](Station::poll): whether the master is still there |
+/// | every few milliseconds | [`poll`](Station::poll): whether the master is still there |
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Station {
     address: u8,
@@ -42,7 +42,7 @@ pub struct Station {
     receiver: Receiver,
     conversation: Conversation<1>,
     is_up: bool,
-    /// The master's last broadcast, as far as this end knows, and whether it came here.
+    /// The master's last known broadcast, and whether it was received.
     broadcast: u8,
     has_heard: bool,
     answer: Option<Answer>,
@@ -51,7 +51,7 @@ pub struct Station {
 }
 
 impl Station {
-    /// Of this address, not [`BROADCAST`]; down until it is called.
+    /// Creates a station with this address, not [`BROADCAST`]. It is down until it is called.
     pub const fn new(address: u8, timing: Timing) -> Station {
         Station {
             address,
@@ -67,7 +67,7 @@ impl Station {
         }
     }
 
-    /// Takes a byte of the line; what came with it.
+    /// Takes a byte from the line. Returns what the byte completes.
     pub fn push(&mut self, byte: u8, now_us: u32) -> Option<Received<'_>> {
         let frame = self.receiver.push(byte)?;
         if frame.from_station || (frame.address != self.address && frame.address != BROADCAST) {
@@ -94,7 +94,7 @@ impl Station {
             return None;
         }
         if frame.broadcast != self.broadcast {
-            // Missed. It must not be taken for the one of the same number, seven later.
+            // It was missed. It must not be taken for a later one with the same number.
             (self.broadcast, self.has_heard) = (frame.broadcast, false);
         }
         self.conversation.acknowledge(frame.acknowledged);
@@ -113,10 +113,10 @@ impl Station {
         }
     }
 
-    /// Keeps a payload for the next time the master asks.
+    /// Queues a payload until the master asks.
     ///
     /// # Errors
-    /// [`Refused`]; nothing changes then.
+    /// [`Refused`]. Nothing changes then.
     pub fn send(&mut self, payload: &[u8]) -> Result<(), Refused> {
         if !self.is_up {
             return Err(Refused::NotUp);
@@ -124,7 +124,7 @@ impl Station {
         self.conversation.queue(payload)
     }
 
-    /// The next byte for the line; `None` when there is none for now.
+    /// Returns the next byte for the line. `None` if there is none now.
     pub fn transmit(&mut self, now_us: u32) -> Option<u8> {
         if self.sending.is_none() {
             let answer = self.answer?;
@@ -141,7 +141,8 @@ impl Station {
         byte
     }
 
-    /// Whether the link has gone down since the last call: nothing came for [`Timing::silence_us`].
+    /// Whether the link has gone down since the last call: nothing was received for
+    /// [`Timing::silence_us`].
     pub fn poll(&mut self, now_us: u32) -> Option<Lost> {
         let silence_us = self.timing.silence_us;
         let is_lost =
@@ -152,12 +153,12 @@ impl Station {
         is_lost.then_some(Lost::Silence)
     }
 
-    /// Whether it was called and hears its master.
+    /// Whether it was called and receives its master.
     pub const fn is_up(&self) -> bool {
         self.is_up
     }
 
-    /// Payloads that the master has not acknowledged: 0 or 1.
+    /// Returns the number of payloads that the master has not acknowledged: 0 or 1.
     pub const fn unacknowledged(&self) -> usize {
         self.conversation.unacknowledged()
     }

@@ -1,6 +1,6 @@
 //! The rates of the line.
 
-/// Rate of the line in bits a second.
+/// Rate of the line in bits per second.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Baud {
@@ -18,7 +18,7 @@ pub enum Baud {
 }
 
 impl Baud {
-    /// Every rate, slowest first.
+    /// All rates, the slowest first.
     pub const ALL: [Baud; 5] = [
         Baud::B9600,
         Baud::B19200,
@@ -27,7 +27,7 @@ impl Baud {
         Baud::B230400,
     ];
 
-    /// The divisor that Set Baud carries: that of the original's table.
+    /// Returns the divisor of Set Baud, from the original's table.
     pub const fn divisor(self) -> u8 {
         match self {
             Baud::B9600 => 129,
@@ -38,10 +38,11 @@ impl Baud {
         }
     }
 
-    /// The rate of a divisor on a module of this version; `None` where the module keeps its rate.
+    /// Returns the rate of a divisor on a module of this version. `None` if the module keeps its
+    /// rate.
     ///
-    /// A table instead of a formula, because clients differ by one: 129 and 127, 63 and 64, 20 and
-    /// 21 are all in use.
+    /// It is a table instead of a formula, because clients differ by one: 129 and 127, 63 and 64,
+    /// 20 and 21 are all in use.
     pub const fn from_divisor(divisor: u8, version: u8) -> Option<Baud> {
         match divisor {
             127 | 129 => Some(Baud::B9600),
@@ -53,7 +54,7 @@ impl Baud {
         }
     }
 
-    /// Bits a second.
+    /// Returns the bits per second.
     pub const fn bits_per_s(self) -> u32 {
         match self {
             Baud::B9600 => 9600,
@@ -64,8 +65,8 @@ impl Baud {
         }
     }
 
-    /// Time of `characters` of 10 bits (start, 8 data, stop) in microseconds, rounded up, at most
-    /// 4.29e6.
+    /// Returns the time of `characters` of 10 bits (start, 8 data, stop) in microseconds, rounded
+    /// up, at most 4.29e6.
     pub const fn characters_us(self, characters: u16) -> u32 {
         // 65535 * 10^7 < 2^40, so the product fits 64 bits; the quotient is below 6.9e7.
         (characters as u64 * 10_000_000).div_ceil(self.bits_per_s() as u64) as u32

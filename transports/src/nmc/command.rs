@@ -8,18 +8,18 @@ use super::{Baud, Frame, Gains, Homing, Items, PathPoints, Stop, Trajectory};
 pub const EVERY_GROUP: u8 = 0xFF;
 const GROUPS: u8 = 0x80;
 
-/// Whether the address is one of groups.
+/// Whether the address is that of a group.
 pub(super) const fn is_group(address: u8) -> bool {
     address >= GROUPS
 }
 
-/// The group of a module and its part in it.
+/// The group of a module, and its role in the group.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Group {
-    /// 0x80 to 0xFF; the upper bit is taken as set.
+    /// 0x80 to 0xFF. The upper bit counts as set.
     pub address: u8,
-    /// Whether the module answers for the group; one of a group at most may.
+    /// Whether the module answers for the group. At most one module of a group may.
     pub is_leader: bool,
 }
 
@@ -31,7 +31,7 @@ impl Group {
     };
 }
 
-/// What Reset Position sets.
+/// The position that Reset Position sets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Reset {
@@ -47,48 +47,50 @@ pub enum Reset {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Command {
-    /// 0: counter and command position are set, without a jump. Not during a trapezoid.
+    /// 0: sets counter and command position, without a jump. Not during a trapezoid.
     ResetPosition(Reset),
     /// 1: gives the module its own address, 0 to 0x7F, and a group. The first time, its ADDR_OUT
     /// goes low.
     SetAddress {
         /// 1 to 32 are in use; 0 = not yet addressed.
         address: u8,
-        /// Group and part in it.
+        /// Group, and role in it.
         group: Group,
     },
-    /// 2: the items of every reply from this one on.
+    /// 2: sets the items of this reply and all later ones.
     DefineStatus(Items),
-    /// 3: the items of this reply.
+    /// 3: sets the items of this reply.
     ReadStatus(Items),
-    /// 4: what to do now or at Start Motion.
+    /// 4: loads a motion, to start now or at Start Motion.
     LoadTrajectory(Trajectory),
-    /// 5: the trajectory loaded starts.
+    /// 5: starts the loaded trajectory.
     StartMotion,
-    /// 6: gains and limits of the servo.
+    /// 6: sets gains and limits of the servo.
     SetGain(Gains),
-    /// 7: amplifier and ways to stop.
+    /// 7: switches the amplifier, and stops.
     StopMotor(Stop),
-    /// 8: outputs (bits 0, 1) and directions (bits 2, 3: 1 = input); other meanings in version 10.
+    /// 8: sets outputs (bits 0, 1) and directions (bits 2, 3: 1 = input). Version 10 has other
+    /// meanings.
     IoControl(u8),
-    /// 9: wait for an event that latches the home position.
+    /// 9: waits for an event that latches the home position.
     SetHoming(Homing),
-    /// A: rate of the line; only to a group without leader.
+    /// A: sets the rate of the line. Only for a group without a leader.
     SetBaud(Baud),
-    /// B: overcurrent, position error, position wrap and servo overrun are forgotten.
+    /// B: clears the bits of overcurrent, position error, position wrap and servo overrun.
     ClearBits,
-    /// C: the present position becomes the home position.
+    /// C: makes the present position the home position.
     SaveHome,
-    /// D: points of a path (version 5 and later).
+    /// D: adds points of a path (version 5 and later).
     AddPathPoints(PathPoints),
-    /// E: only a reply.
+    /// E: requests a reply only.
     NoOperation,
-    /// F: the state after power-up; never answered. Version 10 takes a byte of configuration.
+    /// F: sets the state after power-up. It is never answered. Version 10 takes a byte of
+    /// configuration.
     HardReset(Option<u8>),
 }
 
 impl Command {
-    /// The packet for `address`.
+    /// Returns the packet for `address`.
     pub fn frame(&self, address: u8) -> Frame {
         let mut data = Buffer::new();
         let code = match self {
@@ -160,9 +162,9 @@ impl Command {
         Frame::new(address, code, data.bytes())
     }
 
-    /// The command with this code and data for a module of `version`. `None` for a command that
-    /// such a module does not know, for a wrong length, and for a group address as an individual
-    /// address.
+    /// Returns the command with this code and data for a module of `version`. `None` for a command
+    /// that such a module does not know, for a wrong length, and for a group address as an
+    /// individual address.
     pub fn decode(code: u8, data: &[u8], version: u8) -> Option<Command> {
         let mut fields = Fields(data);
         let command = match code {

@@ -1,9 +1,10 @@
-//! What a damaged packet could turn into: another command, or half of one when the line is flushed.
+//! The commands that damage could make of a packet: another one, or half of one when the line is
+//! flushed.
 
 use super::frame::HEADER;
 use super::{Command, Frame, Receiver, Verdict};
 
-/// Bytes of a flush: the longest packet lacks 18 at most.
+/// Bytes of a flush. A packet lacks at most 18.
 pub const FLUSH_LENGTH: usize = 20;
 
 /// The byte that fills the rest of a half-received packet after `request` may have been damaged. It
@@ -70,7 +71,7 @@ enum Damage {
     Length { bit: u8 },
 }
 
-/// Whether a flush with `byte` makes a valid and harmful packet of the rest of the request.
+/// Whether a flush with `byte` completes the rest of the request to a valid and harmful packet.
 fn completes(request: &[u8], damage: Damage, byte: u8, is_harmful: fn(&Receiver) -> bool) -> bool {
     let mut receiver = Receiver::new();
     for (place, sent) in (0..).zip(request) {

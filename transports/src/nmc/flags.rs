@@ -1,4 +1,4 @@
-//! The bytes whose bits have names.
+//! The bytes with named bits.
 
 /// Status byte, the first one of every reply.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -11,11 +11,11 @@ impl Status {
     pub const MOVE_DONE: Status = Status(0x01);
     /// The packet just received was damaged and nothing was executed.
     pub const CHECKSUM_ERROR: Status = Status(0x02);
-    /// The current limit was exceeded; stays until Clear Bits.
+    /// The current limit was exceeded. It stays until Clear Bits.
     pub const OVERCURRENT: Status = Status(0x04);
     /// Motor supply present.
     pub const POWER_ON: Status = Status(0x08);
-    /// The position error exceeded its limit, or the servo was off; stays until Clear Bits.
+    /// The position error exceeded its limit, or the servo was off. It stays until Clear Bits.
     pub const POSITION_ERROR: Status = Status(0x10);
     /// Level of the input LIMIT1.
     pub const LIMIT_1: Status = Status(0x20);
@@ -38,17 +38,17 @@ pub struct Auxiliary(pub u8);
 impl Auxiliary {
     /// Index input of the encoder.
     pub const INDEX: Auxiliary = Auxiliary(0x01);
-    /// The 32-bit position wrapped round; stays until Clear Bits.
+    /// The 32-bit position has wrapped. It stays until Clear Bits.
     pub const POSITION_WRAP: Auxiliary = Auxiliary(0x02);
     /// The position servo is on.
     pub const SERVO_ON: Auxiliary = Auxiliary(0x04);
-    /// The acceleration of the move is over; cleared at the next start.
+    /// The acceleration of the move is over. The next start clears it.
     pub const ACCELERATION_DONE: Auxiliary = Auxiliary(0x08);
-    /// The constant speed of the move is over; cleared at the next start.
+    /// The constant speed of the move is over. The next start clears it.
     pub const SLEW_DONE: Auxiliary = Auxiliary(0x10);
-    /// A servo cycle was not finished in its time; stays until Clear Bits.
+    /// A servo cycle was not finished in time. It stays until Clear Bits.
     pub const SERVO_OVERRUN: Auxiliary = Auxiliary(0x20);
-    /// Path points are followed (version 5 and later).
+    /// The axis follows path points (version 5 and later).
     pub const PATH_MODE: Auxiliary = Auxiliary(0x40);
 
     /// Whether all bits of `other` are set.
@@ -57,13 +57,13 @@ impl Auxiliary {
     }
 }
 
-/// Which items a reply carries after its status byte, in the order of their bits.
+/// The items of a reply after its status byte, in the order of their bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Items(pub u8);
 
 impl Items {
-    /// No item: a reply is the status byte twice.
+    /// No item. The reply is then the status byte twice.
     pub const NONE: Items = Items(0x00);
     /// Position, `i32` counts.
     pub const POSITION: Items = Items(0x01);
@@ -87,13 +87,13 @@ impl Items {
         self.0 & other.0 == other.0
     }
 
-    /// The items of both.
+    /// Returns the items of both.
     pub const fn with(self, other: Items) -> Items {
         Items(self.0 | other.0)
     }
 
-    /// The flags that a module of this version sends. Before version 5 the upper two bits have no
-    /// meaning.
+    /// Returns the items that a module of this version sends. Before version 5 the upper two bits
+    /// have no meaning.
     pub const fn of_version(self, version: u8) -> Items {
         if version < 5 {
             Items(self.0 & 0x3F)
@@ -102,7 +102,7 @@ impl Items {
         }
     }
 
-    /// Bytes of the items in a reply, 0 to 17; the reply has two more.
+    /// Returns the bytes of the items in a reply, 0 to 17. The reply has two more.
     pub const fn length(self) -> usize {
         const BYTES: [u8; 8] = [4, 1, 2, 1, 4, 2, 2, 1];
         let mut bits = self.0;
@@ -119,7 +119,7 @@ impl Items {
     }
 }
 
-/// Which events end homing, and how the motor then stops; without an event homing is cancelled.
+/// The events that end homing, and how the motor then stops. Without an event homing is cancelled.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Homing(pub u8);
@@ -129,13 +129,13 @@ impl Homing {
     pub const LIMIT_1: Homing = Homing(0x01);
     /// On any change of LIMIT2.
     pub const LIMIT_2: Homing = Homing(0x02);
-    /// Motor off when homed.
+    /// The motor is switched off when homed.
     pub const MOTOR_OFF: Homing = Homing(0x04);
     /// On a change of the index.
     pub const INDEX: Homing = Homing(0x08);
-    /// Stop abruptly when homed.
+    /// The motor stops abruptly when homed.
     pub const ABRUPT: Homing = Homing(0x10);
-    /// Stop smoothly when homed.
+    /// The motor stops smoothly when homed.
     pub const SMOOTH: Homing = Homing(0x20);
     /// On excessive position error.
     pub const POSITION_ERROR: Homing = Homing(0x40);
@@ -149,12 +149,12 @@ impl Homing {
         self.0 & other.0 == other.0
     }
 
-    /// The bits of both.
+    /// Returns the bits of both.
     pub const fn with(self, other: Homing) -> Homing {
         Homing(self.0 | other.0)
     }
 
-    /// Whether it waits for nothing, which cancels homing.
+    /// Whether it has no event, which cancels homing.
     pub const fn is_cancel(self) -> bool {
         self.0 & Homing::EVENTS.0 == 0
     }

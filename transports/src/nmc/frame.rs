@@ -1,4 +1,4 @@
-//! Command packets: written, and read byte by byte.
+//! Command packets: encoded, and decoded byte by byte.
 //!
 //! ```text
 //!  AA | address | (n << 4) + code | n data bytes, 0..=15 | sum of all but AA, modulo 256
@@ -6,7 +6,7 @@
 
 use crate::buffer::Buffer;
 
-/// First byte of every command packet. It is data inside a packet: nothing is stuffed.
+/// First byte of every command packet. Inside a packet it is data, because there is no stuffing.
 pub const HEADER: u8 = 0xAA;
 
 /// Data bytes of the longest command.
@@ -20,7 +20,8 @@ pub const LONGEST_FRAME: usize = LONGEST_DATA + 4;
 pub struct Frame(Buffer<LONGEST_FRAME>);
 
 impl Frame {
-    /// The packet for `address`, of the low four bits of `code` and the first 15 bytes of `data`.
+    /// Creates the packet for `address` from the low four bits of `code` and the first 15 bytes of
+    /// `data`.
     pub fn new(address: u8, code: u8, data: &[u8]) -> Frame {
         let data = data.get(..LONGEST_DATA).unwrap_or(data);
         let command = ((data.len() as u8) << 4) | (code & 0x0F); // the length is below 16
@@ -31,20 +32,20 @@ impl Frame {
         Frame(bytes)
     }
 
-    /// Header to sum, 4 to 19 bytes.
+    /// Returns the bytes from header to sum, 4 to 19.
     pub fn bytes(&self) -> &[u8] {
         self.0.bytes()
     }
 }
 
-/// `start` and all `bytes`, modulo 256.
+/// The sum of `start` and all `bytes`, modulo 256.
 pub(crate) fn sum(bytes: &[u8], start: u8) -> u8 {
     bytes
         .iter()
         .fold(start, |sum, byte| sum.wrapping_add(*byte))
 }
 
-/// What a complete packet is worth.
+/// Whether a complete packet is valid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Verdict {
@@ -56,7 +57,7 @@ pub enum Verdict {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum State {
-    /// Outside of a packet: all but the header is ignored.
+    /// Outside of a packet. All bytes except the header are ignored.
     Idle,
     Address,
     Command,
@@ -80,7 +81,7 @@ pub struct Receiver {
 }
 
 impl Receiver {
-    /// Outside of a packet.
+    /// Creates a receiver outside of a packet.
     pub const fn new() -> Receiver {
         Receiver {
             state: State::Idle,
@@ -135,7 +136,7 @@ impl Receiver {
         None
     }
 
-    /// Forgets a packet begun.
+    /// Drops an incomplete packet.
     pub fn reset(&mut self) {
         self.state = State::Idle;
     }
@@ -145,17 +146,17 @@ impl Receiver {
         self.state == State::Idle
     }
 
-    /// Whom the last packet is for.
+    /// Returns the address of the last packet.
     pub const fn address(&self) -> u8 {
         self.address
     }
 
-    /// Code of the last packet, 0 to 15.
+    /// Returns the code of the last packet, 0 to 15.
     pub const fn code(&self) -> u8 {
         self.command & 0x0F
     }
 
-    /// Data of the last packet.
+    /// Returns the data of the last packet.
     pub fn data(&self) -> &[u8] {
         self.data.bytes()
     }

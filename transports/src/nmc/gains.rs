@@ -1,4 +1,4 @@
-//! What Set Gain carries.
+//! The data of Set Gain.
 
 use crate::buffer::{Buffer, Fields};
 
@@ -14,14 +14,15 @@ pub struct Gains {
     pub derivative: u16,
     /// Integral gain, 0 to 0x7FFF.
     pub integral: u16,
-    /// Bound of the sum of errors, 0 to 0x7FFF.
+    /// Limit of the sum of errors, 0 to 0x7FFF.
     pub integration_limit: u16,
-    /// Bound of the PWM, 0 to 255.
+    /// Limit of the PWM, 0 to 255.
     pub output_limit: u8,
     /// Current limit. Odd: the sense is proportional to the current. Even: it is inversely
     /// proportional. 0: none.
     pub current_limit: u8,
-    /// Position error in counts above which the servo goes off, 0 to 0x3FFF (0x7FFF in version 10).
+    /// Position error in counts above which the servo is switched off, 0 to 0x3FFF (0x7FFF in
+    /// version 10).
     pub error_limit: u16,
     /// Servo-rate divisor, 1 to 255.
     pub rate_divisor: u8,

@@ -1,4 +1,4 @@
-//! The host's end of the line: one step at a time, with retries that never do harm.
+//! The host's end of the line: one step at a time, with safe retries.
 
 mod exchange;
 mod members;
@@ -10,7 +10,7 @@ use super::damage::FLUSH_LENGTH;
 use super::reply::LONGEST_REPLY;
 use super::{Baud, Command, Frame, Group, Items, Outcome, Progress, Refused, Reply, Step, Timing};
 
-/// Highest individual address the host keeps.
+/// Highest individual address of the host.
 pub const LAST_ADDRESS: u8 = 32;
 
 const ADDRESSES: usize = LAST_ADDRESS as usize + 1;
@@ -18,15 +18,15 @@ const ADDRESSES: usize = LAST_ADDRESS as usize + 1;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Phase {
     Idle,
-    /// Reading what repeating will need.
+    /// The reading before a command that may have to be repeated.
     Before,
-    /// The command itself.
+    /// The command.
     Command,
-    /// Reading whether it was executed.
+    /// The reading that shows whether the command was executed.
     After,
-    /// Filling half-received packets, then this.
+    /// The flush of half-received packets, and what follows it.
     Flush(Next),
-    /// Silence, then sent.
+    /// Silence, after which the step is sent.
     Wait(u32),
 }
 
@@ -39,23 +39,23 @@ enum Next {
     End(Outcome),
 }
 
-/// Why a reply is none.
+/// Why there is no valid reply.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Bad {
     Silent,
     Garbled,
-    /// The module received a damaged packet, and said so.
+    /// The module reports that it received a damaged packet.
     Rejected,
 }
 
-/// The host of a chain: it knows addresses, groups and items in force, sends, waits, retries.
+/// The host of a chain. It knows addresses, groups and items, and it sends, waits and retries.
 ///
 /// | when | call |
 /// | --- | --- |
-/// | something is to be done | [`start`](Host::start) |
+/// | a step is to begin | [`start`](Host::start) |
 /// | the port takes bytes | [`transmit`](Host::transmit) until `None` |
 /// | a byte arrives | [`push`](Host::push) |
-/// | after each of these and after the time it names | [`poll`](Host::poll) |
+/// | after each of these, and after the time that it returns | [`poll`](Host::poll) |
 ///
 /// Before a command that must not be executed twice, the host takes a reading. If the reply is
 /// lost, it flushes the line and reads again. It repeats the command only if the two readings show
@@ -71,33 +71,33 @@ pub struct Host {
     members: [Member; ADDRESSES],
     address: u8,
     command: Command,
-    /// `Some` for a reading that has to be taken twice: how far the positions may be apart.
+    /// For a reading that is taken twice: the largest difference of the positions.
     twice_counts: Option<u32>,
-    /// The reading before, of one that is taken twice.
+    /// The first reading of one that is taken twice.
     first: Option<Reply>,
     phase: Phase,
-    /// Left for the command, and for the reading.
+    /// Tries left for the command, and for the reading.
     tries: u8,
     readings: u8,
     before: Reply,
-    /// Whether any byte of a reply was heard, and of a reading after.
+    /// Whether any byte of the reply arrived, and of the reading after it.
     has_heard: bool,
     has_heard_after: bool,
     out: Buffer<FLUSH_LENGTH>,
     sent: u8,
-    /// The last command packet on the line, which a module may have half of.
+    /// The last command packet on the line. A module may have received half of it.
     last: Frame,
     input: Buffer<LONGEST_REPLY>,
-    /// More came than fits a reply.
+    /// Whether more bytes arrived than a reply has.
     is_too_long: bool,
-    /// When the phase ends at the latest; unknown until all is sent.
+    /// The latest end of the phase. Unknown until everything is sent.
     deadline_us: Option<u32>,
     heard_us: u32,
     outcome: Option<Outcome>,
 }
 
 impl Host {
-    /// Of a line at 19200 baud whose modules are fresh from reset.
+    /// Creates the host of a line at 19200 baud whose modules were just reset.
     pub fn new(timing: Timing) -> Host {
         Host {
             timing,
@@ -127,7 +127,7 @@ impl Host {
     /// Begins a step.
     ///
     /// # Errors
-    /// [`Refused`]; nothing is sent then.
+    /// [`Refused`]. Nothing is sent then.
     pub fn start(&mut self, step: Step, now_us: u32) -> Result<(), Refused> {
         if self.phase != Phase::Idle || self.outcome.is_some() {
             return Err(Refused::Busy);
@@ -157,7 +157,7 @@ impl Host {
     /// Begins a request: [`Step::Request`].
     ///
     /// # Errors
-    /// [`Refused`]; nothing is sent then.
+    /// [`Refused`]. Nothing is sent then.
     pub fn send_command(
         &mut self,
         address: u8,

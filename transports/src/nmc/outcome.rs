@@ -70,7 +70,7 @@ impl fmt::Display for Refused {
 
 impl core::error::Error for Refused {}
 
-/// What came of a [`Step`].
+/// The outcome of a [`Step`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Outcome {
@@ -127,15 +127,15 @@ impl fmt::Display for Failure {
 
 impl core::error::Error for Failure {}
 
-/// How far the host is.
+/// The progress of the host.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Progress {
-    /// Nothing to do.
+    /// There is no step.
     Idle,
     /// Bytes wait to be sent.
     Sending,
-    /// For a byte, at most so many microseconds: then ask again.
+    /// The host waits for a byte. After this time the caller polls again.
     Waiting {
         /// Microseconds.
         us: u32,

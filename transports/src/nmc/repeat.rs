@@ -10,36 +10,37 @@ use super::{Auxiliary, Command, Items, Mode, Reply, Reset, Status, Trajectory};
 /// A standing axis is never this far from where it stood: servo jitter and settling stay below.
 const STILL_COUNTS: u32 = 64;
 
-/// When a command may be sent again.
+/// When a command may be repeated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Repeat {
-    /// At any time: twice is as good as once.
+    /// At any time: executed twice, it has the same effect.
     Free,
-    /// Only when readings of these items, before and after, say so: see [`Command::finding`].
+    /// Only if readings of these items, before and after, show that it was not executed: see
+    /// [`Command::finding`].
     AfterReading(Items),
-    /// Only when nobody answers at this address, the new one.
+    /// Only if no module answers at this new address.
     AfterSilenceAt(u8),
-    /// Nobody answers it, so nobody knows: it is sent once.
+    /// No module answers it, so it is sent once.
     Never,
 }
 
-/// What two readings say about a command between them.
+/// What two readings show about a command between them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Finding {
     /// It was executed.
     Executed,
-    /// It was not.
+    /// It was not executed.
     NotExecuted,
-    /// Either way; sending it again changes nothing that it has not changed already.
+    /// Unknown, but executed twice it has the same effect.
     Harmless,
-    /// Either way, and sending it again could do harm.
+    /// Unknown, and a repetition could do harm.
     Unknown,
 }
 
 impl Command {
-    /// When it may be sent again to `address`.
+    /// Returns when it may be repeated to `address`.
     pub fn repeat(&self, address: u8) -> Repeat {
         const STANDING: Items = Items::POSITION.with(Items::VELOCITY);
         const MOTION: Items = STANDING.with(Items::AUXILIARY).with(Items::HOME);
@@ -50,11 +51,11 @@ impl Command {
             | Command::SetGain(_)
             | Command::StopMotor(_)
             | Command::IoControl(_) => Repeat::Free,
-            // Into the buffer, where the second replaces the first.
+            // In the buffer the second one replaces the first.
             Command::LoadTrajectory(trajectory) if !trajectory.start_now => Repeat::Free,
             Command::SetHoming(homing) if homing.is_cancel() => Repeat::Free,
             Command::SetAddress { address: new, .. } if *new == address => Repeat::Free,
-            // The next of the chain would take the same address.
+            // The next module of the chain would take the same address.
             Command::SetAddress { address: new, .. } => Repeat::AfterSilenceAt(*new),
             Command::ResetPosition(Reset::Home) => Repeat::AfterReading(MOTION),
             Command::ResetPosition(_) => Repeat::AfterReading(STANDING),
@@ -77,7 +78,7 @@ impl Command {
         match self {
             Command::ResetPosition(Reset::Zero) => reset(0, before, after),
             Command::ResetPosition(Reset::To(position)) => reset(*position, before, after),
-            // The home position becomes 0 and stays what it was only where it was 0.
+            // The home position becomes 0. It is unchanged only if it was 0.
             Command::ResetPosition(Reset::Home) => match (before.home(), after.home()) {
                 (Some(0), Some(0)) => Finding::Harmless,
                 (Some(_), Some(0)) => Finding::Executed,
@@ -121,7 +122,7 @@ fn started_path(was: bool, is: bool) -> Finding {
     }
 }
 
-/// Done and without speed.
+/// Whether the motion is done and the speed is 0.
 fn stands(reply: &Reply) -> bool {
     reply.status.contains(Status::MOVE_DONE) && reply.velocity().unwrap_or_default() == 0
 }
@@ -153,7 +154,7 @@ fn is_near(a: i32, b: i32) -> bool {
     a.wrapping_sub(b).unsigned_abs() <= STILL_COUNTS
 }
 
-/// Nothing happened that an operator or a host would want to know of before anything moves.
+/// Whether nothing happened that an operator or a host must know before anything moves.
 fn is_undisturbed(before: &Reply, after: &Reply) -> bool {
     const WATCHED: u8 = Status::HOME_IN_PROGRESS.0
         | Status::POSITION_ERROR.0
@@ -162,7 +163,7 @@ fn is_undisturbed(before: &Reply, after: &Reply) -> bool {
     (before.status.0 ^ after.status.0) & WATCHED == 0 && before.home() == after.home()
 }
 
-/// The position became `to`. Only of a standing axis can that be told.
+/// Whether the position became `to`. It can be seen at a standing axis only.
 fn reset(to: i32, before: &Reply, after: &Reply) -> Finding {
     let (was, is) = (before.readings.position, after.readings.position);
     if !stands(before) || !stands(after) {
@@ -178,7 +179,7 @@ fn reset(to: i32, before: &Reply, after: &Reply) -> Finding {
     }
 }
 
-/// `trajectory` is `None` where it is not known.
+/// `trajectory` is `None` if it is unknown.
 pub(super) fn start(trajectory: Option<&Trajectory>, before: &Reply, after: &Reply) -> Finding {
     let done = |reply: &Reply| reply.status.contains(Status::MOVE_DONE);
     let began = done(before) && !done(after);

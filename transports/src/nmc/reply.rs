@@ -3,7 +3,7 @@
 //! ```text
 //!  status | items in the order of their bits | sum of all before, modulo 256
 //! ```
-//! No header, no address and no length: who reads must know which items are in force.
+//! There is no header, no address and no length. A reader must know the items that were set.
 
 use crate::buffer::{Buffer, Fields};
 
@@ -13,7 +13,7 @@ use super::{Auxiliary, Items, Status};
 /// Bytes of the longest status packet.
 pub const LONGEST_REPLY: usize = 19;
 
-/// All that a module can tell. A reply carries some of it.
+/// All readings of a module. A reply has some of them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Readings {
@@ -45,41 +45,41 @@ pub const fn reported_velocity(velocity: i32) -> i16 {
     ((velocity >> 16) as i16).saturating_neg()
 }
 
-/// A status packet that arrived whole.
+/// A complete status packet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Reply {
     /// The status byte.
     pub status: Status,
-    /// Which of the readings came with it.
+    /// The items of this reply.
     pub items: Items,
-    /// The readings; zero where they did not come.
+    /// The readings. Those that are not in the reply are 0.
     pub readings: Readings,
 }
 
 impl Reply {
-    /// The position, if it came.
+    /// Returns the position, if the reply has it.
     pub fn position(&self) -> Option<i32> {
         self.has(Items::POSITION).then_some(self.readings.position)
     }
 
-    /// The velocity, if it came; the sign is that of the wire.
+    /// Returns the velocity, if the reply has it. The sign is that of the line.
     pub fn velocity(&self) -> Option<i16> {
         self.has(Items::VELOCITY).then_some(self.readings.velocity)
     }
 
-    /// The auxiliary status, if it came.
+    /// Returns the auxiliary status, if the reply has it.
     pub fn auxiliary(&self) -> Option<Auxiliary> {
         self.has(Items::AUXILIARY)
             .then_some(self.readings.auxiliary)
     }
 
-    /// The home position, if it came.
+    /// Returns the home position, if the reply has it.
     pub fn home(&self) -> Option<i32> {
         self.has(Items::HOME).then_some(self.readings.home)
     }
 
-    /// The readings of a packet with these items; `None` when its length or its sum is wrong.
+    /// Reads a packet with these items. `None` if its length or its sum is wrong.
     pub fn decode(bytes: &[u8], items: Items) -> Option<Reply> {
         let (last, told) = bytes.split_last()?;
         if told.len() != items.length().wrapping_add(1) || *last != sum(told, 0) {

@@ -1,4 +1,4 @@
-//! What the eight-bit sum does not see.
+//! The errors that the eight-bit sum does not detect.
 
 /// The expected number of pairs of wrong bits that the checksum does not detect, in halves, in a
 /// packet of this many bytes (with checksum, without header), for any data. Their share times the
@@ -12,7 +12,7 @@
 /// At one bit error in 10^5, a reply with the position (6 bytes) is wrong and accepted once in
 /// 1.5e8; two such replies that agree, once in 10^17.
 ///
-/// 19 bytes at most in this protocol; saturates far above.
+/// A packet of this protocol has at most 19 bytes. The result saturates far above that.
 pub fn unseen_pairs_in_halves(packet_bytes: u16) -> u32 {
     let bytes = u32::from(packet_bytes);
     // n (n - 1) / 2 * 9 / 2 in halves: n (n - 1) is even.

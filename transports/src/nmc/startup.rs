@@ -2,16 +2,16 @@
 
 use super::{Baud, Command, EVERY_GROUP, Failure, Group, Items, LAST_ADDRESS, Outcome, Step};
 
-/// How often the line is reset and addressed anew when an address is in doubt.
+/// How often the line is reset and addressed again if an address is in doubt.
 const RESTARTS: u8 = 3;
 
-/// What there is on the line.
+/// The modules on the line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Chain {
-    /// Modules, with the addresses 1 to this; 1 is the far end.
+    /// Number of modules. They have the addresses from 1 on; 1 is the far end.
     pub modules: u8,
-    /// Kind and version of each, the first at 0; (0, 0) where it did not say.
+    /// Kind and version of each module, the first at index 0. (0, 0) if it did not report them.
     pub devices: [(u8, u8); LAST_ADDRESS as usize],
     /// Bit i is set if address i + 1 did not answer at the end: it missed the change of the rate,
     /// or it is dead.
@@ -30,13 +30,14 @@ impl Chain {
     };
 }
 
-/// What a [`Startup`] wants next.
+/// The next action of a [`Startup`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Next {
-    /// This from the [`Host`](super::Host); its outcome is the next call's argument.
+    /// The [`Host`](super::Host) carries out this step. Its outcome is the argument of the next
+    /// call.
     Step(Step),
-    /// It is over.
+    /// The start-up has ended.
     Done(Chain),
 }
 
@@ -52,7 +53,7 @@ enum Phase {
     Switch,
     Greet(u8),
     Done,
-    /// Nobody there: the other rates, each switched to, flushed and reset.
+    /// No module answered: every other rate is set, with a flush and a reset.
     Search(u8, Sweep),
     Return,
 }
@@ -87,7 +88,7 @@ pub struct Startup {
 }
 
 impl Startup {
-    /// To a line at this rate.
+    /// Creates a start-up to a line at this rate.
     pub const fn new(baud: Baud) -> Startup {
         Startup {
             baud,
@@ -109,8 +110,8 @@ impl Startup {
         self
     }
 
-    /// The next action, after the outcome of the one before (`None` at first, and if the host
-    /// refused it).
+    /// Returns the next action after the outcome of the previous one (`None` at first, and if the
+    /// host refused it).
     pub fn next(&mut self, outcome: Option<&Outcome>) -> Next {
         self.phase = self.after(outcome);
         match self.phase {
@@ -119,7 +120,7 @@ impl Startup {
         }
     }
 
-    /// What the outcome of the phase leads to.
+    /// Returns the phase that follows the outcome of the present one.
     fn after(&mut self, outcome: Option<&Outcome>) -> Phase {
         let reply = outcome.and_then(Outcome::reply);
         match self.phase {
@@ -137,7 +138,7 @@ impl Startup {
                     Phase::Identify(1)
                 }
             }
-            // In doubt, the next of the chain must not get the same address: all begin anew.
+            // If in doubt, the next module must not get the same address, so all start again.
             Phase::Address(_) if outcome != Some(&Outcome::Failed(Failure::Silent)) => {
                 if self.restarts > 0 {
                     self.restarts = self.restarts.saturating_sub(1);

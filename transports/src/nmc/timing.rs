@@ -1,4 +1,4 @@
-//! Times of the line, and how often modules can be asked.
+//! Times of the line, and the polling rate of modules.
 
 use super::{Baud, Items};
 
@@ -6,24 +6,24 @@ use super::{Baud, Items};
 /// original, in microseconds.
 pub const CYCLE_US: u32 = 512;
 
-/// How long the host waits, in microseconds.
+/// The waits of the host in microseconds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Timing {
     /// From the last bit of a command to the first byte of its reply.
     pub reply_us: u32,
-    /// More of it for each byte of the reply.
+    /// An additional wait for each byte of the reply.
     pub per_byte_us: u32,
     /// The silence after a reply before it is accepted. An additional byte in this time means that
     /// a byte was doubled. 0: none.
     pub guard_us: u32,
     /// Silence after a flush.
     pub settle_us: u32,
-    /// After a command that nobody answers; more than a servo cycle.
+    /// After a command without an answer. Longer than a servo cycle.
     pub unanswered_us: u32,
-    /// After a hard reset: modules are deaf.
+    /// After a hard reset, while modules receive nothing.
     pub reset_us: u32,
-    /// How often a command is sent, and a reading asked for, before the host gives up; at least 1.
+    /// How often a command or a reading is tried before the host gives up, at least once.
     pub tries: u8,
 }
 
@@ -58,11 +58,11 @@ impl Timing {
     }
 }
 
-/// Asking every module of a line in turn.
+/// Polling of all modules of a line in turn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Polling {
-    /// Modules, 1 to 32.
+    /// Number of modules, 1 to 32.
     pub modules: u8,
     /// Rate of the line.
     pub baud: Baud,
@@ -77,10 +77,10 @@ pub struct Polling {
 }
 
 impl Polling {
-    /// Time per module in microseconds, rounded up: 4 characters, latency, status, items and
-    /// checksum, guard. With the position, 869 us and the latency at 115200 baud.
+    /// Returns the time per module in microseconds, rounded up: 4 characters, latency, status,
+    /// items and checksum, guard. With the position, 869 us and the latency at 115200 baud.
     ///
-    /// Nothing is faster. Any byte on the command line cancels a reply, so the next request must
+    /// No polling is faster. Any byte on the command line cancels a reply, so the next request must
     /// wait for the reply, and the shortest packet has 4 bytes.
     pub fn module_us(&self) -> u32 {
         let characters = 6 + self.items.length() as u16; // 23 at most
@@ -90,12 +90,12 @@ impl Polling {
             .saturating_add(self.guard_us)
     }
 
-    /// Time of a round in microseconds.
+    /// Returns the time of a round in microseconds.
     pub fn round_us(&self) -> u32 {
         self.module_us().saturating_mul(u32::from(self.modules))
     }
 
-    /// Rounds in 1000 seconds, rounded down: the rate in mHz.
+    /// Returns the rounds in 1000 seconds, rounded down: the rate in mHz.
     pub fn rate_mhz(&self) -> u32 {
         1_000_000_000_u32
             .checked_div(self.round_us())

@@ -1,23 +1,23 @@
-//! What Load Trajectory, Stop Motor and Add Path Points carry.
+//! The data of Load Trajectory, Stop Motor and Add Path Points.
 
 use crate::buffer::{Buffer, Fields};
 
 use super::frame::LONGEST_DATA;
 
-/// What the servo follows.
+/// The motion that the servo follows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Mode {
     /// Trapezoidal profile to a position; only from standstill (version 4).
     Trapezoid,
-    /// Velocity profile; may change at any time.
+    /// Velocity profile. It may change at any time.
     Velocity,
     /// Plain PWM, servo off.
     #[default]
     Pwm,
 }
 
-/// Data of Load Trajectory: a control byte, then only the fields it announces.
+/// Data of Load Trajectory: a control byte, then the fields that it announces.
 ///
 /// | bit | meaning | | bit | meaning |
 /// | --- | --- | --- | --- | --- |
@@ -30,23 +30,23 @@ pub enum Mode {
 pub struct Trajectory {
     /// Goal in counts, above `i32::MIN`; at most 2^31 - 1 from the present position.
     pub position: Option<i32>,
-    /// Counts a servo cycle, 16.16, 0 to 2^31 - 1.
+    /// Counts per servo cycle, 16.16, 0 to 2^31 - 1.
     pub velocity: Option<u32>,
-    /// Counts a servo cycle squared, 16.16, 0 to 2^31 - 1.
+    /// Counts per servo cycle squared, 16.16, 0 to 2^31 - 1.
     pub acceleration: Option<u32>,
     /// Duty, 0 to 255.
     pub pwm: Option<u8>,
-    /// What the servo follows.
+    /// The motion that the servo follows.
     pub mode: Mode,
     /// Velocity and PWM modes: the negative direction. A trapezoid of version 10: relative to the
     /// last goal. Of older versions: no effect.
     pub reverse: bool,
-    /// Whether it starts at once and not at Start Motion.
+    /// Whether it starts at once. Otherwise it starts at Start Motion.
     pub start_now: bool,
 }
 
 impl Trajectory {
-    /// Whether executing it a second time would move further.
+    /// Whether a second execution would move the axis further.
     pub const fn is_relative(&self) -> bool {
         matches!(self.mode, Mode::Trapezoid) && self.reverse
     }
@@ -84,7 +84,7 @@ impl Trajectory {
         }
     }
 
-    /// `None` when the length is not what the control byte announces.
+    /// `None` if the length is not the one that the control byte announces.
     pub(super) fn read(data: &[u8]) -> Option<Trajectory> {
         let mut fields = Fields(data);
         let control = fields.u8()?;
@@ -126,11 +126,11 @@ impl Trajectory {
 pub enum StopWay {
     /// Servo off, PWM 0.
     Off,
-    /// The present position becomes the command, servo on.
+    /// The present position becomes the commanded one, servo on.
     Abrupt,
-    /// Decelerates at the acceleration in force, servo on.
+    /// Decelerates at the set acceleration, servo on.
     Smooth,
-    /// This position becomes the command without a profile, servo on.
+    /// This position becomes the commanded one without a profile, servo on.
     Here(i32),
 }
 
@@ -140,7 +140,7 @@ pub enum StopWay {
 pub struct Stop {
     /// Level of the amplifier's enable output, always applied.
     pub amplifier: bool,
-    /// How to stop; `None` only sets the output.
+    /// How to stop. `None` only sets the output.
     pub way: Option<StopWay>,
 }
 
@@ -199,7 +199,7 @@ pub struct PathPoints {
 }
 
 impl PathPoints {
-    /// These points, the first seven of them.
+    /// Creates a path of these points, at most the first seven.
     pub fn new(points: &[u16]) -> PathPoints {
         let mut path = PathPoints::default();
         for (place, point) in path.points.iter_mut().zip(points) {
@@ -209,7 +209,7 @@ impl PathPoints {
         path
     }
 
-    /// The points, as on the wire.
+    /// Returns the points, as on the line.
     pub fn points(&self) -> &[u16] {
         self.points.get(..usize::from(self.count)).unwrap_or(&[])
     }

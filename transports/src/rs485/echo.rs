@@ -1,16 +1,16 @@
-//! One's own bytes, heard back.
+//! Own bytes that the receiver hears.
 
-/// What a received byte is.
+/// The origin of a received byte.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Heard {
-    /// One's own: drop it.
+    /// An own byte. Drop it.
     Echo,
     /// Not the byte that was sent: another station drives the line, or the line is disturbed. Stop
     /// sending and release the line. The bytes sent before are forgotten, and bytes received until
     /// the line rests are invalid.
     Collision,
-    /// Somebody else's.
+    /// A byte of another station.
     Foreign(u8),
 }
 
@@ -25,13 +25,13 @@ pub struct Echo<const N: usize> {
     sent: [u8; N],
     /// Below `N`, or 0.
     first: usize,
-    /// At most `N`.
+    /// Length, at most `N`.
     length: usize,
     hears_itself: bool,
 }
 
 impl<const N: usize> Echo<N> {
-    /// For a line that is expected to return what is sent, or not to.
+    /// Creates an echo for a line that returns sent bytes, or does not.
     pub const fn new(hears_itself: bool) -> Self {
         Echo {
             sent: [0; N],
@@ -41,13 +41,13 @@ impl<const N: usize> Echo<N> {
         }
     }
 
-    /// Whether what is sent is expected back.
+    /// Whether sent bytes are expected back.
     pub const fn hears_itself(&self) -> bool {
         self.hears_itself
     }
 
-    /// Notes a byte that is being sent. `false` if `N` are under way already and this one must
-    /// wait.
+    /// Notes a byte that is being sent. Returns `false` if `N` bytes are in flight, so that this
+    /// one must wait.
     #[must_use]
     pub fn sent(&mut self, byte: u8) -> bool {
         if !self.hears_itself {
@@ -70,7 +70,7 @@ impl<const N: usize> Echo<N> {
         }
     }
 
-    /// Tells what a received byte is.
+    /// Returns the origin of a received byte.
     pub fn received(&mut self, byte: u8) -> Heard {
         if self.length == 0 {
             return Heard::Foreign(byte);
@@ -95,8 +95,8 @@ impl<const N: usize> Echo<N> {
         all
     }
 
-    /// Learns from one harmless byte (0 for [`nmc`](crate::nmc)) whether the line returns the bytes
-    /// that are sent. `heard` is what came within four characters.
+    /// Finds out with one harmless byte (0 for [`nmc`](crate::nmc)) whether the line returns the
+    /// bytes that are sent. `heard` is what arrived within four characters.
     pub fn learn(&mut self, sent: u8, heard: Option<u8>) {
         self.clear();
         self.hears_itself = heard == Some(sent);

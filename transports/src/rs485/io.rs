@@ -7,7 +7,7 @@ use embedded_io::{Read, ReadReady, Write};
 
 use super::{Echo, EnablePin, Heard};
 
-/// What went wrong on a port.
+/// The error of a port.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum IoError<S, P> {
@@ -17,7 +17,7 @@ pub enum IoError<S, P> {
     Closed,
     /// The pin's error.
     Pin(P),
-    /// What was heard is not what was sent: the message did not arrive.
+    /// The received bytes differ from the sent ones. The message did not arrive.
     Collision,
 }
 
@@ -37,7 +37,7 @@ impl<S: fmt::Debug, P: fmt::Debug> core::error::Error for IoError<S, P> {}
 /// A serial port with a transceiver, for ports whose `flush` returns on transmission complete, as
 /// `embedded-io` requires.
 ///
-/// The turnaround is the caller's: ask [`Turnaround`](super::Turnaround) before a message.
+/// The caller keeps the turnaround with [`Turnaround`](super::Turnaround) before a message.
 #[derive(Debug)]
 pub struct IoPort<S, P, const N: usize> {
     serial: S,
@@ -65,7 +65,7 @@ where
     /// `N` needs a port that returns them in time.
     ///
     /// # Errors
-    /// [`IoError`]; with a collision the rest of the message is not sent.
+    /// [`IoError`]. After a collision the rest of the message is not sent.
     pub fn send(&mut self, message: &[u8]) -> Result<(), IoError<S::Error, P::Error>> {
         self.enable.set(true).map_err(IoError::Pin)?;
         let sent = self.write(message);
@@ -74,10 +74,10 @@ where
         sent.and(flushed)
     }
 
-    /// Takes a byte of the line, if one is there; one's own are dropped.
+    /// Returns a byte from the line, if there is one. Own bytes are dropped.
     ///
     /// # Errors
-    /// [`IoError`]; a collision when a byte should have been one's own.
+    /// [`IoError`]. A collision if the byte should have been an own one.
     pub fn receive(&mut self) -> Result<Option<u8>, IoError<S::Error, P::Error>> {
         while self.serial.read_ready().map_err(IoError::Serial)? {
             match self.hear()? {
@@ -89,20 +89,19 @@ where
         Ok(None)
     }
 
-    /// What is known of the echo.
+    /// Returns what is known about the echo.
     pub fn echo(&mut self) -> &mut Echo<N> {
         &mut self.echo
     }
 
-    /// Gives port and pin back.
+    /// Returns port and pin.
     pub fn release(self) -> (S, P) {
         (self.serial, self.enable.release())
     }
 
     fn write(&mut self, message: &[u8]) -> Result<(), IoError<S::Error, P::Error>> {
         for byte in message {
-            // Bytes that came back make room. A byte that was not sent is a collision while
-            // sending.
+            // Returned bytes make room. During sending, a byte that was not sent is a collision.
             while self.serial.read_ready().map_err(IoError::Serial)? {
                 if self.hear()? != Heard::Echo {
                     self.echo.silence();

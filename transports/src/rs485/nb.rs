@@ -8,7 +8,7 @@ use embedded_hal_nb::serial::{Read, Write};
 
 use super::{Echo, EnablePin, Heard};
 
-/// What went wrong on a port.
+/// The error of a port.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum NbError<S, P> {
@@ -16,7 +16,7 @@ pub enum NbError<S, P> {
     Serial(S),
     /// The pin's error.
     Pin(P),
-    /// What was heard is not what was sent: the driver is released, the rest is not to be sent.
+    /// The received byte differs from the sent one. The driver is released. Do not send the rest.
     Collision,
 }
 
@@ -32,9 +32,9 @@ impl<S: fmt::Debug, P: fmt::Debug> fmt::Display for NbError<S, P> {
 
 impl<S: fmt::Debug, P: fmt::Debug> core::error::Error for NbError<S, P> {}
 
-/// A serial port behind a transceiver. Nothing waits in here: `WouldBlock` means try again.
+/// A serial port behind a transceiver. No function waits: `WouldBlock` means try again.
 ///
-/// The turnaround is the caller's: ask [`Turnaround`](super::Turnaround) before the first byte.
+/// The caller keeps the turnaround with [`Turnaround`](super::Turnaround) before the first byte.
 #[derive(Debug)]
 pub struct NbPort<S, P, const N: usize> {
     serial: S,
@@ -62,7 +62,7 @@ where
     /// Drives the line and hands the byte to the transmitter.
     ///
     /// # Errors
-    /// `WouldBlock` when the transmitter is full, or `N` bytes are not heard back yet: read on.
+    /// `WouldBlock` if the transmitter is full, or `N` bytes have not returned yet: read first.
     pub fn send(&mut self, byte: u8) -> nb::Result<(), NbError<S::Error, P::Error>> {
         if !self.is_driving {
             self.set_driving(true)?;
@@ -73,7 +73,7 @@ where
         }
         let written = self.serial.write(byte);
         if written.is_err() {
-            self.echo = before; // it is not under way
+            self.echo = before; // it was not sent
         }
         written.map_err(|error| error.map(NbError::Serial))
     }
@@ -82,7 +82,7 @@ where
     /// the interrupt of transmission complete.
     ///
     /// # Errors
-    /// `WouldBlock` while bytes are on their way.
+    /// `WouldBlock` while bytes are being sent.
     pub fn complete(&mut self) -> nb::Result<(), NbError<S::Error, P::Error>> {
         if !self.is_driving {
             return Ok(());
@@ -93,7 +93,7 @@ where
         self.set_driving(false)
     }
 
-    /// Takes a byte of the line: `None` for one's own.
+    /// Returns a byte from the line. `None` for an own byte.
     ///
     /// # Errors
     /// `WouldBlock` if there is no byte. [`NbError::Collision`] if the byte should have been an own
@@ -118,12 +118,12 @@ where
         self.is_driving
     }
 
-    /// What is known of the echo.
+    /// Returns what is known about the echo.
     pub fn echo(&mut self) -> &mut Echo<N> {
         &mut self.echo
     }
 
-    /// Gives port and pin back.
+    /// Returns port and pin.
     pub fn release(self) -> (S, P) {
         (self.serial, self.enable.release())
     }

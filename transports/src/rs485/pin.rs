@@ -26,16 +26,16 @@ impl<P: OutputPin> EnablePin<P> {
         }
     }
 
-    /// Drives the line, or lets it go.
+    /// Drives the line, or releases it.
     ///
     /// # Errors
-    /// The pin's.
+    /// The error of the pin.
     pub fn set(&mut self, is_driving: bool) -> Result<(), P::Error> {
         self.pin
             .set_state((is_driving == self.driving_is_high).into())
     }
 
-    /// Gives the pin back.
+    /// Returns the pin.
     pub fn release(self) -> P {
         self.pin
     }

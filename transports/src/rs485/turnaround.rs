@@ -1,4 +1,4 @@
-//! When a half-duplex line may be driven.
+//! The times at which a half-duplex line may be driven.
 
 /// The times of one end of a half-duplex line, in microseconds that wrap.
 ///
@@ -16,14 +16,14 @@
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Turnaround {
     silence_us: u32,
-    /// When the line was last heard or let go; `None` long ago.
+    /// When the line was last active. `None`: long ago.
     busy_us: Option<u32>,
     is_driving: bool,
 }
 
 impl Turnaround {
-    /// `silence_us` of silence before the line is driven. One character or 100 us, whichever is
-    /// longer, gives any other station the time to release it. At most 2^31 - 1.
+    /// Requires `silence_us` of silence before the line is driven. One character or 100 us,
+    /// whichever is longer, gives any other station the time to release it. At most 2^31 - 1.
     pub const fn new(silence_us: u32) -> Turnaround {
         Turnaround {
             silence_us,
@@ -32,13 +32,13 @@ impl Turnaround {
         }
     }
 
-    /// A byte of another end was received.
+    /// Notes that a byte of another end was received.
     pub fn heard(&mut self, now_us: u32) {
         self.busy_us = Some(now_us);
     }
 
-    /// Silence that is still missing, in microseconds. 0: the line may be driven. Call it at least
-    /// every 2^31 us.
+    /// Returns the rest of the required silence, in microseconds. 0: the line may be driven. Call
+    /// it at least every 2^31 us.
     pub fn wait_us(&mut self, now_us: u32) -> u32 {
         let Some(busy_us) = self.busy_us else {
             return 0;
@@ -57,13 +57,14 @@ impl Turnaround {
         self.is_driving
     }
 
-    /// Transmission complete, or stopped for a collision: lower driver enable.
+    /// Notes that the transmission is complete, or was stopped for a collision: lower driver
+    /// enable.
     pub fn complete(&mut self, now_us: u32) {
         self.is_driving = false;
         self.busy_us = Some(now_us);
     }
 
-    /// The level of driver enable.
+    /// Returns the level of driver enable.
     pub const fn is_driving(&self) -> bool {
         self.is_driving
     }
