@@ -2,11 +2,11 @@
 
 use crate::{ErrorTable, Flank, Knot, Squareness};
 
-/// All that is known of the errors of three axes: readings in, positions out, and back.
+/// The known errors of three axes: converts readings to positions, and back.
 ///
-/// Positions are found from readings axis by axis and squared then. The way back goes from Z over Y
-/// to X, each with what the ones before it really reach, so every coordinate comes back within 1
-/// nm.
+/// Readings are corrected axis by axis, then for squareness. The reverse conversion goes from Z
+/// over Y to X. Each axis uses the positions that the axes before it really reach, so every
+/// coordinate returns within 1 nm.
 ///
 /// ```
 /// use husillo_backlash::{Calibration, ErrorTable, Flank, Knot, Squareness};
@@ -30,16 +30,18 @@ use crate::{ErrorTable, Flank, Knot, Squareness};
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Calibration<T> {
-    /// Errors of X, Y and Z, each along itself.
+    /// Errors of X, Y and Z along their own directions.
     pub axes: [ErrorTable<T>; 3],
-    /// How they lean.
+    /// The angles between them.
     pub squareness: Squareness,
 }
 
 impl<T: AsRef<[Knot]>> Calibration<T> {
-    /// The true position at readings, nanometres, with the direction each axis was moved in last.
+    /// Returns the true position at readings, in nanometres. `flanks` are the directions of the
+    /// last motions.
     ///
-    /// Cost: that of [`ErrorTable::position_nm`] three times, and [`Squareness::position_nm`].
+    /// # Cost
+    /// That of [`ErrorTable::position_nm`] three times, and [`Squareness::position_nm`].
     #[must_use]
     pub fn position_nm(&self, readings_nm: [i64; 3], flanks: [Flank; 3]) -> [i64; 3] {
         let mut along = readings_nm;
@@ -49,10 +51,11 @@ impl<T: AsRef<[Knot]>> Calibration<T> {
         self.squareness.position_nm(along)
     }
 
-    /// The readings at which the axes are at a true position, nanometres, arriving in these
-    /// directions; within 1 nm.
+    /// Returns the readings at a true position, in nanometres, that is approached in these
+    /// directions. The error is at most 1 nm.
     ///
-    /// Cost: that of [`ErrorTable::reading_nm`] three times, and three times
+    /// # Cost
+    /// That of [`ErrorTable::reading_nm`] three times, and three times
     /// [`ErrorTable::position_nm`].
     #[must_use]
     pub fn reading_nm(&self, [x, y, z]: [i64; 3], flanks: [Flank; 3]) -> [i64; 3] {

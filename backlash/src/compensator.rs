@@ -1,12 +1,12 @@
-//! The stage on events.
+//! The compensation of step events.
 
 use crate::Lash;
 
-/// Watches step events for axes that turn round and says what each owes first. Eight axes at most:
-/// further ones owe nothing.
+/// Detects the axes that reverse in a step event, and returns the take-up of each. It compensates
+/// eight axes at most. Further axes have no take-up.
 ///
-/// While no axis turns round, an event costs a few operations on masks and no call into the lash
-/// model.
+/// # Cost
+/// While no axis reverses, an event costs a few operations on masks and no call of the lash model.
 ///
 /// ```
 /// use husillo_backlash::{Backlash, Compensator, Flank};
@@ -14,9 +14,9 @@ use crate::Lash;
 /// let axis = |lash| Backlash::new(lash, Flank::Positive);
 /// let mut stage = Compensator::new([axis(3), axis(2)]);
 /// assert_eq!(stage.before(&[1, 1], [0, 0]), [0, 0]);
-/// // Both turn round: 3 steps of X alone, then 2 of Y alone, then the event.
+/// // Both reverse: 3 steps of X alone, then 2 of Y alone, then the event.
 /// assert_eq!(stage.before(&[-1, -1], [1, 1]), [3, 2]);
-/// assert!(stage.is_straight_on(0b01, 0b01)); // X on in the negative direction
+/// assert!(stage.is_straight_on(0b01, 0b01)); // X continues in the negative direction
 /// ```
 #[derive(Copy, Clone, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -29,7 +29,7 @@ pub struct Compensator<const N: usize, L: Lash<N>> {
 }
 
 impl<const N: usize, L: Lash<N>> Compensator<N, L> {
-    /// One lash model per axis; each knows its flank.
+    /// Creates it with one lash model per axis. Each model knows its flank.
     pub const fn new(lash: [L; N]) -> Self {
         Compensator {
             lash,
@@ -38,12 +38,12 @@ impl<const N: usize, L: Lash<N>> Compensator<N, L> {
         }
     }
 
-    /// Motor steps each axis owes before the event `delta` (entries -1, 0, +1), with the load at
-    /// `load`.
+    /// Returns the take-up of each axis in motor steps before the event `delta` (entries -1, 0,
+    /// +1), with the load at `load`.
     ///
-    /// To be made in the direction of the axis' `delta`, one axis after the other from the first,
-    /// and before the event. The load does not move in them. Remembers the new directions: ask once
-    /// an event.
+    /// The caller makes these steps before the event, in the direction of the axis' `delta`, one
+    /// axis after the other from the first. The load does not move in them. The new directions are
+    /// stored, so call it once per event.
     #[inline]
     pub fn before(&mut self, delta: &[i8; N], load: [i32; N]) -> [u32; N] {
         let mut owed = [0; N];
@@ -70,9 +70,9 @@ impl<const N: usize, L: Lash<N>> Compensator<N, L> {
         owed
     }
 
-    /// Motor steps each axis owes, signed, since the lash under its nut is another at `load`, where
-    /// the event that comes next will take the load: see [`Lash::follow`]. `None` where no axis
-    /// owes any. After [`Compensator::before`].
+    /// Returns the signed motor steps of each axis that are due because the lash at `load` has
+    /// changed. `load` is the position after the next event: see [`Lash::follow`]. `None` if there
+    /// are none. Call it after [`Compensator::before`].
     #[inline]
     pub fn follow(&mut self, load: &[i32; N]) -> Option<[i32; N]> {
         if !L::VARIES {
@@ -87,11 +87,12 @@ impl<const N: usize, L: Lash<N>> Compensator<N, L> {
         is_due.then_some(owed)
     }
 
-    /// The direction of an axis' last event, and the motor steps it would owe if it turned round
+    /// Returns the direction of an axis' last event, and its take-up in motor steps if it reversed
     /// now, with the load at `load`. `None` before its first event.
     ///
-    /// For who moves a motor beside the path and back, across the lash that the path has. The model
-    /// is asked for a turn and for the turn back at one place, which leaves it as it was.
+    /// It is for a caller that moves a motor away from the path and back, across the lash. The
+    /// model is asked for a reversal and for its return at the same position, which leaves it
+    /// unchanged.
     pub fn play(&mut self, axis: usize, load: &[i32; N]) -> Option<(i8, u32)> {
         let bit = 1_u8.checked_shl(u32::try_from(axis).ok()?)?;
         let direction = if self.positive & bit != 0 {
@@ -107,8 +108,8 @@ impl<const N: usize, L: Lash<N>> Compensator<N, L> {
         Some((direction, owed))
     }
 
-    /// Whether an event of `axes` (bit 0 is the first axis), of which those in `negative` go
-    /// backwards, turns none round; then nothing is owed.
+    /// Whether no axis reverses in an event of `axes` (bit 0 is the first axis), of which those in
+    /// `negative` move in the negative direction. Then there is no take-up.
     #[inline]
     #[must_use]
     pub const fn is_straight_on(&self, axes: u8, negative: u8) -> bool {
@@ -117,14 +118,14 @@ impl<const N: usize, L: Lash<N>> Compensator<N, L> {
         (forwards & !self.positive) | (backwards & !self.negative) == 0
     }
 
-    /// The lash models, the first axis first.
+    /// Returns the lash models, the first axis first.
     pub const fn lash(&self) -> &[L; N] {
         &self.lash
     }
 
-    /// The lash models, to be changed: after homing, or for another map.
+    /// Returns the lash models for changes: after homing, or for another map.
     pub fn lash_mut(&mut self) -> &mut [L; N] {
-        // The models know the directions; ask them again.
+        // The models know the directions, so they are asked again.
         self.positive = 0;
         self.negative = 0;
         &mut self.lash

@@ -1,48 +1,49 @@
-//! The errors of one axis: scale, and a table of what is left, for both directions of travel.
+//! The errors of one axis: a scale, and a table of the remaining errors for both directions.
 
 use core::fmt;
 
 use crate::Flank;
 
-/// Readings and targets beyond this many nanometres, 34 m, are corrected as those at it.
+/// Readings and targets beyond this many nanometres, 34 m, get the correction at this limit.
 pub(crate) const REACH_NM: i64 = 1 << 35;
 
-/// Most that [`Knot`] may correct, nanometres: 2.1 mm.
+/// Largest correction of a [`Knot`], nanometres: 2.1 mm.
 const MOST_NM: i32 = 1 << 21;
 
-/// Most that the scale may be off, parts in 10^9: 1 %.
+/// Largest error of the scale, parts in 10^9: 1 %.
 const MOST_SCALE_PPB: i32 = 10_000_000;
 
-/// Fractions of a nanometre that corrections are added up in.
+/// Corrections are added in this fraction of a nanometre.
 const PARTS: i64 = 16;
 
 /// Passes of the inverse: each leaves at most 0.0725 of the distance and one, which begins below
 /// 2^29.
 const PASSES: u8 = 16;
 
-/// What to add to a reading at one place of the travel.
+/// The correction of a reading at one position of the travel.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Knot {
-    /// What the scale says there, nanometres.
+    /// The reading there, nanometres.
     pub reading_nm: i64,
-    /// True position less reading when the place was reached in the positive direction, nanometres.
+    /// True position less reading after motion in the positive direction, nanometres.
     pub positive_nm: i32,
-    /// The same in the negative direction.
+    /// The same after motion in the negative direction.
     pub negative_nm: i32,
 }
 
-/// Why a table is none.
+/// Why a table is not valid.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum TableError {
-    /// The scale is off by more than 1 %.
+    /// The error of the scale is more than 1 %.
     Scale,
     /// This knot, counted from 0, corrects by more than 2.1 mm or is more than 34 m away.
     Range(usize),
-    /// The reading of this knot is not above that of the one before.
+    /// The reading of this knot is not above that of the previous one.
     Order(usize),
-    /// From the knot before to this one the correction changes by more than a sixteenth of the way.
+    /// From the previous knot to this one the correction changes by more than a sixteenth of the
+    /// distance.
     Steep(usize),
 }
 
@@ -59,20 +60,20 @@ impl fmt::Display for TableError {
 
 impl core::error::Error for TableError {}
 
-/// The errors of an axis: a reading becomes a position with [`position_nm`](Self::position_nm), and
-/// a position the reading to go to with [`reading_nm`](Self::reading_nm).
+/// The errors of an axis. [`position_nm`](Self::position_nm) converts a reading to a position, and
+/// [`reading_nm`](Self::reading_nm) a position to the reading to move to.
 ///
 /// The correction is `scale_ppb` of the reading and the straight line between the two knots around
-/// it, rounded once, to the nearest nanometre; before the first knot and behind the last it is
-/// theirs. [`Flank::Positive`] is a place reached in the positive direction; what was reached in
-/// neither is corrected by the mean of both.
+/// it, rounded once, to the nearest nanometre. Before the first knot and after the last one it is
+/// that of the knot. [`Flank::Positive`] is a position that was reached in the positive direction.
+/// If the direction is unknown, the correction is the mean of both.
 ///
-/// Both ways and back are within 1 nm; a position that a reading has comes back exactly. That is so
-/// because corrections change by less than 0.0725 of the way (1 % of scale and a sixteenth), so
-/// positions never fall when readings rise.
+/// Conversion and reverse conversion agree within 1 nm. A position computed from a reading returns
+/// exactly. The reason is that corrections change by less than 0.0725 of the distance (1 % of scale
+/// and a sixteenth), so positions never fall when readings rise.
 ///
-/// Deviations are taken as in ISO 230-2 (true less target, means of each direction). 24 bytes a
-/// knot.
+/// Deviations are taken as in ISO 230-2 (true less target, means of each direction). A knot takes
+/// 24 bytes.
 ///
 /// ```
 /// use husillo_backlash::{ErrorTable, Flank, Knot};
@@ -96,11 +97,11 @@ pub struct ErrorTable<T> {
 }
 
 impl<T: AsRef<[Knot]>> ErrorTable<T> {
-    /// An axis whose true way is longer than its readings by `scale_ppb` parts in 10^9 (1 um/m is
-    /// 1000), with the knots of what is left; none will do.
+    /// Creates the table of an axis whose true distance is longer than its readings by `scale_ppb`
+    /// parts in 10^9 (1 um/m is 1000). The knots have the remaining errors; there may be none.
     ///
     /// # Errors
-    /// [`TableError`]: the first of its cases that is one.
+    /// [`TableError`], in the order of its variants.
     pub fn new(scale_ppb: i32, knots: T) -> Result<Self, TableError> {
         if scale_ppb.unsigned_abs() > MOST_SCALE_PPB.unsigned_abs() {
             return Err(TableError::Scale);
@@ -134,18 +135,20 @@ impl<T: AsRef<[Knot]>> ErrorTable<T> {
         Ok(Self { scale_ppb, knots })
     }
 
-    /// The true position at a reading, both in nanometres. Saturates at the ends of `i64`.
+    /// Returns the true position at a reading, both in nanometres. Saturates at the ends of `i64`.
     ///
-    /// Cost: a binary search of the knots and two 64-bit divisions.
+    /// # Cost
+    /// A binary search of the knots and two 64-bit divisions.
     #[must_use]
     pub fn position_nm(&self, reading_nm: i64, flank: Flank) -> i64 {
         reading_nm.saturating_add(self.correction_nm(reading_nm, flank))
     }
 
-    /// The reading at which the axis is at a true position, both in nanometres; within 1 nm of it.
+    /// Returns the reading at a true position, both in nanometres. The error is at most 1 nm.
     ///
-    /// Cost: that of [`position_nm`](Self::position_nm) for each pass; three passes for errors
-    /// below 1 mm/m, 16 at most.
+    /// # Cost
+    /// That of [`position_nm`](Self::position_nm) for each pass: three passes for errors
+    /// below 1 mm/m, at most 16.
     #[must_use]
     pub fn reading_nm(&self, position_nm: i64, flank: Flank) -> i64 {
         let mut reading_nm = position_nm;
@@ -160,7 +163,7 @@ impl<T: AsRef<[Knot]>> ErrorTable<T> {
         reading_nm
     }
 
-    /// What [`position_nm`](Self::position_nm) adds, nanometres.
+    /// The correction of [`position_nm`](Self::position_nm), nanometres.
     #[must_use]
     pub fn correction_nm(&self, reading_nm: i64, flank: Flank) -> i64 {
         let reading_nm = reading_nm.clamp(-REACH_NM, REACH_NM);
@@ -176,12 +179,12 @@ impl<T: AsRef<[Knot]>> ErrorTable<T> {
             .div_euclid(PARTS)
     }
 
-    /// The scale that was given, parts in 10^9.
+    /// Returns the scale, parts in 10^9.
     pub const fn scale_ppb(&self) -> i32 {
         self.scale_ppb
     }
 
-    /// The knots that were given.
+    /// Returns the knots.
     pub fn knots(&self) -> &[Knot] {
         self.knots.as_ref()
     }
@@ -204,7 +207,7 @@ impl<T: AsRef<[Knot]>> ErrorTable<T> {
         let between = |low_nm: i32, high_nm: i32| {
             let change = i64::from(high_nm).wrapping_sub(low_nm.into());
             let risen = change.wrapping_mul(done).wrapping_mul(PARTS);
-            // The way is 0 beyond the ends only.
+            // The distance is 0 only beyond the ends.
             let risen = risen.checked_div_euclid(way).unwrap_or(0);
             i64::from(low_nm).wrapping_mul(PARTS).wrapping_add(risen)
         };

@@ -1,10 +1,10 @@
-//! The seam: how much play an axis has, and which side of it is closed.
+//! The interface of lash models: the play of an axis, and its engaged flank.
 
-/// Which flank of the screw's thread carries the nut: the direction of the last motion.
+/// The flank of the screw's thread that carries the nut: the direction of the last motion.
 #[derive(Copy, Clone, Eq, PartialEq, Hash, Debug, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Flank {
-    /// Not known: the axis has not moved since power-up.
+    /// Unknown: the axis has not moved since power-up.
     #[default]
     Unknown,
     /// The last motion was positive.
@@ -14,7 +14,7 @@ pub enum Flank {
 }
 
 impl Flank {
-    /// The flank that motion in the direction of the sign of `direction` engages; `None` for 0.
+    /// Returns the flank that a motion with the sign of `direction` engages. `None` for 0.
     #[must_use]
     pub const fn towards(direction: i8) -> Option<Flank> {
         match direction {
@@ -25,10 +25,10 @@ impl Flank {
     }
 }
 
-/// The lash of one axis of a machine of `N`, with the memory of the direction it moved last.
+/// The lash of one axis of a machine with `N` axes, and the direction of its last motion.
 ///
-/// [`Backlash`](crate::Backlash) has one value, [`MappedBacklash`](crate::MappedBacklash) a map; a
-/// machine with another law implements this itself.
+/// [`Backlash`](crate::Backlash) has one value, [`MappedBacklash`](crate::MappedBacklash) a map.
+/// For another law, implement this trait.
 ///
 /// ```
 /// use husillo_backlash::{Flank, Lash};
@@ -56,30 +56,30 @@ impl Flank {
 /// assert_eq!(owed, [0, 14, 0]);
 /// ```
 pub trait Lash<const N: usize> {
-    /// Whether the lash under the nut may change without the axis turning round: then
-    /// [`Lash::follow`] is asked after every event. Where it may not, that costs nothing.
+    /// Whether the lash may change while the axis does not reverse. Then [`Lash::follow`] is called
+    /// after every event. Otherwise there is no cost.
     const VARIES: bool = false;
 
-    /// Motor steps owed before a step in the direction of the sign of `direction`, with the load of
-    /// every axis at `load`; this axis is number `axis` of them.
+    /// Returns the take-up in motor steps before a step with the sign of `direction`. `load` has
+    /// the positions of all axes, and `axis` is the number of this one.
     ///
-    /// 0 unless the axis turns round, and for `direction` 0; the new direction is remembered, so
-    /// the caller makes the steps that this returns. A caller may leave out calls for further steps
-    /// in one direction.
+    /// It is 0 unless the axis reverses, and for `direction` 0. The new direction is stored, so the
+    /// caller makes the returned steps. A caller may leave out calls for further steps in one
+    /// direction.
     fn take_up(&mut self, axis: usize, direction: i8, load: &[i32; N]) -> u32;
 
-    /// Motor steps owed, signed, because the lash under the nut is another at `load` than where
-    /// this was asked last, or the axis turned round last. The load does not move in them.
+    /// Returns the signed motor steps that are due because the lash at `load` differs from that at
+    /// the last call, or at the last reversal. The load does not move in them.
     ///
-    /// Steps of a machine move every axis by one at most; a model that owes more than one step for
-    /// such a move stops the path for them.
+    /// An event of a machine moves every axis by at most one step. A model that returns more than
+    /// one step for such a move stops the path for them.
     fn follow(&mut self, load: &[i32; N]) -> i32 {
         let _ = load;
         0
     }
 
-    /// Whether the axis never owes anything, so that it may turn round without a stop. Unless a
-    /// model knows, it may.
+    /// Whether the axis never has a take-up, so that it may reverse without a stop. By default it
+    /// may have one.
     fn is_free(&self) -> bool {
         false
     }

@@ -1,24 +1,26 @@
-//! Lash by place: a grid over two axes, or a table along one.
+//! Lash by position: a grid over two axes, or a table along one.
 
 use core::fmt;
 
-/// Most lash of an entry, in motor steps.
+/// Largest lash of an entry, in motor steps.
 const MOST_STEPS: u32 = (1 << 20) - 1;
 
-/// Most steps from one place of the grid to the next.
+/// Largest number of steps from one grid position to the next.
 const MOST_WAY: u32 = 1 << 22;
 
 /// Lash of one axis over a machine's work area, in motor steps.
 ///
-/// Between the places of the grid it is interpolated bilinearly and rounded to the nearest step;
-/// outside it is that of the nearest edge. One place along an axis: the same everywhere along it.
-/// So bands across X are a grid with one place in Y, and the table of a lead screw is bands across
-/// its own axis.
+/// Between grid positions the lash is interpolated bilinearly and rounded to the nearest step.
+/// Outside it is that of the nearest edge. With one position along an axis it is constant along
+/// that axis. So bands across X are a grid with one position in Y, and the table of a lead screw is
+/// bands across its own axis.
 ///
-/// Motor steps are kept apart from load steps by less than one for every two: from one place to the
-/// next the lash changes by a quarter of the way at most, so an event changes it by one step at
-/// most. Costs two binary searches, two 64-bit divisions and a few products a look-up; a step of
-/// 64-bit arithmetic is exact because entries are below 2^20 and ways below 2^22.
+/// From one grid position to the next the lash changes by at most a quarter of the distance. So an
+/// event changes it by at most one step.
+///
+/// # Cost
+/// Two binary searches, two 64-bit divisions and a few products per look-up. The 64-bit arithmetic
+/// is exact, because entries are below 2^20 and distances below 2^22.
 ///
 /// ```
 /// use husillo_backlash::LashMap;
@@ -38,23 +40,23 @@ pub struct LashMap<K, V> {
     steps: V,
 }
 
-/// Why a map is none.
+/// Why a map is not valid.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum MapError {
-    /// There is no entry, or not one for every place of the grid.
+    /// There is no entry, or not one for every grid position.
     Entries,
-    /// Along the first (0) or the second axis (1) this place, counted from 0, is not above the one
-    /// before, or more than 2^22 steps above.
+    /// Along the first (0) or the second axis (1) this position, counted from 0, is not above the
+    /// previous one, or more than 2^22 steps above it.
     Order {
         /// 0 or 1.
         axis: usize,
-        /// Index of the place.
+        /// Index of the position.
         place: usize,
     },
     /// This entry, counted from 0, is 2^20 steps or more.
     Range(usize),
-    /// From a neighbour to this entry the lash changes by more than a quarter of the way.
+    /// From a neighbour to this entry the lash changes by more than a quarter of the distance.
     Steep(usize),
 }
 
@@ -72,12 +74,12 @@ impl fmt::Display for MapError {
 impl core::error::Error for MapError {}
 
 impl<K: AsRef<[i32]>, V: AsRef<[u32]>> LashMap<K, V> {
-    /// A map over the positions of two `axes` of the machine, by number. `places` are rising load
-    /// steps along each of them, `steps` the lash at each place, in motor steps: all places of the
-    /// first axis at the first of the second, and so on.
+    /// Creates a map over two `axes` of the machine, given by their numbers. `places` are rising
+    /// positions along each of them in load steps. `steps` are the lash values in motor steps: all
+    /// positions of the first axis at the first position of the second, and so on.
     ///
     /// # Errors
-    /// [`MapError`]: the first of its cases that is one.
+    /// [`MapError`], in the order of its variants.
     pub fn new(axes: [usize; 2], places: [K; 2], steps: V) -> Result<Self, MapError> {
         let [first, second] = places.each_ref().map(|places| places.as_ref());
         let entries = first.len().checked_mul(second.len());
@@ -95,24 +97,24 @@ impl<K: AsRef<[i32]>, V: AsRef<[u32]>> LashMap<K, V> {
         Ok(map)
     }
 
-    /// The lash at a place, given along the map's own two axes.
+    /// Returns the lash at a position along the two axes of the map.
     #[must_use]
     pub fn steps(&self, at: [i32; 2]) -> u32 {
         self.look_up(at).0
     }
 
-    /// The two axes of the machine, by number.
+    /// Returns the numbers of the two axes of the machine.
     pub const fn axes(&self) -> [usize; 2] {
         self.axes
     }
 
-    /// The places along them, in steps.
+    /// Returns the positions along them, in steps.
     pub fn places(&self) -> [&[i32]; 2] {
         self.places.each_ref().map(|places| places.as_ref())
     }
 
-    /// The lash at all of them: those along the first axis at the first place of the second, and so
-    /// on.
+    /// Returns the lash at all of them: those along the first axis at the first position of the
+    /// second, and so on.
     pub fn entries(&self) -> &[u32] {
         self.steps.as_ref()
     }
@@ -122,14 +124,15 @@ impl<K: AsRef<[i32]>, V: AsRef<[u32]>> LashMap<K, V> {
         self.steps.as_ref().iter().all(|steps| *steps == 0)
     }
 
-    /// The map's own two axes of a position; an axis that the machine has not is at 0.
+    /// Returns the two coordinates of a position for the map. An axis that the machine lacks is at
+    /// 0.
     pub(crate) fn place<const N: usize>(&self, load: &[i32; N]) -> [i32; 2] {
         self.axes
             .map(|axis| load.get(axis).copied().unwrap_or_default())
     }
 
-    /// The lash at a place, and how far each of the two axes may go from there with the lash
-    /// staying as it is: a lower bound.
+    /// Returns the lash at a position, and a lower bound of the distance that each of the two axes
+    /// may move while the lash stays the same.
     pub(crate) fn look_up(&self, at: [i32; 2]) -> (u32, u32) {
         let [x, y] = self.places.each_ref().map(|places| places.as_ref());
         let [at_x, at_y] = at;
@@ -203,7 +206,7 @@ impl<K: AsRef<[i32]>, V: AsRef<[u32]>> LashMap<K, V> {
     }
 }
 
-/// Steps from a place to the next, which is above it.
+/// Steps from a position to the next one above it.
 fn way(places: &[i32], from: usize) -> u32 {
     let mut ends = places.iter().skip(from);
     match (ends.next(), ends.next()) {
@@ -222,9 +225,9 @@ fn check_order(axis: usize, places: &[i32]) -> Result<(), MapError> {
     Ok(())
 }
 
-/// A position between two places of one axis.
+/// A position between two grid positions of one axis.
 struct Between {
-    /// The places below and above it, by index; the same one outside of the grid.
+    /// Indices of the grid positions below and above it. Outside of the grid they are equal.
     low: usize,
     high: usize,
     /// Steps between them, at least 1, and from the lower one to the position.
@@ -235,7 +238,7 @@ struct Between {
 }
 
 impl Between {
-    /// `places` has one entry at least.
+    /// `places` has at least one entry.
     fn new(places: &[i32], at: i32) -> Between {
         let above = places.partition_point(|place| *place <= at);
         let place = |index: usize| places.get(index).copied();

@@ -64,10 +64,10 @@ pub trait CoilDriver {
     /// Turns all currents off, or on again in the phase that was held last; the levels after it.
     fn set_enabled(&mut self, on: bool) -> Levels;
 
-    /// Holds with less current, or with all of it again; the levels after it. A step needs all of
-    /// it.
+    /// Holds with less current, or with full current again. Returns the levels. A step needs full
+    /// current.
     ///
-    /// Does nothing where the inputs of the driver have no level for it, as here by default.
+    /// It does nothing if the inputs of the driver have no level for it. This is the default.
     fn set_reduced(&mut self, on: bool) -> Levels {
         let _ = on;
         self.levels()

@@ -4,7 +4,7 @@
 use crate::sine::AMPLITUDE;
 use crate::sine::sine;
 
-/// `PER_FULL` microsteps to one full step: 1, 2, 4, ... 256.
+/// A sequencer with `PER_FULL` microsteps per full step: 1, 2, 4, ... 256.
 ///
 /// Starts at 45 degrees, both coils at 71 %, as sine drives do after power-up. Currents are in
 /// 1/32767 of full current, exact to half a unit; with the feature `micromath` they are computed,
@@ -27,7 +27,7 @@ pub struct Microstep<const PER_FULL: u16> {
 }
 
 impl<const PER_FULL: u16> Microstep<PER_FULL> {
-    /// 1024ths of a cycle a microstep.
+    /// 1024ths of a cycle per microstep.
     const STRIDE: i16 = {
         assert!(
             PER_FULL.is_power_of_two() && PER_FULL <= 256,
@@ -36,13 +36,13 @@ impl<const PER_FULL: u16> Microstep<PER_FULL> {
         (256 / PER_FULL) as i16
     };
 
-    /// At 45 degrees.
+    /// Creates a motor at 45 degrees.
     #[must_use]
     pub const fn new() -> Self {
         Microstep { angle: 128 }
     }
 
-    /// The currents of coils A and B after `delta` microsteps.
+    /// Moves by `delta` microsteps and returns the currents of coils A and B.
     pub fn step(&mut self, delta: i8) -> [i16; 2] {
         // |delta| * 256 <= 32768, taken modulo 1024. That divides 65536, so wrapping loses nothing.
         let turn = i16::from(delta).wrapping_mul(Self::STRIDE);
@@ -50,13 +50,13 @@ impl<const PER_FULL: u16> Microstep<PER_FULL> {
         self.currents()
     }
 
-    /// The currents of coils A and B: cosine and sine of the electrical angle.
+    /// Returns the currents of coils A and B: cosine and sine of the electrical angle.
     #[must_use]
     pub fn currents(&self) -> [i16; 2] {
         [wave(self.angle.wrapping_add(256)), wave(self.angle)]
     }
 
-    /// The electrical angle in 1024ths of a cycle.
+    /// Returns the electrical angle in 1024ths of a cycle.
     #[must_use]
     pub const fn angle(&self) -> u16 {
         self.angle

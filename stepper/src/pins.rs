@@ -12,20 +12,20 @@ use crate::{Levels, PulseNanoseconds};
 #[derive(Debug)]
 pub struct LevelPins<P, const PINS: usize> {
     pins: [P; PINS],
-    /// What the pins show; unknown until the first write and after a failed one.
+    /// The levels of the pins. Unknown until the first write and after a failed one.
     shown: Option<Levels>,
 }
 
 impl<P: OutputPin, const PINS: usize> LevelPins<P, PINS> {
-    /// Takes the pins, bit 0 first; nothing is written yet.
+    /// Takes the pins, bit 0 first. Nothing is written yet.
     pub const fn new(pins: [P; PINS]) -> Self {
         LevelPins { pins, shown: None }
     }
 
-    /// Presents `levels`.
+    /// Writes `levels`.
     ///
     /// # Errors
-    /// The first pin's error; the next write then writes all pins again.
+    /// The error of the first pin that fails. The next write then writes all pins.
     pub fn write(&mut self, levels: Levels) -> Result<(), P::Error> {
         let changed = match self.shown.take() {
             Some(shown) => levels.0 ^ shown.0,
@@ -40,7 +40,7 @@ impl<P: OutputPin, const PINS: usize> LevelPins<P, PINS> {
         Ok(())
     }
 
-    /// Gives the pins back.
+    /// Returns the pins.
     pub fn release(self) -> [P; PINS] {
         self.pins
     }
@@ -48,11 +48,11 @@ impl<P: OutputPin, const PINS: usize> LevelPins<P, PINS> {
 
 /// STEP, DIR and ENABLE of a step and direction driver on three pins.
 ///
-/// Two ways to use it. [`step`](StepDirectionPins::step) makes a whole pulse and waits for it: for
-/// a motor that a loop drives. [`write`](StepDirectionPins::write) shows levels: for a timer's
-/// interrupt that goes through the phases of [`StepDirection`](crate::StepDirection).
+/// It has two uses. [`step`](StepDirectionPins::step) makes a whole pulse and waits for it, for a
+/// motor that a loop drives. [`write`](StepDirectionPins::write) writes levels, for a timer
+/// interrupt that follows the phases of [`StepDirection`](crate::StepDirection).
 ///
-/// A driver whose ENABLE is wired for good has no third pin: give it [`Unwired`].
+/// If ENABLE of the driver is wired permanently, there is no third pin: pass [`Unwired`].
 #[derive(Debug)]
 pub struct StepDirectionPins<S, D, E> {
     step: S,
@@ -67,8 +67,8 @@ pub struct StepDirectionPins<S, D, E> {
 impl<S: OutputPin, D: OutputPin<Error = S::Error>, E: OutputPin<Error = S::Error>>
     StepDirectionPins<S, D, E>
 {
-    /// A driver that a low ENABLE switches on, as most do (A4988, DRV8825, TMC). Nothing is written
-    /// yet.
+    /// Creates a driver that a low ENABLE switches on, as most drivers (A4988, DRV8825, TMC).
+    /// Nothing is written yet.
     pub const fn active_low(step: S, direction: D, enable: E, times: PulseNanoseconds) -> Self {
         StepDirectionPins {
             step,
@@ -80,7 +80,7 @@ impl<S: OutputPin, D: OutputPin<Error = S::Error>, E: OutputPin<Error = S::Error
         }
     }
 
-    /// A driver that a high ENABLE switches on. Nothing is written yet.
+    /// Creates a driver that a high ENABLE switches on. Nothing is written yet.
     pub const fn active_high(step: S, direction: D, enable: E, times: PulseNanoseconds) -> Self {
         StepDirectionPins {
             step,
@@ -92,13 +92,13 @@ impl<S: OutputPin, D: OutputPin<Error = S::Error>, E: OutputPin<Error = S::Error
         }
     }
 
-    /// Shows `levels`: ENABLE, then DIR, then STEP. Only pins whose level changes are written.
+    /// Writes `levels`: ENABLE, then DIR, then STEP. Only pins whose level changes are written.
     ///
-    /// Where DIR changes and STEP rises in one call, the set-up time passes between them. All other
-    /// times are the caller's: `StepDirection` gives them.
+    /// If DIR changes and STEP rises in one call, the set-up time passes between them. The caller
+    /// keeps all other times; `StepDirection` gives them.
     ///
     /// # Errors
-    /// The first pin's error; the next write then writes all pins again.
+    /// The error of the first pin that fails. The next write then writes all pins.
     pub fn write<W: DelayNs>(&mut self, levels: Levels, delay: &mut W) -> Result<(), S::Error> {
         let changed = match self.shown.take() {
             Some(shown) => Levels(levels.0 ^ shown.0),
@@ -122,12 +122,12 @@ impl<S: OutputPin, D: OutputPin<Error = S::Error>, E: OutputPin<Error = S::Error
         Ok(())
     }
 
-    /// One step in the direction of the sign of `delta`: DIR, the set-up time, STEP high and low
-    /// for their times, and what is left of the hold time. With `delta` 0 nothing is done. ENABLE
-    /// is switched on.
+    /// Makes one step in the direction of the sign of `delta`: DIR, the set-up time, STEP high and
+    /// low for their times, and the rest of the hold time. ENABLE is switched on. With `delta` 0 it
+    /// does nothing.
     ///
     /// # Errors
-    /// The first pin's error; the next step then writes all pins again.
+    /// The error of the first pin that fails. The next step then writes all pins.
     pub fn step<W: DelayNs>(&mut self, delta: i8, delay: &mut W) -> Result<(), S::Error> {
         if delta == 0 {
             return Ok(());
@@ -147,20 +147,20 @@ impl<S: OutputPin, D: OutputPin<Error = S::Error>, E: OutputPin<Error = S::Error
         Ok(())
     }
 
-    /// Gives the pins back: STEP, DIR, ENABLE.
+    /// Returns the pins: STEP, DIR, ENABLE.
     pub fn release(self) -> (S, D, E) {
         (self.step, self.direction, self.enable)
     }
 }
 
-/// A pin that is not there: an input of the driver that is wired for good.
+/// The absent pin of an input that is wired permanently.
 ///
-/// `E` is the error type of the other pins; there is never one.
+/// `E` is the error type of the other pins. This pin has no errors.
 #[derive(Copy, Clone, Debug, Default)]
 pub struct Unwired<E>(PhantomData<E>);
 
 impl<E> Unwired<E> {
-    /// No pin.
+    /// Creates it.
     #[must_use]
     pub const fn new() -> Self {
         Unwired(PhantomData)
@@ -189,7 +189,7 @@ pub struct Switch<P> {
 }
 
 impl<P: InputPin> Switch<P> {
-    /// A switch that pulls the pin high when it is closed.
+    /// Creates a switch that pulls the pin high when it is closed.
     pub const fn active_high(pin: P) -> Self {
         Switch {
             pin,
@@ -197,7 +197,7 @@ impl<P: InputPin> Switch<P> {
         }
     }
 
-    /// A switch that pulls the pin low when it is closed.
+    /// Creates a switch that pulls the pin low when it is closed.
     pub const fn active_low(pin: P) -> Self {
         Switch {
             pin,

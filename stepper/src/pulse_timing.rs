@@ -1,4 +1,4 @@
-//! The times that the pulses of a step and direction driver need.
+//! The pulse times of a step and direction driver.
 
 /// The times a step and direction driver needs, in timer ticks.
 ///
@@ -15,13 +15,13 @@ pub struct PulseTiming {
     pub setup_ticks: u32,
     /// DIR stable after STEP has risen.
     pub hold_ticks: u32,
-    /// STEP high; at least 1 is used.
+    /// STEP high, at least 1.
     pub high_ticks: u32,
-    /// STEP low after the pulse; at least 1 is used.
+    /// STEP low after the pulse, at least 1.
     pub low_ticks: u32,
 }
 
-/// The same in nanoseconds, as data sheets have them.
+/// The same times in nanoseconds, as in data sheets.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PulseNanoseconds {
@@ -36,7 +36,7 @@ pub struct PulseNanoseconds {
 }
 
 impl PulseNanoseconds {
-    /// The A4988: 200 ns set-up and hold, 1 us high and low.
+    /// The times of the A4988: 200 ns set-up and hold, 1 us high and low.
     ///
     /// # Source
     /// Allegro, A4988 data sheet, figure 1 (logic interface timing).
@@ -47,7 +47,7 @@ impl PulseNanoseconds {
         low: 1000,
     };
 
-    /// In ticks of a timer of `timer_hz`, rounded up, so that no time is shorter than it has to be.
+    /// Converts to ticks of a timer of `timer_hz`, rounded up, so that no time is too short.
     #[must_use]
     pub const fn ticks(self, timer_hz: u32) -> PulseTiming {
         PulseTiming {
@@ -83,8 +83,8 @@ impl PulseTiming {
         at_least_one(self.low_ticks)
     }
 
-    /// The shortest time from one step of a driver to its next one, in ticks, also where the
-    /// direction turns between them.
+    /// Returns the shortest time between two steps of a driver, in ticks, also when the direction
+    /// changes between them.
     #[must_use]
     pub const fn shortest_interval_ticks(self) -> u32 {
         let pulse = self.high().saturating_add(self.low());

@@ -1,11 +1,11 @@
-//! Phase sequencing: which levels follow which.
+//! Phase sequencing: the order of the levels.
 
 use core::fmt;
 
 use crate::tables::{self, Cycle};
 use crate::{CoilDriver, Driver, Levels};
 
-/// How far one step goes, and through which states.
+/// The distance of a step, and the states that it uses.
 #[derive(Copy, Clone, Eq, PartialEq, Hash, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Mode {
@@ -32,7 +32,7 @@ impl Mode {
         }
     }
 
-    /// The names machine files use: `wave`, `full`, `half`, `quarter`, `quarter-low`.
+    /// Reads the names of machine files: `wave`, `full`, `half`, `quarter`, `quarter-low`.
     #[must_use]
     pub fn by_name(name: &str) -> Option<Mode> {
         Some(match name {
@@ -45,7 +45,7 @@ impl Mode {
         })
     }
 
-    /// One step in sixteenths of an electrical cycle.
+    /// Returns one step in sixteenths of an electrical cycle.
     const fn stride(self) -> i8 {
         match self {
             Mode::Wave | Mode::Full => 4,
@@ -59,9 +59,9 @@ impl Mode {
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Unsupported {
-    /// The driver that was asked.
+    /// The driver.
     pub driver: Driver,
-    /// The mode it lacks.
+    /// The mode that it lacks.
     pub mode: Mode,
 }
 
@@ -94,7 +94,7 @@ pub struct Sequencer {
 }
 
 impl Sequencer {
-    /// An enabled sequencer in the start state of `driver` for `mode`.
+    /// Creates an enabled sequencer in the start state of `driver` for `mode`.
     ///
     /// # Errors
     /// [`Unsupported`]: quarter steps need current levels (PBL3717A, A3988), only the PBL3717A has
@@ -121,7 +121,7 @@ impl Sequencer {
         })
     }
 
-    /// An L297 in state 1, half step.
+    /// Creates the sequencer of an L297 in state 1, half step.
     pub(crate) const fn l297() -> Sequencer {
         Sequencer {
             cycle: &tables::L297,
@@ -135,8 +135,8 @@ impl Sequencer {
         }
     }
 
-    /// The same with the directions exchanged, for a motor or screw mounted the other way (the
-    /// micro mill's X).
+    /// Exchanges the directions, for a motor or screw that is mounted in reverse (the micro mill's
+    /// X).
     #[must_use]
     pub const fn reversed(mut self) -> Sequencer {
         self.reversed = !self.reversed;
@@ -144,13 +144,14 @@ impl Sequencer {
         self
     }
 
-    /// Changes the mode in any state: the state stays, the next steps go the new distance from it.
+    /// Changes the mode in any state. The state stays, with full current. The next steps have the
+    /// new distance.
     ///
     /// As on the L297, a full step adds 2 to the state number whatever it is, so full steps from a
     /// one-phase state are wave drive and from a two-phase state normal drive.
     ///
     /// # Errors
-    /// [`Unsupported`] as for [`Sequencer::new`]; nothing changes.
+    /// [`Unsupported`] as for [`Sequencer::new`]. Nothing changes then.
     pub const fn set_mode(&mut self, mode: Mode) -> Result<(), Unsupported> {
         let fresh = match Sequencer::new(self.driver, mode) {
             Ok(fresh) => fresh,
@@ -158,30 +159,30 @@ impl Sequencer {
         };
         self.cycle = fresh.cycle;
         self.mode = mode;
-        self.stride = if self.is_enabled() {
-            self.signed_stride()
-        } else {
-            0
-        };
+        if self.is_enabled() {
+            // Inputs of a reduced current are levels of a quarter step.
+            self.set = 0;
+            self.stride = self.signed_stride();
+        }
         Ok(())
     }
 
-    /// Back to the start state of the driver (RESET of the L297); the levels after it.
+    /// Returns to the start state of the driver (RESET of the L297), and returns its levels.
     pub fn reset(&mut self) -> Levels {
         self.at = start(self.driver, self.mode);
         self.levels()
     }
 
     /// Goes to the state at `sixteenth` of the electrical cycle (taken modulo 16), to restore a
-    /// phase that was remembered over a power cut; the levels after it. Only the driver's real
-    /// states make sense.
+    /// phase that was stored over a power failure. Returns the levels. Only real states of the
+    /// driver are useful.
     pub fn restore(&mut self, sixteenth: u8) -> Levels {
         self.at = sixteenth & 15;
         self.levels()
     }
 
-    /// Where in the electrical cycle it is, in sixteenths: 2 is 45 degrees, coils A and B both
-    /// forward.
+    /// Returns the position in the electrical cycle, in sixteenths. 2 is 45 degrees: coils A and B
+    /// both forward.
     #[must_use]
     pub const fn sixteenth(&self) -> u8 {
         self.at
@@ -199,13 +200,13 @@ impl Sequencer {
         self.keep == 0xFF
     }
 
-    /// The driver it sequences.
+    /// Returns the driver.
     #[must_use]
     pub const fn driver(&self) -> Driver {
         self.driver
     }
 
-    /// The step mode.
+    /// Returns the step mode.
     #[must_use]
     pub const fn mode(&self) -> Mode {
         self.mode
@@ -245,8 +246,8 @@ impl CoilDriver for Sequencer {
         self.levels()
     }
 
-    /// 60 % in every phase that has 100 %: the PBL3717A in whole and half steps, by I0 high.
-    /// Quarter steps and the A3988 need their levels for the angle, the other drivers have none.
+    /// Reduces 100 % to 60 % in every phase of the PBL3717A in full and half steps, with I0 high.
+    /// Quarter steps and the A3988 need their levels for the angle. The other drivers have none.
     fn set_reduced(&mut self, on: bool) -> Levels {
         if let (Driver::Pbl3717a, Mode::Wave | Mode::Full | Mode::Half, true) =
             (self.driver, self.mode, self.is_enabled())
@@ -270,12 +271,12 @@ const fn start(driver: Driver, mode: Mode) -> u8 {
     }
 }
 
-/// Which levels to keep and which to set so that no coil has current.
+/// The levels to keep and to set so that no coil has current.
 const fn off(driver: Driver) -> (u8, u8) {
     match driver {
         // I0 and I1 of both bridges high.
         Driver::Pbl3717a | Driver::A3988 => (0x7F, 0b110_110),
-        // ENABLE low: all low but HOME, which tells the state all the same.
+        // ENABLE low: all levels are low except HOME, which still shows the state.
         Driver::L297 => (Levels::HOME.0, 0),
         Driver::Unipolar => (0, 0),
         Driver::PhasePair => (0x03, 0b100),

@@ -3,8 +3,8 @@
 /// Full current in [`sine`] and [`Microstep`](crate::Microstep).
 pub const AMPLITUDE: i16 = 32767;
 
-/// Entry k = 32767 sin(k 90 / 256 degrees), rounded to the nearest whole number; a test makes it
-/// again with `f64`.
+/// Entry k = 32767 sin(k 90 / 256 degrees), rounded to the nearest whole number. A test computes
+/// it again with `f64`.
 #[rustfmt::skip]
 const QUARTER: [i16; 257] = [
     0, 201, 402, 603, 804, 1005, 1206, 1407, 1608, 1809, 2009, 2210, 2410,

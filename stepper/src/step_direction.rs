@@ -2,13 +2,13 @@
 
 use crate::{CoilDriver, Levels, PulseTiming};
 
-/// Levels to put on the pins now, and how long they stay.
+/// Levels for the pins, and their duration.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Present {
     /// STEP, DIR and ENABLE.
     pub levels: Levels,
-    /// Timer ticks until [`StepDirection::advance`] is to be called.
+    /// Timer ticks until the call of [`StepDirection::advance`].
     pub ticks: u32,
 }
 
@@ -22,7 +22,7 @@ enum State {
     Low,
 }
 
-/// A step was asked for while the one before it is under way.
+/// A step was requested before the previous one was complete.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Busy;
@@ -64,15 +64,15 @@ impl core::error::Error for Busy {}
 pub struct StepDirection {
     timing: PulseTiming,
     state: State,
-    /// DIR as it is on the pin.
+    /// The level of DIR on the pin.
     forward: bool,
-    /// DIR as the step under way wants it.
+    /// The level of DIR for the present step.
     wanted: bool,
     enabled: bool,
 }
 
 impl StepDirection {
-    /// Idle and enabled, STEP low, DIR high (positive).
+    /// Creates an idle, enabled driver with STEP low and DIR high (positive).
     #[must_use]
     pub const fn new(timing: PulseTiming) -> StepDirection {
         StepDirection {
@@ -84,14 +84,14 @@ impl StepDirection {
         }
     }
 
-    /// Begins one step in the direction of the sign of `delta`. `None`: nothing is to be done,
-    /// since `delta` is 0 or the driver is disabled.
+    /// Begins one step in the direction of the sign of `delta`. `None`: there is nothing to do,
+    /// because `delta` is 0 or the driver is disabled.
     ///
-    /// How long it has been idle is not known here, so a change of direction waits the rest of the
-    /// hold time every time.
+    /// The idle time is unknown here, so every change of direction waits for the rest of the hold
+    /// time.
     ///
     /// # Errors
-    /// A step is still under way: nothing changes, ask again when it is complete.
+    /// [`Busy`]: the previous step is not complete. Nothing changes.
     pub fn start(&mut self, delta: i8) -> Result<Option<Present>, Busy> {
         if self.state != State::Idle {
             return Err(Busy);
@@ -110,8 +110,8 @@ impl StepDirection {
         }))
     }
 
-    /// The next levels of the step under way, after the ticks of the last ones. `None`: the step is
-    /// complete.
+    /// Returns the next levels of the present step, after the ticks of the last ones. `None`: the
+    /// step is complete.
     pub fn advance(&mut self) -> Option<Present> {
         match self.state {
             State::Idle => None,
@@ -134,8 +134,8 @@ impl StepDirection {
         self.state == State::Idle
     }
 
-    /// The longest time of one step, in ticks: the shortest safe step interval when the direction
-    /// reverses.
+    /// Returns the longest time of one step, in ticks. It is the shortest safe step interval when
+    /// the direction reverses.
     #[must_use]
     pub fn longest_step_ticks(&self) -> u32 {
         let pulse = self.timing.high().saturating_add(self.timing.low());
@@ -144,7 +144,7 @@ impl StepDirection {
             .saturating_add(self.timing.setup_ticks)
     }
 
-    /// What is left of the hold time when a step has been completed.
+    /// Returns the rest of the hold time after a complete step.
     fn rest_of_hold(&self) -> u32 {
         let since_rise = self.timing.high().saturating_add(self.timing.low());
         self.timing.hold_ticks.saturating_sub(since_rise)
@@ -184,8 +184,7 @@ impl CoilDriver for StepDirection {
         self.levels()
     }
 
-    /// STEP rises. While it is high no other step begins: [`end_pulse`](CoilDriver::end_pulse)
-    /// first.
+    /// Raises STEP. No other step begins until [`end_pulse`](CoilDriver::end_pulse) lowers it.
     #[inline]
     fn step(&mut self, delta: i8) -> Levels {
         if delta != 0 && self.enabled {
@@ -220,7 +219,7 @@ impl CoilDriver for StepDirection {
         Levels(bits)
     }
 
-    /// Drives ENABLE. A pulse under way is completed, so that the driver counts what was started.
+    /// Drives ENABLE. A pulse that has begun is completed, so that the driver counts it.
     fn set_enabled(&mut self, on: bool) -> Levels {
         self.enabled = on;
         self.levels()

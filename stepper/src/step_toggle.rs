@@ -1,12 +1,12 @@
-//! Step and direction for drivers that count both edges: one edge a step.
+//! Step and direction for drivers that count both edges: one edge per step.
 
 use crate::{CoilDriver, Levels};
 
 /// A step and direction driver that takes a step on both edges of STEP ("double edge": TMC2209 with
 /// `dedge` set), so that a step is one change of levels.
 ///
-/// DIR is high for positive steps. **Most chips count rising edges only and lose every second step
-/// of this**: they need [`StepDirection`](crate::StepDirection).
+/// DIR is high for positive steps. **Most chips count rising edges only and would lose every second
+/// step**. They need [`StepDirection`](crate::StepDirection).
 ///
 /// ```
 /// use husillo_stepper::{CoilDriver, Levels, StepToggle};
@@ -23,7 +23,7 @@ pub struct StepToggle {
 }
 
 impl StepToggle {
-    /// Enabled, STEP low, DIR high.
+    /// Creates an enabled driver with STEP low and DIR high.
     #[must_use]
     pub const fn new() -> StepToggle {
         StepToggle {
@@ -43,7 +43,7 @@ impl CoilDriver for StepToggle {
     fn step(&mut self, delta: i8) -> Levels {
         if delta != 0 && self.levels.contains(Levels::ENABLE) {
             let direction = if delta > 0 { Levels::DIR.0 } else { 0 };
-            // An even number of steps cannot be shown by one edge; events carry -1, 0 or +1.
+            // One edge cannot show an even number of steps. Events have -1, 0 or +1.
             let step = (self.levels.0 ^ Levels::STEP.0) & Levels::STEP.0;
             self.levels = Levels(step | direction | Levels::ENABLE.0);
         }

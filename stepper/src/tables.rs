@@ -8,7 +8,7 @@
 /// One electrical cycle of levels.
 pub(crate) type Cycle = [u8; 16];
 
-/// One cycle from its first quadrant; each number is the current of a coil: [`FULL`], [`MORE`],
+/// One cycle from its first quadrant. Each number is the current of a coil: [`FULL`], [`MORE`],
 /// [`LESS`] or [`OFF`], negative with PH low.
 const fn bridges(quadrant: [[i8; 2]; 4]) -> Cycle {
     let mut cycle = [0; 16];
@@ -33,8 +33,8 @@ const FULL: i8 = 4;
 const MORE: i8 = 3;
 /// 20 % or 33.3 %: I1 I0 = 10.
 const LESS: i8 = 2;
-/// No current: I1 I0 = 11. Not 0, since PH has a level here too: the one it has before it when
-/// stepping forward.
+/// No current: I1 I0 = 11. It is not 0, because PH has a level here too: that of the previous
+/// forward state.
 const OFF: i8 = 1;
 
 /// PH, I0 and I1 in bits 0, 1 and 2.
@@ -73,7 +73,7 @@ pub(crate) const UNIPOLAR: Cycle = halves([1, 9, 8, 12, 4, 6, 2, 3]);
 /// The two PH lines; with both phases always on, only the two-phase positions are real.
 pub(crate) const PHASE_PAIR: Cycle = halves([0b01, 0b11, 0b11, 0b10, 0b10, 0b00, 0b00, 0b01]);
 
-/// Eight half-step states; the quarter positions between them repeat the state below and are never
+/// Eight half-step states. The quarter positions between them repeat the state below and are never
 /// reached.
 const fn halves(states: [u8; 8]) -> Cycle {
     let mut cycle = [0; 16];

@@ -342,3 +342,35 @@ fn unsupported_modes_are_refused() {
         assert!(Sequencer::new(driver, mode).is_err());
     }
 }
+
+/// A change of the mode ends a reduced current: its inputs are levels of a quarter step.
+#[test]
+fn a_new_mode_has_full_current() {
+    let modes = [Mode::Wave, Mode::Full, Mode::Half, Mode::Quarter];
+    for (from, to) in modes
+        .into_iter()
+        .flat_map(|from| modes.map(|to| (from, to)))
+    {
+        for steps in 0..16 {
+            let mut reduced = Sequencer::new(Driver::Pbl3717a, from).unwrap();
+            (0..steps).for_each(|_| _ = reduced.step(1));
+            let mut full = reduced;
+            reduced.set_reduced(true);
+            for motor in [&mut reduced, &mut full] {
+                motor.set_mode(to).unwrap();
+            }
+            assert_eq!(
+                reduced.levels(),
+                full.levels(),
+                "{from:?} to {to:?} after {steps}"
+            );
+            assert_eq!(reduced.step(1), full.step(1));
+        }
+        // Without current it stays so.
+        let mut off = Sequencer::new(Driver::Pbl3717a, from).unwrap();
+        off.set_enabled(false);
+        let levels = off.levels();
+        off.set_mode(to).unwrap();
+        assert_eq!(off.levels(), levels, "{from:?} to {to:?}");
+    }
+}
