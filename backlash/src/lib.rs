@@ -13,8 +13,8 @@
 //!                 ▲ Flank::Positive  ▲ Flank::Negative      where the nut touches
 //! ```
 //!
-//! That is in motor steps. The errors of an axis' length are in nanometres, for positions that are
-//! measured or gone to:
+//! Lash is in motor steps. The errors of an axis' length are in nanometres. They apply to measured
+//! positions and to goals:
 //!
 //! ```text
 //!  readings ──► ErrorTable, one per axis ──► Squareness ──► true position
@@ -28,7 +28,7 @@
 //!
 //! let mut x = Backlash::new(1457, Flank::Positive);
 //! assert_eq!(x.motor_target(100), 100);
-//! assert_eq!(x.motor_target(90), 90 - 1457); // turned round: the play first
+//! assert_eq!(x.motor_target(90), 90 - 1457); // reversed: the play first
 //! assert_eq!(x.load_position(90 - 1457), 90);
 //! ```
 

@@ -1,13 +1,13 @@
-//! Lash that is another at every place.
+//! Lash that varies with the position.
 
 use crate::{Flank, Lash, LashMap};
 
 /// An axis whose lash is looked up in a [`LashMap`] as the tool moves.
 ///
-/// On the positive flank the motor stands at the load's position; on the negative flank it stands
-/// before it by the lash at the place where the load is. So it does not only owe a take-up where it
-/// turns round: on the negative flank it owes a step whenever the lash under the nut has become
-/// another one, also while it stands and other axes move.
+/// On the positive flank the motor is at the position of the load. On the negative flank it is
+/// before it by the lash at that position. So there is a take-up where the axis reverses. On the
+/// negative flank there is also a step whenever the lash under the nut changes, even while this
+/// axis stands and others move.
 ///
 /// ```
 /// use husillo_backlash::{Compensator, Flank, LashMap, MappedBacklash};
@@ -29,20 +29,20 @@ use crate::{Flank, Lash, LashMap};
 pub struct MappedBacklash<K, V> {
     map: LashMap<K, V>,
     flank: Flank,
-    /// Motor steps the motor is before the load on the negative flank.
+    /// Motor steps between motor and load on the negative flank.
     held_steps: u32,
     /// Motor position less load position on the positive flank.
     origin: i32,
-    /// Where the map was looked up, and how far from there it says the same.
+    /// The position of the last look-up, and the distance within which the lash is the same.
     looked_up_at: [i32; 2],
     quiet_steps: u32,
 }
 
 impl<K: AsRef<[i32]>, V: AsRef<[u32]>> MappedBacklash<K, V> {
-    /// The map of an axis, and its flank engaged now, with the load at machine zero; load and motor
-    /// zero are here on the positive flank.
+    /// Creates an axis with its map and its engaged flank, with the load at machine zero. On the
+    /// positive flank the motor is at its zero there.
     ///
-    /// With [`Flank::Unknown`] the first motion is not compensated: it finds the flank.
+    /// With [`Flank::Unknown`] the first motion is not compensated, because it finds the flank.
     #[must_use]
     pub fn new(map: LashMap<K, V>, flank: Flank) -> Self {
         let looked_up_at = [0; 2];
@@ -57,8 +57,8 @@ impl<K: AsRef<[i32]>, V: AsRef<[u32]>> MappedBacklash<K, V> {
         }
     }
 
-    /// The load position with the motor at `motor`, on the flank engaged now and with the lash that
-    /// was followed last.
+    /// Returns the load position with the motor at `motor`, for the engaged flank and the last
+    /// lash.
     #[must_use]
     pub const fn load_position(&self, motor: i32) -> i32 {
         let offset = match self.flank {
@@ -68,18 +68,18 @@ impl<K: AsRef<[i32]>, V: AsRef<[u32]>> MappedBacklash<K, V> {
         motor.wrapping_sub(offset)
     }
 
-    /// The flank engaged now.
+    /// Returns the engaged flank.
     #[must_use]
     pub const fn flank(&self) -> Flank {
         self.flank
     }
 
-    /// The map.
+    /// Returns the map.
     pub const fn map(&self) -> &LashMap<K, V> {
         &self.map
     }
 
-    /// The lash at a place.
+    /// Returns the lash at a position.
     fn look_up(&mut self, at: [i32; 2]) -> u32 {
         let (steps, quiet_steps) = self.map.look_up(at);
         self.looked_up_at = at;
@@ -101,10 +101,10 @@ impl<const N: usize, K: AsRef<[i32]>, V: AsRef<[u32]>> Lash<N> for MappedBacklas
                 self.held_steps = self.look_up(self.map.place(load));
                 self.held_steps
             }
-            // What the motor is before the load, wherever that was looked up.
+            // The distance of motor and load, wherever it was looked up.
             (Flank::Negative, Flank::Positive) => self.held_steps,
             (Flank::Unknown, Flank::Negative) => {
-                // The motor is where it was, so the play lies on the other side of it.
+                // The motor has not moved, so the play is on its other side.
                 self.held_steps = self.look_up(self.map.place(load));
                 self.origin = self.held_steps.cast_signed();
                 0
@@ -128,7 +128,7 @@ impl<const N: usize, K: AsRef<[i32]>, V: AsRef<[u32]>> Lash<N> for MappedBacklas
         }
         let steps = self.look_up(at);
         let before = core::mem::replace(&mut self.held_steps, steps);
-        // Both below 2^20. More lash: further before the load, so backwards.
+        // Both are below 2^20. With more lash the motor moves back, away from the load.
         before.cast_signed().wrapping_sub(steps.cast_signed())
     }
 

@@ -14,7 +14,7 @@ pub struct Play {
 }
 
 impl Play {
-    /// At zero, the positive flank engaged.
+    /// Creates an axis at zero with the positive flank engaged.
     pub const fn new(lash: u16) -> Self {
         Self {
             lash,
@@ -23,21 +23,21 @@ impl Play {
         }
     }
 
-    /// Steps that way which move the motor only.
+    /// Returns the number of steps in that direction that move the motor only.
     pub const fn owed(&self, is_forward: bool) -> u16 {
         if is_forward {
-            self.lash.wrapping_sub(self.ahead) // it is not above
+            self.lash.wrapping_sub(self.ahead) // `ahead` is at most `lash`
         } else {
             self.ahead
         }
     }
 
-    /// Whether a step that way moves the motor only.
+    /// Whether a step in that direction moves the motor only.
     pub const fn owes(&self, is_forward: bool) -> bool {
         self.owed(is_forward) != 0
     }
 
-    /// A motor step; whether it moves the load.
+    /// Makes a motor step. Returns whether it moves the load.
     pub const fn step(&mut self, is_forward: bool) -> bool {
         let moves = !self.owes(is_forward);
         self.shift(is_forward, moves);
@@ -46,7 +46,7 @@ impl Play {
 
     const fn shift(&mut self, is_forward: bool, moves_load: bool) {
         match (moves_load, is_forward) {
-            // Of 2^32 steps, at 100 a second, none in a year.
+            // 2^32 steps at 100 per second take more than a year.
             (true, true) => self.load = self.load.wrapping_add(1),
             (true, false) => self.load = self.load.wrapping_sub(1),
             // Below the lash, or above zero.
@@ -55,42 +55,42 @@ impl Play {
         }
     }
 
-    /// The negative flank is engaged here.
+    /// Sets the state: the negative flank is engaged.
     pub const fn set_behind(&mut self) {
         self.ahead = 0;
     }
 
-    /// The load is at zero here.
+    /// Makes the present position of the load zero.
     pub const fn set_zero(&mut self) {
         self.load = 0;
     }
 
-    /// Load steps from zero.
+    /// Returns the position of the load, in steps from zero.
     pub const fn load(self) -> i32 {
         self.load
     }
 }
 
-/// What only steps of a path need.
+/// Functions for the steps of a path.
 impl Play {
-    /// So many steps, -1 to 1, that move the load, as those do that owe nothing.
+    /// Makes this many steps, -1 to 1, that move the load. Call it only if no take-up is due.
     #[inline]
     pub const fn carry(&mut self, steps: i32) {
         self.load = self.load.wrapping_add(steps);
     }
 
-    /// A step that moves the motor only, as those do that are owed.
+    /// Makes a step of a take-up, which moves the motor only.
     #[inline]
     pub const fn take_up(&mut self, is_forward: bool) {
         self.shift(is_forward, false);
     }
 
-    /// As if a step, the last one of those made, had not been.
+    /// Undoes the last step.
     pub const fn undo(&mut self, is_forward: bool, moved: bool) {
         self.shift(!is_forward, moved);
     }
 
-    /// Another lash: the flank that is engaged stays so.
+    /// Changes the lash. The engaged flank stays engaged.
     pub const fn set_lash(&mut self, lash: u16) {
         let is_positive = self.ahead == self.lash;
         self.lash = lash;

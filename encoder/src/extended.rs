@@ -1,12 +1,14 @@
-//! More bits for a hardware counter.
+//! Extension of a hardware counter to more bits.
 
 /// A position of 64 (or 32) bits from the readings of a counter with `BITS` bits, 1 to 32, that
 /// wraps.
 ///
-/// Exact as long as less than half the range of the counter passes between readings: -128 to 127
-/// counts for 8 bits, -32768 to 32767 for 16. This is the difference modulo 2^`BITS` taken as a
-/// signed number, as sequence numbers are compared (RFC 1982). 10 instructions on a Cortex-M4F,
-/// loop included; 16 bytes.
+/// It is exact if less than half the range of the counter passes between readings: -128 to 127
+/// counts for 8 bits, -32768 to 32767 for 16. The difference modulo 2^`BITS` counts as a signed
+/// number, as in the comparison of sequence numbers (RFC 1982).
+///
+/// # Cost
+/// 10 instructions on a Cortex-M4F, with the loop. 16 bytes.
 ///
 /// ```
 /// use husillo_encoder::Extended;
@@ -24,13 +26,13 @@ pub struct Extended<const BITS: u32> {
 }
 
 impl<const BITS: u32> Extended<BITS> {
-    /// What a difference is shifted by to have its sign on top.
+    /// The shift that puts the sign of a difference into the top bit.
     const SPARE_BITS: u32 = {
         assert!(1 <= BITS && BITS <= 32);
         32 - BITS
     };
 
-    /// At position 0 with this reading now. Bits beyond `BITS` are not looked at.
+    /// Creates it at position 0 with the present reading. Bits beyond `BITS` are ignored.
     pub const fn new(reading: u32) -> Self {
         Self {
             position: 0,
@@ -51,17 +53,17 @@ impl<const BITS: u32> Extended<BITS> {
         counts
     }
 
-    /// Counts from where the position was set last.
+    /// Returns the counts from the last set position.
     pub const fn position(&self) -> i64 {
         self.position
     }
 
-    /// The same in 32 bits, wrapping.
+    /// Returns the same in 32 bits, wrapping.
     pub const fn position_32(&self) -> i32 {
         self.position as i32
     }
 
-    /// Calls the place of the last reading `position`.
+    /// Sets the position of the last reading.
     pub const fn set_position(&mut self, position: i64) {
         self.position = position;
     }

@@ -1,4 +1,4 @@
-//! The mark on the disc or scale.
+//! The index mark on the disc or scale.
 
 use core::num::NonZeroU32;
 
@@ -6,13 +6,14 @@ use core::num::NonZeroU32;
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Passage {
-    /// Where, in counts: the lower edge of the mark, from whichever side.
+    /// Position in counts: the lower edge of the mark, in both directions of motion.
     pub position: i32,
-    /// Counts too many (or too few, when negative) since the passage before; 0 at the first.
+    /// Number of surplus counts (or of lost ones, if negative) since the previous passage. 0 at the
+    /// first one.
     pub error_counts: i32,
 }
 
-/// Watches the index: where it is, and whether counts were lost since it was there last.
+/// Watches the index: its position, and whether counts were lost since its last passage.
 ///
 /// ```text
 ///     counts   7   8   9  10  11
@@ -20,10 +21,10 @@ pub struct Passage {
 ///     upwards it rises in count 10, downwards it falls in count 10: always position 10
 /// ```
 ///
-/// The same edge of the mark counts in both directions, so that a reference taken from the left is
-/// that from the right. Where the encoder turns round within the count in which the index changes,
-/// the passage may be missed or, the other edge taken for this one, be off by the width of the mark
-/// (1 count where the encoder gates its index with A and B).
+/// The same edge of the mark counts in both directions, so that references from both sides are
+/// equal. If the encoder reverses within the count in which the index changes, the passage may be
+/// missed. It may also be off by the width of the mark, because the other edge is taken (1 count if
+/// the encoder gates its index with A and B).
 ///
 /// ```
 /// use husillo_encoder::Index;
@@ -45,8 +46,8 @@ pub struct Index {
 }
 
 impl Index {
-    /// With the level and the position as they are now. `counts_per_mark` is the distance of marks
-    /// in counts, that is the counts of a revolution, or 0 for the only mark of a scale.
+    /// Creates it with the present level and position. `counts_per_mark` is the distance of marks
+    /// in counts: the counts of a revolution, or 0 for the only mark of a scale.
     pub const fn new(counts_per_mark: u32, level: bool, position: i32) -> Self {
         Self {
             counts_per_mark: NonZeroU32::new(counts_per_mark),
@@ -57,8 +58,8 @@ impl Index {
         }
     }
 
-    /// Takes the level of the index and the position of the same sample, and returns the passage
-    /// when this sample has one.
+    /// Takes the level of the index and the position of the same sample. Returns the passage if
+    /// this sample has one.
     #[inline]
     pub fn sample(&mut self, level: bool, position: i32) -> Option<Passage> {
         let moved = position.wrapping_sub(self.position);
@@ -85,14 +86,14 @@ impl Index {
         }
     }
 
-    /// Forgets the last passage, as one must where the position was set anew.
+    /// Drops the last passage. Call it after the position was set.
     pub const fn set_position(&mut self, position: i32) {
         self.position = position;
         self.last = None;
     }
 }
 
-/// What is left of `counts` beyond the nearest multiple of `pitch`.
+/// The difference of `counts` to the nearest multiple of `pitch`.
 fn nearest_rest(counts: i32, pitch: NonZeroU32) -> i32 {
     // A divisor that is not 0: no remainder of unsigned numbers can fail.
     let rest = counts.unsigned_abs() % pitch;

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-/// How many counts a line of the disc or scale gives.
+/// The counts per line of the disc or scale.
 ///
 /// ```text
 ///             00  01  11  10  00      forward: A comes first
@@ -13,21 +13,21 @@ use core::fmt;
 ///     X1      +1                      the edge of A where B is low
 /// ```
 ///
-/// Backwards the same edges count down, so that a disc that trembles about an edge never gathers
-/// counts: with `X2` and `X1` the position is that of `X4` divided by 2 and 4 and rounded down,
-/// whatever the way there.
+/// In reverse the same edges count down, so that a disc that vibrates about an edge never
+/// accumulates counts. With `X2` and `X1` the position is that of `X4` divided by 2 and 4 and
+/// rounded down, whatever motion led to it.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Scale {
-    /// One count a line.
+    /// One count per line.
     X1,
-    /// Two counts a line.
+    /// Two counts per line.
     X2,
-    /// Four counts a line.
+    /// Four counts per line.
     X4,
 }
 
-/// What a sample was worth when two edges passed since the one before.
+/// The entry of a sample for which two edges have passed since the previous one.
 const SKIPPED: i32 = -2;
 
 impl Scale {
@@ -57,7 +57,7 @@ const X1: u32 = Scale::X1.table();
 const X2: u32 = Scale::X2.table();
 const X4: u32 = Scale::X4.table();
 
-/// Both levels changed between two samples: two edges passed, and nobody knows which way.
+/// Both levels changed between two samples: two edges passed in an unknown direction.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Skipped;
@@ -70,11 +70,11 @@ impl fmt::Display for Skipped {
 
 impl core::error::Error for Skipped {}
 
-/// Which way the counts go.
+/// The direction of counting.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Direction {
-    /// Counts grow: A comes before B.
+    /// Counts rise: A changes before B.
     Forward,
     /// Counts fall.
     Backward,
@@ -87,8 +87,10 @@ pub enum Direction {
 /// index does.
 ///
 /// The table has 16 states as in the usual hardware decoders (for instance Avago HCTL-2016, data
-/// sheet, "4x decode logic"). It is 32 bits long and stays in a register. 16 instructions a sample
-/// on a Cortex-M4F, loop included; 20 bytes.
+/// sheet, "4x decode logic"). It is 32 bits long and stays in a register.
+///
+/// # Cost
+/// 16 instructions per sample on a Cortex-M4F, with the loop. 20 bytes.
 ///
 /// ```
 /// use husillo_encoder::{Quadrature, Scale, Skipped};
@@ -111,7 +113,8 @@ pub struct Quadrature {
 }
 
 impl Quadrature {
-    /// At position 0 with these levels now: bit 0 is A, bit 1 is B, other bits are not looked at.
+    /// Creates a decoder at position 0 with the present levels: bit 0 is A, bit 1 is B. Other bits
+    /// are ignored.
     pub const fn new(scale: Scale, levels: u8) -> Self {
         Self {
             table: match scale {
@@ -126,13 +129,13 @@ impl Quadrature {
         }
     }
 
-    /// Takes the levels as they are now (bit 0 is A, bit 1 is B) and returns the counts since the
-    /// last sample: -1, 0 or 1.
+    /// Takes the present levels (bit 0 is A, bit 1 is B) and returns the counts since the last
+    /// sample: -1, 0 or 1.
     ///
     /// # Errors
     ///
-    /// [`Skipped`] when two edges passed. The position stays, so that it is two edges off, one way
-    /// or the other; the next sample is compared with this one.
+    /// [`Skipped`] if two edges passed. The position stays, so it is off by two edges in an unknown
+    /// direction. The next sample is compared with this one.
     #[inline]
     pub fn sample(&mut self, levels: u8) -> Result<i32, Skipped> {
         let levels = u32::from(levels) & 3;
@@ -151,18 +154,18 @@ impl Quadrature {
         Ok(counts)
     }
 
-    /// Counts from where the position was set last. Wraps at 32 bits; [`Extended`](crate::Extended)
-    /// has 64.
+    /// Returns the counts from the last set position. Wraps at 32 bits;
+    /// [`Extended`](crate::Extended) has 64.
     pub const fn position(&self) -> i32 {
         self.position
     }
 
-    /// Calls the place where the encoder is now `position`.
+    /// Sets the present position.
     pub const fn set_position(&mut self, position: i32) {
         self.position = position;
     }
 
-    /// Which way the last count went; `None` before the first one.
+    /// Returns the direction of the last count. `None` before the first one.
     pub const fn direction(&self) -> Option<Direction> {
         match self.heading {
             0 => None,
@@ -171,7 +174,7 @@ impl Quadrature {
         }
     }
 
-    /// How many samples were [`Skipped`] so far; stays at the largest number.
+    /// Returns the number of [`Skipped`] samples. It stays at the largest number.
     pub const fn skipped(&self) -> u32 {
         self.skipped
     }

@@ -1,4 +1,4 @@
-//! A counter of 16 bits behind a bus of 8, read while it runs.
+//! A counter of 16 bits on a bus of 8 bits, read while it runs.
 
 /// A byte of a counter of 16 bits.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
@@ -12,14 +12,14 @@ pub enum Byte {
 
 /// Reads a counter that runs while it is read: high, low, low, high byte, in this order.
 ///
-/// The value is that of the second reading of the low byte, exactly, when the counter runs one way
-/// during the four readings and by less than 128 counts, whenever it steps. `None` where the bytes
-/// contradict that: read again.
+/// The value is exactly that at the second reading of the low byte, if the counter runs in one
+/// direction during the four readings and by less than 128 counts. `None` if the bytes contradict
+/// that: read again.
 ///
-/// What turns within the four readings, and over a carry both ways, may read 256 off, whatever the
-/// rule: high bytes 0, 0 and low bytes 0, 0 are 0, 0, 0, 0 and also 255, 256, 256, 255. Who reads
-/// at least every 127 counts needs the low byte only, [`Extended::<8>`](crate::Extended), and is
-/// rid of the question.
+/// A counter that reverses within the four readings, and passes a carry in both directions, may be
+/// read 256 off by any rule: high bytes 0, 0 and low bytes 0, 0 are 0, 0, 0, 0 and also 255, 256,
+/// 256, 255. A caller that reads at least every 127 counts needs only the low byte and
+/// [`Extended::<8>`](crate::Extended), which does not have this problem.
 ///
 /// ```
 /// use husillo_encoder::{Byte, read_running};
@@ -42,7 +42,7 @@ pub fn read_running<R: FnMut(Byte) -> u8>(mut read: R) -> Option<u16> {
     ])
 }
 
-/// The value of a counter from its bytes, read in the order high, low, low, high; see
+/// Returns the value of a counter from its bytes in the order high, low, low, high. See
 /// [`read_running`].
 pub const fn running_value([high, low, low_again, high_again]: [u8; 4]) -> Option<u16> {
     // Less than 128 counts before and after a carry: low bytes below 128 are above it.

@@ -1,17 +1,17 @@
 //! Velocity from the counts in a time.
 
-/// Velocity by count: the counts of the last `WINDOW` samples, which come at equal times.
+/// Velocity by count: the counts of the last `WINDOW` samples, which are taken at equal intervals.
 ///
-/// For high speeds. One count more or less in the window is 1/`WINDOW` counts a sample: that is its
-/// resolution, and its error is below it. The value is the mean over the window, so it is
-/// `WINDOW`/2 samples old.
+/// It is for high speeds. Its resolution is one count in the window, 1/`WINDOW` counts per sample,
+/// and its error is below that. The value is the mean over the window, so its age is `WINDOW`/2
+/// samples.
 ///
 /// ```
 /// use husillo_encoder::VelocityByCount;
 ///
 /// let mut velocity = VelocityByCount::<8>::new(0);
 /// let last = (1..=20).map(|sample| velocity.update(sample * 5 / 2)).last();
-/// assert_eq!(last, Some(0x2_8000)); // 2.5 counts a sample
+/// assert_eq!(last, Some(0x2_8000)); // 2.5 counts per sample
 /// ```
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -27,7 +27,7 @@ impl<const WINDOW: usize> VelocityByCount<WINDOW> {
         WINDOW as i64
     };
 
-    /// At rest at this position.
+    /// Creates it at rest at this position.
     pub const fn new(position: i32) -> Self {
         Self {
             positions: [position; WINDOW],
@@ -35,10 +35,11 @@ impl<const WINDOW: usize> VelocityByCount<WINDOW> {
         }
     }
 
-    /// Takes the position of this sample and returns the velocity in 2^-16 counts a sample, rounded
-    /// to zero and cut to 32 bits.
+    /// Takes the position of this sample and returns the velocity in 2^-16 counts per sample,
+    /// rounded to zero and limited to 32 bits.
     ///
-    /// A division by a constant; a shift and an addition where `WINDOW` is a power of two.
+    /// # Cost
+    /// A division by a constant, or a shift and an addition if `WINDOW` is a power of two.
     #[inline]
     pub fn update(&mut self, position: i32) -> i32 {
         let Some(oldest) = self.positions.get_mut(self.oldest) else {

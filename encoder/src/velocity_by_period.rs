@@ -3,16 +3,16 @@
 /// Velocity by period: the time that the last `COUNTS` counts took, by a clock that wraps at 32
 /// bits.
 ///
-/// For low speeds, where whole samples pass without a count. Between two counts it says what is
-/// still possible: no more than one count in the time since the last one; after `standstill_ticks`
-/// without a count it says 0, and so it does from a change of direction to the second count of the
-/// new one, so that an encoder trembling on an edge stands. With `COUNTS` = 4 (or a multiple) the
-/// counts of a line with unequal quarters are taken together. Samples in which several counts come
-/// are taken as they are (the M/T method: Ohmae et al., A microprocessor-controlled high-accuracy
-/// wide-range speed regulator for motor drives, IEEE Trans. IE-29 (3), 1982).
+/// It is for low speeds, at which whole samples pass without a count. Between two counts it returns
+/// the largest possible velocity: at most one count in the time since the last one. After
+/// `standstill_ticks` without a count it returns 0. It also returns 0 from a change of direction to
+/// the second count of the new one, so that an encoder that vibrates on an edge has no velocity.
+/// With `COUNTS` = 4 (or a multiple) the counts of a line with unequal quarters are averaged.
+/// Samples may contain several counts (the M/T method: Ohmae et al., A microprocessor-controlled
+/// high-accuracy wide-range speed regulator for motor drives, IEEE Trans. IE-29 (3), 1982).
 ///
-/// The error is that of the clock and of the time between samples, `sample_ticks`: relative to the
-/// time of the counts taken, at most `sample_ticks` / time.
+/// The error is that of the clock and of the time between samples, `sample_ticks`: at most
+/// `sample_ticks` relative to the time of the counts.
 ///
 /// ```
 /// use husillo_encoder::VelocityByPeriod;
@@ -32,8 +32,8 @@ pub struct VelocityByPeriod<const COUNTS: usize> {
     position: i32,
     is_backward: bool,
     newest: Option<Edge>,
-    /// Those before the newest, as a ring: `known` of them count, `next` is the place of the next
-    /// one.
+    /// The samples before the newest, as a ring. `known` of them are valid, `next` is the index of
+    /// the next one.
     older: [Edge; COUNTS],
     known: usize,
     next: usize,
@@ -47,15 +47,16 @@ struct Edge {
 }
 
 impl<const COUNTS: usize> VelocityByPeriod<COUNTS> {
-    /// Longest standstill time: all periods that are kept are together shorter than the range of
-    /// the clock.
+    /// Longest standstill time. All stored periods together are then shorter than the range of the
+    /// clock.
     const LONGEST_TICKS: u32 = {
         assert!(COUNTS > 0 && COUNTS <= 1 << 16);
         (1 << 31) / COUNTS as u32
     };
 
-    /// At rest at this position. `standstill_ticks` without a count are taken as standstill; cut to
-    /// 2^31 / `COUNTS`.
+    /// Creates it at rest at this position. After `standstill_ticks` without a count the velocity
+    /// is
+    /// 0. They are limited to 2^31 / `COUNTS`.
     pub const fn new(clock_hz: u32, standstill_ticks: u32, position: i32) -> Self {
         Self {
             clock_hz,
@@ -96,10 +97,11 @@ impl<const COUNTS: usize> VelocityByPeriod<COUNTS> {
         }
     }
 
-    /// The velocity in thousandths of a count a second at this time, rounded to zero, negative
-    /// backwards; cut to 64 bits where counts in the time, thousand and clock frequency multiply to
-    /// more.
+    /// Returns the velocity at this time in thousandths of a count per second, rounded to zero. It
+    /// is negative in the negative direction. The product of counts, 1000 and clock frequency is
+    /// limited to 64 bits.
     ///
+    /// # Cost
     /// A division of 64 bits.
     pub fn millicounts_per_s(&self, now_ticks: u32) -> i64 {
         let (Some(newest), Some(oldest)) = (self.newest, self.oldest()) else {
@@ -133,7 +135,7 @@ impl<const COUNTS: usize> VelocityByPeriod<COUNTS> {
         }
     }
 
-    /// Calls the place of the last sample `position`, without a change of velocity.
+    /// Sets the position of the last sample, without a change of velocity.
     pub fn set_position(&mut self, position: i32) {
         let shift = position.wrapping_sub(self.position);
         self.position = position;
@@ -142,7 +144,7 @@ impl<const COUNTS: usize> VelocityByPeriod<COUNTS> {
         }
     }
 
-    /// The way of the next edge: the other way round nothing is known yet.
+    /// Notes the direction of a count. After a reversal no earlier count is valid.
     fn turn(&mut self, is_backward: bool) {
         if self.is_backward != is_backward {
             self.is_backward = is_backward;
