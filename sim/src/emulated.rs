@@ -7,17 +7,17 @@ use husillo_controllers::{
 
 use crate::{DrillRig, MicrofactoryRig, MicromillRig};
 
-/// A machine before a controller: what its sensors report, and what an event does to it.
+/// The mechanics that a controller drives: the readings of its sensors, and the effect of an event.
 pub trait Plant {
     /// Switches and sensors.
     type Inputs;
-    /// What the controller gives.
+    /// The events of the controller.
     type Event;
 
-    /// The inputs as they are.
+    /// The present inputs.
     fn inputs(&self) -> Self::Inputs;
 
-    /// Makes an event happen, its wait included.
+    /// Carries out an event with its wait.
     fn apply(&mut self, event: &Self::Event);
 }
 
@@ -38,7 +38,7 @@ pub trait Plant {
 /// for byte in *b"PY+0003;" {
 ///     emulated.receive(byte);
 /// }
-/// // Three steps at 170 a second.
+/// // Three steps at 170 per second.
 /// emulated.pass(20_000, |_, _, _, _| {});
 /// let answer: Vec<u8> = std::iter::from_fn(|| emulated.transmit()).collect();
 /// assert_eq!(answer, b"\x88PY+0003;\x83\x83\x83\x8f");
@@ -78,7 +78,7 @@ where
         &self.controller
     }
 
-    /// How many machines there are.
+    /// The number of machines.
     #[must_use]
     pub fn plants(&self) -> u8 {
         u8::try_from(self.plants.len()).unwrap_or(u8::MAX)
@@ -90,7 +90,7 @@ where
         self.plants.get(usize::from(machine))
     }
 
-    /// A machine, to be changed by hand.
+    /// A machine, for changes by hand.
     pub fn plant_mut(&mut self, machine: u8) -> Option<&mut P> {
         self.plants.get_mut(usize::from(machine))
     }
@@ -120,19 +120,19 @@ where
         self.controller.transmit()
     }
 
-    /// The reset button: the events that wait are not made.
+    /// Presses the reset button. The events that wait are not made.
     pub fn reset(&mut self) {
         self.due.fill_with(|| None);
         self.controller.reset();
     }
 
-    /// Time passes without power: nothing happens.
+    /// Lets time pass without power. Nothing happens.
     pub const fn pass_without_power(&mut self, us: u64) {
         self.now_us += us;
     }
 
-    /// Time passes: the events that are due happen. Each is shown to `made` with the number of its
-    /// machine, its time in us, and the machine after it.
+    /// Lets time pass, and carries out the events that are due. `made` gets each of them with the
+    /// number of its machine, its time in us, and the machine after it.
     pub fn pass(&mut self, us: u64, mut made: impl FnMut(u8, u64, &C::Event, &P)) {
         let end_us = self.now_us + us;
         loop {

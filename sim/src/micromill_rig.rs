@@ -7,14 +7,14 @@ use husillo_stepper::{CoilDriver, Driver, Levels, Mode, Sequencer};
 
 use crate::{AxisModel, Rig};
 
-/// The micro mill, in events.
+/// Simulated micro mill, driven by events.
 #[derive(Clone, Debug)]
 pub struct MicromillRig {
     motors: [Sequencer; 3],
     rig: Rig<3>,
-    /// Load steps at which the home switches close, from where the axes were at first.
+    /// Positions where the home switches close, in load steps from the initial positions.
     switches: [i32; 3],
-    /// Switches held closed, or open, by hand.
+    /// Switches held closed or open by hand.
     held: [Option<bool>; 3],
     spindle: SpindleDirection,
     rpm: u16,
@@ -22,9 +22,10 @@ pub struct MicromillRig {
 }
 
 impl MicromillRig {
-    /// Axes so many load steps above their home switches, with the backlash of the configuration.
+    /// Creates a rig with the axes the given load steps above their home switches, and with the
+    /// backlash of the configuration.
     ///
-    /// Motors lose steps above `pull_out_ticks` of the timer, the shortest time of a step; 0: none.
+    /// Motors lose steps that are shorter than `pull_out_ticks` timer ticks. With 0 they lose none.
     #[must_use]
     pub fn new(
         config: &MicromillConfig,
@@ -52,7 +53,7 @@ impl MicromillRig {
         }
     }
 
-    /// The switches as they are.
+    /// The present state of the switches.
     #[must_use]
     pub fn inputs(&self) -> MicromillInputs {
         let tool = self.rig.tool();
@@ -63,20 +64,20 @@ impl MicromillRig {
         MicromillInputs { home }
     }
 
-    /// Holds a switch closed or open, or lets go of it: 0 of X, 1 of Y, 2 of Z.
+    /// Holds a switch closed or open, or releases it: 0 of X, 1 of Y, 2 of Z.
     pub fn hold(&mut self, switch: usize, closed: Option<bool>) {
         if let Some(held) = self.held.get_mut(switch) {
             *held = closed;
         }
     }
 
-    /// Turns the rotor of an axis by about so many steps against its field, as a load that is
-    /// stronger does: by how many.
+    /// Turns the rotor of an axis by about `steps` against its field, as a stronger load does.
+    /// Returns the steps it turned.
     pub fn push(&mut self, axis: usize, steps: i32) -> i32 {
         self.rig.push(axis, steps)
     }
 
-    /// Makes an event happen.
+    /// Carries out an event.
     pub fn apply(&mut self, event: &MicromillEvent) {
         match event {
             MicromillEvent::Step(step) => self.step(step),
@@ -99,7 +100,7 @@ impl MicromillRig {
         self.rig.apply(&self.levels(), step.wait_ticks);
     }
 
-    /// The wires of the motors of X, Y and Z.
+    /// Levels of the wires of the motors of X, Y and Z.
     #[must_use]
     pub fn levels(&self) -> [Levels; 3] {
         self.motors.each_ref().map(CoilDriver::levels)
@@ -113,13 +114,13 @@ impl MicromillRig {
         self.rig.tool().map(above)
     }
 
-    /// The spindle's direction, and its turns per minute.
+    /// Direction and speed of the spindle, in turns per minute.
     #[must_use]
     pub const fn spindle(&self) -> (SpindleDirection, u16) {
         (self.spindle, self.rpm)
     }
 
-    /// The tool that was asked for last; 0: none.
+    /// The last requested tool. 0: none.
     #[must_use]
     pub const fn tool_number(&self) -> u8 {
         self.tool
