@@ -8,12 +8,16 @@ use crate::programs::setup;
 use husillo_metrology::calibration::backlash::{CIRCLE_ENDS, left_at_ends};
 use std::io::Write;
 
-/// Radius in mm, and the values measured at the four ends of such a circle, um. The source does not
-/// say which end is which.
-const MEASURED: [(f64, [u32; 4]); 3] = [
-    (3.0, [21, 51, 8, 30]),
-    (2.0, [21, 25, 9, 13]),
-    (1.0, [18, 12, 9, 3]),
+/// Radius in mm, and the values measured at the ends of such a circle on the original, um, in the
+/// order of [`CIRCLE_ENDS`].
+///
+/// # Source
+///
+/// Table 15 of the original: Ps is the top, Ei the left end, Pi the bottom, Ed the right end.
+const MEASURED: [(f64, [f64; 4]); 3] = [
+    (3.0, [8.0, 21.0, 30.0, 51.0]),
+    (2.0, [9.0, 21.0, 13.0, 25.0]),
+    (1.0, [9.0, 18.0, 3.0, 12.0]),
 ];
 
 /// Cuts the circles with one value per axis, and with the map of the file if it has one. Prints
@@ -42,9 +46,8 @@ pub fn print_circles(
     let ends = CIRCLE_ENDS.join("  ");
     writeln!(
         out,
-        "Left at the ends of circles around X{:.1} Y{:.1}, um. The measured values are in the \
-         order of their source, which does not name the ends\n\n\
-         radius  screws                 {ends}   measured",
+        "Remaining backlash at the ends of circles around X{:.1} Y{:.1}, um\n\n\
+         radius  screws                 {ends}",
         centre[0], centre[1]
     )
     .map_err(failed)?;
@@ -55,14 +58,21 @@ pub fn print_circles(
         }
         for (name, maps) in rows {
             let left = left_at_ends(&mut SimulatedBench::new(file, maps)?, centre, radius)?;
-            let [top, at_left, bottom, right] = left;
-            writeln!(
-                out,
-                "{radius:4} mm  {name:20} {top:5.1} {at_left:5.1} {bottom:7.1} {right:6.1}   {}",
-                measured.map(|um| um.to_string()).join(", ")
-            )
-            .map_err(failed)?;
+            print_row(out, radius, name, left).map_err(failed)?;
         }
+        print_row(out, radius, "the original's", measured).map_err(failed)?;
     }
     Ok(())
+}
+
+fn print_row(
+    out: &mut dyn Write,
+    radius: f64,
+    screws: &str,
+    [top, left, bottom, right]: [f64; 4],
+) -> std::io::Result<()> {
+    writeln!(
+        out,
+        "{radius:4} mm  {screws:20} {top:5.1} {left:5.1} {bottom:7.1} {right:6.1}"
+    )
 }
