@@ -67,7 +67,11 @@ impl Session {
     ///
     /// A sentence about the port or the controller.
     pub fn begin(&mut self, lease_ms: u16) -> Result<(), String> {
-        self.order(Order::Stop, "stop")?;
+        // A program that was killed may have left the beginning of a string, which spoils this one.
+        let is_spoilt = self.outcome(Order::Stop, "stop")? == Outcome::Wrong;
+        if is_spoilt {
+            self.order(Order::Stop, "stop")?;
+        }
         self.order(Order::Stream(false), "no streaming")?;
         if lease_ms > 0 {
             let leased = self.order(Order::Lease(lease_ms), "lease");
@@ -95,14 +99,20 @@ impl Session {
     ///
     /// The order failed, with `name` before the reason, or the port failed.
     pub fn order(&mut self, order: Order, name: &str) -> Result<(), String> {
+        match self.outcome(order, name)? {
+            Outcome::Done => Ok(()),
+            outcome => Err(format!("{name}: {}", why(outcome))),
+        }
+    }
+
+    /// Sends an order and waits for its outcome.
+    fn outcome(&mut self, order: Order, name: &str) -> Result<Outcome, String> {
         if !self.start(order) {
             return Err(format!("{name}: the previous string has not ended"));
         }
         loop {
-            match self.turn(TURN_US)? {
-                None => {}
-                Some(Outcome::Done) => return Ok(()),
-                Some(outcome) => return Err(format!("{name}: {}", why(outcome))),
+            if let Some(outcome) = self.turn(TURN_US)? {
+                return Ok(outcome);
             }
         }
     }
@@ -254,5 +264,25 @@ pub const fn why(outcome: Outcome) -> &'static str {
         Outcome::Garbled => "the echo differs from what was sent: check the cable and the rate",
         Outcome::Silent => "no answer: check the cable, the rate and the power",
         Outcome::Restarted => "the controller was reset",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::micromill::{BAUD, LEASE_MS};
+    use husillo_sim::device::Emulation as _;
+
+    /// A killed program leaves part of a string in the controller. The next session begins anyway.
+    #[test]
+    fn a_session_begins_after_half_a_string() {
+        for left in ["", "L", "PX+10", "G01X01000", "!", "LA", ";"] {
+            let mut device = Device::new(BAUD);
+            left.bytes().for_each(|byte| device.send(byte));
+            let wire = Wire::simulated(device);
+            let mut session = Session::new(wire, BAUD, StopRequests::default());
+            assert_eq!(session.begin(LEASE_MS), Ok(()), "{left}");
+            assert_eq!(session.order(Order::Every(1), "report"), Ok(()), "{left}");
+        }
     }
 }
