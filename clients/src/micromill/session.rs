@@ -279,7 +279,9 @@ mod tests {
         for left in ["", "L", "PX+10", "G01X01000", "!", "LA", ";"] {
             let mut device = Device::new(BAUD);
             left.bytes().for_each(|byte| device.send(byte));
-            let wire = Wire::simulated(device);
+            let mut wire = Wire::simulated(device);
+            // Until the controller has echoed all of it.
+            while !wire.receive_all(GREETING).unwrap().is_empty() {}
             let mut session = Session::new(wire, BAUD, StopRequests::default());
             assert_eq!(session.begin(LEASE_MS), Ok(()), "{left}");
             assert_eq!(session.order(Order::Every(1), "report"), Ok(()), "{left}");
