@@ -147,3 +147,41 @@ fn a_program_without_a_command_is_not_sent() {
             .stderr(predicates::str::contains("no command for the mill"));
     }
 }
+
+/// Each string waits for Enter; `q` ends the program before the next one.
+#[test]
+fn a_single_block_waits_for_the_operator() {
+    let send = |answers: &str| {
+        let output = husillo()
+            .args(["send", "-m", "micromill", "--single-block"])
+            .arg(file("single.mm", "G00X00001.00;\nG00X00002.00;\nM30;\n"))
+            .write_stdin(answers)
+            .output()
+            .expect("it runs");
+        let text = |bytes| String::from_utf8(bytes).expect("text");
+        let texts = (text(output.stdout), text(output.stderr));
+        (output.status.success(), texts.0, texts.1)
+    };
+    let (is_well, out, told) = send("\n\n\n");
+    assert!(is_well, "{told}");
+    assert!(out.contains("3 made"), "{out}");
+    for string in ["G00X00001.00Y00000.00;", "G00X00002.00Y00000.00;", "M30;"] {
+        assert!(
+            told.contains(&format!("{string} Enter sends it (or q to end)")),
+            "{told}"
+        );
+    }
+    let (is_well, _, told) = send("\nq\n");
+    assert!(!is_well);
+    assert!(
+        told.contains("line 2: stopped before G00X00002.00Y00000.00;"),
+        "{told}"
+    );
+    // The end of the input is no consent.
+    let (is_well, _, told) = send("");
+    assert!(!is_well);
+    assert!(
+        told.contains("line 1: stopped before G00X00001.00Y00000.00;"),
+        "{told}"
+    );
+}

@@ -29,8 +29,8 @@ pub struct Sent {
     pub lines: usize,
 }
 
-/// Sends lines and waits until they are made. `operator` is asked before each tool change; `true`
-/// continues.
+/// Sends lines and waits until they are made. `operator` is asked before each line, and is told the
+/// string; `true` continues.
 ///
 /// # Errors
 ///
@@ -42,7 +42,7 @@ pub fn send(
     lines: &[(usize, Line)],
     stop: StopRequests,
     progress: impl FnMut(usize),
-    operator: impl FnMut(u8) -> bool,
+    operator: impl FnMut(&Line, &str) -> bool,
 ) -> Result<Sent, String> {
     let mut session = Session::new(wire, sending.bits_per_s, stop);
     let mut is_counted = false;
@@ -86,7 +86,7 @@ fn made(
     lines: &[(usize, Line)],
     is_counted: &mut bool,
     mut progress: impl FnMut(usize),
-    mut operator: impl FnMut(u8) -> bool,
+    mut operator: impl FnMut(&Line, &str) -> bool,
 ) -> Result<(), String> {
     session.begin(sending.lease_ms)?;
     session.order(Order::Every(sending.every), "report of steps")?;
@@ -99,16 +99,20 @@ fn made(
         session.order(Order::Stream(true), "streaming")?;
     }
     for (done, (number, line)) in lines.iter().enumerate() {
-        if let Line::Tool(tool) = line {
-            session.finish()?;
-            if !operator(*tool) {
-                // After Ctrl-C this returns the message about it.
-                session.turn(0)?;
-                return Err(format!("line {number}: stopped before tool {tool}"));
-            }
-        }
         let text = Order::Line(*line).text();
-        let name = format!("line {number}, {}", String::from_utf8_lossy(text.bytes()));
+        let string = String::from_utf8_lossy(text.bytes());
+        if matches!(line, Line::Tool(_)) {
+            session.finish()?;
+        }
+        if !operator(line, &string) {
+            // After Ctrl-C this returns the message about it.
+            session.turn(0)?;
+            return Err(match line {
+                Line::Tool(tool) => format!("line {number}: stopped before tool {tool}"),
+                _ => format!("line {number}: stopped before {string}"),
+            });
+        }
+        let name = format!("line {number}, {string}");
         session.order(Order::Line(*line), &name)?;
         if !sending.streams {
             session.lines += 1;

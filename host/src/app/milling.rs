@@ -17,6 +17,7 @@ use crate::programs::source::Source;
 use husillo_clients::micromill as client;
 use husillo_gcode::Dialect;
 use husillo_machine::{Config, Event};
+use husillo_transports::micromill::Line;
 use std::io::{self, Write};
 
 /// Whether it is the micro mill that is meant.
@@ -75,7 +76,11 @@ pub(super) fn send(args: &Send) -> Result<u8, Failure> {
             let _ = writeln!(io::stderr(), "{done} of {count} lines");
         }
     };
-    let operator = |tool| args.yes || asks(tool);
+    let operator = |line: &Line, string: &str| match line {
+        Line::Tool(tool) if !args.yes => asks(&format!("Tool {tool}: put it in, then Enter")),
+        _ if args.single_block => asks(&format!("{string} Enter sends it")),
+        _ => true,
+    };
     let sent = match client::send(wire, &sending, &made.lines, stop, progress, operator) {
         Ok(sent) => sent,
         Err(message) => {
@@ -86,9 +91,9 @@ pub(super) fn send(args: &Send) -> Result<u8, Failure> {
     let expected = steps(&job, micromill::text(&made.lines))?;
     let mut out = console::stdout();
     writeln!(out, "Lines      {} made", sent.lines)?;
-    let told = sent.steps.len() as u64 * u64::from(args.every.max(1));
+    let reported = sent.steps.len() as u64 * u64::from(args.every.max(1));
     if args.every != 1 {
-        writeln!(out, "Steps      about {told} told of {}", expected.len())?;
+        writeln!(out, "Steps      about {reported} reported of {}", expected.len())?;
         return Ok(OK);
     }
     let differs = (sent.steps.iter().zip(&expected)).position(|(ours, theirs)| ours != theirs);
@@ -99,7 +104,7 @@ pub(super) fn send(args: &Send) -> Result<u8, Failure> {
     if sent.steps.len() != expected.len() {
         writeln!(
             out,
-            "Steps      {} told, {} in the simulator",
+            "Steps      {} reported, {} in the simulator",
             sent.steps.len(),
             expected.len()
         )?;
@@ -179,9 +184,9 @@ pub(super) fn failed() -> u8 {
     }
 }
 
-/// Whether the operator goes on.
-fn asks(tool: u8) -> bool {
+/// Whether the operator continues.
+fn asks(what: &str) -> bool {
     let before = stops_asked();
-    eprintln!("Tool {tool}: put it in, then Enter (or q to end)");
+    eprintln!("{what} (or q to end)");
     typed_line(before).is_some_and(|answer| !answer.trim().eq_ignore_ascii_case("q"))
 }

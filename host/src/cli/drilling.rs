@@ -158,7 +158,10 @@ pub struct Send {
     /// Micro mill: lines go ahead of the motion, without a stop between them
     #[arg(long)]
     pub stream: bool,
-    /// Micro mill: one step in so many is told; 0 for none
+    /// Micro mill: each line waits for Enter; q ends the program before it
+    #[arg(long, conflicts_with = "stream")]
+    pub single_block: bool,
+    /// Micro mill: one step in N is reported; 0 for none
     #[arg(
         long,
         value_name = "N",
