@@ -93,7 +93,11 @@ pub(super) fn send(args: &Send) -> Result<u8, Failure> {
     writeln!(out, "Lines      {} made", sent.lines)?;
     let reported = sent.steps.len() as u64 * u64::from(args.every.max(1));
     if args.every != 1 {
-        writeln!(out, "Steps      about {reported} reported of {}", expected.len())?;
+        writeln!(
+            out,
+            "Steps      about {reported} reported of {}",
+            expected.len()
+        )?;
         return Ok(OK);
     }
     let differs = (sent.steps.iter().zip(&expected)).position(|(ours, theirs)| ours != theirs);
