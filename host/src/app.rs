@@ -121,6 +121,7 @@ fn show_machines(args: &Machines) -> Result<u8, Failure> {
 
 fn jog(args: &Jog) -> Result<u8, Failure> {
     let out = &mut console::stdout();
+    expect_no_lease(args.lease, &args.machine)?;
     let is_well = match args.machine.as_str() {
         "drill" => drill::jog(args, out)?,
         "micromill" => {
@@ -140,6 +141,16 @@ fn jog(args: &Jog) -> Result<u8, Failure> {
     Ok(if is_well { OK } else { ERRORS })
 }
 
+/// Only the micro mill has a lease.
+fn expect_no_lease(lease: Option<u16>, machine: &str) -> Result<(), String> {
+    match lease {
+        Some(_) if machine != "micromill" => {
+            Err(format!("--lease is for the micro mill: {machine} has none"))
+        }
+        _ => Ok(()),
+    }
+}
+
 fn compile(args: &Compile) -> Result<u8, Failure> {
     if let Some(settings) = figures(&args.target, &args.file)? {
         let text = microfactory::list(&args.file, &settings)?;
@@ -156,6 +167,7 @@ fn compile(args: &Compile) -> Result<u8, Failure> {
 fn send(args: &Send) -> Result<u8, Failure> {
     let first = args.files.first().map_or("", String::as_str);
     if let Some(settings) = figures(&args.target, first)? {
+        expect_no_lease(args.lease, "microfactory")?;
         let is_well = microfactory::send(args, &settings, &mut console::stdout())?;
         return Ok(if is_well { OK } else { ERRORS });
     }
@@ -163,6 +175,7 @@ fn send(args: &Send) -> Result<u8, Failure> {
     if milling::is_for(&args.target, file) {
         milling::send(args)
     } else {
+        expect_no_lease(args.lease, "drill")?;
         drilling::send(args)
     }
 }

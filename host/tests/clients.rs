@@ -19,6 +19,8 @@ struct Session {
     /// Moves after the job, and what the panel reports after them.
     moves: &'static [&'static str],
     place: &'static str,
+    /// A lease that outlasts the delays of a busy computer, where there are leases.
+    patience: &'static [&'static str],
     /// A jog that lasts longer than the test.
     jog: [&'static str; 2],
     job: Job,
@@ -62,6 +64,7 @@ fn a_session_with_the_micro_mill() {
         // The job leaves Y where it was.
         moves: &["y", "30"],
         place: "y 30 z 0 steps from machine zero",
+        patience: &["--lease", "3000"],
         jog: ["x+", "60s"],
         job: Job {
             file: "clients.mm",
@@ -79,6 +82,7 @@ fn a_session_with_the_drill() {
         speed: "8",
         moves: &["home", "y", "30"],
         place: "y 30 steps from home",
+        patience: &[],
         jog: ["x+", "60s"],
         job: Job {
             file: "clients.nc",
@@ -96,6 +100,7 @@ fn a_session_with_the_microfactory() {
         speed: "2",
         moves: &["home", "y", "30"],
         place: "x 0 y 30 z 0 spindle ",
+        patience: &[],
         jog: ["x+", "60s"],
         job: Job {
             file: "clients.fig",
@@ -110,6 +115,7 @@ fn jog(session: &Session, device: &Emulated, actions: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_husillo"));
     command
         .args(["jog", "-m", session.machine, "--port", device.port()])
+        .args(session.patience)
         .args(actions)
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
@@ -182,6 +188,7 @@ fn a_job_is_made(session: &Session, device: &Emulated) {
     let job = &session.job;
     let output = husillo()
         .args(["send", "-m", session.machine, "--port", device.port()])
+        .args(session.patience)
         .arg(written(job.file, job.program))
         .args(job.options)
         .output()

@@ -157,6 +157,18 @@ fn an_emergency_stop_lasts_until_the_panels_reset() {
     device.type_line("where", "emergency");
 }
 
+/// A lease that a machine does not have is not silently left out.
+#[test]
+fn only_the_micro_mill_has_a_lease() {
+    for machine in ["drill", "microfactory"] {
+        let jog = ["jog", "-m", machine, "--lease", "100", "home"];
+        let output = husillo().args(jog).output().unwrap();
+        assert_eq!(output.status.code(), Some(2));
+        let why = format!("--lease is for the micro mill: {machine} has none");
+        assert!(text(&output).contains(&why), "{}", text(&output));
+    }
+}
+
 #[test]
 fn a_port_that_is_free_needs_the_machine_at_it() {
     let folder = sockets("stop-usage");
