@@ -136,15 +136,17 @@ fn a_simulated_mill_makes_each_step() {
 }
 
 #[test]
-fn a_program_without_a_command_is_not_sent() {
+fn a_program_without_a_command_is_neither_sent_nor_compiled() {
     for (name, text) in [("none.nc", "(only a comment)\n"), ("empty.nc", "")] {
-        husillo()
-            .args(["send", "-m", "micromill"])
-            .arg(file(name, text))
-            .assert()
-            .code(2)
-            .stdout("")
-            .stderr(predicates::str::contains("no command for the mill"));
+        for command in ["send", "compile"] {
+            husillo()
+                .args([command, "-m", "micromill"])
+                .arg(file(name, text))
+                .assert()
+                .code(2)
+                .stdout("")
+                .stderr(predicates::str::contains("no command for the mill"));
+        }
     }
 }
 

@@ -33,6 +33,7 @@ pub(super) fn compile(args: &Compile) -> Result<u8, Failure> {
     let Some(made) = translated(&mut job)? else {
         return Ok(ERRORS);
     };
+    expect_a_command(&made, &job)?;
     let text = micromill::text(&made.lines);
     let path = args.output.as_deref().unwrap_or("-");
     write(path, text.as_bytes())?;
@@ -42,18 +43,21 @@ pub(super) fn compile(args: &Compile) -> Result<u8, Failure> {
     Ok(OK)
 }
 
+/// An empty file of strings would not show that the program does nothing.
+fn expect_a_command(made: &Translated, job: &Job) -> Result<(), String> {
+    match made.lines.is_empty() {
+        true => Err(format!("{}: no command for the mill", job.name())),
+        false => Ok(()),
+    }
+}
+
 pub(super) fn send(args: &Send) -> Result<u8, Failure> {
     let (file, port) = args.alone()?;
     let mut job = Job::new(file, &args.target, "micromill")?;
     let Some(made) = translated(&mut job)? else {
         return Ok(ERRORS);
     };
-    if made.lines.is_empty() {
-        return Err(Failure::Usage(format!(
-            "{}: no command for the mill",
-            job.name()
-        )));
-    }
+    expect_a_command(&made, &job)?;
     let baud = args.baud.unwrap_or(client::BAUD);
     let stop = stop_requests()?;
     let wire = client::open(port, baud)?;
