@@ -399,8 +399,14 @@ fn groups_are_started_by_one_packet_and_answered_by_their_leader() {
     assert_eq!(positions, [100, 200, 300]);
     // A leader answers, so the rate cannot be changed through this group; nor for one module.
     for address in [0x81, 1] {
+        let before = format!("{host:?}");
         let refused = host.send_command(address, Command::SetBaud(Baud::B9600), 0);
         assert_eq!(refused, Err(Refused::WouldAnswer));
+        assert_eq!(
+            format!("{host:?}"),
+            before,
+            "a refused command changes nothing"
+        );
     }
     // Nobody is left in 0xFF.
     assert_eq!(

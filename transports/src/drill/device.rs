@@ -452,9 +452,9 @@ impl<const N: usize> Device<N> {
 
 /// The next count. At its end it keeps its remainder by three.
 fn next(count: u32) -> u32 {
-    // 2^32 - 1 is a multiple of 3.
+    // 2^32 - 1 is a multiple of 3, as 3 is. A count that is not 0 does not become 0.
     if count == u32::MAX - 1 {
-        2
+        3
     } else {
         count.wrapping_add(1)
     }
@@ -463,4 +463,22 @@ fn next(count: u32) -> u32 {
 /// The check byte of a record that is read back.
 pub(super) fn check([letter, low, high]: [u8; 3]) -> u8 {
     !letter.wrapping_add(low).wrapping_add(high)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::next;
+
+    /// The remainder by three is that of a count without an end, and it never returns to 0.
+    #[test]
+    fn a_count_keeps_its_remainder_at_its_end() {
+        let mut count = u32::MAX - 10;
+        let mut true_count = u64::from(count);
+        for _ in 0..30 {
+            count = next(count);
+            true_count += 1;
+            assert_eq!(u64::from(count % 3), true_count % 3, "{count}");
+            assert_ne!(count, 0);
+        }
+    }
 }

@@ -132,7 +132,6 @@ impl Host {
         if self.phase != Phase::Idle || self.outcome.is_some() {
             return Err(Refused::Busy);
         }
-        self.heard_us = now_us;
         match step {
             Step::Request { address, command } => self.request(address, command, None)?,
             Step::ReadTwice {
@@ -151,6 +150,7 @@ impl Host {
                 self.outcome = Some(Outcome::Sent);
             }
         }
+        self.heard_us = now_us;
         Ok(())
     }
 

@@ -33,9 +33,10 @@ impl Host {
         if repeat != Repeat::Free && is_fragile(&command.frame(address), self.version(address)) {
             return Err(Refused::Fragile);
         }
-        self.address = address;
-        self.command = command;
+        let last = (self.address, self.command);
+        (self.address, self.command) = (address, command);
         if matches!(command, Command::SetBaud(_)) && self.answerer().is_some() {
+            (self.address, self.command) = last;
             return Err(Refused::WouldAnswer);
         }
         self.twice_counts = twice;
