@@ -106,8 +106,8 @@ pub struct Micromill<'a, const QUEUE: usize = 16, const AHEAD: usize = 8, const 
 /// Whether a motion needs the host.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 enum Lease {
-    /// The silence was too long. The spindle is switched off next.
-    Over,
+    /// The silence was longer than this, ms. The spindle is switched off next.
+    Over(u16),
     /// It does: the longest silence of the host, ms.
     Ms(u16),
     /// It does not.
@@ -197,10 +197,12 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
     }
 
     /// Ends the motion, because no byte has arrived for [`lease_us`](Micromill::lease_us). The
-    /// spindle is switched off, too, and the lease ends. The caller stops the motors and calls
-    /// [`halted`](Micromill::halted).
+    /// spindle is switched off, too. The lease holds for the next motion as well. The caller stops
+    /// the motors and calls [`halted`](Micromill::halted).
     pub const fn expire(&mut self) -> bool {
-        self.lease = Lease::Over;
+        if let Lease::Ms(ms) = self.lease {
+            self.lease = Lease::Over(ms);
+        }
         true
     }
 
@@ -350,8 +352,8 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
     /// Returns the next event, unless it is a step of a path that nothing precedes.
     #[inline(never)]
     fn look(&mut self, inputs: &MicromillInputs) -> Next {
-        if self.lease == Lease::Over {
-            self.lease = Lease::None;
+        if let Lease::Over(ms) = self.lease {
+            self.lease = Lease::Ms(ms);
             return Next::Give(lines::spindle(SpindleDirection::Off, 0));
         }
         if self.path.is_some() {

@@ -283,6 +283,9 @@ fn every_motion_has_a_lease() {
         assert_eq!(silence, LEASE_TICKS, "{string}");
         assert!(!bench.mill.is_moving());
         assert_eq!(bench.reported, bench.motors, "{string}");
+        // The lease holds for the next motion as well.
+        bench.answers.clear();
+        assert_eq!(bench.does("S0;JX+;").last(), Some(&0x8d), "{string}");
         // The next order works, and needs no lease any more where there is none.
         assert!(bench.does("L0000;").ends_with(&[0x8c]));
         assert_eq!(bench.does("S0;PZ+0100;"), [0x8c, 0x8f], "{string}");
