@@ -7,6 +7,7 @@
 use serde::{Deserialize, Serialize};
 use std::fs;
 use std::io::{self, BufRead, BufReader, ErrorKind, Read, Write};
+use std::net::{SocketAddr, ToSocketAddrs};
 use std::os::unix::fs::DirBuilderExt;
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::{Path, PathBuf};
@@ -23,9 +24,9 @@ pub struct Holder {
     pub process: u32,
     /// What it does, such as `send board.drl`.
     pub command: String,
-    /// The machine at the port: the name of its machine, or its machine file.
+    /// The machine at the port: its name, or the absolute path of its machine file.
     pub machine: String,
-    /// The port as the program was given it.
+    /// The port: the absolute path of its device, or `tcp:HOST:PORT`.
     pub port: String,
     /// Rate of the port, bits/s.
     pub bits_per_s: u32,
@@ -159,6 +160,20 @@ pub fn holders(folder: &Path) -> Vec<Held> {
         .collect()
 }
 
+/// Whether two addresses such as `localhost:7000` lead to the same socket.
+fn is_same_socket(one: &str, other: &str) -> bool {
+    let addresses = |name: &str| -> Vec<SocketAddr> {
+        name.to_socket_addrs()
+            .map(Iterator::collect)
+            .unwrap_or_default()
+    };
+    let others = addresses(other);
+    one == other
+        || addresses(one)
+            .iter()
+            .any(|address| others.contains(address))
+}
+
 impl Held {
     fn new(stream: UnixStream) -> io::Result<Self> {
         stream.set_read_timeout(Some(INTRODUCTION))?;
@@ -168,12 +183,19 @@ impl Held {
         Ok(Self { holder, stream })
     }
 
-    /// Whether the program holds this port. Links to a device are followed.
+    /// Whether the program holds this port. Links to a device are followed, and names of hosts are
+    /// looked up.
     pub fn holds(&self, port: &str) -> bool {
-        let device = |name: &str| fs::canonicalize(name).unwrap_or_else(|_| name.into());
         // `#2` names a machine of the controller at the port.
-        let whole = |name: &str| device(name.split('#').next().unwrap_or(name));
-        whole(&self.holder.port) == whole(port)
+        let whole = |name: &str| name.split('#').next().unwrap_or(name).to_owned();
+        let (ours, theirs) = (whole(port), whole(&self.holder.port));
+        match (ours.strip_prefix("tcp:"), theirs.strip_prefix("tcp:")) {
+            (Some(ours), Some(theirs)) => is_same_socket(ours, theirs),
+            _ => {
+                let device = |name: String| fs::canonicalize(&name).unwrap_or_else(|_| name.into());
+                device(ours) == device(theirs)
+            }
+        }
     }
 
     /// Asks the program to stop the machine.
@@ -237,9 +259,18 @@ mod tests {
         let listening = holder("/dev/null")
             .listen(&folder, move |urgency| sender.send(urgency).unwrap())
             .unwrap();
-        let second = holder("tcp:[::1]:7000").listen(&folder, |_| {}).unwrap();
+        let second = holder("tcp:127.0.0.1:7000")
+            .listen(&folder, |_| {})
+            .unwrap();
         let mut found = holders(&folder);
         assert_eq!(found.len(), 2);
+        for (port, is_held) in [("tcp:localhost:7000", 1), ("tcp:localhost:7001", 0)] {
+            assert_eq!(
+                found.iter().filter(|held| held.holds(port)).count(),
+                is_held,
+                "{port}"
+            );
+        }
         found.retain(|held| held.holds("/dev/../dev/null#2"));
         assert_eq!(found.len(), 1);
         assert_eq!(found[0].holder, holder("/dev/null"));

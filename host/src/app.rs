@@ -28,6 +28,7 @@ use crate::holes::visiting_order::Metric;
 use crate::input;
 use crate::lash;
 use crate::machines::listing;
+use crate::machines::machine_file::MachineFile;
 use crate::measuring::{self, Stopped};
 use crate::methods::compare::{self, Bench};
 use crate::methods::compare_page;
@@ -151,6 +152,15 @@ fn expect_no_lease(lease: Option<u16>, machine: &str) -> Result<(), String> {
     }
 }
 
+fn expect_no_single_block(args: &Send, machine: &str) -> Result<(), String> {
+    match args.single_block {
+        true => Err(format!(
+            "--single-block is for the micro mill, not for the {machine}"
+        )),
+        false => Ok(()),
+    }
+}
+
 fn compile(args: &Compile) -> Result<u8, Failure> {
     if let Some(settings) = figures(&args.target, &args.file)? {
         let text = microfactory::list(&args.file, &settings)?;
@@ -168,6 +178,7 @@ fn send(args: &Send) -> Result<u8, Failure> {
     let first = args.files.first().map_or("", String::as_str);
     if let Some(settings) = figures(&args.target, first)? {
         expect_no_lease(args.lease, "microfactory")?;
+        expect_no_single_block(args, "microfactory")?;
         let is_well = microfactory::send(args, &settings, &mut console::stdout())?;
         return Ok(if is_well { OK } else { ERRORS });
     }
@@ -176,6 +187,7 @@ fn send(args: &Send) -> Result<u8, Failure> {
         milling::send(args)
     } else {
         expect_no_lease(args.lease, "drill")?;
+        expect_no_single_block(args, "drill")?;
         drilling::send(args)
     }
 }
@@ -199,7 +211,9 @@ fn only_microfactory(file: &str) -> Failure {
 /// The settings of a microfactory; `None` where a machine is another one.
 fn microfactory(machine: &str) -> Result<Option<Settings>, Failure> {
     let says_so = || input::read_to_string(machine).is_ok_and(|text| text.contains("[bytes]"));
-    if machine != "microfactory" && !says_so() {
+    // A file may be called as a machine, and a port even has no end.
+    let is_file = || !MachineFile::is_built_in(machine) && says_so();
+    if machine != "microfactory" && !is_file() {
         return Ok(None);
     }
     Ok(microfactory::settings_of(&load(machine)?))

@@ -157,6 +157,84 @@ fn an_emergency_stop_lasts_until_the_panels_reset() {
     device.type_line("where", "emergency");
 }
 
+/// The stop finds the program by its port, whatever the machine is called, and from any folder.
+#[test]
+fn a_port_is_found_from_another_folder_and_by_another_name() {
+    let Some(mut device) = Emulated::new("drill", "stop-names", &[]) else {
+        return;
+    };
+    let folder = sockets("stop-names");
+    let port = Path::new(device.port());
+    let (place, name) = (port.parent().unwrap(), port.file_name().unwrap());
+    let child = Command::new(env!("CARGO_BIN_EXE_husillo"))
+        .env("XDG_RUNTIME_DIR", &folder)
+        .current_dir(place)
+        .args([
+            "jog",
+            "-m",
+            "drill",
+            "--port",
+            name.to_str().unwrap(),
+            "x+",
+            "60s",
+        ])
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    held(&folder, 1);
+    let stopped = stop(&folder, &["-m", "drill", "--port", device.port()]);
+    assert!(stopped.status.success(), "{}", text(&stopped));
+    assert!(
+        text(&stopped).contains("is stopping the machine"),
+        "{}",
+        text(&stopped)
+    );
+    assert!(!child.wait_with_output().unwrap().status.success());
+    device.type_line("where", "spindle off");
+}
+
+/// A device beside the program may have the name of its machine, as in the README's example.
+#[test]
+fn a_link_may_be_called_as_its_machine() {
+    let folder = sockets("stop-same-name");
+    let within = |words: &[&str]| {
+        let mut command = husillo();
+        command.current_dir(&folder).env("XDG_RUNTIME_DIR", &folder);
+        command.timeout(Duration::from_secs(60)).args(words);
+        command.output().unwrap()
+    };
+    let mut emulation = Command::new(env!("CARGO_BIN_EXE_husillo"))
+        .current_dir(&folder)
+        .args(["emulate", "drill", "--link", "./drill", "--speed", "8"])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::null())
+        .spawn()
+        .unwrap();
+    let end = Instant::now() + Duration::from_secs(20);
+    while !folder.join("drill").exists() {
+        assert!(Instant::now() < end, "no link");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    std::fs::write(folder.join("p.nc"), "%\nG21\nG90\nX1 Y0.5\n%\n").unwrap();
+    let sent = within(&["send", "p.nc", "-m", "drill", "--yes", "--port", "./drill"]);
+    assert!(text(&sent).contains("1 hole drilled"), "{}", text(&sent));
+    let mut jog = Command::new(env!("CARGO_BIN_EXE_husillo"))
+        .current_dir(&folder)
+        .env("XDG_RUNTIME_DIR", &folder)
+        .args(["jog", "-m", "drill", "--port", "./drill", "x+", "60s"])
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    held(&folder, 1);
+    let stopped = within(&["stop", "-m", "drill"]);
+    assert!(stopped.status.success(), "{}", text(&stopped));
+    jog.wait().unwrap();
+    emulation.kill().unwrap();
+    emulation.wait().unwrap();
+}
+
 /// A lease that a machine does not have is not silently left out.
 #[test]
 fn only_the_micro_mill_has_a_lease() {

@@ -29,8 +29,8 @@ pub struct Sent {
     pub lines: usize,
 }
 
-/// Sends lines and waits until they are made. `operator` is asked before each line, and is told the
-/// string; `true` continues.
+/// Sends lines and waits until they are made. Before each line, `operator` gets the line and its
+/// string, and returns whether to continue.
 ///
 /// # Errors
 ///

@@ -73,8 +73,9 @@ impl Session {
             self.order(Order::Stop, "stop")?;
         }
         self.order(Order::Stream(false), "no streaming")?;
+        // 0 ends the lease of an earlier program.
+        let leased = self.order(Order::Lease(lease_ms), "lease");
         if lease_ms > 0 {
-            let leased = self.order(Order::Lease(lease_ms), "lease");
             leased.map_err(|why| {
                 format!(
                     "{why}; without a lease (--lease 0) a motion continues \

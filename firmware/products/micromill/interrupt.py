@@ -86,6 +86,7 @@ class Interrupted:
         self.mill.connect()
         # A host that was killed may have left the beginning of a string.
         self.mill.ask(b"A;", (TAKEN, WRONG))
+        self.mill.ask(b"L0000;", (TAKEN,))
         self.mill.ask(b"PX+%04d;" % AFTER, (DONE,))
         self.mill.line.close()
         require(self.steps() == after + AFTER, f"{place}: it moves on without a host; {said}")

@@ -4,7 +4,6 @@ use super::{ERRORS, Failure, OK, ended, jog, microfactory};
 use crate::cli::{Jog, Stop};
 use crate::console;
 use crate::measuring;
-use std::time::Duration;
 
 /// A port, and the machine at it.
 struct Place {
@@ -19,11 +18,8 @@ struct Place {
 ///
 /// Nothing is to be stopped, or the command line is wrong.
 pub(super) fn stop(args: &Stop) -> Result<u8, Failure> {
-    let mut places = Vec::new();
     let mut is_well = true;
-    for place in released(args, &mut is_well) {
-        places.push(place);
-    }
+    let mut places = released(args, &mut is_well);
     if let (true, Some(port)) = (places.is_empty() && is_well, &args.port) {
         if args.machine.is_none() {
             let why = "no running husillo has this port: name the machine at it with -m";
@@ -86,14 +82,17 @@ fn confirm(place: Place, args: &Stop) -> Result<bool, Failure> {
 /// becomes `false` at a program that does not end.
 #[cfg(unix)]
 fn released(args: &Stop, is_well: &mut bool) -> Vec<Place> {
+    use crate::console::sharing::machine_from_anywhere;
     use husillo_clients::holder::{Urgency, folder, holders};
+    use std::time::Duration;
     /// A drill that is stopped completes its record first, within this time.
     const LONGEST: Duration = Duration::from_secs(180);
     let mut held = folder().map(|folder| holders(&folder)).unwrap_or_default();
-    held.retain(|held| {
-        let is_port = args.port.as_deref().is_none_or(|port| held.holds(port));
-        let is_machine = args.machine.as_deref();
-        is_port && is_machine.is_none_or(|machine| held.holder.machine == machine)
+    // A port alone is enough: its machine may have another name there.
+    held.retain(|held| match (&args.port, &args.machine) {
+        (Some(port), _) => held.holds(port),
+        (None, Some(machine)) => held.holder.machine == machine_from_anywhere(machine),
+        (None, None) => true,
     });
     let urgency = match args.emergency {
         true => Urgency::Emergency,

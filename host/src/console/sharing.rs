@@ -1,16 +1,20 @@
 //! The ports of this program, shared with other programs for one purpose: a stop.
 
+#[cfg(unix)]
+use crate::machines::machine_file::MachineFile;
+#[cfg(unix)]
+use husillo_clients::holder::{Holder, Listening, Urgency, folder};
+#[cfg(unix)]
 use std::sync::{Mutex, PoisonError};
 
 /// What keeps the ports shared.
 #[cfg(unix)]
-static SHARED: Mutex<Vec<husillo_clients::holder::Listening>> = Mutex::new(Vec::new());
+static SHARED: Mutex<Vec<Listening>> = Mutex::new(Vec::new());
 
 /// From now on `husillo stop` reaches this program by the name of the port, and is a Ctrl-C here.
 /// Without it the machine still works, so a failure is a warning.
 #[cfg(unix)]
 pub fn share(machine: &str, port: &str, bits_per_s: u32) {
-    use husillo_clients::holder::{Holder, Urgency, folder};
     if port == "sim" {
         return;
     }
@@ -21,8 +25,8 @@ pub fn share(machine: &str, port: &str, bits_per_s: u32) {
     let holder = Holder {
         process: std::process::id(),
         command: words.join(" "),
-        machine: machine.to_owned(),
-        port: port.to_owned(),
+        machine: machine_from_anywhere(machine),
+        port: from_anywhere(port),
         bits_per_s,
     };
     let stop = |urgency| {
@@ -43,6 +47,26 @@ pub fn share(machine: &str, port: &str, bits_per_s: u32) {
             .unwrap_or_else(PoisonError::into_inner)
             .push(listening),
         Err(why) => eprintln!("warning: {port}: `husillo stop` cannot reach this program: {why}"),
+    }
+}
+
+/// [`from_anywhere`] for a machine: a built-in one has its name everywhere.
+#[cfg(unix)]
+pub fn machine_from_anywhere(name: &str) -> String {
+    match MachineFile::is_built_in(name) {
+        true => name.to_owned(),
+        false => from_anywhere(name),
+    }
+}
+
+/// A name that other programs understand in their folders, too: that of a file from the root on.
+#[cfg(unix)]
+fn from_anywhere(name: &str) -> String {
+    // `#2` names a machine of the controller at the port.
+    let file = name.split('#').next().unwrap_or(name);
+    match std::path::absolute(name) {
+        Ok(path) if std::path::Path::new(file).exists() => path.to_string_lossy().into_owned(),
+        _ => name.to_owned(),
     }
 }
 
