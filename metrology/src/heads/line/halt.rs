@@ -38,7 +38,9 @@ impl<P: Port> Line<P> {
         self.port.send(&[0; 20])?;
         for address in [EVERY_GROUP].into_iter().chain(addresses.clone()) {
             self.port.send(command.frame(address).bytes())?;
-            while !self.port.receive(SILENCE_US)?.is_empty() {}
+            // A line that is never silent must not hold up the next stop.
+            let end_us = self.port.elapsed_us() + 2 * u64::from(SILENCE_US);
+            while self.port.elapsed_us() < end_us && !self.port.receive(SILENCE_US)?.is_empty() {}
         }
         let group = Group {
             address: EVERY_GROUP,
