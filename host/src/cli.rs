@@ -136,7 +136,7 @@ pub enum Command {
         stop, emergency\n  \
         2: ACTION..  for the second --port alone; all: for all again\n\n\
         The micro mill (-m micromill) has home, where, steps, and\n  \
-        x+y- 2s      jog one axis or several; without a host the jog ends within half a second\n  \
+        x+y- 2s      jog one axis or several; without a host every motion ends in 250 ms\n  \
         faster 1s    continue the jog, 10 steps per second faster; slower 1s\n  \
         run x -250 2s  an axis at this many steps per second\n  \
         backlash x 204, zero\n\n\

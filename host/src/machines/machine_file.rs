@@ -92,6 +92,12 @@ impl MachineFile {
         .map_err(LoadError::Findings)
     }
 
+    /// Whether a name is that of a built-in machine, measuring machines included. No file of this
+    /// name is read then.
+    pub fn is_built_in(name: &str) -> bool {
+        matches!(name, "cmm" | "cmm3") || Self::names().contains(&name)
+    }
+
     /// The names of the built-in machines.
     pub fn names() -> [&'static str; BUILT_IN.len()] {
         BUILT_IN.map(|(name, ..)| name)
