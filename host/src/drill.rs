@@ -58,7 +58,17 @@ pub fn jog(args: &Jog, out: &mut dyn Write) -> Result<bool, String> {
         // A reader that has gone away does not stop a machine.
         let _ = writeln!(out, "{line}").and_then(|()| out.flush());
     };
-    if let Err(trouble) = client.reach() {
+    let reached = match actions.first() {
+        Some(Action::Stop) => client.end_program(|longest| {
+            let seconds = longest.as_secs();
+            eprintln!(
+                "{port}: the drill completes its present move or hole first: waiting at most \
+                 {seconds} s for its answer"
+            );
+        }),
+        _ => client.reach(),
+    };
+    if let Err(trouble) = reached {
         eprintln!("error: {port}: {}", trouble.unreached());
         return Ok(false);
     }

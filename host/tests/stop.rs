@@ -218,8 +218,36 @@ fn a_link_may_be_called_as_its_machine() {
         std::thread::sleep(Duration::from_millis(20));
     }
     std::fs::write(folder.join("p.nc"), "%\nG21\nG90\nX1 Y0.5\n%\n").unwrap();
-    let sent = within(&["send", "p.nc", "-m", "drill", "--yes", "--port", "./drill"]);
+    let send = ["send", "p.nc", "-m", "drill", "--yes", "--port", "./drill"];
+    let sent = within(&send);
     assert!(text(&sent).contains("1 hole drilled"), "{}", text(&sent));
+    // A drill that was left alone with a program is stopped too, and says before that it runs.
+    let holes: String = (0..60)
+        .map(|hole| format!("X{} Y0\n", hole % 2 * 100))
+        .collect();
+    std::fs::write(folder.join("p.nc"), format!("%\nG21\nG90\n{holes}%\n")).unwrap();
+    let left = within(&[&send[..], &["--detach"]].concat());
+    assert!(left.status.success(), "{}", text(&left));
+    let busy = within(&send);
+    assert!(
+        text(&busy).contains("the drill runs its program"),
+        "{}",
+        text(&busy)
+    );
+    let stopped = within(&["stop", "-m", "drill", "--port", "./drill"]);
+    assert!(stopped.status.success(), "{}", text(&stopped));
+    assert!(
+        text(&stopped).contains("completes its present"),
+        "{}",
+        text(&stopped)
+    );
+    let idle = within(&["stop", "-m", "drill", "--port", "./drill"]);
+    assert!(idle.status.success(), "{}", text(&idle));
+    assert!(
+        !text(&idle).contains("completes its present"),
+        "{}",
+        text(&idle)
+    );
     let mut jog = Command::new(env!("CARGO_BIN_EXE_husillo"))
         .current_dir(&folder)
         .env("XDG_RUNTIME_DIR", &folder)

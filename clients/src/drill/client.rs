@@ -3,7 +3,7 @@
 use crate::{StopRequests, Wire};
 use husillo_sim::device::drill::Device;
 use husillo_transports::drill::{
-    COUNT, Failure, Host, MEMORY_BYTES, Outcome, Progress, Refused, Step, Timing,
+    AT_WORK, COUNT, Failure, Host, MEMORY_BYTES, Outcome, Progress, Refused, Step, Timing,
 };
 use std::time::Duration;
 
@@ -13,7 +13,7 @@ const LOOK: Duration = Duration::from_millis(20);
 /// own limit.
 const RUN_US: u32 = 30_000_000;
 /// A drill at work answers within this time.
-const AT_WORK: Duration = Duration::from_millis(400);
+const AT_WORK_ANSWER: Duration = Duration::from_millis(400);
 /// How often a drill is asked whether it is at work.
 const ASKED: usize = 4;
 /// The period in which a drill that runs a program is asked.
@@ -30,6 +30,8 @@ pub enum Trouble {
     Link(Failure),
     /// Stopped on request.
     Stopped,
+    /// The device runs a program that it was left alone with.
+    AtWork,
     /// The port failed, for this reason.
     Port(String),
     /// The device cannot do this now.
@@ -69,6 +71,7 @@ impl Trouble {
                 "the drill's memory has no room for another hole".into()
             }
             Trouble::Stopped => "stopped".into(),
+            Trouble::AtWork => "the drill runs its program".into(),
             Trouble::Port(why) => format!("the port failed: {why}"),
             Trouble::Refused(refused) => format!("not done: {refused}"),
         }
@@ -82,6 +85,10 @@ impl Trouble {
             Trouble::Link(_) => format!(
                 "{}. Is it still at work? Otherwise press its button R, wait until it has homed, \
                  and try again",
+                self.text()
+            ),
+            Trouble::AtWork => format!(
+                "{}. Wait until it has ended, or end it: `husillo stop -m drill --port PORT`",
                 self.text()
             ),
             _ => self.text(),
@@ -165,11 +172,13 @@ impl Client {
         self.stop.is_asked()
     }
 
-    /// Brings the device to rest from any state, and finds out whether it has extras.
+    /// Brings the device to rest from any state but a running program, and finds out whether it
+    /// has extras.
     ///
     /// # Errors
     ///
-    /// The device does not answer within about seven seconds: it is at work, off or absent.
+    /// [`Trouble::AtWork`]: it runs a program, and says so. Another: it does not answer within
+    /// about seven seconds. It is off or absent, it homes, or it is an original at work.
     pub fn reach(&mut self) -> Result<(), Trouble> {
         let mut last = Trouble::Link(Failure::Silent);
         // A byte of the manual mode may make it home first.
@@ -183,11 +192,78 @@ impl Client {
                     // The original does not answer that.
                     return self.run(Step::Resync);
                 }
+                Err(Trouble::Link(Failure::Silent)) if self.says_at_work()? => {
+                    return Err(Trouble::AtWork);
+                }
                 Err(Trouble::Link(failure)) => last = Trouble::Link(failure),
                 Err(trouble) => return Err(trouble),
             }
         }
         Err(last)
+    }
+
+    /// Ends a program that the device runs alone, and brings the device to rest. The spindle of a
+    /// device with extras stops too.
+    ///
+    /// The device completes its present record first: a drilling, or a move over the whole table
+    /// (95 s). `wait` gets the longest time that is waited for it, if the device does not answer
+    /// at once.
+    ///
+    /// # Errors
+    ///
+    /// The device does not answer in that time: it is off, absent or stopped for a fault.
+    /// [`Trouble::Stopped`]: the operator does not wait.
+    pub fn end_program(&mut self, wait: impl FnOnce(Duration)) -> Result<(), Trouble> {
+        // One wrong bit in an `E` makes an `e`, which runs a program. So only a device that answers
+        // nothing else gets it.
+        match self.run(Step::Resync) {
+            Err(Trouble::Link(Failure::Silent)) => {}
+            Err(trouble @ Trouble::Port(_)) => return Err(trouble),
+            _ => return self.reach(),
+        }
+        wait(RECORD);
+        self.put(b'E')?;
+        let end = self.elapsed() + RECORD;
+        let mut ask_at = self.elapsed() + ASK;
+        while self.elapsed() < end {
+            let byte = self.wire.receive(LOOK);
+            let byte = byte.map_err(|error| Trouble::Port(error.to_string()))?;
+            if byte == Some(b'e') {
+                return self.reach();
+            }
+            if self.is_stopping() {
+                return Err(Trouble::Stopped);
+            }
+            if self.elapsed() < ask_at {
+                continue;
+            }
+            // The `E` may be lost, and the program may have ended before it.
+            if self.run(Step::Resync).is_ok() {
+                return self.reach();
+            }
+            if self.says_at_work()? {
+                self.put(b'E')?;
+            }
+            ask_at = self.elapsed() + 5 * ASK;
+        }
+        Err(Trouble::Link(Failure::Silent))
+    }
+
+    /// Whether the device answers that it runs a program, after a silent [`Step::Resync`]: in the
+    /// manual mode it would echo the question. An original never says it.
+    fn says_at_work(&mut self) -> Result<bool, Trouble> {
+        self.put(AT_WORK)?;
+        let end = self.elapsed() + AT_WORK_ANSWER;
+        while self.elapsed() < end {
+            let byte = self.wire.receive(end - self.elapsed());
+            match byte.map_err(|error| Trouble::Port(error.to_string()))? {
+                Some(AT_WORK) => return Ok(true),
+                // A test follows that finds out more.
+                Some(_) => {}
+                None => break,
+            }
+        }
+        Ok(false)
     }
 
     /// Brings the device to rest after a failure. Waits less than [`reach`](Self::reach), as the
@@ -340,7 +416,7 @@ impl Client {
             if let Some(byte) = self.host.ask_at_work() {
                 self.put(byte)?;
             }
-            let end = self.elapsed() + AT_WORK;
+            let end = self.elapsed() + AT_WORK_ANSWER;
             while self.elapsed() < end {
                 self.listen(end - self.elapsed())?;
                 match self.host.poll(self.now_us()) {

@@ -1,6 +1,6 @@
 //! Boards over the simulated line in virtual time, on good lines and bad ones.
 
-use super::client::Client;
+use super::client::{Client, Trouble};
 use super::duration::seconds;
 use super::part::Part;
 use super::sender::{End, Failed, Operator, Sender};
@@ -10,7 +10,7 @@ use husillo_sim::Random;
 use husillo_sim::device::Emulation;
 use husillo_sim::device::LineFault as Fault;
 use husillo_sim::device::drill::Device;
-use husillo_transports::drill::Record;
+use husillo_transports::drill::{Record, Step, record_bytes};
 
 /// Types what it was told to.
 #[derive(Default)]
@@ -332,6 +332,46 @@ fn a_detached_start_is_certain() {
     assert_eq!(drilled(&mut client), places(&parts));
     let (end, _) = send(client, &board(), 0, true, &mut Script::default());
     assert!(end.unwrap_err().contains("one tool"));
+}
+
+/// A program that was left alone is ended by another client, between two records.
+#[test]
+fn a_program_left_alone_is_ended_from_elsewhere() {
+    let parts = [part(1, &[[3000, 10], [5, 400], [3000, 400]])];
+    for is_original in [false, true] {
+        let mut client = if is_original {
+            let mut first = self::client(true);
+            first.reach().unwrap();
+            first.run(Step::Clear).unwrap();
+            first.run(Step::Begin).unwrap();
+            let bytes: Vec<u8> = record_bytes(parts[0].records.clone()).collect();
+            for byte in &bytes[..3 * parts[0].records.len()] {
+                first.run(Step::Store(*byte)).unwrap();
+            }
+            first.run(Step::End).unwrap();
+            device(&mut first).send(b'e');
+            first
+        } else {
+            let (end, client) = send(client(false), &parts, 0, true, &mut Script::default());
+            assert_eq!(end, Ok(End::Detached));
+            client
+        };
+        let running = std::mem::replace(device(&mut client), Device::quick(is_original));
+        let mut second = client_of(running, StopRequests::default());
+        if !is_original {
+            assert_eq!(second.reach(), Err(Trouble::AtWork));
+        }
+        let mut waits = 0;
+        assert_eq!(second.end_program(|_| waits += 1), Ok(()));
+        assert_eq!(waits, 1);
+        let holes = drilled(&mut second).len();
+        rest(&mut second);
+        let all = drilled(&mut second).len();
+        assert!(holes == all && all < 3, "{is_original}: {holes}, {all}");
+        // One that stands is left as it is, at once.
+        assert_eq!(second.end_program(|_| waits += 1), Ok(()));
+        assert_eq!(waits, 1);
+    }
 }
 
 /// A start that the device did not hear is told: nothing has started.
