@@ -488,7 +488,7 @@ fn check_file(args: &Check, file: &str, findings: &mut Findings) -> Result<(), F
         }
     } else {
         let mut job = Job::new(file, &args.target, "free")?;
-        job.place(args.zero)?;
+        job.place(args.place.zero)?;
         job.check(findings)?;
     }
     Ok(())
@@ -520,7 +520,7 @@ fn print_commands(args: &Commands) -> Result<u8, Failure> {
         return Err(Failure::Usage(message.into()));
     }
     let mut job = Job::new(&args.file, &args.target, "free")?;
-    job.place(args.zero)?;
+    job.place(args.place.zero)?;
     let mut source = job.open()?;
     let mut out = BufWriter::with_capacity(1 << 18, console::stdout());
     let json = args.format == Listing::Json;
@@ -539,7 +539,7 @@ fn print_commands(args: &Commands) -> Result<u8, Failure> {
 
 fn write_steps(args: &Steps) -> Result<u8, Failure> {
     let mut job = Job::new(&args.file, &args.target, "micromill")?;
-    job.place(args.zero)?;
+    job.place(args.place.zero)?;
     let (_, findings) = with_findings(|findings| job.check(findings))?;
     if findings.errors > 0 {
         eprintln!(

@@ -222,6 +222,17 @@ pub struct Target {
     pub dialect: Option<String>,
 }
 
+/// Where a program lies on the machine.
+#[derive(Debug, Args)]
+pub struct Place {
+    /// Where work zero is on the machine, and the tool at the begin: axes with mm, as X20Y15Z-3;
+    /// the centre or the corner of the table; or fit: the part in the middle of the table. Its
+    /// highest Z is at the upper end of Z with these three [default: machine zero; fit if the
+    /// program does not fit there]
+    #[arg(long, value_name = "X..Y..Z..|centre|corner|fit")]
+    pub zero: Option<Zero>,
+}
+
 /// `husillo run`.
 #[derive(Debug, Args)]
 pub struct Run {
@@ -230,10 +241,9 @@ pub struct Run {
     /// Machine and language.
     #[command(flatten)]
     pub target: Target,
-    /// Where work zero is on the machine: axes with mm, as X20Y15Z-3, or fit: the part in the
-    /// middle of the table, its highest Z at the upper end of Z; the tool begins there
-    #[arg(long, value_name = "X..Y..Z..|fit")]
-    pub zero: Option<Zero>,
+    /// Where it lies on the machine.
+    #[command(flatten)]
+    pub place: Place,
     /// Report to write [default: out/NAME.html; none with --format json]
     #[arg(short, long, value_name = "REPORT.html")]
     pub output: Option<String>,
@@ -281,10 +291,9 @@ pub struct Check {
     /// Machine and language.
     #[command(flatten)]
     pub target: Target,
-    /// Where work zero is on the machine: axes with mm, as X20Y15Z-3, or fit: the part in the
-    /// middle of the table, its highest Z at the upper end of Z; the tool begins there
-    #[arg(long, value_name = "X..Y..Z..|fit")]
-    pub zero: Option<Zero>,
+    /// Where it lies on the machine.
+    #[command(flatten)]
+    pub place: Place,
     /// How to print findings
     #[arg(long, value_enum, default_value = "text")]
     pub format: Format,
@@ -345,10 +354,9 @@ pub struct Commands {
     /// Machine and language.
     #[command(flatten)]
     pub target: Target,
-    /// Where work zero is on the machine: axes with mm, as X20Y15Z-3, or fit: the part in the
-    /// middle of the table, its highest Z at the upper end of Z; the tool begins there
-    #[arg(long, value_name = "X..Y..Z..|fit")]
-    pub zero: Option<Zero>,
+    /// Where it lies on the machine.
+    #[command(flatten)]
+    pub place: Place,
     /// How to print the commands; gcode is for records of the drill
     #[arg(long, value_enum, default_value = "text")]
     pub format: Listing,
@@ -362,10 +370,9 @@ pub struct Steps {
     /// Machine and language.
     #[command(flatten)]
     pub target: Target,
-    /// Where work zero is on the machine: axes with mm, as X20Y15Z-3, or fit: the part in the
-    /// middle of the table, its highest Z at the upper end of Z; the tool begins there
-    #[arg(long, value_name = "X..Y..Z..|fit")]
-    pub zero: Option<Zero>,
+    /// Where it lies on the machine.
+    #[command(flatten)]
+    pub place: Place,
     /// CSV file to write; - is standard output
     #[arg(short, long, value_name = "FILE.csv")]
     pub output: String,

@@ -198,6 +198,11 @@ impl Findings {
         }
     }
 
+    /// No findings, with the same limit: the program is checked once more.
+    pub const fn restarted(&self) -> Self {
+        Self::new(self.most)
+    }
+
     /// From now on ignores a finding that repeats an earlier code and place. It is for programs
     /// with loops.
     pub fn report_once(&mut self) {

@@ -78,7 +78,7 @@ fn errors_stop_a_run_before_anything_moves() {
     let report = scratch("never.html");
     let _ = std::fs::remove_file(&report);
     husillo()
-        .args(["run", "tests/data/outside.nc", "-o"])
+        .args(["run", "tests/data/outside.nc", "--zero", "X0", "-o"])
         .arg(&report)
         .assert()
         .code(1)

@@ -31,7 +31,7 @@ fn errors(args: &[&str]) -> Vec<Value> {
 #[test]
 fn one_error_with_the_move_that_cures_it() {
     let part = file("zero-one.nc", PART);
-    let found = errors(&[&part, "-m", "router"]);
+    let found = errors(&[&part, "-m", "router", "--zero", "X0"]);
     assert_eq!(found.len(), 1, "{found:?}");
     let error = &found[0];
     assert_eq!(
@@ -54,6 +54,69 @@ fn one_error_with_the_move_that_cures_it() {
     let found = errors(&[&part, "-m", "router", "--zero", "X300Y10Z-3"]);
     let help = found[0]["help"].as_str().unwrap();
     assert!(help.contains("`--zero X280Y10Z-3`"), "{help}");
+}
+
+/// A program whose zero nobody has stated is placed if it does not fit at machine zero, and one line
+/// says where. One that fits stays.
+#[test]
+fn without_a_zero_it_is_placed_where_it_fits() {
+    let part = file("zero-placed.nc", PART);
+    let placed = "zero-placed.nc: placed in the middle of router, as with --zero X150Y83Z0";
+    for command in ["check", "run", "steps"] {
+        let written = common::scratch(&format!("zero-placed-{command}"));
+        let mut husillo = husillo();
+        husillo.args([command, &part, "-m", "router"]);
+        if command != "check" {
+            husillo.arg("-o").arg(&written);
+        }
+        husillo.assert().success().stderr(contains(placed));
+    }
+    // It is the same run as the stated one.
+    let run =
+        |more: &[&str]| json(&[&["run", &part, "-m", "router", "--format", "json"], more].concat());
+    assert_eq!(run(&[]), run(&["--zero", "fit"]));
+    assert_eq!(run(&[]), run(&["--zero", "X150Y83Z0"]));
+    let inside = file("zero-inside.nc", "G21 G90\nG0 X5 Y5\nG1 Z-1 F100\nM2\n");
+    husillo()
+        .args(["check", &inside, "-m", "router"])
+        .assert()
+        .success()
+        .stderr("");
+    // Machine coordinates are where they are, and a part that is too long stays too long.
+    for (text, why) in [
+        (
+            "G21 G90\nG0 X-5\nG53 G0 Z20\nM2\n",
+            "machine coordinates of Z",
+        ),
+        ("G21 G90\nG0 X-5\nG0 X400\nM2\n", "it does not fit"),
+    ] {
+        let outside = file("zero-outside.nc", text);
+        husillo()
+            .args(["check", &outside, "-m", "router"])
+            .assert()
+            .code(1)
+            .stdout(contains(why))
+            .stderr(contains("placed").not());
+    }
+}
+
+/// Programs have their zero in the middle of the stock, or at its corner.
+#[test]
+fn centre_and_corner_are_those_of_the_table() {
+    let part = file("zero-centre.nc", PART);
+    for (zero, said) in [
+        ("centre", "--zero X150Y90Z0"),
+        ("center", "--zero X150Y90Z0"),
+        ("corner", "--zero X0Y0Z0"),
+    ] {
+        let output = husillo()
+            .args(["check", &part, "-m", "router", "--zero", zero])
+            .output()
+            .unwrap();
+        let told = String::from_utf8(output.stderr).unwrap();
+        assert!(told.contains(said), "{zero}: {told}");
+        assert_eq!(output.status.success(), zero != "corner");
+    }
 }
 
 #[test]
@@ -202,7 +265,7 @@ fn from_standard_input() {
         .assert()
         .success();
     husillo()
-        .args(["check", "-", "-m", "router"])
+        .args(["check", "-", "-m", "router", "--zero", "Z0"])
         .write_stdin(PART)
         .assert()
         .code(1)
@@ -236,9 +299,12 @@ fn real_programs_fit_by_their_size() {
         if !errors(&[path, "-m", "free"]).is_empty() {
             continue;
         }
-        taken += usize::from(errors(&[path, "-m", "router"]).is_empty());
+        taken += usize::from(errors(&[path, "-m", "router", "--zero", "X0"]).is_empty());
+        let unsaid = errors(&[path, "-m", "router"]);
         let found = errors(&[path, "-m", "router", "--zero", "fit"]);
         fitting += usize::from(found.is_empty());
+        // Without a zero it lies at machine zero or as with `fit`.
+        assert!(found.is_empty() <= unsaid.is_empty(), "{path}: {unsaid:?}");
         for error in &found {
             let message = error["message"].as_str().unwrap();
             let is_told = ["does not fit", "machine coordinates"]

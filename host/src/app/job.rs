@@ -11,7 +11,8 @@ use crate::programs::check::{self, Facts};
 use crate::programs::program::Start;
 use crate::programs::setup::{self, Micromill};
 use crate::programs::source::Source;
-use crate::programs::zero;
+use crate::programs::zero::{self, Lie};
+use husillo_gcode::Nm;
 use husillo_machine::Config;
 use std::io::{self, Read};
 
@@ -23,6 +24,8 @@ pub struct Job {
     /// Its language, and where it lies on the machine.
     pub start: Start,
     is_placed: bool,
+    /// Nobody has said where it lies: where it does not fit at machine zero, it is moved.
+    may_move: bool,
     /// Standard input is read once and kept, as a run reads its program twice; of a list of moves
     /// the program.
     pub input: Option<Vec<u8>>,
@@ -48,6 +51,7 @@ impl Job {
             config,
             start: dialect.into(),
             is_placed: false,
+            may_move: false,
             input: input.map(String::into_bytes),
             #[cfg(test)]
             opened: std::cell::Cell::new(0),
@@ -64,22 +68,44 @@ impl Job {
         Ok(())
     }
 
-    /// Puts work zero where it is asked for, and the tool to it, as far as the travel goes.
+    /// Puts work zero where it is asked for, and the tool to it, as far as the travel goes. Without
+    /// a zero the program begins at machine zero, and [`check`](Self::check) may move it.
     pub fn place(&mut self, zero: Option<Zero>) -> Result<(), Failure> {
         self.keep_input()?;
-        let zero = match zero {
-            None => return Ok(()),
-            Some(Zero::At(zero)) => zero,
-            Some(Zero::Fit) => {
-                let mut source = self.open()?;
-                let dialect = self.start.dialect;
-                let zero = zero::fitting(&mut source, self.name(), dialect, &self.config)?;
-                let Some(zero) = zero else { return Ok(()) };
-                let [x, y, z] = zero;
-                eprintln!("{}: --zero X{x}Y{y}Z{z}", self.name());
-                zero
+        let lie = match zero {
+            None => {
+                self.may_move = true;
+                return Ok(());
             }
+            Some(Zero::At(zero)) => {
+                self.put(zero);
+                return Ok(());
+            }
+            Some(Zero::Fit) => Lie::Middle,
+            Some(Zero::Centre) => Lie::ZeroInMiddle,
+            Some(Zero::Corner) => Lie::ZeroAtCorner,
         };
+        if let Some([x, y, z]) = self.placing(lie)? {
+            eprintln!("{}: --zero X{x}Y{y}Z{z}", self.name());
+            self.put([x, y, z]);
+        }
+        Ok(())
+    }
+
+    fn placing(&self, lie: Lie) -> Result<Option<[Nm; 3]>, Failure> {
+        let mut source = self.open()?;
+        let dialect = self.start.dialect;
+        Ok(zero::placing(
+            &mut source,
+            self.name(),
+            dialect,
+            &self.config,
+            lie,
+        )?)
+    }
+
+    /// Puts work zero here.
+    fn put(&mut self, zero: [Nm; 3]) {
         let mut at = zero;
         for (at, axis) in at.iter_mut().zip(&self.config.axes) {
             if let Some([low, high]) = axis.travel {
@@ -92,7 +118,6 @@ impl Job {
             ..self.start
         };
         self.is_placed = true;
-        Ok(())
     }
 
     pub fn open(&self) -> Result<Source, Failure> {
@@ -112,28 +137,65 @@ impl Job {
         displayed(&self.file)
     }
 
-    pub fn check(&self, findings: &mut Findings) -> Result<Facts, Failure> {
+    /// Checks the program. One that does not fit at machine zero is moved to the middle of the
+    /// table, if it fits there and no zero was asked for.
+    pub fn check(&mut self, findings: &mut Findings) -> Result<Facts, Failure> {
+        let facts = self.check_here(findings)?;
+        let Some(first) = &facts.beyond else {
+            return Ok(facts);
+        };
+        if let Some((facts, found)) = self.check_moved(findings)? {
+            *findings = found;
+            return Ok(facts);
+        }
+        zero::report_beyond(
+            &mut self.open()?,
+            self.name(),
+            self.start,
+            &self.machine,
+            &self.config,
+            first,
+            findings,
+        )?;
+        Ok(facts)
+    }
+
+    fn check_here(&self, findings: &mut Findings) -> Result<Facts, Failure> {
         let mut source = self.open()?;
-        let facts = check::check(
+        Ok(check::check(
             &mut source,
             self.name(),
             self.start,
             &self.machine,
             &self.config,
             findings,
-        )?;
-        if let Some(first) = &facts.beyond {
-            zero::report_beyond(
-                &mut self.open()?,
-                self.name(),
-                self.start,
-                &self.machine,
-                &self.config,
-                first,
-                findings,
-            )?;
+        )?)
+    }
+
+    /// Moves the program to the middle of the table. `None`: it does not fit there either, or its
+    /// zero was asked for.
+    fn check_moved(&mut self, before: &Findings) -> Result<Option<(Facts, Findings)>, Failure> {
+        if !self.may_move {
+            return Ok(None);
         }
-        Ok(facts)
+        let Some(zero @ [x, y, z]) = self.placing(Lie::Middle)? else {
+            return Ok(None);
+        };
+        let start = self.start;
+        self.put(zero);
+        let mut findings = before.restarted();
+        let facts = self.check_here(&mut findings)?;
+        if facts.beyond.is_some() {
+            self.start = start;
+            self.is_placed = false;
+            return Ok(None);
+        }
+        eprintln!(
+            "{}: placed in the middle of {}, as with --zero X{x}Y{y}Z{z}",
+            self.name(),
+            self.machine.name
+        );
+        Ok(Some((facts, findings)))
     }
 
     pub fn new_machine(&self, compensation: bool) -> Result<Micromill, Failure> {

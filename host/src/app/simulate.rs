@@ -27,7 +27,7 @@ use std::path::Path;
 
 pub(super) fn simulate(args: &RunArgs) -> Result<u8, Failure> {
     let mut job = Job::new(&args.file, &args.target, "micromill")?;
-    job.place(args.zero)?;
+    job.place(args.place.zero)?;
     simulate_job(&mut job, args)
 }
 

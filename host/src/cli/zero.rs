@@ -9,21 +9,31 @@ use std::str::FromStr;
 pub enum Zero {
     /// By axis; an axis that is not named has it at machine zero.
     At([Nm; 3]),
-    /// Where the part fits the machine.
+    /// Where the part lies in the middle of the table.
     Fit,
+    /// In the middle of the table.
+    Centre,
+    /// At the low ends of X and Y.
+    Corner,
 }
 
 impl FromStr for Zero {
     type Err = String;
 
-    /// Reads `fit`, or axes with lengths as `X20Y-3.5` or `"X20 Z1in"`: in mm where there is no
-    /// unit.
+    /// Reads `fit`, `centre`, `corner`, or axes with lengths as `X20Y-3.5` or `"X20 Z1in"`: in mm
+    /// where there is no unit.
     fn from_str(text: &str) -> Result<Self, String> {
         let text = text.trim();
-        if text.eq_ignore_ascii_case("fit") {
-            return Ok(Self::Fit);
+        match &text.to_ascii_lowercase()[..] {
+            "fit" => return Ok(Self::Fit),
+            "centre" | "center" => return Ok(Self::Centre),
+            "corner" => return Ok(Self::Corner),
+            _ => {}
         }
-        let wanted = || "axes with lengths, as in X20Y15 or \"X20 mm Z-3\", or fit".to_owned();
+        let wanted = || {
+            let axes = "axes with lengths, as in X20Y15 or \"X20 mm Z-3\"";
+            format!("{axes}, or centre, corner or fit")
+        };
         let mut zero = [None; 3];
         let mut rest = text;
         while let Some(letter) = rest.chars().next() {
@@ -72,6 +82,9 @@ mod tests {
         assert_eq!(at(" z1in x 2 mm"), mm(2_000, 0, 25_400));
         assert_eq!(at("Y+0.5 Z-1um"), mm(0, 500, -1));
         assert_eq!(at("Fit"), Ok(Zero::Fit));
+        assert_eq!(at("centre"), Ok(Zero::Centre));
+        assert_eq!(at("center"), Ok(Zero::Centre));
+        assert_eq!(at("corner"), Ok(Zero::Corner));
         for wrong in [
             "",
             "X",

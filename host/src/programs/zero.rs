@@ -141,19 +141,31 @@ enum InAxis {
     },
 }
 
-/// A work zero with which the part fits: X and Y are in the middle of the table, and the highest Z
-/// is at the upper end of Z. An axis keeps machine zero if its limits are not known, if the part
-/// does not move it, or if it is too short for the part. Returns `None` if the program has errors,
-/// because the extent of the part is then not known. The check reports these errors.
+/// Where a part without a stated work zero lies on the table. Its highest Z is at the upper end of Z.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lie {
+    /// The part is in the middle of the table.
+    Middle,
+    /// Work zero is in the middle of the table.
+    ZeroInMiddle,
+    /// Work zero is at the low ends of X and Y.
+    ZeroAtCorner,
+}
+
+/// The work zero with which a part lies as wanted. An axis keeps machine zero if its limits are not
+/// known, if the part does not move it, or if it is too short for the part. Returns `None` if the
+/// program has errors, because the extent of the part is then not known. The check reports these
+/// errors.
 ///
 /// # Errors
 ///
 /// The program cannot be read.
-pub fn fitting(
+pub fn placing(
     source: &mut Source,
     file: &str,
     dialect: Dialect,
     config: &Config<3>,
+    lie: Lie,
 ) -> io::Result<Option<[Nm; 3]>> {
     let reach = Reach::of(source, file, dialect, config, [Nm(0); 3])?;
     if reach.has_errors {
@@ -161,26 +173,37 @@ pub fn fitting(
     }
     let mut zero = [Nm(0); 3];
     for (axis, zero) in zero.iter_mut().enumerate() {
-        let (Some([least, most]), Some([low, high])) = (reach.part[axis], config.axes[axis].travel)
-        else {
+        let Some([low, high]) = config.axes[axis].travel else {
             continue;
         };
-        let room = (high.0 - low.0) - (most.0 - least.0);
-        if room < 0 {
-            continue;
-        }
-        let exact = match axis {
-            2 => high.0 - most.0,
-            _ => low.0 + room / 2 - least.0,
+        *zero = match (axis, lie) {
+            (0 | 1, Lie::ZeroInMiddle) => Nm(low.0 + (high.0 - low.0) / 2),
+            (0 | 1, Lie::ZeroAtCorner) => low,
+            _ => match reach.part[axis] {
+                Some(part) => middle(axis, part, [low, high]),
+                None => continue,
+            },
         };
-        // Rounded to a short number if there is room for it.
-        let even = exact.div_euclid(ROUND) * ROUND;
-        *zero = Nm(if low.0 - least.0 <= even { even } else { exact });
     }
     Ok(Some(zero))
 }
 
-/// `fit` rounds to hundredths of a millimetre, nm.
+/// The zero with which the part is in the middle of the travel, or in Z at its upper end.
+fn middle(axis: usize, [least, most]: [Nm; 2], [low, high]: [Nm; 2]) -> Nm {
+    let room = (high.0 - low.0) - (most.0 - least.0);
+    if room < 0 {
+        return Nm(0);
+    }
+    let exact = match axis {
+        2 => high.0 - most.0,
+        _ => low.0 + room / 2 - least.0,
+    };
+    // Rounded to a short number if there is room for it.
+    let even = exact.div_euclid(ROUND) * ROUND;
+    Nm(if low.0 - least.0 <= even { even } else { exact })
+}
+
+/// A position in the middle is rounded to hundredths of a millimetre, nm.
 const ROUND: i64 = 10_000;
 
 /// Reports where a program leaves the travel; `first` is the first such move. It gives one error

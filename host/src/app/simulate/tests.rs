@@ -20,7 +20,7 @@ fn simulated(program: &str, more: &[&str]) -> (u32, String) {
         panic!("a run")
     };
     let mut job = Job::new(&args.file, &args.target, "micromill").unwrap();
-    job.place(args.zero).unwrap();
+    job.place(args.place.zero).unwrap();
     let before = job.opened.get();
     assert_eq!(simulate_job(&mut job, args).unwrap(), OK);
     let opened = job.opened.get() - before;
@@ -39,7 +39,7 @@ fn a_program_with_warnings_is_checked_once() {
     let Command::Check(args) = Cli::try_parse_from(args).unwrap().command else {
         panic!("a check")
     };
-    let job = Job::new(program, &args.target, "micromill").unwrap();
+    let mut job = Job::new(program, &args.target, "micromill").unwrap();
     let mut findings = Findings::new(50);
     job.check(&mut findings).unwrap();
     assert_eq!(findings.warnings, 2);
