@@ -56,8 +56,6 @@ fn one_error_with_the_move_that_cures_it() {
     assert!(help.contains("`--zero X280Y10Z-3`"), "{help}");
 }
 
-/// A program whose zero nobody has stated is placed if it does not fit at machine zero, and one line
-/// says where. One that fits stays.
 #[test]
 fn without_a_zero_it_is_placed_where_it_fits() {
     let part = file("zero-placed.nc", PART);

@@ -141,7 +141,7 @@ enum InAxis {
     },
 }
 
-/// Where a part without a stated work zero lies on the table. Its highest Z is at the upper end of Z.
+/// Where a part without a stated work zero lies on the table; its highest Z is at the top of Z.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lie {
     /// The part is in the middle of the table.
