@@ -79,3 +79,29 @@ fn what_follows_the_end_of_a_program_is_no_part_of_it() {
     let run = json(&[&machine[..], &[file.to_str().unwrap()]].concat());
     assert_eq!(run["events"], 1000);
 }
+
+/// The router has finer steps in Z. Lead-ins in XZ and YZ run as any arc, within half of the longer
+/// step of 2.5 um.
+#[test]
+fn arcs_across_axes_of_different_steps_run() {
+    let program = "G21 G90 G17\nG0 X10 Y10 Z5\nG18 G2 X12 Z3 I0 K-2 F600\nG1 X60\n\
+                   G3 X62 Z5 I0 K2\nG19 G2 Y12 Z3 J0 K-2 F600\nG3 Y10 Z1 J0 K-2\nG0 Z5\nM2\n";
+    let file = written("lead-ins.nc", program);
+    let results = json(&[
+        "run",
+        file.to_str().unwrap(),
+        "-m",
+        "router",
+        "--format",
+        "json",
+    ]);
+    assert_eq!(results["errors"], 0);
+    assert!(
+        results["max_deviation_nm"].as_f64().unwrap() <= 1250.0,
+        "{results}"
+    );
+    assert_eq!(
+        results["end_nm"],
+        serde_json::json!([62_000_000, 10_000_000, 5_000_000])
+    );
+}

@@ -1,10 +1,11 @@
 //! Arcs of ellipses, parabolas and hyperbolas in a plane.
 
-use crate::Step;
 use crate::conic_move::{ConicError, ConicMove, EllipseMove, Pace, Start, Toward};
 use crate::counted::Counted;
+use crate::grid_ellipse::ROW_BITS;
 use crate::interpolator::Totals;
 use crate::method::interpolator;
+use crate::{ArcError, GridEllipse, Step};
 
 /// Sweep per BLU of path, in bits, for curves other than circles.
 const UNIT_BITS: u32 = 15;
@@ -26,7 +27,7 @@ const MAX_REACH: u32 = 1 << 22;
 /// | events | one per row or column, as many as the nearest points need: max(&#124;dx&#124;, &#124;dy&#124;) of each octant |
 /// | speed ripple | circle: 1/R, as [`Arc`](crate::Arc); others: 1/rho + 0.05 % for the radius of curvature rho |
 /// | state | 64 bits; axis-parallel ellipses up to semi-axes of 2^20 (in 2^-f BLU), others while F and its differences stay below 2^61; 104 bytes, because F has two first and three second differences of 64 bits each |
-/// | cost | instructions per event on Cortex-M4F / M0: circle 210 / 271, others 299 / 930. The difference is the length of the gradient (a root and a division of 32 bits) |
+/// | cost | instructions per event on Cortex-M4F / M0: circle 210 / 271, others 302 / 932, a circle on unequal steps 275 / 561. The difference is the length of the gradient (a root and a division of 32 bits) |
 /// | source | Danielsson 1970 and Jordan, Lennon, Holm 1973 (neighbours and quadrants), Pitteway 1967 (midpoint test for conics) |
 ///
 /// The midpoint test is exact on the axis that steps less. For a quadratic F the mean of two
@@ -57,6 +58,7 @@ const MAX_REACH: u32 = 1 << 22;
 #[derive(Clone, Debug)]
 pub struct Conic {
     counted: Counted<Walk>,
+    radius: u64,
 }
 
 impl Conic {
@@ -78,12 +80,35 @@ impl Conic {
         Conic::prepare(&Start::of_conic(conic)?)
     }
 
+    /// Creates a circle in a plane of axes whose steps differ. The sweep of an event is then the
+    /// angle of a row or a column of it. Walks it once to count its events.
+    pub(crate) fn on_grid(ellipse: &GridEllipse, plane: [u32; 2]) -> Result<Conic, ArcError> {
+        let start = Start::on_grid(ellipse, plane).and_then(|start| Conic::prepare(&start));
+        match start {
+            Ok(mut conic) => {
+                conic.radius = ellipse.radius;
+                Ok(conic)
+            }
+            Err(ConicError::TooLong) => Err(ArcError::TooLong),
+            Err(ConicError::TooLarge) => Err(ArcError::TooLarge),
+            Err(_) => Err(ArcError::Degenerate),
+        }
+    }
+
+    /// Sweep per step of the first axis; see [`Conic::on_grid`].
+    pub(crate) const fn radius(&self) -> u64 {
+        self.radius
+    }
+
     fn prepare(start: &Start) -> Result<Conic, ConicError> {
         let walk = Walk { now: *start };
         let totals = walk.clone().check()?;
-        Ok(Conic {
+        let mut conic = Conic {
             counted: Counted::with_totals(walk, totals),
-        })
+            radius: 0,
+        };
+        conic.radius = conic.unit().into();
+        Ok(conic)
     }
 
     /// Number of events of the whole arc, at most 2^31.
@@ -96,7 +121,7 @@ impl Conic {
     pub const fn unit(&self) -> u32 {
         match self.counted.walk.now.pace {
             Pace::Circle { radius } => radius,
-            Pace::Tangent => 1 << UNIT_BITS,
+            _ => 1 << UNIT_BITS,
         }
     }
 
@@ -199,6 +224,19 @@ impl Walk {
                 .wrapping_add(v.wrapping_mul(along_v))
                 >> 1;
             return (cross.max(0) as u32).max(radius / 2).max(1);
+        }
+        if let Pace::Angle { shift } = now.pace {
+            // In the rows of one axis the gradient along the other one is steeper. Of its 22 to 30
+            // bits 11 to 19 are kept, so a word divides: 2^43 2^8 = 2^51. At least 2^10 keeps the
+            // quotient below 2^22; only a circle of a few steps has less.
+            let steepest = along_u.unsigned_abs().max(along_v.unsigned_abs());
+            let half = 1_u64.wrapping_shl(u32::from(shift).wrapping_add(10));
+            let steepest = steepest
+                .saturating_add(half)
+                .wrapping_shr(u32::from(shift).wrapping_add(11));
+            let steepest = (steepest as u32).max(1 << 10);
+            let rows = u32::MAX.checked_div(steepest).unwrap_or(0);
+            return rows.wrapping_shl(ROW_BITS - 43);
         }
         // The larger one is scaled to 15 bits and a sign; the sum of the squares is at most 2^31.
         let largest = along_u.unsigned_abs() | along_v.unsigned_abs();

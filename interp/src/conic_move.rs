@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use crate::Direction;
+use crate::{Direction, GridEllipse};
 
 /// Largest semi-axis in 2^-f BLU; then |F'|, |U|, |V| <= 2 a b max(a, b).
 const MAX_SEMI_AXIS: u32 = 1 << 20;
@@ -91,6 +91,9 @@ pub(crate) enum Pace {
     Circle { radius: u32 },
     /// The cross product is divided by the length of the gradient.
     Tangent,
+    /// The angle of a circle whose image is the ellipse: that of a row or a column. The steepest
+    /// gradient is scaled to 30 bits by this shift.
+    Angle { shift: u8 },
 }
 
 /// A step of one axis, as the masks of an event.
@@ -106,6 +109,27 @@ impl Toward {
         Toward {
             axes: self.axes,
             negative: self.negative ^ self.axes,
+        }
+    }
+
+    /// The same direction in a plane of these axes.
+    pub(crate) fn in_plane(self, [first, second]: [u32; 2]) -> Toward {
+        let mask = |bits: u8| {
+            let x = if bits & 1 == 0 {
+                0
+            } else {
+                1_u8.wrapping_shl(first)
+            };
+            let y = if bits & 2 == 0 {
+                0
+            } else {
+                1_u8.wrapping_shl(second)
+            };
+            x | y
+        };
+        Toward {
+            axes: mask(self.axes),
+            negative: mask(self.negative),
         }
     }
 
@@ -282,10 +306,35 @@ impl Start {
             Pace::Tangent
         };
         let ends = [ellipse.from, ellipse.to];
-        start(&from, &to, ends, is_clockwise, Some(ellipse.turns), pace)
+        start(
+            &from,
+            &to,
+            ends,
+            is_clockwise,
+            Turns::Whole(ellipse.turns),
+            pace,
+        )
     }
 
     pub(crate) fn of_conic(conic: &ConicMove) -> Result<Start, ConicError> {
+        Start::passing(conic, None)
+    }
+
+    /// A circle on a grid of unequal steps, in the plane of these axes.
+    pub(crate) fn on_grid(ellipse: &GridEllipse, plane: [u32; 2]) -> Result<Start, ConicError> {
+        let start = Start::passing(&ellipse.conic, Some(ellipse.quadrants))?;
+        Ok(Start {
+            toward_u: start.toward_u.in_plane(plane),
+            toward_v: start.toward_v.in_plane(plane),
+            pace: Pace::Angle {
+                shift: ellipse.shift,
+            },
+            ..start
+        })
+    }
+
+    /// An arc that passes this number of quadrants of an ellipse, if that is known.
+    fn passing(conic: &ConicMove, quadrants: Option<u32>) -> Result<Start, ConicError> {
         let is_clockwise = conic.direction == Direction::Clockwise;
         let [a, b, c, d, e, g] = conic.coefficients;
         if [a, b, c]
@@ -353,7 +402,11 @@ impl Start {
         if !is_closed && conic.turns != 0 {
             return Err(ConicError::Astray);
         }
-        let turns = is_closed.then_some(conic.turns);
+        let turns = match (quadrants, is_closed) {
+            (Some(quadrants), _) => Turns::Quadrants(quadrants),
+            (None, true) => Turns::Whole(conic.turns),
+            (None, false) => Turns::Open,
+        };
         start(
             &from,
             &to,
@@ -399,13 +452,24 @@ fn is_left_turn(from: &Spot, to: &Spot) -> bool {
     product(from_x, to_y) > product(from_y, to_x)
 }
 
-/// Combines both ends into the start state; `turns` is `None` for an open curve.
+/// How often the path goes around.
+#[derive(Copy, Clone, PartialEq, Eq)]
+enum Turns {
+    /// An open curve.
+    Open,
+    /// Whole turns, in addition to the angle between the ends.
+    Whole(u32),
+    /// Quadrants in all, before the ends were rounded to steps.
+    Quadrants(u32),
+}
+
+/// Combines both ends into the start state.
 fn start(
     from: &Spot,
     to: &Spot,
     ends: [[i32; 2]; 2],
     is_clockwise: bool,
-    turns: Option<u32>,
+    turns: Turns,
     pace: Pace,
 ) -> Result<Start, ConicError> {
     let first = from.quadrant().ok_or(ConicError::Degenerate)?;
@@ -444,20 +508,34 @@ fn start(
     let ahead = along_u
         .wrapping_mul(u_left.into())
         .wrapping_add(along_v.wrapping_mul(v_left.into()));
-    let quadrants = match u32::from(last.wrapping_sub(first) & 3) {
+    let between = u32::from(last.wrapping_sub(first) & 3);
+    let quadrants = match between {
         0 if ahead <= 0 => 4,
         quadrants => quadrants,
     };
     let quadrants = match turns {
-        Some(turns) => turns
+        Turns::Whole(turns) => turns
             .checked_mul(4)
             .and_then(|more| more.checked_add(quadrants))
             .ok_or(ConicError::TooLong)?,
+        // Rounding moves each end across an axis at most, so the nearest number is the right one.
+        Turns::Quadrants(exact) => {
+            let quadrants = match between.wrapping_sub(exact) & 3 {
+                0 => exact,
+                1 => exact.wrapping_add(1),
+                3 if exact > 0 => exact.wrapping_sub(1),
+                _ => return Err(ConicError::Degenerate),
+            };
+            if quadrants == 0 && u_left <= 0 && v_left <= 0 {
+                return Err(ConicError::Degenerate);
+            }
+            quadrants
+        }
         // An open curve turns left by less than half a turn.
-        None if quadrants > 2 || (quadrants == 2 && !is_left_turn(from, to)) => {
+        Turns::Open if quadrants > 2 || (quadrants == 2 && !is_left_turn(from, to)) => {
             return Err(ConicError::Astray);
         }
-        None => quadrants,
+        Turns::Open => quadrants,
     };
     Ok(Start {
         residue: from.residue,
@@ -472,6 +550,6 @@ fn start(
         toward_v: Toward::of(first, is_clockwise),
         quadrants,
         pace,
-        is_open: turns.is_none(),
+        is_open: turns == Turns::Open,
     })
 }

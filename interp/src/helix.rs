@@ -2,7 +2,7 @@
 
 use crate::interpolator::Totals;
 use crate::method::{Method, interpolator};
-use crate::{Arc, ArcError, ArcMove, Interpolator, Step};
+use crate::{Arc, ArcError, ArcMove, Conic, GridEllipse, Interpolator, Step};
 
 /// An arc in the plane of two axes while the other axes move linearly in proportion to the swept
 /// area. (In proportion to the count of events they would be 0.5 % off.)
@@ -10,17 +10,19 @@ use crate::{Arc, ArcError, ArcMove, Interpolator, Step};
 /// Where an axis has more steps than the events of the plane can carry, events of the other axes
 /// alone are inserted evenly before an event of the plane and share its sweep.
 ///
+/// `A` is the method in the plane: [`Arc`], or [`Conic`] where the steps of its axes differ.
+///
 /// | | |
 /// | --- | --- |
 /// | error | in the plane that of [`Arc`]; other axes within one step of their share of the sweep (1/2 where they have fewer steps than the plane has events), and exact at the end |
 /// | events | those of the arc, and of axes that have more steps than it |
 /// | speed ripple | that of the arc; events between two events of the plane share its sweep |
 /// | state | that of the arc, plus 24 bytes per axis and 40; 2^31 events |
-/// | cost | in three axes 280 instructions per event on Cortex-M0, 95 on Cortex-M4F, 129 on RV32IMAC: the product of rate and sweep has 64 bits |
+/// | cost | in three axes 292 instructions per event on Cortex-M0, 98 on Cortex-M4F, 128 on RV32IMAC: the product of rate and sweep has 64 bits |
 /// | source | our derivation: the swept area is proportional to the angle |
 #[derive(Clone, Debug)]
-pub struct Helix<const N: usize> {
-    arc: Arc,
+pub struct Helix<const N: usize, A = Arc> {
+    arc: A,
     axes: [Slave; N],
     pace: Pace,
     events: u32,
@@ -74,11 +76,54 @@ impl<const N: usize> Helix<N> {
     /// [`ArcError::Plane`], the errors of [`Arc::new`], and [`ArcError::TooLong`] above 2^31
     /// events.
     pub fn new(arc: &ArcMove, plane: [usize; 2], along: [i32; N]) -> Result<Self, ArcError> {
-        let [first, second] = plane;
-        if first == second || first >= N.min(8) || second >= N.min(8) {
-            return Err(ArcError::Plane);
-        }
-        let arc = Arc::in_plane(arc, [first as u32, second as u32], false)?;
+        let arc = Arc::in_plane(arc, axes_of::<N>(plane)?, false)?;
+        Self::around(arc, plane, along)
+    }
+
+    /// Radius in the unit of the sweep: `total_sweep / radius` is the length of the arc in its
+    /// plane.
+    pub const fn radius(&self) -> u64 {
+        self.arc.radius().wrapping_shl(self.lift as u32)
+    }
+}
+
+impl<const N: usize> Helix<N, Conic> {
+    /// Creates an arc in a plane whose axes have steps of different length, with `along` steps of
+    /// the other axes. Entries for the axes of the plane and for axes above the eighth are ignored.
+    ///
+    /// # Errors
+    /// [`ArcError::Plane`]; [`ArcError::TooLong`] above 2^31 events; [`ArcError::Degenerate`] where
+    /// no step is left between the ends.
+    ///
+    /// # Cost
+    /// The arc is walked once to count its events.
+    pub fn of_ellipse(
+        ellipse: &GridEllipse,
+        plane: [usize; 2],
+        along: [i32; N],
+    ) -> Result<Self, ArcError> {
+        let arc = Conic::on_grid(ellipse, axes_of::<N>(plane)?)?;
+        Self::around(arc, plane, along)
+    }
+
+    /// Radius in the unit of the sweep: `total_sweep / radius` is the length of the arc in steps of
+    /// the first axis of its plane.
+    pub const fn radius(&self) -> u64 {
+        self.arc.radius().wrapping_shl(self.lift as u32)
+    }
+}
+
+/// The numbers of the axes of a plane.
+fn axes_of<const N: usize>([first, second]: [usize; 2]) -> Result<[u32; 2], ArcError> {
+    if first == second || first >= N.min(8) || second >= N.min(8) {
+        return Err(ArcError::Plane);
+    }
+    Ok([first as u32, second as u32])
+}
+
+impl<const N: usize, A: Interpolator> Helix<N, A> {
+    /// Adds the motion of the other axes to an arc that has not begun.
+    fn around(arc: A, [first, second]: [usize; 2], along: [i32; N]) -> Result<Self, ArcError> {
         let total = arc.total_sweep();
         let mut fastest = 0_u32;
         let mut axes = along.map(|steps| Slave {
@@ -102,8 +147,8 @@ impl<const N: usize> Helix<N> {
             _ => Pace::Dense,
         };
         let mut helix = Helix {
-            events: arc.events(),
-            left: arc.events(),
+            events: arc.remaining(),
+            left: arc.remaining(),
             largest_sweep: arc.largest_sweep(),
             axes,
             pace,
@@ -206,19 +251,13 @@ impl<const N: usize> Helix<N> {
     }
 
     /// The arc in its plane.
-    pub const fn arc(&self) -> &Arc {
+    pub const fn arc(&self) -> &A {
         &self.arc
     }
 
     /// Number of events of the whole move.
     pub const fn events(&self) -> u32 {
         self.events
-    }
-
-    /// Radius in the unit of the sweep: `total_sweep / radius` is the length of the arc in its
-    /// plane.
-    pub const fn radius(&self) -> u64 {
-        self.arc.radius().wrapping_shl(self.lift as u32)
     }
 }
 
@@ -233,7 +272,7 @@ impl Slave {
     }
 }
 
-impl<const N: usize> Method for Helix<N> {
+impl<const N: usize, A: Interpolator> Method for Helix<N, A> {
     #[inline]
     fn next_step(&mut self) -> Option<Step> {
         if self.pace == Pace::Dense {
@@ -277,4 +316,4 @@ impl<const N: usize> Method for Helix<N> {
     }
 }
 
-interpolator!(Helix<N>);
+interpolator!(#[inline] [const N: usize, A: Interpolator] Helix<N, A>);

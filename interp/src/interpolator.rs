@@ -1,6 +1,6 @@
 //! Traits of the methods and of the set of methods that a machine uses.
 
-use crate::{ArcError, ArcMove, Step};
+use crate::{ArcError, ArcMove, GridEllipse, Step};
 
 /// A move in progress: an iterator of events that knows how many remain.
 ///
@@ -29,8 +29,25 @@ pub trait Moves<const N: usize>: Interpolator {
     /// [`ArcError`]; for [`ArcError::Degenerate`] use a line instead.
     fn arc(arc: &ArcMove, plane: [usize; 2], along: [i32; N]) -> Result<Self, ArcError>;
 
-    /// Radius of an arc in the unit of its sweep (`total_sweep / radius` is its length in BLU);
-    /// `None` for a line.
+    /// Whether [`ellipse`](Self::ellipse) makes arcs. Otherwise a machine refuses arcs in planes
+    /// whose axes have steps of different length.
+    const HAS_ELLIPSES: bool = false;
+
+    /// Creates an arc in a plane whose axes have steps of different length.
+    ///
+    /// # Errors
+    /// [`ArcError`]; for [`ArcError::Degenerate`] use a line instead. [`ArcError::Unequal`] if this
+    /// set has no method for it, as by default.
+    fn ellipse(
+        _ellipse: &GridEllipse,
+        _plane: [usize; 2],
+        _along: [i32; N],
+    ) -> Result<Self, ArcError> {
+        Err(ArcError::Unequal)
+    }
+
+    /// Radius of an arc in the unit of its sweep: `total_sweep / radius` is its length in BLU of
+    /// the first axis of its plane. `None` for a line.
     fn radius(&self) -> Option<u64>;
 }
 

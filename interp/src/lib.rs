@@ -33,6 +33,7 @@ mod helix;
 
 mod path;
 
+mod grid_ellipse;
 mod length;
 mod programmed_arc;
 mod scale;
@@ -46,6 +47,7 @@ pub use dda_line::LineDda;
 pub use dda_line_exact::LineDdaExact;
 pub use direct_search::DirectSearch;
 pub use direct_search_printed::DirectSearchPrinted;
+pub use grid_ellipse::GridEllipse;
 pub use helix::Helix;
 pub use interpolator::{Interpolator, Moves};
 pub use length::length;

@@ -22,10 +22,15 @@ pub(crate) trait Method {
 /// trait.
 macro_rules! interpolator {
     ($kind:ident $(<$axes:ident>)? $(, $field:ident)?) => {
-        impl$(<const $axes: usize>)? Iterator for $kind$(<$axes>)? {
+        $crate::method::interpolator!(
+            #[inline] [$(const $axes: usize)?] $kind$(<$axes>)? $(, $field)?
+        );
+    };
+    (#[$inline:meta] [$($generics:tt)*] $kind:ty $(, $field:ident)?) => {
+        impl<$($generics)*> Iterator for $kind {
             type Item = crate::Step;
 
-            #[inline]
+            #[$inline]
             fn next(&mut self) -> Option<crate::Step> {
                 crate::method::Method::next_step(&mut (*self)$(.$field)?)
             }
@@ -38,10 +43,10 @@ macro_rules! interpolator {
             }
         }
 
-        impl$(<const $axes: usize>)? ExactSizeIterator for $kind$(<$axes>)? {}
-        impl$(<const $axes: usize>)? core::iter::FusedIterator for $kind$(<$axes>)? {}
+        impl<$($generics)*> ExactSizeIterator for $kind {}
+        impl<$($generics)*> core::iter::FusedIterator for $kind {}
 
-        impl$(<const $axes: usize>)? crate::Interpolator for $kind$(<$axes>)? {
+        impl<$($generics)*> crate::Interpolator for $kind {
             #[inline]
             fn remaining(&self) -> u32 {
                 crate::method::Method::left(&(*self)$(.$field)?)

@@ -2,7 +2,7 @@
 
 use crate::interpolator::Totals;
 use crate::method::{Method, interpolator};
-use crate::{ArcError, ArcMove, Helix, Line, Moves, Step};
+use crate::{ArcError, ArcMove, Conic, GridEllipse, Helix, Line, Moves, Step};
 
 /// The default set of methods: the nearest-point line and arc of this crate.
 #[derive(Clone, Debug)]
@@ -13,6 +13,8 @@ pub enum Path<const N: usize> {
     Line(Line<N>),
     /// An arc, flat or helical.
     Arc(Helix<N>),
+    /// An arc, flat or helical, in a plane whose axes have steps of different length.
+    Ellipse(Helix<N, Conic>),
 }
 
 impl<const N: usize> Moves<N> for Path<N> {
@@ -24,12 +26,29 @@ impl<const N: usize> Moves<N> for Path<N> {
         Ok(Path::Arc(Helix::new(arc, plane, along)?))
     }
 
+    const HAS_ELLIPSES: bool = true;
+
+    fn ellipse(
+        ellipse: &GridEllipse,
+        plane: [usize; 2],
+        along: [i32; N],
+    ) -> Result<Self, ArcError> {
+        Ok(Path::Ellipse(Helix::of_ellipse(ellipse, plane, along)?))
+    }
+
     fn radius(&self) -> Option<u64> {
         match self {
             Path::Line(_) => None,
             Path::Arc(helix) => Some(helix.radius()),
+            Path::Ellipse(helix) => Some(helix.radius()),
         }
     }
+}
+
+/// The long code of the conics stays out of the short one of lines and arcs.
+#[inline(never)]
+fn next_of_ellipse<const N: usize>(helix: &mut Helix<N, Conic>) -> Option<Step> {
+    helix.next()
 }
 
 impl<const N: usize> Method for Path<N> {
@@ -38,6 +57,7 @@ impl<const N: usize> Method for Path<N> {
         match self {
             Path::Line(line) => line.walk.next_step(),
             Path::Arc(helix) => helix.next(),
+            Path::Ellipse(helix) => next_of_ellipse(helix),
         }
     }
 
@@ -46,6 +66,7 @@ impl<const N: usize> Method for Path<N> {
         match self {
             Path::Line(line) => line.walk.left(),
             Path::Arc(helix) => helix.left(),
+            Path::Ellipse(helix) => helix.left(),
         }
     }
 
@@ -54,6 +75,7 @@ impl<const N: usize> Method for Path<N> {
         match self {
             Path::Line(line) => line.walk.totals(),
             Path::Arc(helix) => helix.totals(),
+            Path::Ellipse(helix) => helix.totals(),
         }
     }
 }

@@ -305,7 +305,7 @@ proptest! {
         let along = [along[0], 7, along[1], 9];
         let helix = match Path::<4>::arc(&arc, [3, 1], along) {
             Ok(Path::Arc(helix)) => helix,
-            Ok(Path::Line(_)) => unreachable!("an arc"),
+            Ok(_) => unreachable!("an arc"),
             Err(_) => return Ok(()),
         };
         let steps: Vec<Step> = helix.clone().collect();

@@ -5,7 +5,9 @@ mod common;
 use common::config;
 use husillo_backlash::Lash;
 use husillo_interp::{ArcError, ArcMove, Interpolator, Moves, Step};
-use husillo_machine::{Event, Idle, Machine, Motors, ServoAxis, ServoInputs, ServoStop};
+use husillo_machine::{
+    Event, Idle, Machine, Motors, MoveError, Refused, Scale, ServoAxis, ServoInputs, ServoStop,
+};
 use husillo_pid::{Drive, Gains, Integration, Limits, Pid, Regulator};
 use husillo_planner::ServoMotion;
 use husillo_stepper::{CoilDriver, Levels};
@@ -113,6 +115,18 @@ fn stepped<const N: usize, D: CoilDriver>(
 fn rested<const N: usize, D: CoilDriver>(motors: &mut Motors<N, D>, ticks: u32) -> [Levels; N] {
     motors.rest(ticks, |_, _| {});
     *motors.levels()
+}
+
+/// Methods without ellipses refuse arcs on unequal steps when they are given, not later.
+#[test]
+fn an_interpolator_without_ellipses_refuses_them() {
+    let mut config = config();
+    config.axes[2].scale = Scale::new(70, 1).unwrap();
+    let lash = [(); 3].map(|()| Worn { direction: 1 });
+    let mut machine: Machine<3, AxisByAxis, Worn> = Machine::with_lash(config, lash);
+    let refused = machine.line(b"G18 G2 X0 Z0 I-3 K0 F1.2");
+    assert_eq!(refused, Err(Refused::Move(MoveError::UnequalSteps)));
+    assert_eq!(machine.line(b"G17 G2 X0 Y0 I-3 J0 F1.2"), Ok(()));
 }
 
 #[test]

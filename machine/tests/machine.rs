@@ -6,7 +6,7 @@ use common::{Screw, config, drain, limited};
 use husillo_backlash::Backlash;
 use husillo_gcode::{Nm, SpindleDirection};
 use husillo_interp::Path;
-use husillo_machine::{Event, Machine, MoveError, Origin, Output, Pause, Refused};
+use husillo_machine::{Event, Machine, MoveError, Origin, Output, Pause, Refused, Scale};
 
 fn events(machine: &mut Machine<3>) -> Vec<Event<3>> {
     core::iter::from_fn(|| machine.next_event()).collect()
@@ -48,6 +48,51 @@ fn circle_closes_at_the_programmed_speed_with_its_take_up() {
         (seconds / ideal - 1.0).abs() < 1e-4,
         "{seconds} s, ideal {ideal} s"
     );
+}
+
+/// The steps of Z are finer than those of X: the circle is as fast, as round and reverses as often
+/// as on equal steps.
+#[test]
+fn a_circle_on_unequal_steps_is_a_circle() {
+    let mut config = config();
+    let fine = Scale::new(1_000_000, 17_000).unwrap();
+    config.axes[2].scale = fine;
+    config.axes[2].max_rate_hz = 1000;
+    config.axes[2].lash_steps = 500;
+    let mut machine: Machine<3> = Machine::new(config);
+    machine.line(b"G18 G2 X0 Z0 I-3 K0 F1.2").unwrap();
+    let (mut path_ticks, mut path_steps, mut take_up_steps) = (0_u64, 0_u64, 0);
+    while let Some(event) = machine.next_event() {
+        let Event::Step(step) = event else {
+            panic!("{event:?}")
+        };
+        if machine.origin() == Origin::TakeUp {
+            take_up_steps += 1;
+            continue;
+        }
+        path_ticks += u64::from(step.wait_ticks);
+        path_steps += 1;
+        let [x, _, z] = machine.position_steps().map(f64::from);
+        let radius = (x * 140.0 + 3e6).hypot(z * 1e6 / 17_000.0);
+        assert!(
+            (radius - 3e6).abs() <= 71.0,
+            "{radius} nm at step {path_steps}"
+        );
+    }
+    assert_eq!(machine.position_steps(), [0; 3]);
+    // Z is the first axis of G18, so clockwise is from +X to +Z. The nuts stand at their positive
+    // flanks: X reverses at once and at the left, Z at both ends of its diameter.
+    assert_eq!(take_up_steps, 2 * 1457 + 2 * 500);
+    let seconds = path_ticks as f64 / 1e6;
+    let ideal = 2.0 * core::f64::consts::PI * 3.0 / 1.2 * 60.0;
+    assert!(
+        (seconds / ideal - 1.0).abs() < 2e-4,
+        "{seconds} s, ideal {ideal} s"
+    );
+    // A helix on the same plane.
+    machine.line(b"G2 X-6 Z0 I-3 K0 Y0.7").unwrap();
+    events(&mut machine);
+    assert_eq!(machine.position_steps(), [-42857, 5000, 0]);
 }
 
 #[test]

@@ -173,7 +173,11 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
         modal.apply(block, &mut commands)?;
         let (mut from, mut mode, mut has_ended) = (self.modal.position(), self.mode, false);
         for command in commands.clone() {
-            self.config.check(&from, &command)?;
+            if P::HAS_ELLIPSES {
+                self.config.check(&from, &command)?;
+            } else {
+                self.config.check_arcs(&from, &command, |_| true)?;
+            }
             from = command.end().unwrap_or(from);
             if let Command::Path { mode: next } = command {
                 mode = next;

@@ -33,7 +33,9 @@ pub enum MoveError {
         /// Index of the axis.
         axis: usize,
     },
-    /// An arc in a plane whose axes have different step lengths.
+    /// An arc in a plane whose axes have steps of different length, for methods that need equal
+    /// ones; or one step is more than 256 times the other; or it is a spiral of almost a whole
+    /// turn.
     UnequalSteps,
     /// An arc whose start and end radii differ by more than the arc tolerance of the machine.
     ArcTolerance {

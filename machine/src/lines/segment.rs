@@ -1,7 +1,7 @@
 //! One move command, and its conversion to steps.
 
 use husillo_gcode::{Command, Feed, Nm};
-use husillo_interp::{ArcError, ArcMove, GridArc, Moves};
+use husillo_interp::{ArcError, ArcMove, GridArc, GridEllipse, Moves};
 
 use crate::lines::arc::in_plane;
 use crate::{Config, Means, MoveError};
@@ -17,6 +17,15 @@ pub struct Segment<const N: usize> {
     pub from: [Nm; N],
     /// The command.
     pub command: Command<N>,
+}
+
+/// An arc on the grid of its axes.
+enum OnGrid {
+    /// It is too short for an arc.
+    Line,
+    Circle(GridArc),
+    /// The steps of its axes differ.
+    Ellipse(GridEllipse),
 }
 
 /// The function that a command needs and this machine does not have.
@@ -101,15 +110,28 @@ impl<const N: usize> Config<N> {
     /// # Errors
     /// See [`MoveError`].
     pub fn check(&self, from: &[Nm; N], command: &Command<N>) -> Result<(), MoveError> {
-        self.check_arcs(from, command, |_| true)
+        self.check_grid::<true, _>(from, command, |_| true)
     }
 
     /// Does [`Config::check`] for methods that cannot make every arc.
     ///
     /// # Errors
-    /// In addition, [`MoveError::ArcTooLarge`] for an arc that does not fit.
+    /// In addition, [`MoveError::ArcTooLarge`] for an arc that does not fit, and
+    /// [`MoveError::UnequalSteps`] for every arc in a plane of unequal steps.
     #[inline]
     pub fn check_arcs<F: Fn(&ArcMove) -> bool>(
+        &self,
+        from: &[Nm; N],
+        command: &Command<N>,
+        fits: F,
+    ) -> Result<(), MoveError> {
+        self.check_grid::<false, _>(from, command, fits)
+    }
+
+    /// `ELLIPSES`: arcs in planes of unequal steps are possible. Firmware without them does not
+    /// contain their code.
+    #[inline]
+    fn check_grid<const ELLIPSES: bool, F: Fn(&ArcMove) -> bool>(
         &self,
         from: &[Nm; N],
         command: &Command<N>,
@@ -144,14 +166,18 @@ impl<const N: usize> Config<N> {
                 let [start, end] = [self.nearest_steps(from)?, self.nearest_steps(&arc.to)?];
                 // A turn has fewer than 6 (r + 4) events; a helix has in addition as many as its
                 // longest axis has steps.
-                let events = match self.grid_arc(from, arc, start, end)? {
-                    Some(grid) if !fits(&grid.arc) => return Err(MoveError::ArcTooLarge),
-                    Some(grid) => u64::from(grid.radius_steps)
+                let radius_steps = match self.grid_arc::<ELLIPSES>(from, arc, start, end)? {
+                    OnGrid::Circle(grid) if !fits(&grid.arc) => return Err(MoveError::ArcTooLarge),
+                    OnGrid::Circle(grid) => Some(grid.radius_steps),
+                    OnGrid::Ellipse(grid) => Some(grid.radius_steps()),
+                    OnGrid::Line => None,
+                };
+                let events = radius_steps.map_or(0, |radius_steps| {
+                    u64::from(radius_steps)
                         .saturating_add(4)
                         .saturating_mul(6)
-                        .saturating_mul(u64::from(arc.turns).saturating_add(1)),
-                    None => 0,
-                };
+                        .saturating_mul(u64::from(arc.turns).saturating_add(1))
+                });
                 if events.saturating_add(longest) > MAX_EVENTS {
                     return Err(MoveError::ArcTooLarge);
                 }
@@ -214,26 +240,34 @@ impl<const N: usize> Config<N> {
         Ok(())
     }
 
-    /// The arc on the grid; `None` where it is too short for an arc and becomes a line.
-    fn grid_arc(
+    /// The arc on the grid.
+    fn grid_arc<const ELLIPSES: bool>(
         &self,
         from: &[Nm; N],
         arc: &husillo_gcode::Arc<N>,
         start: [i32; N],
         end: [i32; N],
-    ) -> Result<Option<GridArc>, MoveError> {
+    ) -> Result<OnGrid, MoveError> {
         let plane = arc.plane.axes();
         let [Some(first), Some(second)] = plane.map(|number| self.axes.get(number)) else {
             return Err(MoveError::UnequalSteps);
         };
-        if first.scale != second.scale {
+        let is_equal = first.scale == second.scale;
+        if !is_equal && !ELLIPSES {
             return Err(MoveError::UnequalSteps);
         }
         let steps = [start, end].map(|at| plane.map(|axis| at.get(axis).copied().unwrap_or(0)));
-        match in_plane(from, arc).on_grid(first.scale, steps) {
-            Ok(grid) => Ok(Some(grid)),
-            Err(ArcError::Degenerate) => Ok(None),
-            Err(_) => Err(MoveError::ArcTooLarge),
+        let programmed = in_plane(from, arc);
+        let grid = if is_equal {
+            programmed.on_grid(first.scale, steps).map(OnGrid::Circle)
+        } else {
+            let scales = [first.scale, second.scale];
+            programmed.on_grids(scales, steps).map(OnGrid::Ellipse)
+        };
+        match grid {
+            Err(ArcError::Degenerate) => Ok(OnGrid::Line),
+            Err(ArcError::Unequal) => Err(MoveError::UnequalSteps),
+            grid => grid.map_err(|_| MoveError::ArcTooLarge),
         }
     }
 
@@ -246,11 +280,25 @@ impl<const N: usize> Config<N> {
             *delta = end.wrapping_sub(start);
         }
         if let Command::Arc { arc, .. } = &segment.command {
-            if let Ok(Some(grid)) = self.grid_arc(&segment.from, arc, start, end) {
-                // Returned from here: each copy of a path takes 264 bytes of stack.
-                if let Ok(path) = P::arc(&grid.arc, arc.plane.axes(), delta) {
-                    return path;
+            let plane = arc.plane.axes();
+            // Returned from here: each copy of a path takes 264 bytes of stack.
+            let grid = if P::HAS_ELLIPSES {
+                self.grid_arc::<true>(&segment.from, arc, start, end)
+            } else {
+                self.grid_arc::<false>(&segment.from, arc, start, end)
+            };
+            match grid {
+                Ok(OnGrid::Circle(grid)) => {
+                    if let Ok(path) = P::arc(&grid.arc, plane, delta) {
+                        return path;
+                    }
                 }
+                Ok(OnGrid::Ellipse(grid)) if P::HAS_ELLIPSES => {
+                    if let Ok(path) = P::ellipse(&grid, plane, delta) {
+                        return path;
+                    }
+                }
+                _ => {}
             }
         }
         // The interpolator reports an arc that is too small, which becomes a line. After `check`

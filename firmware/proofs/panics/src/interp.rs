@@ -3,9 +3,9 @@
 use core::hint::black_box;
 
 use husillo_interp::{
-    Arc, ArcDda, Bezier, Conic, DirectSearch, DirectSearchPrinted, Direction, Helix, Interpolator,
-    Line, LineDda, LineDdaExact, Moves, NarrowArc, Path, ProgrammedArc, Scale, Staircase, Step,
-    TimedDirectSearch, fraction_bits_for, length,
+    Arc, ArcDda, Bezier, Conic, DirectSearch, DirectSearchPrinted, Direction, GridEllipse, Helix,
+    Interpolator, Line, LineDda, LineDdaExact, Moves, NarrowArc, Path, ProgrammedArc, Scale,
+    Staircase, Step, TimedDirectSearch, fraction_bits_for, length,
 };
 
 /// Keeps every function in the program.
@@ -19,6 +19,8 @@ pub fn keep() {
         ProgrammedArc::radii as *const (),
         ProgrammedArc::extent as *const (),
         ProgrammedArc::on_grid as *const (),
+        ProgrammedArc::on_grids as *const (),
+        GridEllipse::radius_steps as *const (),
         Scale::new as *const (),
         Scale::nm as *const (),
         Scale::steps as *const (),
@@ -64,10 +66,20 @@ pub fn keep() {
         Helix::<3>::radius as *const (),
         <Helix<3> as Iterator>::next as *const (),
         <Helix<3> as Iterator>::size_hint as *const (),
+        Helix::<3, Conic>::of_ellipse as *const (),
+        Helix::<3, Conic>::arc as *const (),
+        Helix::<3, Conic>::events as *const (),
+        Helix::<3, Conic>::remaining as *const (),
+        Helix::<3, Conic>::total_sweep as *const (),
+        Helix::<3, Conic>::largest_sweep as *const (),
+        Helix::<3, Conic>::radius as *const (),
+        <Helix<3, Conic> as Iterator>::next as *const (),
+        <Helix<3, Conic> as Iterator>::size_hint as *const (),
         <Path<3> as Iterator>::next as *const (),
         <Path<3> as Iterator>::size_hint as *const (),
         <Path<3> as Moves<3>>::line as *const (),
         <Path<3> as Moves<3>>::arc as *const (),
+        <Path<3> as Moves<3>>::ellipse as *const (),
         <Path<3> as Interpolator>::remaining as *const (),
         <Path<3> as Interpolator>::total_sweep as *const (),
         <Path<3> as Interpolator>::largest_sweep as *const (),
