@@ -8,7 +8,7 @@
 pub(crate) mod offset;
 
 use crate::codes::code::Side;
-use crate::command::arc::{Arc, Direction, Plane, with_centre};
+use crate::command::arc::{Arc, Direction, Plane, SLACK_INCH, with_centre};
 use crate::command::{Command, Feed};
 use crate::compensation::offset::{
     Vector, along, circles, is_between, left, length, line_and_circle, minus, mitre, opposite,
@@ -543,7 +543,7 @@ fn common(active: &Active, before: &Course, after: &Course, corner: Vector) -> O
 /// The mismatch of an arc that fits.
 fn mismatch_of(from: &[Nm; 2], to: &[Nm; 2], centre: &[Nm; 2]) -> Option<Nm> {
     let mut off = Nm(0);
-    with_centre(from, to, centre, [0, 1], &mut off)
+    with_centre(from, to, centre, [0, 1], SLACK_INCH, &mut off)
         .ok()
         .map(|()| off)
 }

@@ -316,3 +316,35 @@ fn commands_that_wait_are_not_lost() {
     let last: Vec<_> = commands.map(|command| command.to_string()).collect();
     assert_eq!(last, ["rapid X3 Y0 Z0"]);
 }
+
+/// LinuxCNC's rule in millimetres and inches, one and a half printed digits, and Grbl's rule.
+#[test]
+fn arcs_fit_within_the_slack_of_their_units() {
+    let ends_off = |dialect: Dialect, lines: &[&str]| {
+        let mut modal = Modal::<2>::new(dialect);
+        lines.iter().any(|line| {
+            let block = Block::parse(line.as_bytes(), &dialect).unwrap();
+            modal.plan(&block).map(|_| ()).is_err_and(|error| {
+                assert!(
+                    matches!(error.kind, ErrorKind::EndOffArc(_)),
+                    "{line}: {error}"
+                );
+                true
+            })
+        })
+    };
+    let (rs274, grbl) = (Dialect::RS274, Dialect::GRBL);
+    // 25 um and 31 um at a radius of 1 mm.
+    assert!(!ends_off(rs274, &["G21 G2 X2.0250 I1.0000 F9"]));
+    assert!(ends_off(rs274, &["G21 G2 X2.0310 I1.0000 F9"]));
+    assert!(ends_off(grbl, &["G21 G2 X2.0250 I1.0000 F9"]));
+    // 2.4 and 3 thousandths of an inch: 61 um and 76 um.
+    assert!(!ends_off(rs274, &["G20 G2 X0.2024 I0.1000 F9"]));
+    assert!(ends_off(rs274, &["G20 G2 X0.2030 I0.1000 F9"]));
+    // With two decimals of an inch 1.5 units are 381 um, with one decimal of a millimetre 150 um.
+    assert!(!ends_off(rs274, &["G20 G2 X0.21 I0.1 F9"]));
+    assert!(!ends_off(rs274, &["G21 G2 X2.1 I1.0 F9"]));
+    // 0.1 % of a large radius, up to 2.8 mm.
+    assert!(!ends_off(rs274, &["G21 G2 X6002.000 I3000.000 F9"]));
+    assert!(ends_off(rs274, &["G21 G2 X6003.000 I3000.000 F9"]));
+}

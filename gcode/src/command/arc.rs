@@ -143,7 +143,7 @@ impl<const N: usize> Arc<N> {
         direction: Direction,
     ) -> Option<Arc<N>> {
         let mut mismatch = Nm(0);
-        with_centre(from, &to, &centre, plane.axes(), &mut mismatch).ok()?;
+        with_centre(from, &to, &centre, plane.axes(), SLACK_MM, &mut mismatch).ok()?;
         Some(Arc {
             to,
             centre,
@@ -205,16 +205,25 @@ const fn apart(start: u64, end: u64) -> Nm {
     Nm((start.abs_diff(end).wrapping_add(1 << (BITS - 1)) >> BITS) as i64)
 }
 
+/// The slack of an arc in millimetres, nm: LinuxCNC's 2 x 0.01 mm x sqrt 2.
+pub(crate) const SLACK_MM: i64 = 28_284;
+/// The slack of an arc in inches, nm: LinuxCNC's 2 x 0.001 inch x sqrt 2.
+pub(crate) const SLACK_INCH: i64 = 71_842;
+
+/// The slack of Grbl, nm.
+pub(crate) const SLACK_GRBL: i64 = 5_000;
+
 /// Checks the geometry of an arc with a centre: returns the mismatch, or an error.
 ///
-/// An arc is refused when its radii differ by more than 0.5 mm, or by more than 5 um and 0.1 % of
-/// the radius. Arcs that other controllers accept are thus accepted.
+/// An arc is refused when its radii differ by more than 100 times the slack, or by more than the
+/// slack and 0.1 % of the radius. This is the rule of LinuxCNC and of Grbl, with their slacks.
 #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
 pub(crate) fn with_centre<const N: usize>(
     from: &[Nm; N],
     to: &[Nm; N],
     centre: &[Nm; N],
     axes: [usize; 2],
+    slack: i64,
     mismatch: &mut Nm,
 ) -> Result<(), Fault> {
     let (start, end) = (distance(centre, from, axes), distance(centre, to, axes));
@@ -229,7 +238,8 @@ pub(crate) fn with_centre<const N: usize>(
     *mismatch = off;
     // start < 2^62 and off < 2^53, so there is no overflow.
     let radius = (start >> BITS) as i64;
-    if off.0 > 500_000 || (off.0 > 5_000 && off.0.wrapping_mul(1000) > radius) {
+    // A slack is below 2^40, a few digits of a word.
+    if off.0 > slack.wrapping_mul(100) || (off.0 > slack && off.0.wrapping_mul(1000) > radius) {
         // Without axis words in the plane the arc is a full circle, which always fits.
         return Err(Fault::at_axes(Reason::EndOffArc));
     }
@@ -303,7 +313,7 @@ mod tests {
 
     fn centred(from: [Nm; 2], to: [Nm; 2], centre: [Nm; 2]) -> (Result<(), Fault>, Nm) {
         let mut off = Nm(0);
-        let done = with_centre(&from, &to, &centre, [0, 1], &mut off);
+        let done = with_centre(&from, &to, &centre, [0, 1], SLACK_MM, &mut off);
         (done, off)
     }
 

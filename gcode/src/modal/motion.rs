@@ -1,5 +1,6 @@
 //! Motion: the user of the axis words, G0 to G3, G53 and G38.
 
+use crate::Units;
 use crate::blocks::block::Block;
 use crate::blocks::fault::{Fault, Reason};
 use crate::codes::code::{Code, Group};
@@ -377,22 +378,28 @@ impl<const N: usize> Modal<N> {
     #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
     fn finish_arc(&self, block: &Block, commands: &mut Commands<N>) -> Result<(), Fault> {
         let arc = &mut commands.arc;
-        // For a stretched radius the difference is already known.
-        if arc.mismatch == Nm(0) {
-            let (from, axes) = (&self.modes.position, arc.plane.axes());
-            arc::with_centre(from, &arc.to, &arc.centre, axes, &mut arc.mismatch)?;
-        }
-        arc.turns = 1;
-        if block.whole(b'P', u32::MAX, &mut arc.turns).is_err() || arc.turns == 0 {
-            return Err(Fault::at(Reason::NotWhole, b'P'));
-        }
-        arc.turns = arc.turns.wrapping_sub(1);
         // One unit of the finest last digit of these words; there is at least one.
         let (shape, _) = arc.plane.shape();
         let (factor, exponent) = self.units().scale(false);
         let last = Decimal::new(1, block.most_places(shape));
         let resolution = last.and_then(|value| value.scaled(i32::from(factor), exponent));
         arc.resolution = Nm(resolution.unwrap_or(0));
+        // For a stretched radius the difference is already known.
+        if arc.mismatch == Nm(0) {
+            let (from, axes) = (&self.modes.position, arc.plane.axes());
+            let one_and_a_half = arc.resolution.0.wrapping_mul(3) >> 1;
+            let slack = match self.units() {
+                _ if self.modes.dialect.flavour == Flavour::Grbl => arc::SLACK_GRBL,
+                Units::Inches => arc::SLACK_INCH.max(one_and_a_half),
+                Units::Millimetres | Units::Micrometres => arc::SLACK_MM.max(one_and_a_half),
+            };
+            arc::with_centre(from, &arc.to, &arc.centre, axes, slack, &mut arc.mismatch)?;
+        }
+        arc.turns = 1;
+        if block.whole(b'P', u32::MAX, &mut arc.turns).is_err() || arc.turns == 0 {
+            return Err(Fault::at(Reason::NotWhole, b'P'));
+        }
+        arc.turns = arc.turns.wrapping_sub(1);
         self.set_feed_of(commands)
     }
 

@@ -225,8 +225,8 @@ fn described(error: &Error, at: &At<'_>) -> Finding {
         ErrorKind::EndOffArc(_) => finding
             .label("start and end have different distances from the centre")
             .note(
-                "an error from 0.5 mm, or from 5 um and 0.1 % of the radius, as in grbl and \
-                 LinuxCNC",
+                "LinuxCNC's rule: an error from 28 um (72 um in inches) and 0.1 % of the radius; \
+                 Grbl's, with --dialect grbl: from 5 um and 0.1 %",
             )
             .help("check the centre words; absolute centres need G90.1"),
         ErrorKind::RadiusAndCentre => finding
