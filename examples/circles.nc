@@ -1,4 +1,4 @@
-(Three concentric circles of 3, 2 and 1 mm radius, in the middle of a 10 x 7 mm work area.)
+(Circles of 3, 2 and 1 mm radius, in the middle of a 10 x 7 mm work area; for -m micromill.)
 (Millimetres, absolute, mm/min: about the highest feed of the micro mill's 140 nm steps.)
 N010 G21 G90 G17 G94
 N020 M3 S6000

@@ -1,5 +1,6 @@
 //! What each command does, from its arguments to its exit status.
 
+mod choice;
 mod drilling;
 mod job;
 mod milling;
@@ -28,7 +29,7 @@ use crate::holes::visiting_order::Metric;
 use crate::input;
 use crate::lash;
 use crate::machines::listing;
-use crate::machines::machine_file::MachineFile;
+use crate::machines::machine_file::{MEASURING, MachineFile};
 use crate::measuring::{self, Stopped};
 use crate::methods::compare::{self, Bench};
 use crate::methods::compare_page;
@@ -106,6 +107,19 @@ pub fn run(cli: &Cli) -> Result<u8, Failure> {
 fn show_machines(args: &Machines) -> Result<u8, Failure> {
     let text = match &args.action {
         None => listing::list()?,
+        Some(MachinesAction::Write { machine, file }) => return write_machine(machine, file),
+        Some(MachinesAction::Show { machine, format }) if is_measuring(machine) => {
+            // Its file says all that is known of it.
+            let text = MachineFile::text_of(machine).unwrap_or_default();
+            match format {
+                Output::Text => text.to_owned(),
+                Output::Json => {
+                    let table: toml::Table =
+                        toml::from_str(text).map_err(|error| error.to_string())?;
+                    serde_json::to_string_pretty(&table).map_err(io::Error::from)? + "\n"
+                }
+            }
+        }
         Some(MachinesAction::Show { machine, format }) => {
             let shown = listing::show(&load(machine)?);
             match format {
@@ -117,6 +131,39 @@ fn show_machines(args: &Machines) -> Result<u8, Failure> {
         }
     };
     console::stdout().write_all(text.as_bytes())?;
+    Ok(OK)
+}
+
+fn is_measuring(machine: &str) -> bool {
+    MEASURING.iter().any(|(name, ..)| *name == machine)
+}
+
+/// Writes the file of a built-in machine. A file that exists stays.
+fn write_machine(machine: &str, file: &Option<String>) -> Result<u8, Failure> {
+    let Some(text) = MachineFile::text_of(machine) else {
+        let names = MachineFile::names().join(", ");
+        let measuring = MEASURING.map(|(name, ..)| name).join(", ");
+        let why = format!("no machine `{machine}`: {names}, {measuring} are built in");
+        return Err(Failure::Usage(why));
+    };
+    let file = match file.as_deref() {
+        Some("-") => {
+            console::stdout().write_all(text.as_bytes())?;
+            return Ok(OK);
+        }
+        Some(file) => file.to_owned(),
+        None => format!("{machine}.toml"),
+    };
+    if std::fs::symlink_metadata(&file).is_ok() {
+        let why = "is there already: nothing is written";
+        return Err(Failure::Usage(format!("{file} {why}")));
+    }
+    write(&file, text.as_bytes())?;
+    writeln!(
+        console::stdout(),
+        "Wrote      {} - use it with -m",
+        shown(&file)
+    )?;
     Ok(OK)
 }
 
@@ -538,7 +585,7 @@ fn print_commands(args: &Commands) -> Result<u8, Failure> {
 }
 
 fn write_steps(args: &Steps) -> Result<u8, Failure> {
-    let mut job = Job::new(&args.file, &args.target, "micromill")?;
+    let mut job = choice::job(&args.file, &args.target, args.place.zero)?;
     job.place(args.place.zero)?;
     let (_, findings) = with_findings(|findings| job.check(findings))?;
     if findings.errors > 0 {

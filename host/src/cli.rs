@@ -29,7 +29,8 @@ pub use zero::Zero;
     after_help = "Start here:\n  \
         husillo run examples/circles.nc     simulate a part and look at the report\n  \
         husillo check part.nc               find all errors without running it\n\n\
-        Exit status: 0 ok, 1 the program has errors, 2 bad command line or file"
+        Exit status: 0 ok, 1 the program has errors, 2 bad command line or file,\n\
+        3 trouble in measuring, 4 collision of the probe, 130 stopped by Ctrl-C"
 )]
 pub struct Cli {
     /// What to do.
@@ -343,6 +344,13 @@ pub enum MachinesAction {
         /// How to print it
         #[arg(long, value_enum, default_value = "text")]
         format: Output,
+    },
+    /// Write the file of one that is built in, to change it for a machine of your own
+    Write {
+        /// A machine that is built in
+        machine: String,
+        /// File to write; - is standard output [default: NAME.toml]
+        file: Option<String>,
     },
 }
 

@@ -57,7 +57,7 @@ fn main() -> ExitCode {
         Ok(code) => ExitCode::from(code),
         Err(app::Failure::Gone) => ExitCode::SUCCESS,
         Err(app::Failure::Usage(message)) => {
-            eprintln!("husillo: {message}");
+            eprintln!("error: {message}");
             ExitCode::from(2)
         }
     }

@@ -78,7 +78,15 @@ fn errors_stop_a_run_before_anything_moves() {
     let report = scratch("never.html");
     let _ = std::fs::remove_file(&report);
     husillo()
-        .args(["run", "tests/data/outside.nc", "--zero", "X0", "-o"])
+        .args([
+            "run",
+            "-m",
+            "micromill",
+            "tests/data/outside.nc",
+            "--zero",
+            "X0",
+            "-o",
+        ])
         .arg(&report)
         .assert()
         .code(1)
@@ -89,6 +97,112 @@ fn errors_stop_a_run_before_anything_moves() {
         .stderr(contains("limit set here"))
         .stderr(contains("nothing moves"));
     assert!(!report.exists());
+}
+
+/// Every built-in machine is listed and shown, and its file can be written, changed and used.
+#[test]
+fn machines_are_listed_shown_and_written() {
+    let text = |args: &[&str]| {
+        let output = husillo().args(args).output().unwrap();
+        assert!(output.status.success(), "{args:?}");
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let listed = text(&["machines"]);
+    let names: Vec<&str> = listed
+        .lines()
+        .map(|line| line.split(' ').next().unwrap())
+        .collect();
+    assert_eq!(names.len(), 8, "{listed}");
+    for name in names {
+        assert!(
+            listed
+                .lines()
+                .any(|line| line.starts_with(name) && line.len() > 20)
+        );
+        assert!(!text(&["machines", "show", name]).is_empty());
+        let json = text(&["machines", "show", name, "--format", "json"]);
+        let shown: serde_json::Value = serde_json::from_str(&json).unwrap();
+        assert_eq!(shown["name"], name);
+        let file = scratch(&format!("written-{name}.toml"));
+        let _ = std::fs::remove_file(&file);
+        let path = file.to_str().unwrap();
+        assert!(text(&["machines", "write", name, path]).contains("use it with -m"));
+        assert_eq!(
+            std::fs::read_to_string(&file).unwrap(),
+            text(&["machines", "write", name, "-"])
+        );
+        // A second time it stays as it is.
+        husillo()
+            .args(["machines", "write", name, path])
+            .assert()
+            .code(2);
+        if !name.starts_with("cmm") {
+            text(&["machines", "show", path]);
+        }
+    }
+    husillo()
+        .args(["machines", "write", "nosuch"])
+        .assert()
+        .code(2)
+        .stderr(contains("error: no machine `nosuch`: micromill, free,"));
+    husillo()
+        .args(["check", "tests/data/kinds.nc", "-m", "nosuch"])
+        .assert()
+        .code(2)
+        .stderr(contains("are built in, and there is no such file"));
+}
+
+/// Without -m a comment names the machine, or the first machine that takes the program makes it.
+#[test]
+fn the_machine_is_found() {
+    let page = scratch("found.html");
+    let found = |name: &str, text: &str, code: i32| {
+        let program = common::written(name, text);
+        let output = husillo()
+            .arg("run")
+            .arg(&program)
+            .arg("-o")
+            .arg(&page)
+            .output()
+            .unwrap();
+        assert_eq!(output.status.code(), Some(code), "{name}");
+        let told = [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
+        told.concat()
+    };
+    let told = found("found-small.nc", "G21 G90\nG1 X4 Y3 F1\nM2\n", 0);
+    assert!(
+        told.contains("for micromill, the first that takes it of"),
+        "{told}"
+    );
+    let told = found(
+        "found-large.nc",
+        "G21 G90\nG0 X1\nG1 X90 Y-30 F600\nM2\n",
+        0,
+    );
+    assert!(
+        told.contains("for router, the first that takes it of"),
+        "{told}"
+    );
+    assert!(told.contains("placed in the middle of router"), "{told}");
+    let told = found("found-huge.nc", "G21 G90\nG0 X1\nG1 X900 F600\nM2\n", 0);
+    assert!(
+        told.contains("none of micromill, router, lathe takes it; for free"),
+        "{told}"
+    );
+    let told = found(
+        "found-named.nc",
+        "(4 mm; for -m free)\nG21 G90\nG1 X4 F1\nM2\n",
+        0,
+    );
+    assert!(
+        told.contains("for free: no errors") && !told.contains("first"),
+        "{told}"
+    );
+    let told = found("found-wrong.nc", "G21 G90\nG1 X1.2.3 F1\n", 1);
+    assert!(
+        told.contains("error[E0102]") && told.contains("nothing moves"),
+        "{told}"
+    );
 }
 
 #[test]

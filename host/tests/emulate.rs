@@ -32,7 +32,7 @@ fn a_full_steps_file_is_named_alone() {
         let args = ["--listen", "127.0.0.1:0", "--steps", "/dev/full"];
         emulate(machine, "30", &args)
             .code(2)
-            .stderr(contains("husillo: /dev/full: No space left").and(contains("127.0.0.1").not()));
+            .stderr(contains("error: /dev/full: No space left").and(contains("127.0.0.1").not()));
     }
 }
 
@@ -50,7 +50,7 @@ fn a_full_standard_output_is_named_alone() {
         .unwrap();
     let errors = String::from_utf8_lossy(&output.stderr);
     assert!(
-        errors.starts_with("husillo: standard output: No space left"),
+        errors.starts_with("error: standard output: No space left"),
         "{errors}"
     );
     assert_eq!(output.status.code(), Some(2));

@@ -210,6 +210,8 @@ pub(crate) const SLACK_MM: i64 = 28_284;
 /// The slack of an arc in inches, nm: LinuxCNC's 2 x 0.001 inch x sqrt 2.
 pub(crate) const SLACK_INCH: i64 = 71_842;
 
+/// The most that one and a half printed digits count, nm: half a millimetre.
+pub(crate) const SLACK_DIGITS: i64 = 500_000;
 /// The slack of Grbl, nm.
 pub(crate) const SLACK_GRBL: i64 = 5_000;
 

@@ -387,7 +387,8 @@ impl<const N: usize> Modal<N> {
         // For a stretched radius the difference is already known.
         if arc.mismatch == Nm(0) {
             let (from, axes) = (&self.modes.position, arc.plane.axes());
-            let one_and_a_half = arc.resolution.0.wrapping_mul(3) >> 1;
+            // A program without zeros at the end has fewer digits than it is exact.
+            let one_and_a_half = (arc.resolution.0.wrapping_mul(3) >> 1).min(arc::SLACK_DIGITS);
             let slack = match self.units() {
                 _ if self.modes.dialect.flavour == Flavour::Grbl => arc::SLACK_GRBL,
                 Units::Inches => arc::SLACK_INCH.max(one_and_a_half),

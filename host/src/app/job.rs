@@ -26,6 +26,8 @@ pub struct Job {
     is_placed: bool,
     /// Nobody has said where it lies: where it does not fit at machine zero, it is moved.
     may_move: bool,
+    /// Only whether the machine takes it is of interest: nothing is told.
+    pub(super) is_trial: bool,
     /// Standard input is read once and kept, as a run reads its program twice; of a list of moves
     /// the program.
     pub input: Option<Vec<u8>>,
@@ -52,10 +54,32 @@ impl Job {
             start: dialect.into(),
             is_placed: false,
             may_move: false,
+            is_trial: false,
             input: input.map(String::into_bytes),
             #[cfg(test)]
             opened: std::cell::Cell::new(0),
         })
+    }
+
+    /// The same program for another machine.
+    pub(super) fn on(&self, machine: &str, target: &Target) -> Result<Self, Failure> {
+        let mut job = Self::new(&self.file, target, machine)?;
+        if job.input.is_none() {
+            job.input.clone_from(&self.input);
+        }
+        Ok(job)
+    }
+
+    /// The first bytes of the program.
+    pub(super) fn head(&self, most: usize) -> Result<Vec<u8>, Failure> {
+        if let Some(input) = &self.input {
+            return Ok(input.iter().take(most).copied().collect());
+        }
+        let mut head = Vec::new();
+        let read =
+            input::open(&self.file).and_then(|file| file.take(most as u64).read_to_end(&mut head));
+        read.map_err(|error| Failure::Usage(format!("{}: {error}", self.file)))?;
+        Ok(head)
     }
 
     /// Keeps what can be read once only in memory: standard input, pipes.
@@ -86,7 +110,9 @@ impl Job {
             Some(Zero::Corner) => Lie::ZeroAtCorner,
         };
         if let Some([x, y, z]) = self.placing(lie)? {
-            eprintln!("{}: --zero X{x}Y{y}Z{z}", self.name());
+            if !self.is_trial {
+                eprintln!("{}: --zero X{x}Y{y}Z{z}", self.name());
+            }
             self.put([x, y, z]);
         }
         Ok(())
@@ -189,6 +215,9 @@ impl Job {
             self.start = start;
             self.is_placed = false;
             return Ok(None);
+        }
+        if self.is_trial {
+            return Ok(Some((facts, findings)));
         }
         eprintln!(
             "{}: placed in the middle of {}, as with --zero X{x}Y{y}Z{z}",

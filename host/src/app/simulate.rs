@@ -5,6 +5,7 @@ mod report;
 mod results;
 mod summary;
 
+use super::choice;
 use super::job::Job;
 use super::reporting::{verdict, with_findings};
 use super::{ERRORS, Failure, OK};
@@ -26,7 +27,7 @@ use std::io::{self, IsTerminal, Write};
 use std::path::Path;
 
 pub(super) fn simulate(args: &RunArgs) -> Result<u8, Failure> {
-    let mut job = Job::new(&args.file, &args.target, "micromill")?;
+    let mut job = choice::job(&args.file, &args.target, args.place.zero)?;
     job.place(args.place.zero)?;
     simulate_job(&mut job, args)
 }

@@ -25,6 +25,7 @@ use crate::machines::bytes_file;
 use crate::machines::lash_file::LashFile;
 use crate::machines::table::{Table, document};
 use built_in::BUILT_IN;
+pub use built_in::MEASURING;
 use husillo_gcode::Dialect;
 use husillo_metrology::quantity::Fraction;
 use husillo_transports::microfactory::ByteTable;
@@ -96,6 +97,15 @@ impl MachineFile {
     /// name is read then.
     pub fn is_built_in(name: &str) -> bool {
         matches!(name, "cmm" | "cmm3") || Self::names().contains(&name)
+    }
+
+    /// The text of the file of a built-in machine, measuring machines included.
+    pub fn text_of(name: &str) -> Option<&'static str> {
+        let all = BUILT_IN.iter().chain(&MEASURING);
+        let mut texts = all.map(|(known, _, text)| (*known, *text));
+        texts
+            .find(|(known, _)| *known == name)
+            .map(|(_, text)| text)
     }
 
     /// The names of the built-in machines.

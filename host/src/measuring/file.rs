@@ -2,7 +2,7 @@
 
 use super::calibration_file;
 use crate::diagnostics::Finding;
-use crate::machines::machine_file::{LoadError, read_text};
+use crate::machines::machine_file::{LoadError, MEASURING, read_text};
 use crate::machines::table::{Table, document};
 use husillo_metrology::Scale;
 use husillo_metrology::heads::{AxisSettings, Errors, Machine, PLACES, ProbeSettings, both_ways};
@@ -11,19 +11,15 @@ use husillo_probe::{PreTravel, Tip, UnitVector};
 use husillo_transports::nmc::{Baud, Gains, LAST_ADDRESS};
 use toml::de::DeValue;
 
-const CMM: &str = include_str!("../../../machines/cmm.toml");
-const CMM3: &str = include_str!("../../../machines/cmm3.toml");
-
 /// Loads a measuring machine by its name or the path of its file.
 ///
 /// # Errors
 ///
 /// The file cannot be read, or has mistakes.
 pub fn load(name: &str) -> Result<Machine, LoadError> {
-    match name {
-        "cmm" => parse("machines/cmm.toml", CMM),
-        "cmm3" => parse("machines/cmm3.toml", CMM3),
-        path => parse(path, &read_text(path, "measuring machine", "cmm and cmm3")?),
+    match MEASURING.iter().find(|(known, ..)| *known == name) {
+        Some((_, path, text)) => parse(path, text),
+        None => parse(name, &read_text(name, "measuring machine", "cmm and cmm3")?),
     }
     .map_err(LoadError::Findings)
 }
@@ -300,6 +296,9 @@ fn travel(table: &mut Table<'_, '_>, scale: Scale) -> [i32; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    const CMM: &str = MEASURING[0].2;
+    const CMM3: &str = MEASURING[1].2;
 
     /// The tests of the library run on the same simulated machines as the program.
     #[test]

@@ -33,3 +33,17 @@ pub const BUILT_IN: [(&str, &str, &str); 6] = [
         include_str!("../../../../machines/microfactory.toml"),
     ),
 ];
+
+/// Name, path and text of each built-in measuring machine.
+pub const MEASURING: [(&str, &str, &str); 2] = [
+    (
+        "cmm",
+        "machines/cmm.toml",
+        include_str!("../../../../machines/cmm.toml"),
+    ),
+    (
+        "cmm3",
+        "machines/cmm3.toml",
+        include_str!("../../../../machines/cmm3.toml"),
+    ),
+];
