@@ -321,7 +321,7 @@ fn commands_that_wait_are_not_lost() {
 #[test]
 fn arcs_fit_within_the_slack_of_their_units() {
     let ends_off = |dialect: Dialect, lines: &[&str]| {
-        let mut modal = Modal::<2>::new(dialect);
+        let modal = Modal::<2>::new(dialect);
         lines.iter().any(|line| {
             let block = Block::parse(line.as_bytes(), &dialect).unwrap();
             modal.plan(&block).map(|_| ()).is_err_and(|error| {
