@@ -2,6 +2,7 @@
 
 mod choice;
 mod drilling;
+mod explain;
 mod job;
 mod milling;
 mod reporting;
@@ -45,6 +46,7 @@ use crate::programs::program::{self, Meaning};
 use crate::programs::setup;
 use crate::programs::steps;
 use crate::tuning;
+use clap::CommandFactory;
 use husillo_clients::microfactory::Settings;
 use std::io::{self, BufWriter, IsTerminal, Write};
 
@@ -95,6 +97,9 @@ pub fn run(cli: &Cli) -> Result<u8, Failure> {
         Command::Interpolate(args) => walk(args),
         Command::Compare(args) => compare_methods(args),
         Command::Machines(args) => show_machines(args),
+        Command::Explain(args) => explain::explain(args),
+        Command::Completions { shell } => completions(*shell),
+        Command::Man { folder } => man_pages(folder),
         Command::Jog(args) => jog(args),
         Command::Stop(args) => stop::stop(args),
         Command::Measure(args) => measure(args),
@@ -102,6 +107,26 @@ pub fn run(cli: &Cli) -> Result<u8, Failure> {
         Command::Tune(args) => tune_servo(args),
         Command::Calibrate(args) => calibrate(args),
     }
+}
+
+/// Prints the completions of a shell.
+fn completions(shell: clap_complete::Shell) -> Result<u8, Failure> {
+    let mut text = Vec::new();
+    clap_complete::generate(shell, &mut Cli::command(), "husillo", &mut text);
+    console::stdout().write_all(&text)?;
+    Ok(OK)
+}
+
+/// Writes a manual page of the program and of each command.
+fn man_pages(folder: &str) -> Result<u8, Failure> {
+    std::fs::create_dir_all(folder).map_err(|error| format!("{folder}: {error}"))?;
+    clap_mangen::generate_to(Cli::command(), folder)?;
+    writeln!(
+        console::stdout(),
+        "Wrote      {}/husillo.1 and others",
+        shown(folder)
+    )?;
+    Ok(OK)
 }
 
 fn show_machines(args: &Machines) -> Result<u8, Failure> {

@@ -120,6 +120,24 @@ pub enum Command {
         husillo compare examples/gear.nc -m micromill --weights 5,1,3,1")]
     #[command(after_long_help = COMPARE_HELP)]
     Compare(Compare),
+    /// Say what a finding or a code means
+    #[command(after_help = "Examples:\n  \
+        husillo explain E0302\n  \
+        husillo explain G83 M19")]
+    Explain(Explain),
+    /// Print the completions of a shell
+    #[command(after_help = "Example:\n  \
+        husillo completions bash > ~/.local/share/bash-completion/completions/husillo")]
+    Completions {
+        /// Shell
+        #[arg(value_enum)]
+        shell: clap_complete::Shell,
+    },
+    /// Write manual pages
+    Man {
+        /// Folder to write to
+        folder: String,
+    },
     /// List the machines, or show one: resolution, rates, motor current, chopper and filter
     #[command(after_help = "Examples:\n  \
         husillo machines\n  \
@@ -325,6 +343,14 @@ pub struct FormatArgs {
     /// Language of the programs [default: rs274; micromill for files ending in .mm]
     #[arg(long, value_name = "NAME")]
     pub dialect: Option<String>,
+}
+
+/// `husillo explain`.
+#[derive(Debug, Args)]
+pub struct Explain {
+    /// Findings as E0302, codes as G83
+    #[arg(required = true, value_name = "NAME")]
+    pub names: Vec<String>,
 }
 
 /// `husillo machines`.

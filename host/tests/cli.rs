@@ -99,6 +99,45 @@ fn errors_stop_a_run_before_anything_moves() {
     assert!(!report.exists());
 }
 
+#[test]
+fn findings_and_codes_are_explained() {
+    husillo()
+        .args(["explain", "e302", "G083"])
+        .assert()
+        .success()
+        .stdout(
+            contains("E0302: the end of an arc is not on it\n")
+                .and(contains(
+                    "  remedy: check I, J, K; absolute centres need G90.1\n",
+                ))
+                .and(contains(
+                    "G83: drill with full retractions\n  words: X Y Z R Q\n",
+                )),
+        );
+    husillo()
+        .args(["explain", "G83", "part.nc"])
+        .assert()
+        .code(2)
+        .stdout("")
+        .stderr(contains("error: `part.nc` is not known"));
+}
+
+#[test]
+fn shells_and_manuals_are_served() {
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        husillo()
+            .args(["completions", shell])
+            .assert()
+            .success()
+            .stdout(contains("calibrate").and(contains("zero")));
+    }
+    let folder = scratch("manuals");
+    husillo().arg("man").arg(&folder).assert().success();
+    let page = std::fs::read_to_string(folder.join("husillo-run.1")).unwrap();
+    assert!(page.contains("Simulate a program") && page.contains("zero"));
+    assert!(folder.join("husillo.1").exists());
+}
+
 /// Every built-in machine is listed and shown, and its file can be written, changed and used.
 #[test]
 fn machines_are_listed_shown_and_written() {
