@@ -317,34 +317,26 @@ fn commands_that_wait_are_not_lost() {
     assert_eq!(last, ["rapid X3 Y0 Z0"]);
 }
 
-/// LinuxCNC's rule in millimetres and inches, one and a half printed digits, and Grbl's rule.
+/// What programs of CAM systems have: a zero offset aside of the plane, Mach3's units, and the
+/// number of the program.
 #[test]
-fn arcs_fit_within_the_slack_of_their_units() {
-    let ends_off = |dialect: Dialect, lines: &[&str]| {
-        let modal = Modal::<2>::new(dialect);
-        lines.iter().any(|line| {
-            let block = Block::parse(line.as_bytes(), &dialect).unwrap();
-            modal.plan(&block).map(|_| ()).is_err_and(|error| {
-                assert!(
-                    matches!(error.kind, ErrorKind::EndOffArc(_)),
-                    "{line}: {error}"
-                );
-                true
-            })
-        })
+fn habits_of_cam_systems_are_taken() {
+    let takes = |line: &str| {
+        let block = Block::parse(line.as_bytes(), &Dialect::RS274)?;
+        Modal::<3>::new(Dialect::RS274)
+            .plan(&block)
+            .map(|(next, _)| next)
     };
-    let (rs274, grbl) = (Dialect::RS274, Dialect::GRBL);
-    // 25 um and 31 um at a radius of 1 mm.
-    assert!(!ends_off(rs274, &["G21 G2 X2.0250 I1.0000 F9"]));
-    assert!(ends_off(rs274, &["G21 G2 X2.0310 I1.0000 F9"]));
-    assert!(ends_off(grbl, &["G21 G2 X2.0250 I1.0000 F9"]));
-    // 2.4 and 3 thousandths of an inch: 61 um and 76 um.
-    assert!(!ends_off(rs274, &["G20 G2 X0.2024 I0.1000 F9"]));
-    assert!(ends_off(rs274, &["G20 G2 X0.2030 I0.1000 F9"]));
-    // With two decimals of an inch 1.5 units are 381 um, with one decimal of a millimetre 150 um.
-    assert!(!ends_off(rs274, &["G20 G2 X0.21 I0.1 F9"]));
-    assert!(!ends_off(rs274, &["G21 G2 X2.1 I1.0 F9"]));
-    // 0.1 % of a large radius, up to 2.8 mm.
-    assert!(!ends_off(rs274, &["G21 G2 X6002.000 I3000.000 F9"]));
-    assert!(ends_off(rs274, &["G21 G2 X6003.000 I3000.000 F9"]));
+    let end = |line: &str| takes(line).unwrap().position().map(|nm| nm.0);
+    assert_eq!(end("G21 G2 X2 I1 K0.000 F9"), [2_000_000, 0, 0]);
+    assert_eq!(end("G18 G2 X2 I1 J0 F9"), [2_000_000, 0, 0]);
+    assert!(matches!(
+        takes("G2 X2 I1 K1 F9").err().unwrap().kind,
+        ErrorKind::UnusedWord(b'K')
+    ));
+    assert_eq!(end("G70 G0 X1"), [25_400_000, 0, 0]);
+    assert_eq!(end("G71 G0 X1"), [1_000_000, 0, 0]);
+    let program = Block::parse(b"O0001(BRACKET)", &Dialect::RS274).unwrap();
+    assert_eq!(program.program_number(), Some(1));
+    assert!(takes("O1 G0 X1").is_err());
 }

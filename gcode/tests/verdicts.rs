@@ -4,17 +4,21 @@ use husillo_gcode::{Arc, Block, Command, Dialect, ErrorKind, Modal, Nm};
 
 /// The reason for refusing a line, from zero in millimetres.
 fn verdict(line: &str) -> Option<ErrorKind> {
-    let modal = Modal::<3>::new(Dialect::RS274);
-    Block::parse(line.as_bytes(), &Dialect::RS274)
+    verdict_in(Dialect::RS274, line)
+}
+
+fn verdict_in(dialect: Dialect, line: &str) -> Option<ErrorKind> {
+    let modal = Modal::<3>::new(dialect);
+    Block::parse(line.as_bytes(), &dialect)
         .and_then(|block| modal.plan(&block).map(|_| ()))
         .err()
         .map(|error| error.kind)
 }
 
-/// The end of an arc may be off its circle by 5 um, by more up to 0.1 % of the radius, and never by
-/// more than 0.5 mm.
+/// In `grbl` the end of an arc may be off its circle by 5 um, by more up to 0.1 % of the radius, and
+/// never by more than 0.5 mm.
 #[test]
-fn ends_off_the_arc() {
+fn ends_off_the_arc_of_grbl() {
     for (line, is_taken) in [
         ("G2 X2.005 I1 F1", true),
         ("G2 X2.006 I1 F1", false),
@@ -27,10 +31,39 @@ fn ends_off_the_arc() {
         ("G2 X2000.501 I1000 F1", false),
         ("G2 X2001 I1000 F1", false),
     ] {
-        let verdict = verdict(line);
-        assert_eq!(verdict.is_none(), is_taken, "{line}");
-        assert!(verdict.is_none_or(|kind| matches!(kind, ErrorKind::EndOffArc(_))));
+        ends_as(Dialect::GRBL, line, is_taken);
     }
+}
+
+/// Elsewhere it is LinuxCNC's rule: 28.284 um, 71.842 um in inches, more up to 0.1 % of the radius,
+/// and never more than 100 times the first figure. One and a half units of the last printed digit
+/// are always taken, up to half a millimetre.
+#[test]
+fn ends_off_the_arc() {
+    for (line, is_taken) in [
+        ("G2 X2.028284 I1 F1", true),
+        ("G2 X2.028285 I1 F1", false),
+        ("G2 X60.030 I30.000 F1", true),
+        ("G2 X60.031 I30.000 F1", false),
+        ("G2 X6002.828 I3000.000 F1", true),
+        ("G2 X6002.829 I3000.000 F1", false),
+        ("G20 G2 X0.2028 I0.1000 F1", true),
+        ("G20 G2 X0.2029 I0.1000 F1", false),
+        // 381 um and 150 um are 1.5 units.
+        ("G20 G2 X0.21 I0.1 F1", true),
+        ("G2 X2.1 I1.0 F1", true),
+        ("G2 X2.2 I1.0 F1", false),
+        // Of 1.5 mm only 0.5 count.
+        ("G2 X3 I1 F1", false),
+    ] {
+        ends_as(Dialect::RS274, line, is_taken);
+    }
+}
+
+fn ends_as(dialect: Dialect, line: &str, is_taken: bool) {
+    let verdict = verdict_in(dialect, line);
+    assert_eq!(verdict.is_none(), is_taken, "{line}");
+    assert!(verdict.is_none_or(|kind| matches!(kind, ErrorKind::EndOffArc(_))));
 }
 
 /// A radius may be short of half the chord by 5 um and by 1 % of itself.
@@ -168,8 +201,12 @@ fn offsets_across_the_plane() {
             let expected = commands(Dialect::GRBL, &plain);
             assert!(expected.is_ok(), "{plain}");
             assert_eq!(commands(Dialect::GRBL, &with_it), expected, "{with_it}");
-            let alone = Err(ErrorKind::UnusedWord(letter));
-            assert_eq!(commands(Dialect::RS274, &with_it), alone, "{with_it}");
+            // Elsewhere only a zero is taken.
+            let elsewhere = match value {
+                "3.5" => Err(ErrorKind::UnusedWord(letter)),
+                _ => commands(Dialect::RS274, &plain),
+            };
+            assert_eq!(commands(Dialect::RS274, &with_it), elsewhere, "{with_it}");
         }
     }
     // The last two look like arcs of another plane.

@@ -30,7 +30,7 @@ pub(crate) enum Flavour {
 static WORDS: [Letters; 8] = {
     let rs274 = Letters::ALL.without(b"OUVW");
     [
-        rs274,
+        rs274.and(b"O"),
         rs274.without(b"DEHQ"),
         rs274.without(b"DEHLQ"),
         // U and W are words of the contour cycles only: `Modal::check_axes`.

@@ -58,6 +58,15 @@ impl Plane {
         }
     }
 
+    /// The letter of the offset perpendicular to it.
+    pub(crate) const fn offset_aside(self) -> u8 {
+        match self {
+            Plane::Xy => b'K',
+            Plane::Zx => b'J',
+            Plane::Yz => b'I',
+        }
+    }
+
     /// The letters that define an arc in it, and those of them that are axes.
     pub(crate) const fn shape(self) -> (Letters, Letters) {
         match self {

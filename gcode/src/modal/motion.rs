@@ -10,7 +10,7 @@ use crate::command::Feed;
 #[cfg(feature = "extended")]
 use crate::command::SpindleDirection;
 use crate::command::arc::{self, Arc, Direction, Plane};
-use crate::features::ROOMY;
+use crate::features::{EXTENDED, ROOMY};
 use crate::modal::Modal;
 use crate::modal::commands::Commands;
 use crate::modal::frames::Terms;
@@ -126,7 +126,10 @@ impl<const N: usize> Modal<N> {
                 // plane.
                 let (_, ends) = self.plane().shape();
                 let grbl = self.modes.dialect.flavour == Flavour::Grbl;
-                if grbl && block.has_any(ends) && !block.has(b'R') {
+                // Others take a zero: posts for Grbl write `K0` into every arc.
+                let aside = block.word(self.plane().offset_aside());
+                let is_zero = EXTENDED && aside.is_some_and(|offset| offset.is_zero());
+                if (grbl || is_zero) && block.has_any(ends) && !block.has(b'R') {
                     const { Letters::new(b"IJKP") }
                 } else {
                     self.plane().arc_letters()

@@ -77,12 +77,13 @@ pub(super) struct Statement<'t> {
 }
 
 /// The position of the `O` of a line, after `/`, comments and `N`; `None` for other lines. `/` is
-/// skipped where lines with it are executed.
+/// skipped where lines with it are executed. A number without a keyword is that of the program.
 pub(super) fn place(text: &[u8], passes_delete: bool) -> Option<usize> {
     let (mut at, mut number) = (0usize, false);
     loop {
         let byte = text.get(at).copied()?;
         match byte {
+            b'o' | b'O' if is_program_number(text.get(at.wrapping_add(1)..)?) => return None,
             b'o' | b'O' => return Some(at),
             b' ' | b'\t' | b'\r' => {}
             b'/' if passes_delete && !number => {}
@@ -97,6 +98,20 @@ pub(super) fn place(text: &[u8], passes_delete: bool) -> Option<usize> {
         }
         at = at.wrapping_add(1);
     }
+}
+
+/// Whether the text after an `O` is a whole number, and at most a comment follows it.
+fn is_program_number(text: &[u8]) -> bool {
+    let text = text.trim_ascii_start();
+    let digits = text.iter().take_while(|byte| byte.is_ascii_digit()).count();
+    let rest = text.get(digits..).unwrap_or_default().trim_ascii();
+    let is_comment = match rest.first() {
+        None | Some(b';') => true,
+        // A call may follow a comment.
+        Some(b'(') => rest.iter().position(|byte| *byte == b')') == rest.len().checked_sub(1),
+        Some(_) => false,
+    };
+    digits > 0 && is_comment
 }
 
 /// Whether a line needs a [`Program`](super::Program): it has a parameter or a bracket outside
@@ -209,6 +224,24 @@ mod tests {
 
     /// Which lines have control flow, and whether their keyword is valid; a computed label is not
     /// evaluated.
+    /// A number alone is that of the program, not a block of flow.
+    #[test]
+    fn a_program_number_is_no_flow() {
+        for line in ["O1", "o0001 (BRACKET)", "N5 O77 ; bracket", " O 12 "] {
+            assert!(!needs_program(line.as_bytes(), &Dialect::RS274), "{line}");
+        }
+        for line in [
+            "O1 sub",
+            "O1 (a) sub",
+            "O<a>",
+            "O#1",
+            "O1 (a) (b) call",
+            "O1 x",
+        ] {
+            assert!(needs_program(line.as_bytes(), &Dialect::RS274), "{line}");
+        }
+    }
+
     #[test]
     fn lines_that_steer() {
         let shown = Dialect::RS274;

@@ -1,0 +1,45 @@
+//! Programs in the style of well-known CAM systems run with no option but the machine.
+
+mod common;
+
+use common::{husillo, scratch};
+use std::path::Path;
+
+#[test]
+fn programs_of_cam_systems_run_on_the_router() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/cam");
+    let readme = std::fs::read_to_string(folder.join("README.md")).unwrap();
+    let mut programs = 0;
+    for entry in std::fs::read_dir(&folder).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap().to_str().unwrap().to_owned();
+        if name == "README.md" {
+            continue;
+        }
+        assert!(readme.contains(&format!("(`{name}`)")) || readme.contains(&format!("`{name}`")));
+        let page = scratch(&format!("cam-{name}.html"));
+        let output = husillo()
+            .args(["run", "-m", "router", "--format", "json"])
+            .arg(&path)
+            .arg("-o")
+            .arg(&page)
+            .output()
+            .unwrap();
+        let told = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success(), "{name}: {told}");
+        let results: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert!(results["events"].as_u64().unwrap() > 1000, "{name}");
+        // Half of the longer step, its rounding at both ends of an arc, and G64 where a program
+        // permits it.
+        assert!(
+            results["max_deviation_nm"].as_f64().unwrap() < 3000.0,
+            "{name}: {results}"
+        );
+        assert!(
+            std::fs::read_to_string(&page).unwrap().contains("<svg"),
+            "{name}"
+        );
+        programs += 1;
+    }
+    assert_eq!(programs, 11);
+}
