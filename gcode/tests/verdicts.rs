@@ -15,8 +15,8 @@ fn verdict_in(dialect: Dialect, line: &str) -> Option<ErrorKind> {
         .map(|error| error.kind)
 }
 
-/// In `grbl` the end of an arc may be off its circle by 5 um, by more up to 0.1 % of the radius, and
-/// never by more than 0.5 mm.
+/// In `grbl` the end of an arc may be off its circle by 5 um, by more up to 0.1 % of the radius,
+/// and never by more than 0.5 mm.
 #[test]
 fn ends_off_the_arc_of_grbl() {
     for (line, is_taken) in [

@@ -434,7 +434,7 @@ mod tests {
     #[test]
     fn a_dialect_that_has_the_code_is_found() {
         assert_eq!(dialect_with(b'G', 410), Some("rs274"));
-        assert_eq!(dialect_with(b'G', 710), Some("lathe"));
+        assert_eq!(dialect_with(b'G', 711), Some("lathe"));
         assert_eq!(dialect_with(b'M', 60), Some("rs274"));
         assert_eq!(dialect_with(b'G', 52), None);
     }

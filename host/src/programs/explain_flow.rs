@@ -56,7 +56,7 @@ pub fn finding(fault: Fault, finding: Finding) -> Finding {
                 "sub endsub call return if elseif else endif while endwhile do repeat endrepeat \
                  break continue",
             )
-            .help("`O1234` alone is the number of a program in `--dialect iso`"),
+            .help("`O1234` alone is the number of a program"),
         Fault::MalformedLabel => finding.label("a number or `<name>` belongs here"),
         Fault::NotAlone => finding.label("must be alone on its line"),
         Fault::TooManyArguments => finding.label("at most 30"),
