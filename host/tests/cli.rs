@@ -260,6 +260,30 @@ fn all_errors_at_their_columns() {
         );
 }
 
+/// After a refused move the program is checked as if the move had been made: one error is one
+/// finding, and none is invented or hidden.
+#[test]
+fn the_line_after_an_error_begins_at_its_end() {
+    let program = "G21 G90 F100\nG2 X10 Y0 I1 J0\nG2 X20 Y0 I5 J0\nG2 X30 I5\nG91 G3 X2 Y9 I1\n\
+                   G90 G2 X34 Y9 I1 J0\nG2 X40 Y0 I1 J0\nM2\n";
+    let file = common::written("after-error.nc", program);
+    let output = husillo()
+        .args(["check", "--format", "short"])
+        .arg(&file)
+        .output()
+        .unwrap();
+    let told = String::from_utf8(output.stdout).unwrap();
+    let lines: Vec<_> = told
+        .lines()
+        .map(|line| line.split(':').nth(1).unwrap())
+        .collect();
+    assert_eq!(lines, ["2", "5", "7"], "{told}");
+    assert!(
+        told.lines().all(|line| line.contains("error[E0302]")),
+        "{told}"
+    );
+}
+
 #[test]
 fn findings_as_text_and_json() {
     husillo()

@@ -320,7 +320,7 @@ fn real_programs_fit_by_their_size() {
 /// Where the part of a wrong program is nobody knows: `fit` says nothing of it, the error is told.
 #[test]
 fn a_wrong_program_is_not_placed() {
-    let wrong = file("zero-wrong.nc", "G21 G90\nO1001 (bracket)\nG0 X-5\nM2\n");
+    let wrong = file("zero-wrong.nc", "G21 G90\nO1001 jump\nG0 X-5\nM2\n");
     husillo()
         .args(["check", &wrong, "-m", "router", "--zero", "fit"])
         .assert()

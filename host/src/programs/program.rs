@@ -4,8 +4,9 @@ use crate::diagnostics::{Finding, Findings};
 use crate::programs::blocks::{self, Given};
 use crate::programs::explain::{self, At};
 use crate::programs::source::{LONGEST_LINE, Source};
-use husillo_gcode::{Block, Command, Compensated, Compensation, Dialect, Error, Modal, Nm};
+use husillo_gcode::{Block, Command, Compensated, Compensation, Dialect, Error, Modal, Nm, words};
 use std::collections::VecDeque;
+use std::fmt::Write;
 use std::io;
 use std::ops::ControlFlow;
 
@@ -127,13 +128,8 @@ impl<'a> Walker<'a> {
     }
 
     /// Interprets a block. An error leaves the state unchanged.
-    fn plan(
-        &mut self,
-        given: &Given<'_>,
-        block: Result<Block, Error>,
-    ) -> Result<Compensated<3>, Error> {
-        self.last_line = given.number;
-        let (next, commands) = self.modal.plan(&block?)?;
+    fn plan(&mut self, given: &Given<'_>, block: &Block) -> Result<Compensated<3>, Error> {
+        let (next, commands) = self.modal.plan(block)?;
         let (after, commands) = self.stage.plan(commands).map_err(|kind| Error {
             kind,
             at: 0,
@@ -142,6 +138,36 @@ impl<'a> Walker<'a> {
         self.modal = next;
         self.stage = after;
         Ok(commands)
+    }
+
+    /// The end that the axis words of a block give, whatever its motion. `None` without such words.
+    fn end_of(&self, given: &Given<'_>, block: &Block) -> Option<[Nm; 3]> {
+        let mut line = String::from("G0");
+        // Units and distances of this line count.
+        for word in words(given.text).map_while(Result::ok) {
+            let number = word.value.to_string();
+            if word.letter == b'G' && matches!(&number[..], "20" | "21" | "53" | "90" | "91") {
+                let _ = write!(line, " G{number}");
+            }
+        }
+        let modes = line.len();
+        for letter in [b'X', b'Y', b'Z'] {
+            if let Some(value) = block.word(letter) {
+                let _ = write!(line, " {}{value}", char::from(letter));
+            }
+        }
+        let block = Block::parse(line.as_bytes(), &self.dialect).ok()?;
+        let (next, _) = self.modal.plan(&block).ok()?;
+        (line.len() > modes).then(|| next.position())
+    }
+
+    /// Continues after a refused move as if it had been made, so that one error is reported once.
+    fn assume(&mut self, end: [Nm; 3]) {
+        if !self.stage.is_active() {
+            self.modal.set_position(end);
+            self.stage = Compensation::new(end);
+            self.from = end;
+        }
     }
 
     /// Takes a block, and gives its commands and those that no longer wait.
@@ -163,11 +189,19 @@ impl<'a> Walker<'a> {
         if given.repeats {
             findings.report_once();
         }
+        self.last_line = given.number;
         let held = self.stage.held();
-        let commands = match self.plan(given, block) {
+        let planned = match &block {
+            Ok(block) => self.plan(given, block),
+            Err(error) => Err(*error),
+        };
+        let commands = match planned {
             Ok(commands) => commands,
             Err(error) => {
                 findings.add(explain::finding(&error, &at));
+                if let Some(end) = block.ok().and_then(|block| self.end_of(given, &block)) {
+                    self.assume(end);
+                }
                 return Ok(ControlFlow::Continue(()));
             }
         };
@@ -263,8 +297,8 @@ fn overlong(at: &At<'_>) -> Finding {
 /// Walks a whole program. `findings` gets every error, and `each` every command, until the program
 /// ends.
 ///
-/// A block with an error leaves the state unchanged, and the walk continues after it. Returns the
-/// state after the last block.
+/// A block with an error changes no mode, and the walk continues at the end of its move. Returns
+/// the state after the last block.
 ///
 /// # Errors
 ///
