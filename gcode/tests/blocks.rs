@@ -319,6 +319,7 @@ fn commands_that_wait_are_not_lost() {
 
 /// What programs of CAM systems have: a zero offset aside of the plane, Mach3's units, and the
 /// number of the program.
+#[cfg(feature = "extended")]
 #[test]
 fn habits_of_cam_systems_are_taken() {
     let takes = |line: &str| {
