@@ -217,9 +217,10 @@ impl Block {
             .and_then(|tenths| u16::try_from(tenths).ok());
         let unknown = ErrorKind::UnknownCode(letter, tenths);
         let tenths = tenths.ok_or(unknown)?;
-        let code = Code::read(letter, tenths, dialect.flavour).ok_or(unknown)?;
+        let mut code = Code::read(letter, tenths, dialect.flavour).ok_or(unknown)?;
         if !code.is_in(dialect.flavour) {
-            return Err(ErrorKind::NotOfDialect(letter, tenths));
+            let alias = code.alias(dialect.flavour);
+            code = alias.ok_or(ErrorKind::NotOfDialect(letter, tenths))?;
         }
         let group = code.group() as usize;
         if let (Some(slot), Some(place)) =

@@ -372,6 +372,19 @@ impl Code {
         dialects.unwrap_or(NONE).wrapping_shr(flavour as u32) & 1 != 0
     }
 
+    /// The meaning of a code in dialects that do not have it: mills take the `G70` and `G71` of
+    /// Mach3 and older controls as units.
+    #[cold]
+    pub(crate) const fn alias(self, flavour: Flavour) -> Option<Code> {
+        match (self, flavour) {
+            (Code::G70, Flavour::Rs274 | Flavour::Iso | Flavour::Printer) => Some(Code::Inches),
+            (Code::G71, Flavour::Rs274 | Flavour::Iso | Flavour::Printer) => {
+                Some(Code::Millimetres)
+            }
+            _ => None,
+        }
+    }
+
     /// Whether this code exists without the extended ones.
     pub(crate) const fn is_basic(self) -> bool {
         (self as u8) < Code::AbsoluteCentres as u8

@@ -207,13 +207,7 @@ impl Code {
     pub(crate) fn read(letter: u8, tenths: u16, flavour: Flavour) -> Option<Code> {
         let lathe = EXTENDED && matches!(flavour, Flavour::Lathe | Flavour::LatheA);
         if !lathe || letter == b'M' {
-            let is_mill = matches!(flavour, Flavour::Rs274 | Flavour::Iso | Flavour::Printer);
-            return match of_number(letter, tenths) {
-                // Mach3 and older controls.
-                Some(Code::G70) if is_mill => Some(Code::Inches),
-                Some(Code::G71) if is_mill => Some(Code::Millimetres),
-                code => code,
-            };
+            return of_number(letter, tenths);
         }
         match (flavour, tenths) {
             (_, 740) => Some(Code::LathePeckCycle),
