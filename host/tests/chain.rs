@@ -24,7 +24,7 @@ fn an_interruption_stops_the_axes() {
         let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_husillo"))
             .current_dir(env!("CARGO_MANIFEST_DIR"))
             .args(["measure", "-m", "cmm3", "--raw", "--port", chain.port()])
-            .args(["jog", "+x", "60s"])
+            .args(["jog", "+x", "60s", "slow"])
             .stderr(std::process::Stdio::piped())
             .stdout(std::process::Stdio::null())
             .spawn()
@@ -32,7 +32,7 @@ fn an_interruption_stops_the_axes() {
         let mut lines = BufReader::new(child.stderr.take().unwrap())
             .lines()
             .map(Result::unwrap);
-        // The jog has begun: a trajectory to the end of the travel, 99 999 counts.
+        // The jog has begun: a trajectory to the end of the travel, 99 999 counts, slowly.
         assert!(lines.any(|line| line.starts_with("> aa 01 ") && line.contains(" 9f 86 01 00 ")));
         signal(&child, name);
         let told: Vec<String> = lines.collect();
