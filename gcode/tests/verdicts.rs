@@ -60,6 +60,17 @@ fn ends_off_the_arc() {
     }
 }
 
+/// Lengths in micrometres have the slack of Grbl: the micro mill steps 2.5 um.
+#[test]
+fn ends_off_the_arc_in_micrometres() {
+    for (line, is_taken) in [
+        ("G2 X2005 Y0 I1000 J0 F1", true),
+        ("G2 X2006 Y0 I1000 J0 F1", false),
+    ] {
+        ends_as(Dialect::MICROMILL, line, is_taken);
+    }
+}
+
 fn ends_as(dialect: Dialect, line: &str, is_taken: bool) {
     let verdict = verdict_in(dialect, line);
     assert_eq!(verdict.is_none(), is_taken, "{line}");

@@ -214,20 +214,29 @@ const fn apart(start: u64, end: u64) -> Nm {
     Nm((start.abs_diff(end).wrapping_add(1 << (BITS - 1)) >> BITS) as i64)
 }
 
-/// The slack of an arc in millimetres, nm: LinuxCNC's 2 x 0.01 mm x sqrt 2.
+/// The slack of an arc in millimetres, nm: 2 x 0.01 mm x sqrt 2.
+///
+/// # Source
+/// LinuxCNC, `interp_internal.hh`, `CENTER_ARC_RADIUS_TOLERANCE_MM`.
 pub(crate) const SLACK_MM: i64 = 28_284;
-/// The slack of an arc in inches, nm: LinuxCNC's 2 x 0.001 inch x sqrt 2.
+/// The slack of an arc in inches, nm: 2 x 0.001 inch x sqrt 2.
+///
+/// # Source
+/// LinuxCNC, `interp_internal.hh`, `CENTER_ARC_RADIUS_TOLERANCE_INCH`.
 pub(crate) const SLACK_INCH: i64 = 71_842;
-
 /// The most that one and a half printed digits count, nm: half a millimetre.
 pub(crate) const SLACK_DIGITS: i64 = 500_000;
-/// The slack of Grbl, nm.
-pub(crate) const SLACK_GRBL: i64 = 5_000;
+/// The slack of Grbl, and of lengths in micrometres, nm.
+///
+/// # Source
+/// Grbl 1.1, `gcode.c`, error 33: 0.005 mm.
+pub(crate) const SLACK_NARROW: i64 = 5_000;
 
 /// Checks the geometry of an arc with a centre: returns the mismatch, or an error.
 ///
 /// An arc is refused when its radii differ by more than 100 times the slack, or by more than the
-/// slack and 0.1 % of the radius. This is the rule of LinuxCNC and of Grbl, with their slacks.
+/// slack and 0.1 % of the radius at the start. This is the rule of Grbl. LinuxCNC takes 0.1 % of
+/// the larger radius (`SPIRAL_RELATIVE_TOLERANCE`), which differs by 0.0001 % of the radius.
 #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
 pub(crate) fn with_centre<const N: usize>(
     from: &[Nm; N],

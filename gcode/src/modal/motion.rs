@@ -1,6 +1,5 @@
 //! Motion: the user of the axis words, G0 to G3, G53 and G38.
 
-use crate::Units;
 use crate::blocks::block::Block;
 use crate::blocks::fault::{Fault, Reason};
 use crate::codes::code::{Code, Group};
@@ -14,7 +13,7 @@ use crate::features::{EXTENDED, ROOMY};
 use crate::modal::Modal;
 use crate::modal::commands::Commands;
 use crate::modal::frames::Terms;
-use crate::modal::modes::{Distance, FeedMode};
+use crate::modal::modes::{Distance, FeedMode, Units};
 use crate::values::decimal::Decimal;
 use crate::values::nm::Nm;
 use crate::values::wide::Ratio;
@@ -392,10 +391,10 @@ impl<const N: usize> Modal<N> {
             let (from, axes) = (&self.modes.position, arc.plane.axes());
             // A program without zeros at the end has fewer digits than it is exact.
             let one_and_a_half = (arc.resolution.0.wrapping_mul(3) >> 1).min(arc::SLACK_DIGITS);
-            let slack = match self.units() {
-                _ if self.modes.dialect.flavour == Flavour::Grbl => arc::SLACK_GRBL,
-                Units::Inches => arc::SLACK_INCH.max(one_and_a_half),
-                Units::Millimetres | Units::Micrometres => arc::SLACK_MM.max(one_and_a_half),
+            let slack = match (self.modes.dialect.flavour, self.units()) {
+                (Flavour::Grbl, _) | (_, Units::Micrometres) => arc::SLACK_NARROW,
+                (_, Units::Millimetres) => arc::SLACK_MM.max(one_and_a_half),
+                (_, Units::Inches) => arc::SLACK_INCH.max(one_and_a_half),
             };
             arc::with_centre(from, &arc.to, &arc.centre, axes, slack, &mut arc.mismatch)?;
         }
