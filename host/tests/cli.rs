@@ -284,6 +284,23 @@ fn the_line_after_an_error_begins_at_its_end() {
     );
 }
 
+/// The axis words of G10, G92 and their like are no end of a move.
+#[test]
+fn after_a_refused_offset_the_position_is_the_same() {
+    for refused in ["G92 X100 K1", "G10 L2 P77 X100", "G28.1 X100 K1"] {
+        let program = format!("G21 G90 F100\n{refused}\nG2 X2 I1 J0\nM2\n");
+        let file = common::written("after-offset.nc", &program);
+        let output = husillo()
+            .args(["check", "--format", "short"])
+            .arg(&file)
+            .output()
+            .unwrap();
+        let told = String::from_utf8(output.stdout).unwrap();
+        assert_eq!(told.lines().count(), 1, "{refused}: {told}");
+        assert!(told.contains(":2:"), "{refused}: {told}");
+    }
+}
+
 #[test]
 fn findings_as_text_and_json() {
     husillo()

@@ -140,14 +140,22 @@ impl<'a> Walker<'a> {
         Ok(commands)
     }
 
-    /// The end that the axis words of a block give, whatever its motion. `None` without such words.
+    /// The end that the axis words of a refused move give. `None` without such words, and in a
+    /// block whose axis words are not the end of a move.
     fn end_of(&self, given: &Given<'_>, block: &Block) -> Option<[Nm; 3]> {
         let mut line = String::from("G0");
         // Units and distances of this line count.
         for word in words(given.text).map_while(Result::ok) {
             let number = word.value.to_string();
-            if word.letter == b'G' && matches!(&number[..], "20" | "21" | "53" | "90" | "91") {
-                let _ = write!(line, " G{number}");
+            match (word.letter, &number[..]) {
+                (b'G', "20" | "21" | "53" | "90" | "91") => {
+                    let _ = write!(line, " G{number}");
+                }
+                (b'G', "4" | "10" | "28" | "28.1" | "30" | "30.1" | "43.1" | "50" | "51") => {
+                    return None;
+                }
+                (b'G', "52" | "92" | "92.1" | "92.2" | "92.3") => return None,
+                _ => {}
             }
         }
         let modes = line.len();
