@@ -1,10 +1,10 @@
 //! A circle on a grid whose axes have steps of different length: there it is an ellipse.
 
-use crate::length::length;
+use crate::programmed_arc::{cross, dot, product, size};
 use crate::{ArcError, ConicMove, Direction, ProgrammedArc, Scale};
 
-/// Bits of the larger of the two coefficients A and C. With radii below 2^21 steps, F and its
-/// differences stay below 2^61.
+/// Size of the larger of the two coefficients A and C, in bits. The sum of squares A x^2 + C y^2
+/// and its differences stay below 2^61 at radii below 2^21 steps.
 const BITS: u32 = 38;
 /// Largest radius, in the shorter steps.
 const MAX_RADIUS_STEPS: u32 = (1 << 21) - 8;
@@ -51,11 +51,12 @@ impl ProgrammedArc {
     /// step, the centre is moved to the nearest point with the same distance from both ends.
     ///
     /// # Errors
-    /// [`ArcError::Degenerate`] for a radius below three of the longer steps, and where the arc is
-    /// too short to have a direction on this grid; use a line instead. [`ArcError::TooLarge`] for a
-    /// radius of 2^21 steps or more, or a centre 2^38 steps from zero. [`ArcError::Unequal`] where
-    /// one step is more than 256 times the other, or where a spiral is so close to a whole turn
-    /// that the centre would move by more than twice the difference of the radii.
+    /// - [`ArcError::Degenerate`]: the radius is below three of the longer steps. Use a line.
+    /// - [`ArcError::TooLarge`]: the radius is 2^21 steps or more, or the centre is 2^38 steps from
+    ///   zero.
+    /// - [`ArcError::Unequal`]: one step is more than 256 times the other. Or the radii of the ends
+    ///   differ and the arc is almost a whole turn: the centre would have to move by more than
+    ///   twice that difference.
     ///
     /// # Cost
     /// About thirty products and six divisions of 128 bits.
@@ -67,7 +68,7 @@ impl ProgrammedArc {
     ) -> Result<GridEllipse, ArcError> {
         let round = self.as_circle(scales)?;
         let [spoke, end] = round.spokes();
-        let radius_nm = length_of(spoke) as i64; // below 2^63, as the spokes are
+        let radius_nm = size(spoke) as i64; // below 2^63, as the spokes are
         let radii = scales.map(|scale| scale.nearest_fraction(radius_nm, 16));
         let [Some(radius_x), Some(radius_y)] = radii else {
             return Err(ArcError::TooLarge);
@@ -151,8 +152,9 @@ impl ProgrammedArc {
         if scales.iter().all(|scale| is_within(1, scale)) {
             return Ok(*self);
         }
-        let spokes @ [[start_x, start_y], [end_x, end_y]] = self.spokes();
-        if spokes
+        let [start, end] = self.spokes();
+        let ([start_x, start_y], [end_x, end_y]) = (start, end);
+        if [start, end]
             .iter()
             .flatten()
             .any(|at| at.unsigned_abs() >> 40 != 0)
@@ -173,19 +175,18 @@ impl ProgrammedArc {
             return Ok(*self); // no chord, so the radii are equal
         };
         let is_half_turn_at_most = match self.direction {
-            Direction::CounterClockwise => cross(spokes) > 0,
-            Direction::Clockwise => cross(spokes) < 0,
+            Direction::CounterClockwise => cross(start, end) > 0,
+            Direction::Clockwise => cross(start, end) < 0,
         };
         // Between ends less than half a turn apart the path moves by less than the difference of
         // the radii, wherever the centre goes.
-        let [start, _] = spokes;
         let most = match is_half_turn_at_most && self.turns == 0 {
-            true => (length_of(start) / 4).max(self.mismatch_nm),
+            true => (size(start) / 4).max(self.mismatch_nm),
             false => self.mismatch_nm,
         };
-        if length_of([off_x, off_y]) > most.saturating_mul(2) {
-            // An end within a step is reached all the same.
-            return match scales.iter().any(|scale| is_within(2, scale)) {
+        if size([off_x, off_y]) > most.saturating_mul(2) {
+            // An end within one step of each axis is reached all the same.
+            return match scales.iter().all(|scale| is_within(2, scale)) {
                 true => Ok(*self),
                 false => Err(ArcError::Unequal),
             };
@@ -235,29 +236,13 @@ fn passed([sx, sy]: [i64; 2], [ex, ey]: [i64; 2], direction: Direction) -> u32 {
         _ => 3,
     };
     match quadrant(ex, ey).wrapping_sub(quadrant(sx, sy)) & 3 {
-        0 if cross([[sx, sy], [ex, ey]]) <= 0 => 4,
+        0 if cross([sx, sy], [ex, ey]) <= 0 => 4,
         passed => passed,
     }
-}
-
-fn dot([ax, ay]: [i64; 2], [bx, by]: [i64; 2]) -> i128 {
-    product(ax, bx).wrapping_add(product(ay, by))
-}
-
-fn cross([[ax, ay], [bx, by]]: [[i64; 2]; 2]) -> i128 {
-    product(ax, by).wrapping_sub(product(ay, bx))
-}
-
-fn product(a: i64, b: i64) -> i128 {
-    i128::from(a).wrapping_mul(b.into())
 }
 
 /// Rounds off this number of bits, to nearest.
 fn rounded(value: i128, bits: u8) -> i64 {
     let half = 1_i128.wrapping_shl(u32::from(bits).wrapping_sub(1));
     value.wrapping_add(half).wrapping_shr(bits.into()) as i64
-}
-
-fn length_of([x, y]: [i64; 2]) -> u64 {
-    length(&[x.unsigned_abs()], y.unsigned_abs())
 }

@@ -176,7 +176,7 @@ impl ProgrammedArc {
 
 /// Size of a vector.
 #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
-fn size([x, y]: [i64; 2]) -> u64 {
+pub(crate) fn size([x, y]: [i64; 2]) -> u64 {
     length(&[x.unsigned_abs()], y.unsigned_abs())
 }
 
@@ -187,14 +187,19 @@ fn larger_radius(start: [i64; 2], end: [i64; 2]) -> i64 {
 
 /// A product of 128 bits. On a small processor it is a long piece of code, so it exists only once.
 #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
-fn product(a: i64, b: i64) -> i128 {
+pub(crate) fn product(a: i64, b: i64) -> i128 {
     a as i128 * b as i128
 }
 
 /// Twice the signed area between two vectors; the products are below 2^127.
 #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
-fn cross([ax, ay]: [i64; 2], [bx, by]: [i64; 2]) -> i128 {
+pub(crate) fn cross([ax, ay]: [i64; 2], [bx, by]: [i64; 2]) -> i128 {
     product(ax, by).wrapping_sub(product(ay, bx))
+}
+
+/// The scalar product of two vectors; the products are below 2^127.
+pub(crate) fn dot([ax, ay]: [i64; 2], [bx, by]: [i64; 2]) -> i128 {
+    product(ax, bx).wrapping_add(product(ay, by))
 }
 
 /// Whether the arc from `start` to `end` passes the direction of `through`; a full turn passes all.
@@ -231,8 +236,8 @@ fn is_after(start: [i64; 2], through: [i64; 2], end: [i64; 2]) -> bool {
 }
 
 #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
-fn is_ahead([ax, ay]: [i64; 2], [bx, by]: [i64; 2]) -> bool {
-    product(ax, bx).wrapping_add(product(ay, by)) > 0
+fn is_ahead(a: [i64; 2], b: [i64; 2]) -> bool {
+    dot(a, b) > 0
 }
 
 /// For ends within a step and a half of one spoke on the grid, at any distance from the centre. The

@@ -100,7 +100,9 @@ impl fmt::Display for MoveError {
         match self {
             Self::Travel { .. } => f.write_str("target is beyond the soft limit"),
             Self::Reach { .. } => f.write_str("number too large for the axis"),
-            Self::UnequalSteps => f.write_str("arc in a plane of unequal steps"),
+            Self::UnequalSteps => f.write_str(
+                "arc whose axes have steps too different, or whose radii differ near a whole turn",
+            ),
             Self::ArcTolerance { .. } => f.write_str("the end point is not on the arc"),
             Self::ArcTooLarge => f.write_str("arc radius too large"),
             Self::Unsupported(means) => write!(f, "this machine has no means for {}", means.name()),
