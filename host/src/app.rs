@@ -133,7 +133,7 @@ fn show_machines(args: &Machines) -> Result<u8, Failure> {
     let text = match &args.action {
         None => listing::list()?,
         Some(MachinesAction::Write { machine, file }) => return write_machine(machine, file),
-        Some(MachinesAction::Show { machine, format }) if is_measuring(machine) => {
+        Some(MachinesAction::Show { machine, format }) if MachineFile::is_measuring(machine) => {
             // Its file says all that is known of it.
             let text = MachineFile::text_of(machine).unwrap_or_default();
             match format {
@@ -157,10 +157,6 @@ fn show_machines(args: &Machines) -> Result<u8, Failure> {
     };
     console::stdout().write_all(text.as_bytes())?;
     Ok(OK)
-}
-
-fn is_measuring(machine: &str) -> bool {
-    MEASURING.iter().any(|(name, ..)| *name == machine)
 }
 
 /// Writes the file of a built-in machine. A file that exists stays.

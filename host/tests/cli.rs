@@ -260,19 +260,21 @@ fn all_errors_at_their_columns() {
         );
 }
 
+/// What `check` prints about a program, one line for each finding.
+fn short_findings(name: &str, program: &str) -> String {
+    let mut check = husillo();
+    check.args(["check", "--format", "short"]);
+    let output = check.arg(common::written(name, program)).output().unwrap();
+    String::from_utf8(output.stdout).unwrap()
+}
+
 /// After a refused move the program is checked as if the move had been made: one error is one
 /// finding, and none is invented or hidden.
 #[test]
 fn the_line_after_an_error_begins_at_its_end() {
     let program = "G21 G90 F100\nG2 X10 Y0 I1 J0\nG2 X20 Y0 I5 J0\nG2 X30 I5\nG91 G3 X2 Y9 I1\n\
                    G90 G2 X34 Y9 I1 J0\nG2 X40 Y0 I1 J0\nM2\n";
-    let file = common::written("after-error.nc", program);
-    let output = husillo()
-        .args(["check", "--format", "short"])
-        .arg(&file)
-        .output()
-        .unwrap();
-    let told = String::from_utf8(output.stdout).unwrap();
+    let told = short_findings("after-error.nc", program);
     let lines: Vec<_> = told
         .lines()
         .map(|line| line.split(':').nth(1).unwrap())
@@ -289,13 +291,7 @@ fn the_line_after_an_error_begins_at_its_end() {
 fn after_a_refused_offset_the_position_is_the_same() {
     for refused in ["G92 X100 K1", "G10 L2 P77 X100", "G28.1 X100 K1"] {
         let program = format!("G21 G90 F100\n{refused}\nG2 X2 I1 J0\nM2\n");
-        let file = common::written("after-offset.nc", &program);
-        let output = husillo()
-            .args(["check", "--format", "short"])
-            .arg(&file)
-            .output()
-            .unwrap();
-        let told = String::from_utf8(output.stdout).unwrap();
+        let told = short_findings("after-offset.nc", &program);
         assert_eq!(told.lines().count(), 1, "{refused}: {told}");
         assert!(told.contains(":2:"), "{refused}: {told}");
     }

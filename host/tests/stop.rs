@@ -8,7 +8,7 @@ mod emulated;
 use common::{husillo, scratch};
 use emulated::Emulated;
 use std::io::{BufRead, BufReader};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
@@ -36,7 +36,7 @@ fn text(output: &Output) -> String {
 }
 
 /// The folder of the sockets of one test.
-fn sockets(name: &str) -> std::path::PathBuf {
+fn sockets(name: &str) -> PathBuf {
     let folder = scratch(name);
     let _ = std::fs::remove_dir_all(&folder);
     std::fs::create_dir_all(&folder).unwrap();
@@ -195,72 +195,92 @@ fn a_port_is_found_from_another_folder_and_by_another_name() {
     device.type_line("where", "spindle off");
 }
 
+/// An emulated drill whose line is called `drill` in a folder.
+struct Drill {
+    folder: PathBuf,
+    emulation: Child,
+}
+
+impl Drill {
+    fn start(folder: &str) -> Self {
+        let folder = sockets(folder);
+        let emulation = Command::new(env!("CARGO_BIN_EXE_husillo"))
+            .current_dir(&folder)
+            .args(["emulate", "drill", "--link", "./drill", "--speed", "8"])
+            .stdin(Stdio::piped())
+            .stdout(Stdio::null())
+            .spawn()
+            .unwrap();
+        let end = Instant::now() + Duration::from_secs(20);
+        while !folder.join("drill").exists() {
+            assert!(Instant::now() < end, "no link");
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        Self { folder, emulation }
+    }
+
+    /// What a command prints in the folder, and whether it succeeds.
+    fn told(&self, words: &[&str]) -> (bool, String) {
+        let mut command = husillo();
+        let folder = &self.folder;
+        command.current_dir(folder).env("XDG_RUNTIME_DIR", folder);
+        command.timeout(Duration::from_secs(60)).args(words);
+        let output = command.output().unwrap();
+        (output.status.success(), text(&output))
+    }
+
+    fn write(&self, program: &str) {
+        std::fs::write(self.folder.join("p.nc"), program).unwrap();
+    }
+}
+
+impl Drop for Drill {
+    fn drop(&mut self) {
+        let _ = self.emulation.kill();
+        let _ = self.emulation.wait();
+    }
+}
+
+const SEND_TO_DRILL: [&str; 7] = ["send", "p.nc", "-m", "drill", "--yes", "--port", "./drill"];
+
 /// A device beside the program may have the name of its machine, as in the README's example.
 #[test]
 fn a_link_may_be_called_as_its_machine() {
-    let folder = sockets("stop-same-name");
-    let within = |words: &[&str]| {
-        let mut command = husillo();
-        command.current_dir(&folder).env("XDG_RUNTIME_DIR", &folder);
-        command.timeout(Duration::from_secs(60)).args(words);
-        command.output().unwrap()
-    };
-    let mut emulation = Command::new(env!("CARGO_BIN_EXE_husillo"))
-        .current_dir(&folder)
-        .args(["emulate", "drill", "--link", "./drill", "--speed", "8"])
-        .stdin(Stdio::piped())
-        .stdout(Stdio::null())
-        .spawn()
-        .unwrap();
-    let end = Instant::now() + Duration::from_secs(20);
-    while !folder.join("drill").exists() {
-        assert!(Instant::now() < end, "no link");
-        std::thread::sleep(Duration::from_millis(20));
-    }
-    std::fs::write(folder.join("p.nc"), "%\nG21\nG90\nX1 Y0.5\n%\n").unwrap();
-    let send = ["send", "p.nc", "-m", "drill", "--yes", "--port", "./drill"];
-    let sent = within(&send);
-    assert!(text(&sent).contains("1 hole drilled"), "{}", text(&sent));
-    // A drill that was left alone with a program is stopped too, and says before that it runs.
-    let holes: String = (0..60)
-        .map(|hole| format!("X{} Y0\n", hole % 2 * 100))
-        .collect();
-    std::fs::write(folder.join("p.nc"), format!("%\nG21\nG90\n{holes}%\n")).unwrap();
-    let left = within(&[&send[..], &["--detach"]].concat());
-    assert!(left.status.success(), "{}", text(&left));
-    let busy = within(&send);
-    assert!(
-        text(&busy).contains("the drill runs its program"),
-        "{}",
-        text(&busy)
-    );
-    let stopped = within(&["stop", "-m", "drill", "--port", "./drill"]);
-    assert!(stopped.status.success(), "{}", text(&stopped));
-    assert!(
-        text(&stopped).contains("completes its present"),
-        "{}",
-        text(&stopped)
-    );
-    let idle = within(&["stop", "-m", "drill", "--port", "./drill"]);
-    assert!(idle.status.success(), "{}", text(&idle));
-    assert!(
-        !text(&idle).contains("completes its present"),
-        "{}",
-        text(&idle)
-    );
+    let drill = Drill::start("stop-same-name");
+    drill.write("%\nG21\nG90\nX1 Y0.5\n%\n");
+    let (_, sent) = drill.told(&SEND_TO_DRILL);
+    assert!(sent.contains("1 hole drilled"), "{sent}");
     let mut jog = Command::new(env!("CARGO_BIN_EXE_husillo"))
-        .current_dir(&folder)
-        .env("XDG_RUNTIME_DIR", &folder)
+        .current_dir(&drill.folder)
+        .env("XDG_RUNTIME_DIR", &drill.folder)
         .args(["jog", "-m", "drill", "--port", "./drill", "x+", "60s"])
         .stderr(Stdio::null())
         .spawn()
         .unwrap();
-    held(&folder, 1);
-    let stopped = within(&["stop", "-m", "drill"]);
-    assert!(stopped.status.success(), "{}", text(&stopped));
+    held(&drill.folder, 1);
+    let (is_ok, stopped) = drill.told(&["stop", "-m", "drill"]);
+    assert!(is_ok, "{stopped}");
     jog.wait().unwrap();
-    emulation.kill().unwrap();
-    emulation.wait().unwrap();
+}
+
+/// A drill that was left alone with a program says that it runs, and is stopped.
+#[test]
+fn a_drill_left_alone_is_stopped() {
+    let drill = Drill::start("stop-left-alone");
+    let holes: String = (0..60)
+        .map(|hole| format!("X{} Y0\n", hole % 2 * 100))
+        .collect();
+    drill.write(&format!("%\nG21\nG90\n{holes}%\n"));
+    let (is_ok, left) = drill.told(&[&SEND_TO_DRILL[..], &["--detach"]].concat());
+    assert!(is_ok, "{left}");
+    let (_, busy) = drill.told(&SEND_TO_DRILL);
+    assert!(busy.contains("the drill runs its program"), "{busy}");
+    for is_first in [true, false] {
+        let (is_ok, stopped) = drill.told(&["stop", "-m", "drill", "--port", "./drill"]);
+        assert!(is_ok, "{stopped}");
+        let ends = stopped.contains("completes its present");
+        assert_eq!(ends, is_first, "{stopped}");
+    }
 }
 
 /// A lease that a machine does not have is not silently left out.

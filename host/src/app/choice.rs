@@ -16,7 +16,7 @@ const NONE: &str = "free";
 const HEAD: usize = 4096;
 
 /// The program with its machine: that of the command line, or the one that a comment of the program
-/// names as `-m NAME`, or the first that takes it without an error. One line tells the last.
+/// names as `-m NAME`, or the first that takes it without an error. A line then says which.
 pub fn job(file: &str, target: &Target, zero: Option<Zero>) -> Result<Job, Failure> {
     if target.machine.is_some() {
         return Job::new(file, target, NONE);

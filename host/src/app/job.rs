@@ -26,7 +26,7 @@ pub struct Job {
     is_placed: bool,
     /// Nobody has said where it lies: where it does not fit at machine zero, it is moved.
     may_move: bool,
-    /// Only whether the machine takes it is of interest: nothing is told.
+    /// The job only finds out whether the machine takes the program: no message is printed.
     pub(super) is_trial: bool,
     /// Standard input is read once and kept, as a run reads its program twice; of a list of moves
     /// the program.
@@ -216,14 +216,13 @@ impl Job {
             self.is_placed = false;
             return Ok(None);
         }
-        if self.is_trial {
-            return Ok(Some((facts, findings)));
+        if !self.is_trial {
+            eprintln!(
+                "{}: placed in the middle of {}, as with --zero X{x}Y{y}Z{z}",
+                self.name(),
+                self.machine.name
+            );
         }
-        eprintln!(
-            "{}: placed in the middle of {}, as with --zero X{x}Y{y}Z{z}",
-            self.name(),
-            self.machine.name
-        );
         Ok(Some((facts, findings)))
     }
 

@@ -77,7 +77,7 @@ impl MachineFile {
     ///
     /// The file cannot be read, or has mistakes.
     pub fn load(name: &str) -> Result<Self, LoadError> {
-        if matches!(name, "cmm" | "cmm3") {
+        if Self::is_measuring(name) {
             return Err(LoadError::File(format!(
                 "{name} is a measuring machine and runs no programs: see `husillo measure`"
             )));
@@ -96,7 +96,12 @@ impl MachineFile {
     /// Whether a name is that of a built-in machine, measuring machines included. No file of this
     /// name is read then.
     pub fn is_built_in(name: &str) -> bool {
-        matches!(name, "cmm" | "cmm3") || Self::names().contains(&name)
+        Self::is_measuring(name) || Self::names().contains(&name)
+    }
+
+    /// Whether a name is that of a built-in measuring machine.
+    pub fn is_measuring(name: &str) -> bool {
+        MEASURING.iter().any(|(known, ..)| *known == name)
     }
 
     /// The text of the file of a built-in machine, measuring machines included.

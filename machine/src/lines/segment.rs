@@ -281,7 +281,6 @@ impl<const N: usize> Config<N> {
         }
         if let Command::Arc { arc, .. } = &segment.command {
             let plane = arc.plane.axes();
-            // Returned from here: each copy of a path takes 264 bytes of stack.
             let grid = if P::HAS_ELLIPSES {
                 self.grid_arc::<true>(&segment.from, arc, start, end)
             } else {
@@ -289,6 +288,7 @@ impl<const N: usize> Config<N> {
             };
             match grid {
                 Ok(OnGrid::Circle(grid)) => {
+                    // Returned from here: each copy of a path takes 264 bytes of stack.
                     if let Ok(path) = P::arc(&grid.arc, plane, delta) {
                         return path;
                     }
