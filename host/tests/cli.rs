@@ -297,6 +297,30 @@ fn after_a_refused_offset_the_position_is_the_same() {
     }
 }
 
+/// A file for Grbl may set the controller up. Such lines are left out, with a warning.
+#[test]
+fn commands_of_grbl_are_left_out() {
+    let program = "$H\n $32=1\n$N0=G21\n$#\nG21 G90 G1 X1 F100\n$J=G91 X10 F100\n";
+    let file = common::written("dollars.nc", program);
+    let grbl = ["--dialect", "grbl", "--format", "short"];
+    let output = husillo().arg("check").args(grbl).arg(&file).output();
+    let told = String::from_utf8(output.unwrap().stdout).unwrap();
+    let codes: Vec<_> = told
+        .lines()
+        .map(|line| &line[line.find('[').unwrap() + 1..][..5])
+        .collect();
+    assert_eq!(
+        codes,
+        ["W0604", "W0604", "W0604", "W0604", "E0101"],
+        "{told}"
+    );
+    let output = husillo()
+        .args(["format", "--dialect", "grbl", "-"])
+        .write_stdin("$32=1\ng1 x1\n")
+        .output();
+    assert_eq!(output.unwrap().stdout, b"$32=1\nG1 X1\n");
+}
+
 #[test]
 fn findings_as_text_and_json() {
     husillo()

@@ -48,6 +48,39 @@ impl Percent {
         self.begun |= !line.is_empty();
         ends
     }
+
+    /// A line without a `%` at its end that ends the program, as in `M30%`.
+    fn before<'a>(&self, line: &'a [u8]) -> &'a [u8] {
+        let is_comment = || {
+            let open = line.iter().rposition(|&byte| byte == b'(');
+            let closed = line.iter().rposition(|&byte| byte == b')');
+            line.contains(&b';') || open > closed
+        };
+        match line.trim_ascii_end().strip_suffix(b"%") {
+            Some(before) if self.inside && !is_comment() && ends_program(before) => before,
+            _ => line,
+        }
+    }
+
+    /// The same for the last line of a text.
+    fn before_end<'a>(&self, text: &'a [u8]) -> &'a [u8] {
+        let whole = text.trim_ascii_end();
+        let start = whole.iter().rposition(|&byte| byte == b'\n');
+        let (head, last) = whole.split_at(start.map_or(0, |at| at + 1));
+        let before = self.before(last);
+        if before.len() < last.len() {
+            &whole[..head.len() + before.len()]
+        } else {
+            text
+        }
+    }
+}
+
+/// Whether a line has M2 or M30.
+pub fn ends_program(line: &[u8]) -> bool {
+    words(line)
+        .flatten()
+        .any(|word| word.letter == b'M' && matches!(word.value.whole(), Some(2 | 30)))
 }
 
 /// Checks number and checksum of a line, and returns its text without them. After an error it
@@ -101,6 +134,17 @@ fn fits(text: &[u8], dialect: &Dialect) -> Result<(), Error> {
         }
     }
     Ok(())
+}
+
+/// Whether a line is a `$` command of Grbl, as in files of settings. A jog (`$J=`) is none, as it
+/// moves the tool.
+pub fn is_grbl_command(text: &[u8], dialect: &Dialect) -> bool {
+    let mut bytes = text.iter().filter(|byte| !byte.is_ascii_whitespace());
+    dialect.name() == Dialect::GRBL.name()
+        && bytes.next() == Some(&b'$')
+        && !bytes
+            .next()
+            .is_some_and(|byte| byte.eq_ignore_ascii_case(&b'j'))
 }
 
 /// Whether a line sets the number of the next one: M110.
@@ -162,7 +206,7 @@ fn by_lines(
             repeats: false,
         };
         let text = match &mut receiver {
-            None => line.bytes,
+            None => percent.before(line.bytes),
             Some(receiver) => match unframed(receiver, line.bytes) {
                 // The receiver has already used the number.
                 Ok(text) if is_numbering(text) => continue,
@@ -183,7 +227,11 @@ fn by_lines(
                 overlong: line.overlong && blocks.peek().is_none(),
                 ..whole
             };
-            let block = fits(text, &dialect).and_then(|()| Block::parse(text, &dialect));
+            let block = if is_grbl_command(text, &dialect) {
+                Ok(Block::new())
+            } else {
+                fits(text, &dialect).and_then(|()| Block::parse(text, &dialect))
+            };
             if give(&given, block)?.is_break() {
                 return Ok(None);
             }
@@ -201,6 +249,7 @@ fn as_a_whole<C>(
     modal: impl Fn(&C) -> &Modal<3>,
     mut each: impl FnMut(&mut C, &Given<'_>, Result<Block, Error>) -> io::Result<ControlFlow<()>>,
 ) -> io::Result<()> {
+    let text = percent.before_end(text);
     let mut program = Box::new(Whole::new(text, dialect).with_first_line(first));
     let mut contours = Box::new(Turned::new(text, dialect));
     loop {
@@ -238,6 +287,27 @@ fn as_a_whole<C>(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The file of some systems ends with `M30%`.
+    #[test]
+    fn a_percent_may_follow_the_last_word() {
+        for text in ["%\nG0 X1\nM30%\n", "%\n#1=1\nG0 X#1\nM2 % "] {
+            let mut source = Source::from_reader(Box::new(text.as_bytes()));
+            let mut context = Modal::new(Dialect::RS274);
+            let error = |_: &mut _, given: &Given<'_>, block: Result<Block, Error>| {
+                assert!(block.is_ok(), "line {} of {text:?}", given.number);
+                Ok(ControlFlow::Continue(()))
+            };
+            each_block(
+                &mut source,
+                Dialect::RS274,
+                &mut context,
+                |modal| modal,
+                error,
+            )
+            .unwrap();
+        }
+    }
 
     /// The numbers of the lines whose blocks are given.
     fn lines(dialect: Dialect, text: &'static str) -> Vec<usize> {

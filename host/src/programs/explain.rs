@@ -154,6 +154,9 @@ fn described(error: &Error, at: &At<'_>) -> Finding {
             .note("a grbl controller answers `error:20` here")
             .help("remove the word")
             .fix(at.removal(span), ""),
+        ErrorKind::NotALetter(b'$') if at.dialect.name() == Dialect::GRBL.name() => finding
+            .label("a jog (`$J=`) is for the operator")
+            .help("write G1, or send it by a Grbl sender"),
         ErrorKind::NotALetter(_) => finding
             .label("a word is a letter and a number")
             .note("grbl: `error:1`; LinuxCNC: \"Bad character used\""),

@@ -59,6 +59,10 @@ pub fn write(
         };
         made.clear();
         let formed = match &mut receiver {
+            None if blocks::is_grbl_command(text, &form.dialect) => {
+                made.extend_from_slice(text);
+                Ok(())
+            }
             None => formed(text, &form.dialect, &mut made),
             Some(receiver) => blocks::unframed(receiver, text).and_then(|inside| {
                 if blocks::is_numbering(inside) {
@@ -76,7 +80,7 @@ pub fn write(
             }),
         };
         match formed {
-            Ok(()) => is_over |= ends_program(&made),
+            Ok(()) => is_over |= made.contains(&b'M') && blocks::ends_program(&made),
             Err(error) => {
                 if !is_over {
                     let at = at(file, number, text, form.dialect);
@@ -132,14 +136,6 @@ fn copy_rest(reader: &mut dyn BufRead, out: &mut dyn Write) -> io::Result<bool> 
             }
         }
     }
-}
-
-/// Whether a line in the uniform form has M2 or M30.
-fn ends_program(line: &[u8]) -> bool {
-    line.contains(&b'M')
-        && husillo_gcode::words(line)
-            .flatten()
-            .any(|word| word.letter == b'M' && matches!(word.value.whole(), Some(2 | 30)))
 }
 
 fn at<'a>(file: &'a str, line: usize, bytes: &'a [u8], dialect: Dialect) -> At<'a> {

@@ -198,6 +198,10 @@ impl<'a> Walker<'a> {
             findings.report_once();
         }
         self.last_line = given.number;
+        if blocks::is_grbl_command(given.text, &self.dialect) {
+            findings.add(grbl_command(&at));
+            return Ok(ControlFlow::Continue(()));
+        }
         let held = self.stage.held();
         let planned = match &block {
             Ok(block) => self.plan(given, block),
@@ -294,6 +298,11 @@ fn too_many_commands(at: &At<'_>) -> Finding {
     Finding::error("E0638", "program gives too many commands", at.whole())
         .label("an endless loop?")
         .note("the limit is 50 million commands")
+}
+
+fn grbl_command(at: &At<'_>) -> Finding {
+    Finding::warning("W0604", "command of Grbl is left out", at.whole())
+        .label("settings and homing are no part of a program")
 }
 
 fn overlong(at: &At<'_>) -> Finding {
