@@ -114,6 +114,8 @@ fn operators_bind_as_they_should() {
         ("- [1 - -3]", "-4"),
         ("exists[#<a>]", "0"),
         ("EXISTS[#5]", "1"),
+        ("EXISTS[#99999]", "0"),
+        ("EXISTS[#[-1]]", "0"),
         ("#[1+#[1]]", "0"),
         ("[ 1 2 . 5 + S I N [ 0 ] ]", "12.5"),
         ("[1 and 0]", "0"),
@@ -275,6 +277,24 @@ fn assignments_wait_for_their_line() {
     let (commands, errors) = run("#1=1\n#1=2 G0 X#1 #2=#1\nG0 X#1 Y#2\n");
     assert_eq!(errors, [""; 0]);
     assert_eq!(commands, ["2: rapid X1 Y0 Z0", "3: rapid X2 Y1 Z0"]);
+}
+
+/// Comments may stand wherever a blank may stand in a line with an O-word.
+#[test]
+fn comments_within_the_line_of_an_o_word() {
+    let (commands, errors) = run("\
+o1 (a) sub (b)
+G0 X#1 Y#2
+o1 (c) endsub (d) [#2] (e)
+o1 (f) (g) call (h) [3] (i) [4] (j) ; k
+o2 (l) if (m) [#<_value> EQ 4] (n)
+G0 Z1
+o2 (o) endif (p)
+");
+    assert_eq!(errors, [""; 0]);
+    assert_eq!(commands, ["2: rapid X3 Y4 Z0", "6: rapid X3 Y4 Z1"]);
+    let (_, errors) = run("o1 (a (b) sub\n");
+    assert_eq!(errors.len(), 1, "{errors:?}");
 }
 
 #[test]

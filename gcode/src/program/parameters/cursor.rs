@@ -79,6 +79,22 @@ impl<'t> Cursor<'t> {
         }
     }
 
+    /// Moves behind the comments that come next, as in `o1 (hole) call`. One that is not closed, or
+    /// has another one in it, stays.
+    pub(super) fn skip_comments(&mut self) {
+        while self.peek() == Some(b'(') {
+            let rest = self.text.get(self.at..).unwrap_or_default();
+            let inside = rest.get(1..).unwrap_or_default();
+            let Some(length) = inside.iter().position(|byte| matches!(byte, b'(' | b')')) else {
+                return;
+            };
+            if inside.get(length) == Some(&b'(') {
+                return;
+            }
+            self.at = self.at.wrapping_add(length).wrapping_add(2);
+        }
+    }
+
     /// The letters that come next.
     pub(super) fn letters(&mut self) -> Capitals {
         let mut letters = Capitals::default();

@@ -253,9 +253,7 @@ impl<'t, F: Fn(Key<'t>) -> Option<Value>> Reader<'t, F> {
                         return Ok(None);
                     }
                     Waits::Function(Function::Exists) => {
-                        Key::numbered(value)
-                            .ok_or_else(|| self.error(Fault::NoSuchParameter, from))?;
-                        value = Value::ONE;
+                        value = Value::truth(Key::numbered(value).is_some());
                     }
                     Waits::Function(function) => {
                         value = function

@@ -172,6 +172,7 @@ where
         }
         _ => return Err(reader.error_here(Fault::MalformedLabel)),
     };
+    reader.skip_comments();
     reader.peek();
     let from = reader.at();
     let name = reader.letters();
@@ -208,6 +209,7 @@ pub(super) fn seen(text: &[u8], passes_delete: bool) -> Option<Statement<'_>> {
         }
         _ => return None,
     };
+    cursor.skip_comments();
     let name = cursor.letters();
     let (_, keyword) = NAMES.iter().find(|(known, _)| *known == name.bytes())?;
     Some(Statement {

@@ -44,6 +44,7 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
             count: 0,
             end: statement.end,
         };
+        reader.skip_comments();
         match statement.keyword {
             // Reached after a branch that was taken: its condition is irrelevant.
             Keyword::ElseIf if !self.is_choosing => return Ok(order),
@@ -61,6 +62,7 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
                     };
                     *slot = value;
                     order.count = order.count.wrapping_add(1);
+                    reader.skip_comments();
                 }
             }
             _ => {}
