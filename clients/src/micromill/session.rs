@@ -75,6 +75,7 @@ impl Session {
         self.order(Order::Stream(false), "no streaming")?;
         // 0 ends the lease of an earlier program.
         let leased = self.order(Order::Lease(lease_ms), "lease");
+        self.renewal_us = None;
         if lease_ms > 0 {
             leased.map_err(|why| {
                 format!(
@@ -273,6 +274,7 @@ mod tests {
     use super::*;
     use crate::micromill::{BAUD, LEASE_MS};
     use husillo_sim::device::Emulation as _;
+    use husillo_transports::micromill::Axis;
 
     /// A killed program leaves part of a string in the controller. The next session begins anyway.
     #[test]
@@ -287,5 +289,21 @@ mod tests {
             assert_eq!(session.begin(LEASE_MS), Ok(()), "{left}");
             assert_eq!(session.order(Order::Every(1), "report"), Ok(()), "{left}");
         }
+    }
+
+    /// A motion ends with its lease. A session with 0 ends the lease of an earlier one.
+    #[test]
+    fn a_lease_of_zero_ends_an_earlier_one() {
+        let wire = Wire::simulated(Device::new(BAUD));
+        let mut session = Session::new(wire, BAUD, StopRequests::default());
+        let motion = Order::Steps(Axis::X, 400);
+        session.begin(LEASE_MS).unwrap();
+        assert_eq!(session.outcome(motion, "move"), Ok(Outcome::Done));
+        // Like a host that has gone, it sends nothing any more.
+        session.renewal_us = None;
+        assert_eq!(session.outcome(motion, "move"), Ok(Outcome::Stopped));
+        session.begin(0).unwrap();
+        assert_eq!(session.renewal_us, None);
+        assert_eq!(session.outcome(motion, "move"), Ok(Outcome::Done));
     }
 }
