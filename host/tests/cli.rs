@@ -297,9 +297,10 @@ fn after_a_refused_offset_the_position_is_the_same() {
     }
 }
 
-/// A file for Grbl may set the controller up. Such lines are left out, with a warning.
+/// A file for Grbl may set the controller up. Such lines are left out, with a warning. `format`
+/// copies them, and a `%` after M30.
 #[test]
-fn commands_of_grbl_are_left_out() {
+fn what_controllers_leave_out_is_left_out() {
     let program = "$H\n $32=1\n$N0=G21\n$#\nG21 G90 G1 X1 F100\n$J=G91 X10 F100\n";
     let file = common::written("dollars.nc", program);
     let grbl = ["--dialect", "grbl", "--format", "short"];
@@ -319,6 +320,9 @@ fn commands_of_grbl_are_left_out() {
         .write_stdin("$32=1\ng1 x1\n")
         .output();
     assert_eq!(output.unwrap().stdout, b"$32=1\nG1 X1\n");
+    let mut format = husillo();
+    format.args(["format", "-"]).write_stdin("%\ng1x1\nm30%\n");
+    assert_eq!(format.output().unwrap().stdout, b"%\nG1 X1\nM30%\n");
 }
 
 #[test]

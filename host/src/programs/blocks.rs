@@ -49,17 +49,10 @@ impl Percent {
         ends
     }
 
-    /// A line without a `%` at its end that ends the program, as in `M30%`.
+    /// A line without the `%` after the end of the program.
     fn before<'a>(&self, line: &'a [u8]) -> &'a [u8] {
-        let is_comment = || {
-            let open = line.iter().rposition(|&byte| byte == b'(');
-            let closed = line.iter().rposition(|&byte| byte == b')');
-            line.contains(&b';') || open > closed
-        };
-        match line.trim_ascii_end().strip_suffix(b"%") {
-            Some(before) if self.inside && !is_comment() && ends_program(before) => before,
-            _ => line,
-        }
+        let before = before_percent(line).filter(|_| self.inside);
+        before.unwrap_or(line)
     }
 
     /// The same for the last line of a text.
@@ -74,6 +67,14 @@ impl Percent {
             text
         }
     }
+}
+
+/// The part of a line before the `%` that follows M2 or M30, as in `M30%`.
+pub fn before_percent(line: &[u8]) -> Option<&[u8]> {
+    let before = line.trim_ascii_end().strip_suffix(b"%")?;
+    let last = |wanted: u8| before.iter().rposition(|&byte| byte == wanted);
+    let is_comment = before.contains(&b';') || last(b'(') > last(b')');
+    (!is_comment && ends_program(before)).then_some(before)
 }
 
 /// Whether a line has M2 or M30.

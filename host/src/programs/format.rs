@@ -63,7 +63,10 @@ pub fn write(
                 made.extend_from_slice(text);
                 Ok(())
             }
-            None => formed(text, &form.dialect, &mut made),
+            None => match blocks::before_percent(text) {
+                Some(before) => formed(before, &form.dialect, &mut made).map(|()| made.push(b'%')),
+                None => formed(text, &form.dialect, &mut made),
+            },
             Some(receiver) => blocks::unframed(receiver, text).and_then(|inside| {
                 if blocks::is_numbering(inside) {
                     // M110 is for the receiver, not for the machine.
