@@ -19,12 +19,13 @@ from products.servo_module import count
 
 ACTIONS = (
     *("home", "x", "goto", "1200", "goto", "-777", "goto", "3"),
-    *("touch", "+", "touch", "-", "--repeat", "3", "goto", "0", "zero", "goto", "250"),
-    *("jog", "-x", "0.2s", "slow", "status"),
+    *("touch", "+", "touch", "-", "--repeat", "3", "goto", "0", "zero", "goto", "1200"),
+    *("jog", "-x", "0.05s", "slow", "status"),
 )
 RESULTS = 11
 # Each motor, real or simulated, rests within one count of its goal, so positions differ by at most
-# two. Contacts are latched to the count. The length of a jog depends on the host's clock.
+# two. Contacts are latched to the count. The length of a jog depends on the host's clock:
+# it begins 2700 counts, 0.3 s, before the contact.
 TOLERANCES = {
     "trigger": 0,
     "corrected": 0,
