@@ -61,9 +61,19 @@ pub fn written(name: &str, text: &str) -> PathBuf {
 }
 
 /// Sends a signal to a program: `INT` as Ctrl-C does, `TERM` as a request to end, `HUP` as a
-/// terminal that is closed.
+/// terminal that is closed. Tests that were started with `nohup` have programs that ignore `HUP`,
+/// so these get `TERM` instead.
 #[cfg(unix)]
 pub fn signal(child: &std::process::Child, name: &str) {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let ignored = ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    let ignores_hup = ignored.is_some_and(|mask| mask & 1 != 0);
+    let name = if ignores_hup && name == "HUP" {
+        "TERM"
+    } else {
+        name
+    };
     let sent = std::process::Command::new("kill")
         .args([&format!("-{name}"), &child.id().to_string()])
         .status();
