@@ -3,8 +3,8 @@
 use crate::programmed_arc::{cross, dot, product, size};
 use crate::{ArcError, ConicMove, Direction, ProgrammedArc, Scale};
 
-/// Size of the larger of the two coefficients A and C, in bits. The sum of squares A x^2 + C y^2
-/// and its differences stay below 2^61 at radii below 2^21 steps.
+/// Number of bits of the larger of the coefficients A and C. The radius is below 2^21 steps, so
+/// A x^2 + C y^2 and its differences are below 2^61.
 const BITS: u32 = 38;
 /// Largest radius, in the shorter steps.
 const MAX_RADIUS_STEPS: u32 = (1 << 21) - 8;
@@ -52,8 +52,8 @@ impl ProgrammedArc {
     ///
     /// # Errors
     /// - [`ArcError::Degenerate`]: the radius is below three of the longer steps. Use a line.
-    /// - [`ArcError::TooLarge`]: the radius is 2^21 steps or more, or the centre is 2^38 steps from
-    ///   zero.
+    /// - [`ArcError::TooLarge`]: the radius is 2^21 of the shorter steps or more, or a coordinate
+    ///   of the centre is 2^38 steps or more.
     /// - [`ArcError::Unequal`]: one step is more than 256 times the other. Or the radii of the ends
     ///   differ and the arc is almost a whole turn: the centre would have to move by more than
     ///   twice that difference.

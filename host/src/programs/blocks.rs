@@ -55,17 +55,17 @@ impl Percent {
         before.unwrap_or(line)
     }
 
-    /// The same for the last line of a text.
-    fn before_end<'a>(&self, text: &'a [u8]) -> &'a [u8] {
-        let whole = text.trim_ascii_end();
-        let start = whole.iter().rposition(|&byte| byte == b'\n');
-        let (head, last) = whole.split_at(start.map_or(0, |at| at + 1));
-        let before = self.before(last);
-        if before.len() < last.len() {
-            &whole[..head.len() + before.len()]
-        } else {
-            text
+    /// A text up to such a `%`. What follows is no part of the program.
+    fn before_all<'a>(&self, text: &'a [u8]) -> &'a [u8] {
+        let mut start = 0;
+        for line in text.split_inclusive(|&byte| byte == b'\n') {
+            let before = self.before(line);
+            if before.len() < line.len() {
+                return &text[..start + before.len()];
+            }
+            start += line.len();
         }
+        text
     }
 }
 
@@ -250,7 +250,7 @@ fn as_a_whole<C>(
     modal: impl Fn(&C) -> &Modal<3>,
     mut each: impl FnMut(&mut C, &Given<'_>, Result<Block, Error>) -> io::Result<ControlFlow<()>>,
 ) -> io::Result<()> {
-    let text = percent.before_end(text);
+    let text = percent.before_all(text);
     let mut program = Box::new(Whole::new(text, dialect).with_first_line(first));
     let mut contours = Box::new(Turned::new(text, dialect));
     loop {
@@ -292,7 +292,11 @@ mod tests {
     /// The file of some systems ends with `M30%`.
     #[test]
     fn a_percent_may_follow_the_last_word() {
-        for text in ["%\nG0 X1\nM30%\n", "%\n#1=1\nG0 X#1\nM2 % "] {
+        for text in [
+            "%\nG0 X1\nM30%\n",
+            "%\n#1=1\nG0 X#1\nM2 % ",
+            "%\n#1=1\nM30%\r\nrubbish\n",
+        ] {
             let mut source = Source::from_reader(Box::new(text.as_bytes()));
             let mut context = Modal::new(Dialect::RS274);
             let error = |_: &mut _, given: &Given<'_>, block: Result<Block, Error>| {
