@@ -1,5 +1,6 @@
 //! A position in a line, and the parts that can be read without knowing any value.
 
+use super::line::pass_comment;
 use super::table::Capitals;
 use crate::error::parameters::Fault;
 use crate::error::{Error, ErrorKind};
@@ -79,20 +80,14 @@ impl<'t> Cursor<'t> {
         }
     }
 
-    /// Moves behind the comments that come next, as in `o1 (hole) call`. One that is not closed, or
-    /// has another one in it, stays.
-    pub(super) fn skip_comments(&mut self) {
+    /// Moves behind the comments that come next, as in `o1 (hole) call`. They are not taken.
+    pub(super) fn pass_comments(&mut self) -> Result<(), Error> {
+        let end = self.end;
         while self.peek() == Some(b'(') {
-            let rest = self.text.get(self.at..).unwrap_or_default();
-            let inside = rest.get(1..).unwrap_or_default();
-            let Some(length) = inside.iter().position(|byte| matches!(byte, b'(' | b')')) else {
-                return;
-            };
-            if inside.get(length) == Some(&b'(') {
-                return;
-            }
-            self.at = self.at.wrapping_add(length).wrapping_add(2);
+            pass_comment(self)?;
         }
+        self.end = end;
+        Ok(())
     }
 
     /// The letters that come next.

@@ -172,7 +172,7 @@ where
         }
         _ => return Err(reader.error_here(Fault::MalformedLabel)),
     };
-    reader.skip_comments();
+    reader.pass_comments()?;
     reader.peek();
     let from = reader.at();
     let name = reader.letters();
@@ -209,7 +209,7 @@ pub(super) fn seen(text: &[u8], passes_delete: bool) -> Option<Statement<'_>> {
         }
         _ => return None,
     };
-    cursor.skip_comments();
+    cursor.pass_comments().ok()?;
     let name = cursor.letters();
     let (_, keyword) = NAMES.iter().find(|(known, _)| *known == name.bytes())?;
     Some(Statement {

@@ -5,7 +5,6 @@ use super::{Place, Program, Raw};
 use crate::error::Error;
 use crate::error::parameters::Fault;
 use crate::program::parameters::expression::Reader;
-use crate::program::parameters::line::pass_comment;
 use crate::program::parameters::statement::{self, Keyword, Label, Statement};
 use crate::program::parameters::system::System;
 use crate::program::parameters::value::Value;
@@ -44,7 +43,7 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
             count: 0,
             end: statement.end,
         };
-        reader.skip_comments();
+        reader.pass_comments()?;
         match statement.keyword {
             // Reached after a branch that was taken: its condition is irrelevant.
             Keyword::ElseIf if !self.is_choosing => return Ok(order),
@@ -62,15 +61,13 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
                     };
                     *slot = value;
                     order.count = order.count.wrapping_add(1);
-                    reader.skip_comments();
+                    reader.pass_comments()?;
                 }
             }
             _ => {}
         }
         order.end = reader.end();
-        while reader.peek() == Some(b'(') {
-            pass_comment(&mut reader)?;
-        }
+        reader.pass_comments()?;
         match reader.peek() {
             None | Some(b';') => Ok(order),
             _ => Err(reader.error_here(Fault::NotAlone)),
