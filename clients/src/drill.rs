@@ -14,6 +14,7 @@ mod part;
 mod sender;
 #[cfg(test)]
 mod tests;
+pub mod visiting_order;
 
 pub use action::{Action, Axis};
 pub use client::{Client, Trouble};

@@ -9,11 +9,13 @@ mod action;
 mod hand;
 mod sender;
 mod session;
+mod translate;
 
 pub use action::{Action, Leg, Pace};
 pub use hand::Hand;
 pub use sender::{Sending, Sent, send};
 pub use session::Session;
+pub use translate::{Translated, translate};
 
 use crate::Wire;
 use husillo_sim::device::micromill::Device;

@@ -26,7 +26,6 @@ use crate::drill;
 use crate::holes;
 use crate::holes::drill_code::Work;
 use crate::holes::drill_file::{Compiler, Refusal};
-use crate::holes::visiting_order::Metric;
 use crate::input;
 use crate::lash;
 use crate::machines::listing;
@@ -47,6 +46,7 @@ use crate::programs::setup;
 use crate::programs::steps;
 use crate::tuning;
 use clap::CommandFactory;
+use husillo_clients::drill::visiting_order::Metric;
 use husillo_clients::microfactory::Settings;
 use std::io::{self, BufWriter, IsTerminal, Write};
 

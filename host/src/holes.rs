@@ -8,12 +8,11 @@ mod options;
 pub mod placement;
 mod reader;
 pub mod step_and_repeat;
-pub mod visiting_order;
 
 use crate::diagnostics::{Finding, Findings, Severity};
 use crate::holes::placement::Fit;
-use crate::holes::visiting_order::Metric;
 use crate::machines::machine_file::{MachineFile, Travel};
+use husillo_clients::drill::visiting_order::{self, Metric};
 use husillo_excellon::{Hole, Settings, Slot, Tool};
 use husillo_gcode::Nm;
 

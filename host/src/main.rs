@@ -5,7 +5,6 @@
 //! | `cli`, `app` | the options, and the command that each starts |
 //! | `programs` | G-code: read, checked, explained, written back |
 //! | `simulation` | a program on the simulated machine, and what is seen of it |
-//! | `geometry` | the geometry of moves: paths, and distances from them |
 //! | `methods` | interpolation methods, compared on the bare grid |
 //! | `holes` | drill files: read, placed, sorted, written back |
 //! | `machines` | machine files, and what follows from them |
@@ -27,7 +26,6 @@ mod cli;
 mod diagnostics;
 mod drill;
 mod emulate;
-mod geometry;
 mod holes;
 mod input;
 mod lash;

@@ -8,10 +8,6 @@
 //! actions ─► hand ─► port ─► controller
 //! ```
 
-mod translate;
-
-pub use translate::{Translated, translate};
-
 use crate::cli::Jog;
 use crate::console::sharing::share;
 use crate::console::stop::stop_requests;

@@ -38,6 +38,7 @@ mod dc_motor;
 pub mod device;
 mod drill_rig;
 mod emulated;
+pub mod geometry;
 mod lash_field;
 mod loss;
 mod microfactory_rig;

@@ -9,12 +9,12 @@ use crate::console::sharing::share;
 use crate::console::stop::{INTERRUPTED, stop_requests, stops_asked};
 use crate::console::typed::typed_line;
 use crate::diagnostics::Findings;
-use crate::micromill::{self, Translated};
+use crate::micromill;
 use crate::programs::feeder;
 use crate::programs::program;
 use crate::programs::setup;
 use crate::programs::source::Source;
-use husillo_clients::micromill as client;
+use husillo_clients::micromill::{self as client, Translated};
 use husillo_gcode::Dialect;
 use husillo_machine::{Config, Event};
 use husillo_transports::micromill::Line;
@@ -149,7 +149,7 @@ fn translated(job: &mut Job) -> Result<Option<Translated>, Failure> {
             Ok(())
         },
     )?;
-    let made = micromill::translate(commands, &job.config);
+    let made = client::translate(commands, &job.config);
     for (line, note) in &made.notes {
         eprintln!("{}:{line}: {note}", job.name());
     }

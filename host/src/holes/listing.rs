@@ -1,9 +1,9 @@
 //! A board as tables for people and as JSON for programs.
 
 use super::explain::because;
-use super::visiting_order::Metric;
 use super::{Board, count};
 use crate::text::json::{self, Millimetres};
+use husillo_clients::drill::visiting_order::Metric;
 use husillo_excellon::{Hole, Path, Reason, Slot, Tool, Zeros};
 use husillo_gcode::Nm;
 use serde::{Serialize, Serializer};

@@ -1,9 +1,9 @@
 //! The exact curve of one move on the grid: distances from it and progress along it. All lengths
 //! are in BLU.
 
-use crate::geometry::turn;
 use crate::methods::method::AXES;
 use husillo_interp::{ArcMove, Direction};
+use husillo_sim::geometry::turn;
 use std::f64::consts::TAU;
 
 /// The curve of a move.

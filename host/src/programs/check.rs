@@ -376,7 +376,7 @@ fn distance(from: [Nm; 3], to: [Nm; 3]) -> f64 {
 
 /// Length of an arc in nm.
 pub fn arc_length(from: [Nm; 3], arc: &Arc<3>) -> f64 {
-    crate::geometry::path::Path::programmed(
+    husillo_sim::geometry::path::Path::programmed(
         from,
         &Command::Arc {
             arc: *arc,

@@ -6,12 +6,12 @@
 //! the same flank on both sides, so the remaining backlash is the same on both.
 
 use crate::diagnostics::Findings;
-use crate::geometry::turn;
 use crate::programs::program::walk;
 use crate::programs::source::Source;
 use husillo_gcode::{
     Arc, Command, Dialect, Direction, Feed, Nm, PathMode, Plane, SpindleDirection,
 };
+use husillo_sim::geometry::turn;
 use std::fmt::Write;
 
 /// Points at most this far apart count as one, nm. It is about a step of these machines.

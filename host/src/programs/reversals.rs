@@ -1,8 +1,8 @@
 //! Counts and locates the reversals of the axes of a program, from its geometry alone.
 
-use crate::geometry::turn;
 use husillo_gcode::{Arc, Direction, Nm};
 use husillo_metrology::calibration::backlash::Map;
+use husillo_sim::geometry::turn;
 use std::f64::consts::FRAC_PI_2;
 
 /// Counts the reversals of each axis, and the backlash that they take up.

@@ -1,8 +1,8 @@
 //! The distance of the tool from the programmed path while it cuts.
 
-use crate::geometry::path::Path;
 use crate::simulation::observer::{Begun, Now, Observer};
 use husillo_machine::Origin;
+use husillo_sim::geometry::path::Path;
 use std::io;
 
 /// Largest and root-mean-square deviation of feed moves.

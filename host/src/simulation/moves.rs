@@ -1,11 +1,11 @@
 //! Assigns steps to programmed moves, and finds where moves and take-ups begin and end.
 
-use crate::geometry::path::Path;
 use crate::programs::program;
 use crate::programs::setup::Micromill;
 use crate::simulation::observer::Begun;
 use husillo_gcode::Nm;
 use husillo_machine::{Origin, Segment, StepEvent};
+use husillo_sim::geometry::path::Path;
 
 /// The move under execution.
 #[derive(Debug)]

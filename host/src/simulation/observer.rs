@@ -1,8 +1,8 @@
 //! Observers of a run, and the state of the machine that they get after each step.
 
-use crate::geometry::path::Path;
 use husillo_gcode::Nm;
 use husillo_machine::{Origin, Segment, StepEvent};
+use husillo_sim::geometry::path::Path;
 use husillo_stepper::Levels;
 use std::io;
 

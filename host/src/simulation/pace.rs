@@ -1,10 +1,10 @@
 //! The programmed speed and the curve of a move, and the observer that measures the speed.
 
-use crate::geometry::path::Path;
 use crate::simulation::observer::{Begun, Now, Observer};
 use crate::simulation::speed::{Circle, Move, Speed, Stop};
 use husillo_gcode::{Command, Feed, Nm};
 use husillo_machine::Origin;
+use husillo_sim::geometry::path::Path;
 use std::io;
 
 /// Speed and curve of a move.

@@ -1,10 +1,10 @@
 //! The path of the tool and the programmed moves, for the pictures of the report.
 
-use crate::geometry::path::Path;
 use crate::simulation::drawing::{Class, Drawing, Point};
 use crate::simulation::observer::{Begun, Now, Observer};
 use husillo_gcode::{Command, Direction, Nm};
 use husillo_machine::Origin;
+use husillo_sim::geometry::path::Path;
 use std::io;
 
 /// A programmed move in the axes of the picture, nm.

@@ -1,8 +1,8 @@
 //! A command as a JSON object.
 
-use crate::geometry::path::Path;
 use crate::text::json::decimal;
 use husillo_gcode::{Command, Direction, Feed, Nm, Plane, Side, SpindleDirection};
+use husillo_sim::geometry::path::Path;
 use serde::Serialize;
 use serde_json::value::RawValue;
 

@@ -5,7 +5,7 @@
 //! rounding of this measurement is far below a picometre, and does not count as an error of the
 //! integer path that it measures.
 
-use crate::geometry::turn;
+use super::turn;
 use husillo_gcode::{Command, Direction, Nm};
 use std::f64::consts::TAU;
 

@@ -1,8 +1,8 @@
 //! Commands to the strings of the micro mill: absolute micrometres, X and Y together, Z alone.
 
-use crate::geometry::turn;
 use husillo_gcode::{Arc, Command, Direction, Feed, Nm, Plane, SpindleDirection};
 use husillo_machine::Config;
+use husillo_sim::geometry::turn;
 use husillo_transports::micromill::{Line, Point};
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
