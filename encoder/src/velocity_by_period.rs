@@ -26,6 +26,7 @@
 /// assert_eq!(velocity.millicounts_per_s(18_000), 100_000); // no more than a count in 10 ms
 /// ```
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct VelocityByPeriod<const COUNTS: usize> {
     clock_hz: u32,
     standstill_ticks: u32,
@@ -41,6 +42,7 @@ pub struct VelocityByPeriod<const COUNTS: usize> {
 
 /// A sample with counts.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 struct Edge {
     time_ticks: u32,
     position: i32,
@@ -55,8 +57,7 @@ impl<const COUNTS: usize> VelocityByPeriod<COUNTS> {
     };
 
     /// Creates it at rest at this position. After `standstill_ticks` without a count the velocity
-    /// is
-    /// 0. They are limited to 2^31 / `COUNTS`.
+    /// is 0. They are limited to 2^31 / `COUNTS`.
     pub const fn new(clock_hz: u32, standstill_ticks: u32, position: i32) -> Self {
         Self {
             clock_hz,

@@ -24,6 +24,8 @@ mod touching;
 mod view;
 mod way;
 
+pub(crate) use way::per_period;
+
 pub use head::Head;
 pub use line::Line;
 pub use machine::{AxisSettings, Machine, PLACES, ProbeSettings, Stylus, both_ways};

@@ -82,6 +82,9 @@ pub const fn of_failure(failure: &Failure) -> Option<&'static str> {
             Some("touch the points of a hole from inside, those of a pin from outside")
         }
         Failure::NoFrame => Some("the line must not be at right angles to the plane"),
-        Failure::Parallel | Failure::NoDirection | Failure::NotMeasured(_) => None,
+        Failure::Parallel
+        | Failure::NoDirection
+        | Failure::NoPosition(_)
+        | Failure::NotMeasured(_) => None,
     }
 }

@@ -23,7 +23,7 @@ pub struct Way {
 
 /// Converts counts/s and counts/s^2 to the units of a module: 2^-16 counts per period and per
 /// period^2. The results are at least 1.
-pub(super) fn per_period(rate: u32, acceleration: u64, period_s: f64) -> (u32, u32) {
+pub(crate) fn per_period(rate: u32, acceleration: u64, period_s: f64) -> (u32, u32) {
     // No motor reaches 2^31, so the saturation of the casts does no harm.
     let velocity = (f64::from(rate) * period_s * 65536.0).round() as u32;
     let acceleration = (acceleration as f64 * period_s * period_s * 65536.0).round() as u32;

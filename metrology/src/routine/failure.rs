@@ -19,6 +19,8 @@ pub enum Failure {
     Parallel,
     /// A direction has the length 0.
     NoDirection,
+    /// The feature of this name has no position: a distance or an angle.
+    NoPosition(String),
     /// A feature of this name has no result.
     NotMeasured(String),
 }
@@ -30,6 +32,7 @@ impl fmt::Display for Failure {
             Self::Fit(error) => error.fmt(out),
             Self::BothSides => out.write_str("points touched from inside and from outside"),
             Self::NoFrame => out.write_str("plane, line and point determine no frame"),
+            Self::NoPosition(name) => write!(out, "`{name}` has no position"),
             Self::Parallel => out.write_str("the two are parallel"),
             Self::NotMeasured(name) => write!(out, "`{name}` was not measured"),
             Self::NoDirection => out.write_str("a direction of length 0"),

@@ -249,17 +249,15 @@ pub fn angle_micro(a: &UnitVector, b: &UnitVector, wanted: &[Wanted]) -> i64 {
     }
 }
 
-/// The ends and the distance of two features, nm. The distance is along the direction if one is
+/// The distance of two features whose positions are `ends`, nm. It is along the direction if one is
 /// given, else at right angles to a face if one is a face. Circles, corners, webs and pockets have
-/// no height, so the part along `upright` does not count for them. `None`: a feature has no
-/// position.
+/// no height, so the part along `upright` does not count for them.
 pub fn distance_nm(
-    a: &Shape,
-    b: &Shape,
+    [a, b]: [&Shape; 2],
+    ends: [[i64; 3]; 2],
     along: Option<Vector>,
     upright: Vector,
-) -> Option<([[i64; 3]; 2], i64)> {
-    let ends = [a.point_nm()?, b.point_nm()?];
+) -> i64 {
     let way = minus(floats(ends[1]), floats(ends[0]));
     let is_tall = |shape: &Shape| {
         matches!(
@@ -267,7 +265,7 @@ pub fn distance_nm(
             Shape::Circle(_) | Shape::Corner { .. } | Shape::Width { .. }
         )
     };
-    let nm = match (along, a.plane(), b.plane()) {
+    match (along, a.plane(), b.plane()) {
         (Some(along), ..) => dot(way, along).abs().round() as i64,
         (None, Some(plane), _) => plane.distance_nm(ends[1]).abs(),
         (None, None, Some(plane)) => plane.distance_nm(ends[0]).abs(),
@@ -275,6 +273,5 @@ pub fn distance_nm(
             length(cross(way, upright)).round() as i64
         }
         (None, None, None) => length(way).round() as i64,
-    };
-    Some((ends, nm))
+    }
 }

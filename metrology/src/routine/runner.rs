@@ -133,8 +133,8 @@ impl<'a> Runner<'a> {
                 let along = along.map(|along| super::vector::components(&along));
                 let (a, b) = (&self.find(from)?.shape, &self.find(to)?.shape);
                 let upright = super::vector::components(&frame.upright());
-                let (ends_nm, length_nm) =
-                    distance_nm(a, b, along, upright).ok_or(Failure::NoFrame)?;
+                let ends_nm = [position_nm(from, a)?, position_nm(to, b)?];
+                let length_nm = distance_nm([a, b], ends_nm, along, upright);
                 Ok((Shape::Distance { ends_nm, length_nm }, Vec::new()))
             }
             Job::Angle {
@@ -159,7 +159,7 @@ impl<'a> Runner<'a> {
             {
                 contacts.push(*contact);
             }
-            places.push(feature.shape.point_nm().ok_or(Failure::NoFrame)?);
+            places.push(position_nm(name, &feature.shape)?);
         }
         Ok(if contacts.len() == of.len() {
             Points::Touched(contacts)
@@ -176,4 +176,10 @@ impl<'a> Runner<'a> {
             .find(|feature| feature.name.eq_ignore_ascii_case(name))
             .ok_or_else(|| Failure::NotMeasured(name.to_owned()))
     }
+}
+
+/// The position of a feature.
+fn position_nm(name: &str, shape: &Shape) -> Result<[i64; 3], Failure> {
+    let position = shape.point_nm();
+    position.ok_or_else(|| Failure::NoPosition(name.to_owned()))
 }

@@ -1,6 +1,7 @@
 //! The simulated axis without a link. It is read in every servo period.
 
-use super::rig::{Rig, Sample, profile};
+use super::rig::{Rig, Sample};
+use crate::heads::per_period;
 use crate::trouble::Trouble;
 use husillo_controllers::servo_law;
 use husillo_machine::{ServoAxis, ServoInputs, ServoStop};
@@ -80,7 +81,7 @@ impl Rig for Direct {
 
     fn go_to(&mut self, goal: i32, rate: u32, acceleration: u32) -> Result<(), Trouble> {
         let cycle_s = SERVO_PERIOD_S * f64::from(self.rate_divisor);
-        let [velocity, acceleration] = profile(rate, acceleration, cycle_s);
+        let (velocity, acceleration) = per_period(rate, acceleration.into(), cycle_s);
         self.start(ServoMotion::Trapezoid {
             goal,
             velocity,

@@ -1,6 +1,7 @@
 //! An axis behind a line of modules, real or simulated.
 
-use super::rig::{Rig, Sample, profile};
+use super::rig::{Rig, Sample};
+use crate::heads::per_period;
 use crate::heads::{AxisSettings, Line, Machine, Port};
 use crate::trouble::Trouble;
 use husillo_transports::nmc::{
@@ -88,7 +89,7 @@ impl<P: Port> Rig for Linked<P> {
 
     fn go_to(&mut self, goal: i32, rate: u32, acceleration: u32) -> Result<(), Trouble> {
         let cycle_s = f64::from(CYCLE_US) * 1e-6 * f64::from(self.gains.rate_divisor.max(1));
-        let [velocity, acceleration] = profile(rate, acceleration, cycle_s);
+        let (velocity, acceleration) = per_period(rate, acceleration.into(), cycle_s);
         self.command(Command::LoadTrajectory(Trajectory {
             position: Some(goal),
             velocity: Some(velocity),

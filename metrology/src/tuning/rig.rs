@@ -71,12 +71,3 @@ pub trait Rig {
     /// Time since the start, us.
     fn now_us(&self) -> u64;
 }
-
-/// Converts counts/s and counts/s^2 to the units of the module: 16.16 counts per sample of the
-/// loop, which takes `cycle_s`. The results are at least the smallest unit.
-pub fn profile(rate: u32, acceleration: u32, cycle_s: f64) -> [u32; 2] {
-    let velocity = f64::from(rate) * cycle_s * 65536.0;
-    let acceleration = f64::from(acceleration) * cycle_s * cycle_s * 65536.0;
-    // No motor reaches 2^31, so the saturation of the casts does no harm.
-    [velocity, acceleration].map(|value| (value.round() as u32).max(1))
-}
