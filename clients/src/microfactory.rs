@@ -16,7 +16,7 @@ mod settings;
 mod tests;
 
 pub use action::{Action, shares};
-pub use client::Client;
+pub use client::{Client, LEASE};
 pub use figure::{Figure, listed};
 pub use links::Links;
 pub use settings::Settings;

@@ -205,6 +205,15 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
         self.last = None;
     }
 
+    /// Ends a task because the host is silent. The machine reports it, and its position stays known.
+    pub fn expire(&mut self) {
+        if self.is_moving() {
+            self.due = None;
+            self.task = Task::Idle;
+            self.tell(Report::DeadMan);
+        }
+    }
+
     /// Whether a task is under way.
     pub fn is_moving(&self) -> bool {
         !matches!(self.task, Task::Idle | Task::Emergency)

@@ -65,7 +65,7 @@ fn check_link(bytes: &mut Bytes<'_>) {
             Order::Steps { motor, count, .. } => {
                 assert!(motor < 4 && count > 0 && !is_moving);
             }
-            Order::Home | Order::Figure => assert!(!is_moving),
+            Order::Home | Order::Figure | Order::Lease(_) => assert!(!is_moving),
         }
     }
 }

@@ -210,11 +210,11 @@ fn jog(args: &Jog) -> Result<u8, Failure> {
     Ok(if is_well { OK } else { ERRORS })
 }
 
-/// Only the micro mill has a lease.
+/// The drill has no lease.
 fn expect_no_lease(lease: Option<u16>, machine: &str) -> Result<(), String> {
     match lease {
-        Some(_) if machine != "micromill" => {
-            Err(format!("--lease is for the micro mill: {machine} has none"))
+        Some(_) if machine == "drill" => {
+            Err("--lease is for the micro mill and the microfactory: the drill has none".into())
         }
         _ => Ok(()),
     }
@@ -245,7 +245,6 @@ fn compile(args: &Compile) -> Result<u8, Failure> {
 fn send(args: &Send) -> Result<u8, Failure> {
     let first = args.files.first().map_or("", String::as_str);
     if let Some(settings) = figures(&args.target, first)? {
-        expect_no_lease(args.lease, "microfactory")?;
         expect_no_single_block(args, "microfactory")?;
         let is_well = microfactory::send(args, &settings, &mut console::stdout())?;
         return Ok(if is_well { OK } else { ERRORS });

@@ -14,7 +14,7 @@ use crate::cli::Jog;
 use crate::console::sharing::share;
 use crate::console::stop::stop_requests;
 use crate::machines::machine_file::MachineFile;
-use husillo_clients::microfactory::{Action, BAUD, Links, Settings, crew, shares};
+use husillo_clients::microfactory::{Action, BAUD, LEASE, Links, Settings, crew, shares};
 use husillo_controllers::MicrofactoryConfig;
 use husillo_sim::device::microfactory::Device;
 use std::io::{self, Write};
@@ -57,6 +57,7 @@ pub fn jog(args: &Jog, settings: &Settings, out: &mut dyn Write) -> Result<bool,
         bits_per_s: args.baud.unwrap_or(BAUD),
         answers: !args.without_answers,
         figure: &figure,
+        lease: lease_of(args.lease, !args.without_answers)?,
         stop: stop_requests()?,
     };
     let crew = links.crew(&args.port, shares)?;
@@ -106,6 +107,7 @@ pub fn send(
         bits_per_s: args.baud.unwrap_or(BAUD),
         answers: !args.without_answers,
         figure: &FIGURE,
+        lease: lease_of(args.lease, !args.without_answers)?,
         stop: stop_requests()?,
     };
     let crew = links.crew(ports, shares)?;
@@ -123,6 +125,18 @@ pub fn send(
 /// A sentence about the figure.
 pub fn list(file: &str, settings: &Settings) -> Result<String, String> {
     Ok(figure::load(file, settings)?.text())
+}
+
+/// The lease in the unit of the device, 10 ms.
+fn lease_of(lease_ms: Option<u16>, answers: bool) -> Result<u8, String> {
+    let Some(ms) = lease_ms else {
+        return Ok(LEASE);
+    };
+    if ms > 0 && !answers {
+        return Err("--lease needs a device that answers".into());
+    }
+    u8::try_from(ms.div_ceil(10))
+        .map_err(|_| format!("--lease {ms}: the lease of a microfactory is at most 2550 ms"))
 }
 
 fn figure_of(file: Option<&str>, settings: &Settings) -> Result<Vec<[i16; 2]>, String> {

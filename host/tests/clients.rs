@@ -100,7 +100,7 @@ fn a_session_with_the_microfactory() {
         speed: "2",
         moves: &["home", "y", "30"],
         place: "x 0 y 30 z 0 spindle ",
-        patience: &[],
+        patience: &["--lease", "2550"],
         jog: ["x+", "60s"],
         job: Job {
             file: "clients.fig",

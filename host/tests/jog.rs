@@ -8,13 +8,14 @@ use emulated::Emulated;
 use predicates::prelude::*;
 use predicates::str::contains;
 
-/// A device 50 times as fast as a real one; `None` where there are no pseudo-terminals.
+/// A device 50 times as fast as a real one, whose leases are as much shorter; `None` where there are
+/// no pseudo-terminals.
 fn device(name: &str, args: &[&str]) -> Option<Emulated> {
     Emulated::new("microfactory", name, &[&["--speed", "50"], args].concat())
 }
 
 fn jog(device: &Emulated, actions: &[&str]) -> assert_cmd::assert::Assert {
-    let port = ["jog", "--port", device.port()];
+    let port = ["jog", "--lease", "0", "--port", device.port()];
     husillo().args(port).args(actions).assert()
 }
 
@@ -129,7 +130,7 @@ fn two_machines_of_one_controller() {
     };
     let second = format!("{}#2", device.port());
     let jog = |port: &str, actions: &[&str]| {
-        let all = [&["jog", "--port", port], actions].concat();
+        let all = [&["jog", "--lease", "0", "--port", port], actions].concat();
         husillo().args(all).assert()
     };
     let first = device.port().to_owned();
@@ -142,7 +143,7 @@ fn two_machines_of_one_controller() {
     assert!(place.starts_with("x 0 y 0 z 7 "), "{place}");
     husillo()
         .args(["send", "../examples/microfactory/zigzag.fig"])
-        .args(["-m", "microfactory", "--port", &second])
+        .args(["-m", "microfactory", "--lease", "0", "--port", &second])
         .assert()
         .success();
     device.read_until("2: the tool touches");
@@ -166,7 +167,7 @@ fn one_host_drives_both_machines_of_a_controller() {
     };
     let first = device.port().to_owned();
     let second = format!("{first}#2");
-    let both = ["--port", &first, "--port", &second];
+    let both = ["--lease", "0", "--port", &first, "--port", &second];
     husillo()
         .args(["send", "../examples/microfactory/triangle.nc"])
         .args(["../examples/microfactory/zigzag.fig", "-m", "microfactory"])
@@ -234,7 +235,8 @@ fn an_interruption_stops_what_moves() {
     ] {
         let before = y(&where_(&mut device));
         let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_husillo"))
-            .args(["jog", "--port", device.port(), "y+", "100s"])
+            .args(["jog", "--lease", "2550", "--port", device.port()])
+            .args(["y+", "100s"])
             .stderr(std::process::Stdio::piped())
             .stdout(std::process::Stdio::null())
             .spawn()
@@ -328,6 +330,7 @@ fn figures_are_sent_to_two_machines_at_once() {
     let triangle = "../examples/microfactory/triangle.nc";
     let both = |first: &Emulated, second: &Emulated, more: &[&str]| {
         let ports = ["--port", first.port(), "--port", second.port()];
+        let ports = [&["--lease", "0"], &ports[..]].concat();
         let send = ["send", triangle, list, "-m", "microfactory"];
         husillo().args(send).args(ports).args(more).assert()
     };
@@ -446,7 +449,8 @@ fn the_bytes_are_those_of_the_machine_file() {
     };
     jog(&device, &["home"]).code(1);
     husillo()
-        .args(["jog", "-m", machine, "--port", device.port(), "home"])
+        .args(["jog", "-m", machine, "--lease", "0", "--port"])
+        .args([device.port(), "home"])
         .assert()
         .success();
     let twice = common::written("twice.toml", &text.replace("keep = \"6\"", "keep = \"J\""));

@@ -113,6 +113,8 @@ fn without_a_name_every_machine_stops() {
             &folder,
             &[
                 "jog",
+                "--lease",
+                "2550",
                 "-m",
                 machines[one],
                 "--port",
@@ -143,7 +145,16 @@ fn an_emergency_stop_lasts_until_the_panels_reset() {
     let folder = sockets("stop-emergency");
     let child = begin(
         &folder,
-        &["jog", "--port", device.port(), "home", "x+", "60s"],
+        &[
+            "jog",
+            "--lease",
+            "2550",
+            "--port",
+            device.port(),
+            "home",
+            "x+",
+            "60s",
+        ],
     );
     held(&folder, 1);
     let stopped = stop(&folder, &["-m", "microfactory", "--emergency"]);
@@ -285,13 +296,19 @@ fn a_drill_left_alone_is_stopped() {
 
 /// A lease that a machine does not have is not silently left out.
 #[test]
-fn only_the_micro_mill_has_a_lease() {
-    for machine in ["drill", "microfactory"] {
-        let jog = ["jog", "-m", machine, "--lease", "100", "home"];
-        let output = husillo().args(jog).output().unwrap();
+fn a_lease_that_a_machine_lacks_is_refused() {
+    let none = "--lease is for the micro mill and the microfactory: the drill has none";
+    let long = "--lease 2560: the lease of a microfactory is at most 2550 ms";
+    let mute = "--lease needs a device that answers";
+    for (machine, ms, more, why) in [
+        ("drill", "100", &[][..], none),
+        ("microfactory", "2560", &[], long),
+        ("microfactory", "250", &["--without-answers"], mute),
+    ] {
+        let jog = ["jog", "-m", machine, "--lease", ms, "home"];
+        let output = husillo().args(jog).args(more).output().unwrap();
         assert_eq!(output.status.code(), Some(2));
-        let why = format!("--lease is for the micro mill: {machine} has none");
-        assert!(text(&output).contains(&why), "{}", text(&output));
+        assert!(text(&output).contains(why), "{}", text(&output));
     }
 }
 

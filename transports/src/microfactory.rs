@@ -63,13 +63,19 @@ pub enum Order {
     Keep,
     /// Report. The bytes of a [`Status`] follow the answer.
     Ask,
+    /// From now on a motion ends when the line is silent for this time, in units of 10 ms. 0: a
+    /// motion needs no host. A reset sets 0.
+    Lease(u8),
 }
 
 impl Order {
     /// Whether it begins or ends a motion, which the controller of the machine accepts or refuses.
-    /// The other orders concern the stored figure, or request a report.
+    /// The other orders concern the stored figure or the lease, or request a report.
     pub const fn is_a_motion(self) -> bool {
-        !matches!(self, Self::Clear | Self::Line(_) | Self::Keep | Self::Ask)
+        !matches!(
+            self,
+            Self::Clear | Self::Line(_) | Self::Keep | Self::Ask | Self::Lease(_)
+        )
     }
 }
 
@@ -89,6 +95,8 @@ enum Mode {
         count: u8,
     },
     Emergency,
+    /// The next byte is the time of the lease, whatever its value.
+    Lease,
     /// Four bytes follow, whatever their values: of a move, or of the end of a figure.
     Data {
         is_end: bool,
@@ -237,6 +245,10 @@ impl Device {
         {
             return self.data(is_end, bytes, count, byte);
         }
+        if self.mode == Mode::Lease {
+            self.mode = Mode::None;
+            return Some(Some(Order::Lease(byte)));
+        }
         let table = self.table;
         // Without acknowledgement there are no answers.
         if byte == table.ask && self.acknowledges {
@@ -350,6 +362,8 @@ impl Device {
             }
             _ if byte == self.table.line && has_room => (data(false), None),
             _ if byte == self.table.keep && self.loading.is_some() => (data(true), None),
+            // A host that does not listen cannot renew a lease.
+            _ if byte == self.table.lease && self.acknowledges => (Mode::Lease, None),
             _ if byte == self.table.home => (Mode::None, Some(Order::Home)),
             _ if byte == self.table.figure => (Mode::None, Some(Order::Figure)),
             _ if byte == self.table.manual => (Mode::Manual(None), None),
@@ -397,6 +411,21 @@ mod tests {
             [b'N', b'X', 0, b'E', b'X', 7, b'E', b'E'].map(|byte| link.receive(byte, false).reply);
         let expected = [b'N', b'X', b'?', b'?', b'X', 7, b'E', b'E'];
         assert_eq!(replies, expected.map(Some));
+    }
+
+    /// The time of a lease is any byte, and at most four stops end it if it was cut off.
+    #[test]
+    fn a_lease_has_a_time() {
+        let mut link = Device::new(ByteTable::DEFAULT).acknowledging();
+        for time in 0..=255_u8 {
+            let found = commands(&mut link, &[b'l', time]);
+            assert_eq!(found[0], Some(Order::Lease(time)));
+            assert!(found[1].is_none());
+        }
+        assert_eq!(link.receive(b'l', true).reply, Some(REJECTED));
+        // A device without answers has none: its host cannot know.
+        let mut original = Device::new(ByteTable::DEFAULT);
+        assert_eq!(commands(&mut original, b"lA")[0], Some(Order::Stop));
     }
 
     #[test]

@@ -20,6 +20,8 @@ const IN_REAL_TIME: Waits = Waits {
     answer: Duration::from_millis(1500),
     quiet: Duration::from_millis(150),
 };
+/// The lease, in units of 10 ms: a motion ends this long after the last byte of this program.
+pub const LEASE: u8 = 25;
 /// The period in which the device is asked whether it stands.
 const ASK: Duration = Duration::from_millis(50);
 /// The period in which a jog is repeated, well within the dead-man's time.
@@ -53,6 +55,8 @@ pub struct Client {
     turn: Option<Turn>,
     has_turn: bool,
     stop: StopRequests,
+    /// Longest silence of this program during a motion, in units of 10 ms; 0 for any.
+    lease: u8,
     is_reached: bool,
     /// The machine was homed. If its status loses that, it was reset.
     is_homed: bool,
@@ -67,6 +71,20 @@ pub struct Client {
 struct Waits {
     answer: Duration,
     quiet: Duration,
+}
+
+impl Waits {
+    /// Waits that together last three quarters of a lease at most.
+    fn within_lease(self, lease: u8) -> Self {
+        let quarter = match lease {
+            0 => return self,
+            lease => Duration::from_micros(u64::from(lease) * 10_000 / 4),
+        };
+        Self {
+            answer: self.answer.min(2 * quarter),
+            quiet: self.quiet.min(quarter),
+        }
+    }
 }
 
 /// How a byte was answered.
@@ -93,6 +111,7 @@ impl Client {
             turn: None,
             has_turn: false,
             stop,
+            lease: LEASE,
             is_reached: false,
             is_homed: false,
             figure_end: None,
@@ -103,6 +122,13 @@ impl Client {
     /// Selects machine 0 or 1 of a controller of two.
     pub const fn of_machine(mut self, machine: u8) -> Self {
         self.machine = machine;
+        self
+    }
+
+    /// Every motion ends this long after the last byte of this program, in units of 10 ms. 0: a
+    /// motion needs no host. The other machine of the same controller has the same lease.
+    pub const fn with_lease(mut self, lease: u8) -> Self {
+        self.lease = lease;
         self
     }
 
@@ -269,6 +295,7 @@ impl Client {
             }
             // The other machine may have been moving.
             client.rest()?;
+            client.begin_lease()?;
             client.ask()
         })?;
         if status.report == Some(Report::Emergency) {
@@ -277,6 +304,20 @@ impl Client {
             );
         }
         self.is_reached = true;
+        Ok(())
+    }
+
+    /// Sets the lease, or ends that of an earlier program.
+    fn begin_lease(&mut self) -> Result<(), String> {
+        if self.send(self.table.lease)? == Answer::Taken {
+            self.send(self.lease)?;
+        } else if self.lease > 0 && self.ask()?.report != Some(Report::Emergency) {
+            return Err(
+                "the device has no lease: a motion continues if this program is killed \
+                        (--lease 0 accepts that)"
+                    .into(),
+            );
+        }
         Ok(())
     }
 
@@ -561,21 +602,39 @@ impl Client {
     /// Asks for the status, several times if needed.
     fn ask(&mut self) -> Result<Status, String> {
         let status = self.talk(|client| {
-            let mut trouble = String::new();
-            for _ in 0..TRIES {
-                match client.ask_once() {
-                    Ok(status) => return Ok(status),
-                    Err(error) => trouble = error,
-                }
-                client.answers_to(0)?;
-            }
-            Err(trouble)
+            let waits = client.waits;
+            let status = client.ask_again(waits);
+            client.waits = waits;
+            status
         })?;
         let was_homed = std::mem::replace(&mut self.is_homed, status.is_homed);
         if was_homed && !status.is_homed && status.report != Some(Report::Emergency) {
             return Err("the device was reset: home it again".into());
         }
         Ok(status)
+    }
+
+    /// Asks until there is an answer. All tries but the last end early enough to renew the lease.
+    fn ask_again(&mut self, waits: Waits) -> Result<Status, String> {
+        let mut trouble = String::new();
+        for attempt in 1..=TRIES {
+            self.waits = match attempt {
+                TRIES => waits,
+                _ => waits.within_lease(self.lease),
+            };
+            match self.ask_once() {
+                Ok(status) => {
+                    if attempt > 1 {
+                        // The answer to an earlier question may be late.
+                        self.answers_to(0)?;
+                    }
+                    return Ok(status);
+                }
+                Err(error) => trouble = error,
+            }
+            self.answers_to(0)?;
+        }
+        Err(trouble)
     }
 
     fn ask_once(&mut self) -> Result<Status, String> {

@@ -18,6 +18,8 @@ pub struct Links<'a> {
     pub answers: bool,
     /// The figure that simulated machines start with.
     pub figure: &'a [[i16; 2]],
+    /// A motion ends this long after the last byte of this program, in units of 10 ms. 0: never.
+    pub lease: u8,
     /// Requests to stop all of them.
     pub stop: StopRequests,
 }
@@ -42,6 +44,7 @@ impl Links<'_> {
             Wire::open(port, self.bits_per_s).map_err(|error| format!("{port}: {error}"))?
         };
         let client = Client::new(wire, self.settings.table, self.answers, self.stop.clone());
+        let client = client.with_lease(self.lease);
         Ok(client.of_machine(place.number()))
     }
 

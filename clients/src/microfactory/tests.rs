@@ -453,7 +453,7 @@ fn two_machines_move_at_once() {
     let (first, second) = (device.rig(0).unwrap().tool(), device.rig(1).unwrap().tool());
     assert!(first[1] > 100 && first[0] == 0, "{first:?}");
     assert!(second[0] > 100 && second[1] == 0, "{second:?}");
-    // Nobody says it again: both stand after their dead-man's time.
+    // Nobody renews it: both stand after their dead-man's time.
     for _ in 0..1000 {
         device.tick();
     }
@@ -461,7 +461,7 @@ fn two_machines_move_at_once() {
         device
             .take_reports()
             .iter()
-            .filter(|line| line.contains("not said again"))
+            .filter(|line| line.contains("the host was silent"))
             .count()
             == 2
     );
@@ -499,4 +499,69 @@ fn a_controller_of_one_machine_has_no_second() {
     let mut client = client().of_machine(1);
     let trouble = client.carry_out(&Action::Home).unwrap_err();
     assert!(trouble.contains("no second one"), "{trouble}");
+}
+
+/// With a lease every motion ends when the host is silent, and the position is still right. Without
+/// one, homing, counted steps and figures continue to their ends, as those of the original.
+#[test]
+fn every_motion_has_a_lease() {
+    const LEASE_MS: usize = 250;
+    let mut settings = Settings::ORIGINAL;
+    settings.config.lash_steps = [0; 3]; // the tool follows each step
+    for (order, lease) in [
+        (&b"H"[..], 25),
+        (b"G", 25),
+        (b"NX\xffE", 25),
+        (b"JX", 25),
+        (b"H", 0),
+        (b"G", 0),
+        (b"NX\xffE", 0),
+    ] {
+        let context = format!("{} with {lease}", order.escape_ascii());
+        let figure = &[[500, 500]];
+        let (config, table) = (settings.config, settings.table);
+        let mut device = Device::new(config, table, 0, figure, true, 9600, 1).unwrap();
+        let tool = |device: &Device| device.rig(0).unwrap().tool();
+        let pass = |device: &mut Device, ms: usize| (0..ms).for_each(|_| drop(device.tick()));
+        for byte in [b'l', lease].iter().chain(order) {
+            device.send(*byte);
+            pass(&mut device, 5);
+        }
+        // Questions renew it.
+        for _ in 0..6 {
+            device.send(b'5');
+            pass(&mut device, 50);
+        }
+        let renewed = tool(&device);
+        pass(&mut device, LEASE_MS - 60);
+        assert_ne!(tool(&device), renewed, "{context}: it stands too early");
+        pass(&mut device, 70);
+        let ended = tool(&device);
+        pass(&mut device, 1000);
+        assert_eq!(tool(&device) == ended, lease > 0, "{context}");
+        let reports = device.take_reports();
+        let is_reported = reports
+            .iter()
+            .any(|line| line.contains("the host was silent"));
+        assert_eq!(is_reported, lease > 0, "{context}: {reports:?}");
+    }
+}
+
+/// A device without a lease is refused unless that is accepted.
+#[test]
+fn a_device_without_a_lease_is_not_trusted() {
+    let mut settings = settings();
+    settings.table.lease = b'w'; // not that of the device
+    for (lease, is_taken) in [(25, false), (0, true)] {
+        let config = settings.config;
+        let table = Settings::ORIGINAL.table;
+        let device = Device::new(config, table, 0, &[[500, 500]], true, 9600, 1).unwrap();
+        let stop = StopRequests::default();
+        let wire = Wire::simulated(device);
+        let mut client = Client::new(wire, settings.table, true, stop).with_lease(lease);
+        match client.carry_out(&Action::Home) {
+            Ok(_) => assert!(is_taken),
+            Err(why) => assert!(!is_taken && why.contains("no lease"), "{why}"),
+        }
+    }
 }

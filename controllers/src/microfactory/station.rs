@@ -55,6 +55,9 @@ impl<const MOVES: usize> AsRef<[[i16; 2]]> for Figure<MOVES> {
 /// ([`Device::of_two_machines`]), and a command applies to the selected one. Both may move at the
 /// same time. An emergency stop and a reset apply to both.
 ///
+/// A host may ask for a lease ([`Order::Lease`]): a motion of any kind then ends when no byte has
+/// arrived for that time. Every byte renews it.
+///
 /// An answer without room in the queue is lost, and the host asks again.
 ///
 /// # Cost
@@ -84,6 +87,8 @@ pub struct MicrofactoryStation<const MOVES: usize, const MACHINES: usize = 1> {
     link: Device,
     machines: [Microfactory<Figure<MOVES>>; MACHINES],
     out: Ring<u8, OUT>,
+    /// Longest silence of the line during a motion, in units of 10 ms. 0: any.
+    lease: u8,
 }
 
 impl<const MOVES: usize, const MACHINES: usize> MicrofactoryStation<MOVES, MACHINES> {
@@ -94,6 +99,7 @@ impl<const MOVES: usize, const MACHINES: usize> MicrofactoryStation<MOVES, MACHI
             machines: [const { Figure::NONE }; MACHINES]
                 .map(|figure| Microfactory::new(config, figure)),
             out: Ring::new(0),
+            lease: 0,
         }
     }
 
@@ -140,8 +146,13 @@ impl<const MOVES: usize, const MACHINES: usize> MicrofactoryStation<MOVES, MACHI
         self.machines.get_mut(usize::from(machine))
     }
 
-    /// Carries out commands without motion: those for the figure of a machine, and status requests.
+    /// Carries out commands without motion: those for the figure of a machine and for the lease, and
+    /// status requests.
     fn keep(&mut self, machine: u8, command: Order) {
+        if let Order::Lease(time) = command {
+            self.lease = time;
+            return;
+        }
         let Some(machine) = self.machine_mut(machine) else {
             return;
         };
@@ -203,6 +214,22 @@ impl<const MOVES: usize, const MACHINES: usize> Controller
 
     fn stops(&self) {}
 
+    fn lease_us(&self) -> Option<u32> {
+        let moves = self.machines.iter().any(Microfactory::is_moving);
+        let is_held = moves && self.lease > 0;
+        // At most 2.55 s.
+        is_held.then_some(u32::from(self.lease).wrapping_mul(10_000))
+    }
+
+    /// Ends the motion of every machine. A step that was given before is the last one.
+    fn expire(&mut self) -> bool {
+        for machine in &mut self.machines {
+            machine.expire();
+        }
+        self.link.leave_mode();
+        false
+    }
+
     fn next_event(
         &mut self,
         machine: u8,
@@ -225,6 +252,7 @@ impl<const MOVES: usize, const MACHINES: usize> Controller
             machine.reset();
         }
         self.link.reset();
+        self.lease = 0;
     }
 }
 

@@ -61,11 +61,12 @@ fn confirm(place: Place, args: &Stop) -> Result<bool, Failure> {
     };
     let done = jog(&Jog {
         actions: vec![action.into()],
+        // What stands needs no lease. A drill has none.
+        lease: (machine != "drill").then_some(0),
         machine,
         port: vec![port],
         figure: None,
         baud: args.baud.or(baud),
-        lease: None,
         without_answers: args.without_answers,
     });
     match done {

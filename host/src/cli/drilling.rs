@@ -169,8 +169,8 @@ pub struct Send {
         value_parser = clap::value_parser!(u16).range(0..=999),
     )]
     pub every: u16,
-    /// Micro mill: a motion ends this many milliseconds after the last byte of this program; 0: it
-    /// needs no host [default: 250]
+    /// Micro mill, microfactory: a motion ends this many milliseconds after the last byte of this
+    /// program; 0: it needs no host [default: 250]
     #[arg(long, value_name = "MS", value_parser = clap::value_parser!(u16).range(0..=9999))]
     pub lease: Option<u16>,
     /// Micro mill: it is homed, and stands at machine zero; microfactory: figures begin at the

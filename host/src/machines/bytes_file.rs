@@ -22,6 +22,7 @@ pub fn read(table: &mut Table<'_, '_>) -> ByteTable {
         ("ask", &mut bytes.ask),
         ("first", first),
         ("second", second),
+        ("lease", &mut bytes.lease),
     ] {
         if let Some([one]) = characters(table, key, "one ASCII character") {
             *byte = one;

@@ -12,7 +12,7 @@ pub enum Report {
     Done,
     /// Stopped by command.
     Stopped,
-    /// A jog was not repeated in time.
+    /// The host was silent: a jog was not repeated in time, or a lease ended.
     DeadMan,
     /// The tool touches the work piece: the figure begins.
     Contact,

@@ -34,12 +34,15 @@ pub struct ByteTable {
     pub ask: u8,
     /// The following commands are for the first or the second machine of the controller.
     pub machines: [u8; 2],
+    /// A motion ends when the line is silent for a time. The time follows in one byte, in units of
+    /// 10 ms. 0: a motion needs no host.
+    pub lease: u8,
 }
 
 impl ByteTable {
     /// `H J N G`, `X x Y y Z z C c`, `A`, `E`, `!`, and commands that the original lacks:
-    /// `< 3 6 5`, `o t`, one and two. A single wrong bit in one of the latter makes no other
-    /// command.
+    /// `< 3 6 5`, `o t`, one and two, and `l`. A single wrong bit in one of the latter makes no
+    /// other command.
     pub const DEFAULT: ByteTable = ByteTable {
         home: b'H',
         manual: b'J',
@@ -54,6 +57,7 @@ impl ByteTable {
         keep: b'6',
         ask: b'5',
         machines: *b"ot",
+        lease: b'l',
     };
 
     /// Whether every byte has one meaning only. `?` answers a byte that is not accepted.
@@ -82,6 +86,7 @@ impl ByteTable {
             self.ask,
             first,
             second,
+            self.lease,
             super::REJECTED,
         ];
         // A bit per byte that was seen. Sorting more than 20 values would link a panic of the
@@ -125,9 +130,10 @@ mod tests {
             table.ask,
             first,
             second,
+            table.lease,
         ];
         for byte in ours {
-            for other in *b"HJNGXxYyZzCcAE!?<365ot" {
+            for other in *b"HJNGXxYyZzCcAE!?<365otl" {
                 assert_ne!((byte ^ other).count_ones(), 1, "{byte} {other}");
             }
         }
