@@ -3,6 +3,8 @@
 #![deny(missing_docs)]
 
 pub mod drill;
+#[cfg(test)]
+mod faults;
 #[cfg(unix)]
 pub mod holder;
 pub mod microfactory;

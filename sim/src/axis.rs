@@ -35,6 +35,8 @@ pub(crate) struct Axis {
     zero: i64,
     step: i64,
     is_blocked: bool,
+    /// Lowest position of the rotor: a mechanical end.
+    end_below: i64,
     pulse: Pulse,
     pub(crate) lost_steps: u64,
 }
@@ -77,6 +79,10 @@ impl Axis {
             zero: (start + quarter / 2) / quarter * quarter,
             step,
             is_blocked: false,
+            end_below: match model.end_below_steps {
+                Some(steps) => start - i64::from(steps) * step,
+                None => i64::MIN,
+            },
             pulse: Pulse::default(),
             lost_steps: 0,
         }
@@ -132,9 +138,10 @@ impl Axis {
     /// cause.
     #[inline]
     pub(crate) fn change(&mut self, levels: u8, now: u64) -> Option<(u32, Cause)> {
-        let in_time = !self.is_blocked && now - self.changed_at >= self.pull_out_ticks;
         let angle = self.equilibrium[usize::from(levels)];
         let jump = (angle as u16).wrapping_sub(self.rotor as u16) as i16;
+        let is_held = self.is_held(i64::from(jump));
+        let in_time = !is_held && now - self.changed_at >= self.pull_out_ticks;
         if in_time && angle < NO_CURRENT && jump != i16::MIN && self.slip == 0 {
             self.changed_at = now;
             self.levels = levels;
@@ -148,6 +155,12 @@ impl Axis {
             Stage::StepDirection(timing) => self.pulse(before, timing, now),
             Stage::StepToggle => self.toggle(before, now),
         }
+    }
+
+    /// Whether the rotor cannot turn by `jump`.
+    #[inline]
+    const fn is_held(&self, jump: i64) -> bool {
+        self.is_blocked || self.rotor + jump < self.end_below
     }
 
     /// Turns the screw by `jump`; the nut follows outside its backlash.
@@ -178,10 +191,11 @@ impl Axis {
             // Both directions are equally near; the field keeps its last direction.
             field_jump = -field_jump;
         }
-        let in_time = in_time || (off_before && !self.is_blocked);
+        let pull = (angle as u16).wrapping_sub(self.rotor as u16) as i16;
+        let is_held = self.is_held(i64::from(pull));
+        let in_time = in_time || (off_before && !is_held);
         self.changed_at = now;
         self.last_jump = field_jump.clamp(-32767, 32767) as i16;
-        let pull = (angle as u16).wrapping_sub(self.rotor as u16) as i16;
         let follows = in_time && pull != i16::MIN;
         let slip_before = if off_before { 0 } else { self.slip };
         let moved = if follows { i64::from(pull) } else { 0 };
@@ -189,7 +203,7 @@ impl Axis {
         self.slip = slip_before + field_jump - moved;
         let worse = self.slip.abs() - slip_before.abs();
         let cause = match (in_time, pull) {
-            (false, _) if self.is_blocked => Cause::Blocked,
+            (false, _) if is_held => Cause::Blocked,
             (false, _) => Cause::TooFast,
             (true, i16::MIN) => Cause::HalfCycle,
             _ => Cause::Slipped,
@@ -249,21 +263,23 @@ impl Axis {
 
     /// Handles an edge of STEP that counts.
     fn count(&mut self, now: u64) -> Option<(u32, Cause)> {
-        let in_time = !self.is_blocked && now - self.changed_at >= self.pull_out_ticks;
+        let positive = (self.levels & Levels::DIR.0 != 0) != self.reversed;
+        let jump = if positive { self.step } else { -self.step };
+        let is_held = self.is_held(jump);
+        let in_time = !is_held && now - self.changed_at >= self.pull_out_ticks;
         self.changed_at = now;
         if self.levels & Levels::ENABLE.0 == 0 {
             return Some(self.lose(self.step, Cause::NoCurrent));
         }
         if !in_time {
-            let cause = if self.is_blocked {
+            let cause = if is_held {
                 Cause::Blocked
             } else {
                 Cause::TooFast
             };
             return Some(self.lose(self.step, cause));
         }
-        let positive = (self.levels & Levels::DIR.0 != 0) != self.reversed;
-        self.turn(if positive { self.step } else { -self.step });
+        self.turn(jump);
         None
     }
 

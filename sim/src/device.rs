@@ -73,6 +73,8 @@ pub struct Device<M: Machine> {
     reported: Vec<String>,
     /// Recorded step events.
     rows: Option<StepRows>,
+    /// Lines of the panel that are due at a time, us.
+    due: Vec<(u64, String)>,
 }
 
 impl<M: Machine> fmt::Debug for Device<M> {
@@ -94,7 +96,20 @@ impl<M: Machine> Device<M> {
             has_power: true,
             reported: Vec::new(),
             rows: None,
+            due: Vec::new(),
         }
+    }
+
+    /// Carries out a line of the panel later, `after_us` from now: a fault in the course of a
+    /// motion.
+    pub fn schedule(&mut self, after_us: u64, line: &str) {
+        let at_us = self.emulated.now_us() + after_us;
+        self.due.push((at_us, line.to_owned()));
+    }
+
+    /// Simulated time since the machine was switched on, us.
+    pub fn now_us(&self) -> u64 {
+        self.emulated.now_us()
     }
 
     /// Records the step events for [`Emulation::made`].
@@ -223,7 +238,14 @@ impl<M: Machine> Emulation for Device<M> {
     }
 
     fn tick(&mut self) -> Vec<u8> {
-        let end_us = self.emulated.now_us() + PERIOD_US;
+        let start_us = self.emulated.now_us();
+        let is_due = |(at_us, _): &mut (u64, String)| *at_us <= start_us;
+        let due: Vec<_> = self.due.extract_if(.., is_due).collect();
+        for (_, line) in due {
+            let answer = self.control(&line);
+            self.reported.push(answer);
+        }
+        let end_us = start_us + PERIOD_US;
         while self.emulated.now_us() < end_us {
             let now_us = self.line.next_us(self.emulated.now_us()).min(end_us);
             self.pass(now_us - self.emulated.now_us());
@@ -316,4 +338,18 @@ pub fn push(
             names.join("|")
         ),
     })
+}
+
+/// Carries out the panel lines `block AXIS` and `unblock AXIS` for an axis of these names. `None`
+/// for another line.
+pub fn block(words: &[&str], names: &[&str], block: impl FnOnce(usize, bool)) -> Option<String> {
+    let [word @ ("block" | "unblock"), axis] = *words else {
+        return None;
+    };
+    let Some(number) = names.iter().position(|name| *name == axis) else {
+        return Some(format!("no axis `{axis}`: there are {}", names.join(", ")));
+    };
+    block(number, word == "block");
+    let is = if word == "block" { "blocked" } else { "free" };
+    Some(format!("the motor of {axis} is {is}"))
 }

@@ -41,6 +41,9 @@ pub struct DrillRig {
     ticks: u64,
 }
 
+/// Distance of the mechanical end of an axis below its switch. The original states none.
+const END_BELOW_SWITCH_STEPS: u32 = 100;
+
 impl DrillRig {
     /// Creates a rig with the axes at `begin`. `stroke` is the distance between the sensors of Z,
     /// `board` the distance of the board below the upper sensor.
@@ -49,11 +52,14 @@ impl DrillRig {
     #[must_use]
     pub fn new(begin: [i32; 3], stroke: u16, board: u16, pull_out_ticks: u32) -> DrillRig {
         let motor = Sequencer::new(Driver::Unipolar, Mode::Full).unwrap_or_else(|_| unreachable!());
-        let axis =
+        let model =
             AxisModel::coils(Driver::Unipolar, Mode::Full).with_pull_out_ticks(pull_out_ticks);
+        let axis = |begin: i32| {
+            model.with_end_below(begin.unsigned_abs().wrapping_add(END_BELOW_SWITCH_STEPS))
+        };
         DrillRig {
             motors: [motor; 3],
-            rig: Rig::new([axis; 3], [motor.levels(); 3]),
+            rig: Rig::new(begin.map(axis), [motor.levels(); 3]),
             begin,
             stroke: i32::from(stroke),
             board: i32::from(board),
@@ -90,6 +96,12 @@ impl DrillRig {
     /// Returns the steps it turned.
     pub fn push(&mut self, axis: usize, steps: i32) -> i32 {
         self.rig.push(axis, steps)
+    }
+
+    /// Blocks the rotor of an axis, or releases it, as a chip in the guide or an end stop does.
+    /// While it is blocked, every step is lost.
+    pub fn block(&mut self, axis: usize, is_blocked: bool) {
+        self.rig.block(axis, is_blocked);
     }
 
     /// Carries out an event.

@@ -36,6 +36,9 @@ const REST: L297Inputs = L297Inputs {
     enable: false,
 };
 
+/// Distance of the mechanical end of an axis below its home switch. The original states none.
+const END_BELOW_SWITCH_STEPS: u32 = 100;
+
 impl MicrofactoryRig {
     /// Creates a rig with the axes the given load steps above their home switches, and the work
     /// piece the given steps of Y above the axis. The motors lose steps closer than
@@ -48,11 +51,12 @@ impl MicrofactoryRig {
         pull_out_ticks: u32,
     ) -> MicrofactoryRig {
         let [x, y, z] = config.lash_steps.map(u32::from);
-        let axis = |lash| {
-            AxisModel::coils(Driver::L297, Mode::Full)
-                .with_lash(lash)
-                .with_pull_out_ticks(pull_out_ticks)
+        let model = AxisModel::coils(Driver::L297, Mode::Full).with_pull_out_ticks(pull_out_ticks);
+        let axis = |lash, above| {
+            let end_below = u32::from(above) + lash + END_BELOW_SWITCH_STEPS;
+            model.with_lash(lash).with_end_below(end_below)
         };
+        let [above_x, above_y, above_z] = above_switches;
         let mut chip = L297::new();
         chip.set(REST);
         // The rotors rest at state 1.
@@ -61,7 +65,7 @@ impl MicrofactoryRig {
             chips: [chip; MICROFACTORY_MOTORS],
             inputs: REST,
             rig: Rig::new(
-                [axis(x), axis(y), axis(z), axis(0)],
+                [axis(x, above_x), axis(y, above_y), axis(z, above_z), model],
                 [home; MICROFACTORY_MOTORS],
             ),
             switches: above_switches.map(|steps| -i32::from(steps)),
@@ -92,6 +96,12 @@ impl MicrofactoryRig {
         if let Some(held) = self.held.get_mut(switch) {
             *held = closed;
         }
+    }
+
+    /// Blocks the rotor of an axis, or releases it, as a chip in the guide or an end stop does.
+    /// While it is blocked, every step is lost.
+    pub fn block(&mut self, axis: usize, is_blocked: bool) {
+        self.rig.block(axis, is_blocked);
     }
 
     /// Carries out an event.

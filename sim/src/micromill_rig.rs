@@ -21,6 +21,9 @@ pub struct MicromillRig {
     tool: u8,
 }
 
+/// Distance of the mechanical end of an axis below its home switch. The original states none.
+const END_BELOW_SWITCH_STEPS: u32 = 100;
+
 impl MicromillRig {
     /// Creates a rig with the axes the given load steps above their home switches, and with the
     /// backlash of the configuration.
@@ -34,15 +37,18 @@ impl MicromillRig {
     ) -> MicromillRig {
         let driver = Driver::Pbl3717a;
         let motor = Sequencer::new(driver, Mode::Full).unwrap_or_else(|_| unreachable!());
-        let axis = |axis: &husillo_machine::Axis| {
+        let [x, y, z] = &config.machine.axes;
+        let [above_x, above_y, above_z] = above_switches;
+        let axis = |axis: &husillo_machine::Axis, above: u32| {
             AxisModel::coils(driver, Mode::Full)
                 .with_lash(axis.lash_steps)
                 .with_pull_out_ticks(pull_out_ticks)
+                .with_end_below(above + axis.lash_steps + END_BELOW_SWITCH_STEPS)
         };
         MicromillRig {
             motors: [motor; 3],
             rig: Rig::new(
-                config.machine.axes.each_ref().map(axis),
+                [axis(x, above_x), axis(y, above_y), axis(z, above_z)],
                 [motor.levels(); 3],
             ),
             switches: above_switches.map(|steps| -i32::try_from(steps).unwrap_or(i32::MAX)),
@@ -75,6 +81,12 @@ impl MicromillRig {
     /// Returns the steps it turned.
     pub fn push(&mut self, axis: usize, steps: i32) -> i32 {
         self.rig.push(axis, steps)
+    }
+
+    /// Blocks the rotor of an axis, or releases it, as a chip in the guide or an end stop does.
+    /// While it is blocked, every step is lost.
+    pub fn block(&mut self, axis: usize, is_blocked: bool) {
+        self.rig.block(axis, is_blocked);
     }
 
     /// Carries out an event.

@@ -12,6 +12,7 @@ pub struct AxisModel {
     pub(crate) lash_steps: u32,
     pub(crate) pull_out_ticks: u32,
     pub(crate) reversed: bool,
+    pub(crate) end_below_steps: Option<u32>,
 }
 
 /// Conversion of levels to a rotor angle.
@@ -54,6 +55,7 @@ impl AxisModel {
             lash_steps: 0,
             pull_out_ticks: 0,
             reversed: false,
+            end_below_steps: None,
         }
     }
 
@@ -69,6 +71,16 @@ impl AxisModel {
     pub const fn with_pull_out_ticks(self, pull_out_ticks: u32) -> AxisModel {
         AxisModel {
             pull_out_ticks,
+            ..self
+        }
+    }
+
+    /// Sets a mechanical end: the rotor turns at most this number of drive steps backward from its
+    /// first position. A motor that is driven against it loses steps.
+    #[must_use]
+    pub const fn with_end_below(self, steps: u32) -> AxisModel {
+        AxisModel {
+            end_below_steps: Some(steps),
             ..self
         }
     }

@@ -1,6 +1,6 @@
 //! The simulated drill.
 
-use super::{Event, Machine, Pair, hold, push};
+use super::{Event, Machine, Pair, block, hold, push};
 use crate::{DrillRig, DrilledHole, Emulated};
 use husillo_controllers::{Drill, DrillConfig, DrillEvent, DrillFault, DrillReport};
 use husillo_transports::drill::MEMORY_BYTES;
@@ -58,7 +58,8 @@ impl Machine for EmulatedDrill {
     /// The states are the wires of each motor, bit 0 for the first one, and the spindle.
     const COLUMNS: &'static str = "dx,dy,dz,lx,ly,lz,spindle";
     const PANEL: &'static str = "holes, board, close x|y|up|down, open x|y|up|down, \
-                                 free x|y|up|down, push x|y N";
+                                 free x|y|up|down, push x|y N, \
+                                 block x|y|z, unblock x|y|z";
     /// The spindle stops with the supply of its relay.
     const AT_RESET: DrillEvent = DrillEvent::Spindle(false);
 
@@ -92,7 +93,8 @@ impl Machine for EmulatedDrill {
             _ => hold(words, &["x", "y", "up", "down"], |switch, closed| {
                 rig.hold(switch, closed);
             })
-            .or_else(|| push(words, &["x", "y"], |axis, steps| rig.push(axis, steps))),
+            .or_else(|| push(words, &["x", "y"], |axis, steps| rig.push(axis, steps)))
+            .or_else(|| block(words, &["x", "y", "z"], |axis, is| rig.block(axis, is))),
         }
     }
 

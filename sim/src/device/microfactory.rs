@@ -1,6 +1,6 @@
 //! The simulated microfactory.
 
-use super::{Event, Machine, Pair, hold};
+use super::{Event, Machine, Pair, block, hold};
 use crate::{Emulated, MicrofactoryRig};
 use husillo_controllers::{
     MicrofactoryConfig, MicrofactoryEvent, MicrofactoryReport, MicrofactoryStation,
@@ -83,8 +83,8 @@ impl Machine for EmulatedMicrofactory {
     /// machine.
     const COLUMNS: &'static str = "dx,dy,dz,dc,current,reset,machine";
     const PANEL: &'static str = "close x|y|z|contact, open x|y|z|contact, \
-                                 free x|y|z|contact; 2: before it for the \
-                                 second machine";
+                                 free x|y|z|contact, block x|y|z, unblock x|y|z; 2: before it for \
+                                 the second machine";
     const AT_RESET: MicrofactoryEvent = MicrofactoryEvent::Enable(false);
 
     fn place(&self, emulated: &Pair<Self>, number: u8) -> String {
@@ -106,6 +106,7 @@ impl Machine for EmulatedMicrofactory {
         hold(words, &["x", "y", "z", "contact"], |switch, closed| {
             rig.hold(switch, closed);
         })
+        .or_else(|| block(words, &["x", "y", "z"], |axis, is| rig.block(axis, is)))
     }
 
     fn report(event: &MicrofactoryEvent) -> Option<String> {

@@ -1,6 +1,6 @@
 //! The simulated micro mill.
 
-use super::{Event, Machine, Pair, hold, push};
+use super::{Event, Machine, Pair, block, hold, push};
 use crate::{Emulated, MicromillRig};
 use husillo_controllers::{Micromill, MicromillConfig, MicromillEvent};
 use husillo_gcode::SpindleDirection;
@@ -35,7 +35,8 @@ impl Machine for EmulatedMicromill {
     /// The states are the wires of each motor, bit 0 for the first one, and the spindle: 1
     /// clockwise, 2 counter-clockwise.
     const COLUMNS: &'static str = "dx,dy,dz,lx,ly,lz,spindle";
-    const PANEL: &'static str = "close x|y|z, open x|y|z, free x|y|z, push x|y|z N";
+    const PANEL: &'static str = "close x|y|z, open x|y|z, free x|y|z, push x|y|z N, \
+                                 block x|y|z, unblock x|y|z";
     const AT_RESET: MicromillEvent = MicromillEvent::Spindle {
         direction: SpindleDirection::Off,
         rpm: 0,
@@ -65,6 +66,7 @@ impl Machine for EmulatedMicromill {
         let names = ["x", "y", "z"];
         hold(words, &names, |switch, closed| rig.hold(switch, closed))
             .or_else(|| push(words, &names, |axis, steps| rig.push(axis, steps)))
+            .or_else(|| block(words, &names, |axis, is| rig.block(axis, is)))
     }
 
     fn report(event: &MicromillEvent) -> Option<String> {

@@ -1,0 +1,179 @@
+//! Every machine with every fault in every state: how long it moves afterwards, what the operator
+//! reads, and that work continues after the repair.
+//!
+//! The machines run in simulated time. The results are the table of `docs/faults.md`.
+
+mod microfactory;
+
+use microfactory::Microfactory;
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+/// What the machine does when the fault occurs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum State {
+    Idle,
+    Homing,
+    Jog,
+    Program,
+    Probing,
+}
+
+/// A fault, and the lines of the panel that cause and repair it.
+#[derive(Debug)]
+struct Fault {
+    name: &'static str,
+    begins: &'static str,
+    ends: &'static str,
+    /// Longest motion afterwards, ms. `None`: the motion has its own end.
+    most_ms: Option<u64>,
+    /// Whether the machine has no means to notice it.
+    is_hidden: bool,
+}
+
+/// A machine with its client.
+trait Subject: Sized {
+    const MACHINE: &'static str;
+    const FAULTS: &'static [Fault];
+    /// The states of the machine, and the time from the start of the action to the fault, ms.
+    const STATES: &'static [(State, u64)];
+
+    /// A homed machine.
+    fn new() -> Self;
+
+    /// Carries out the line of the panel later.
+    fn schedule(&mut self, after_ms: u64, line: &str);
+
+    /// Begins the motion of a state and waits for its end. For [`State::Idle`] it is a short move.
+    fn act(&mut self, state: State) -> Result<String, String>;
+
+    /// Simulates the machine alone.
+    fn pass(&mut self, ms: u64);
+
+    /// Simulated time, ms.
+    fn now_ms(&self) -> u64;
+
+    /// Time of the last step so far, ms.
+    fn last_step_ms(&mut self) -> u64;
+
+    /// Whether the machine is where it reports to be.
+    fn is_true(&mut self) -> bool;
+
+    /// Another program: homes the machine and moves it.
+    fn begin_again(self) -> Result<Self, String>;
+}
+
+/// What the operator reads where the fault does not matter.
+const CARRIED_OUT: &str = "carried out";
+/// What the operator reads where the machine cannot notice the fault.
+const UNSEEN: &str = "nothing: the steps are lost unseen";
+
+/// What became of a machine.
+struct Row {
+    machine: &'static str,
+    fault: &'static str,
+    state: State,
+    /// `None`: the motion was carried out.
+    moved_ms: Option<u64>,
+    read: String,
+}
+
+/// A fault in a state.
+fn row<S: Subject>(fault: &'static Fault, state: State, after_ms: u64) -> Row {
+    let context = format!("{}, {}, {state:?}", S::MACHINE, fault.name);
+    let mut machine = S::new();
+    let begin_ms = machine.now_ms();
+    let is_idle = state == State::Idle;
+    machine.schedule(after_ms, fault.begins);
+    if is_idle {
+        machine.pass(after_ms + 1);
+    }
+    let result = machine.act(state);
+    // What moves without a host has an end, too.
+    machine.pass(200_000);
+    let moved_ms = (machine.last_step_ms()).saturating_sub(begin_ms + after_ms);
+    if let (Some(most_ms), false) = (fault.most_ms, is_idle) {
+        assert!(moved_ms <= most_ms, "{context}: it moves for {moved_ms} ms");
+    }
+    let is_true = machine.is_true();
+    let read = match result {
+        Err(why) => why,
+        Ok(_) if is_true => CARRIED_OUT.into(),
+        Ok(_) => {
+            assert!(fault.is_hidden, "{context}: nobody notices");
+            UNSEEN.into()
+        }
+    };
+    machine.schedule(0, fault.ends);
+    machine.pass(2000);
+    let again = machine.begin_again();
+    let mut machine = again.unwrap_or_else(|why| panic!("{context}: {why}"));
+    assert!(
+        machine.is_true(),
+        "{context}: work goes on at a wrong position"
+    );
+    Row {
+        machine: S::MACHINE,
+        fault: fault.name,
+        state,
+        moved_ms: (read != CARRIED_OUT && read != UNSEEN).then_some(moved_ms),
+        read,
+    }
+}
+
+fn rows<S: Subject>() -> Vec<Row> {
+    let cells = S::FAULTS.iter().flat_map(|fault| {
+        let states = S::STATES.iter();
+        states.map(move |(state, after_ms)| row::<S>(fault, *state, *after_ms))
+    });
+    cells.collect()
+}
+
+/// A row of the table for the states with the same result.
+fn table(rows: &[Row]) -> String {
+    let mut text = String::new();
+    let mut last = None;
+    for row in rows {
+        if last != Some(row.machine) {
+            last = Some(row.machine);
+            let _ = write!(
+                text,
+                "\n## {}\n\n| fault | state | moves afterwards | the operator reads |\n\
+                 | --- | --- | --- | --- |\n",
+                row.machine
+            );
+        }
+        let moved = match row.moved_ms {
+            None => "as asked".into(),
+            Some(0) => "not at all".into(),
+            Some(ms) if ms < 1000 => format!("{ms} ms"),
+            Some(ms) => format!("{:.1} s", ms as f64 / 1000.0),
+        };
+        let state = format!("{:?}", row.state).to_lowercase();
+        let read = row.read.replace('|', "\\|");
+        let _ = writeln!(text, "| {} | {state} | {moved} | {read} |", row.fault);
+    }
+    text
+}
+
+const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/faults.md");
+/// The part of the page before the tables ends with this line.
+const HEAD_END: &str = "<!-- The tables are written by the tests of husillo-clients. -->\n";
+
+/// With `HUSILLO_WRITE` in the environment the tables are written anew.
+#[test]
+fn the_page_of_faults_is_what_happens() {
+    let rows = rows::<Microfactory>();
+    let tables = table(&rows);
+    let page = std::fs::read_to_string(PAGE).unwrap();
+    let (head, old) = page.split_once(HEAD_END).unwrap();
+    if std::env::var_os("HUSILLO_WRITE").is_some() {
+        std::fs::write(PAGE, format!("{head}{HEAD_END}{tables}")).unwrap();
+    } else {
+        assert_eq!(tables, old, "HUSILLO_WRITE=1 writes the tables anew");
+    }
+    let mut counts = BTreeMap::new();
+    rows.iter()
+        .for_each(|row| *counts.entry(row.state).or_insert(0) += 1);
+    assert!(counts.values().all(|count| *count >= 5), "{counts:?}");
+}
