@@ -3,6 +3,8 @@
 mod listing;
 mod page;
 
+pub use listing::percent;
+
 use crate::cli::{Output, Tune, TuneMethod, TuneRule};
 use crate::console::sharing::share;
 use crate::console::stop::INTERRUPTED;

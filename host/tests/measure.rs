@@ -160,7 +160,7 @@ fn several_axes_are_called_0_and_asked() {
     for line in [
         "Y status: at ",
         "    held at    0.0000 mm, position error ",
-        "    current    0 of 255",
+        "    current    0 % of full scale",
         "    status     move done, power on",
         "servo on",
         "    version    4",

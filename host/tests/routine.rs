@@ -68,6 +68,8 @@ fn a_routine_on_the_chain() {
     let routine = written("corner.routine", CORNER);
     let page = scratch("corner.html");
     let run = measure()
+        .env("SOURCE_DATE_EPOCH", "1700000000")
+        .args(["--part", "No. 17 <left>", "--pretravel", "8 um"])
         .args(["run", "--format", "json"])
         .arg(&routine)
         .arg("-o")
@@ -76,6 +78,10 @@ fn a_routine_on_the_chain() {
         .success();
     let result: Value = serde_json::from_slice(&run.get_output().stdout).unwrap();
     assert_eq!(result["in_tolerance"], true);
+    assert_eq!(result["part"], "No. 17 <left>");
+    assert_eq!(result["measured"], "2023-11-14 22:13 UTC");
+    let frames = [0, 4].map(|feature: usize| &result["features"][feature]["frame"]);
+    assert_eq!(frames, ["machine", "top, front, left"]);
     let edge = &result["features"][4];
     assert_eq!(
         (&edge["feature"], &edge["kind"]),
@@ -90,6 +96,16 @@ fn a_routine_on_the_chain() {
     assert!(!page.contains("<script") && !page.contains("http"));
     assert_eq!(page.matches("<svg").count(), page.matches("</svg>").count());
     assert!(page.contains("XZ view") && page.contains("3 of 3 tolerances kept"));
+    assert!(page.contains("part No. 17 &lt;left&gt;, ") && page.contains("2023-11-14 22:13 UTC"));
+    for figure in [
+        "<dt>largest spread of a point</dt><dd>one touch a point</dd>",
+        "<dt>pre-travel</dt><dd>8 um</dd>",
+        "<td>top, front, left</td>",
+    ] {
+        assert!(page.contains(figure), "{figure}");
+    }
+    // The result stands beside the name, where a phone shows it.
+    assert!(page.contains("<td>E</td><td class=\"ok\">ok</td>"));
 }
 
 #[test]

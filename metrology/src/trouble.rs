@@ -10,7 +10,12 @@ pub enum Trouble {
     /// The port failed.
     Port(io::Error),
     /// The link failed.
-    Link(nmc::Failure),
+    Link {
+        /// The module that was asked: its axis, if it is known, and its address.
+        module: String,
+        /// How it failed.
+        failure: nmc::Failure,
+    },
     /// The link refused to send the command.
     Refused(nmc::Refused),
     /// No module answers.
@@ -150,7 +155,7 @@ impl fmt::Display for Trouble {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Port(error) => write!(out, "the port failed: {error}"),
-            Self::Link(failure) => failure.fmt(out),
+            Self::Link { module, failure } => write!(out, "{module}: {failure}"),
             Self::Refused(refused) => refused.fmt(out),
             Self::NoModules => out.write_str("no answer: no module on the line at any baud rate"),
             Self::NoModule { wanted, modules } => {

@@ -46,6 +46,9 @@ pub struct Measure {
     /// Share of wrong bits on the simulated line, such as 1e-5
     #[arg(long, value_name = "RATE", default_value_t = 0.0, value_parser = share)]
     pub noise: f64,
+    /// Name or number of the part, for the report of a routine
+    #[arg(long, value_name = "TEXT")]
+    pub part: Option<String>,
     /// How to print the results
     #[arg(long, value_enum, default_value = "text")]
     pub format: Results,

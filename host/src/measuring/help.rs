@@ -4,13 +4,36 @@ use husillo_metrology::Trouble;
 use husillo_metrology::routine::Failure;
 use husillo_transports::nmc;
 
+const SILENT: &str = "is it the right port, are the modules powered, is ADDR_IN of the farthest one \
+                      low? After power off and on the modules accept group commands again. --raw \
+                      shows the bytes";
+
+/// The hint for a failure of the link.
+const fn link(failure: nmc::Failure) -> &'static str {
+    match failure {
+        nmc::Failure::Silent => SILENT,
+        nmc::Failure::Garbled => {
+            "the line is disturbed, or two modules have one address. Check the termination and the \
+             shield; --raw shows the bytes"
+        }
+        nmc::Failure::NotExecuted => {
+            "the module reported damaged commands, so nothing has moved. Check the line and repeat \
+             the command"
+        }
+        nmc::Failure::Uncertain => {
+            "look where the axis stands before the next command: `status` reads it again"
+        }
+        nmc::Failure::Unsteady => {
+            "the axis moves or vibrates although it should stand: check `gains`"
+        }
+    }
+}
+
 /// The hint for a trouble.
 pub const fn help(trouble: &Trouble) -> Option<&'static str> {
     Some(match trouble {
-        Trouble::Link(nmc::Failure::Silent) | Trouble::NoModules => {
-            "is it the right port, are the modules powered, is ADDR_IN of the farthest one low? \
-             After power off and on the modules accept group commands again. --raw shows the bytes"
-        }
+        Trouble::Link { failure, .. } => link(*failure),
+        Trouble::NoModules => SILENT,
         Trouble::NoModule { .. } => {
             "`module` of an axis in the machine file is its address; the farthest one has address 1"
         }

@@ -1,5 +1,6 @@
 //! The result of one action, as text, JSON or a line of a table.
 
+use crate::tuning::percent;
 use husillo_metrology::Scale;
 use serde::{Serialize, Serializer};
 use std::fmt;
@@ -251,12 +252,12 @@ impl ResultRow {
                     bits => bits.join(", "),
                 };
                 format!(
-                    "{head}: at {}\n    held at    {}, position error {}\n    current    {} of \
-                     255\n    status     {}\n    auxiliary  {}\n    version    {}",
+                    "{head}: at {}\n    held at    {}, position error {}\n    current    {:.0} % \
+                     of full scale\n    status     {}\n    auxiliary  {}\n    version    {}",
                     all(&self.position),
                     of(status.held),
                     of(status.position_error),
-                    status.current,
+                    percent(status.current),
                     words(&status.bits),
                     words(&status.auxiliary),
                     status.version

@@ -4,6 +4,7 @@
 //! their mistakes and writes the reports.
 
 mod findings;
+mod heading;
 mod job;
 mod listing;
 mod page;

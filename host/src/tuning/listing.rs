@@ -18,7 +18,10 @@ pub fn figures(outcome: &Outcome) -> Vec<(&'static str, String)> {
             ),
             ("settled within 1 count", ms(step.settling_ms)),
             ("error at the end", counts(step.steady_error)),
-            ("peak current", format!("{} of 255", step.peak_current)),
+            (
+                "peak current",
+                format!("{:.0} % of full scale", percent(step.peak_current)),
+            ),
         ]);
     }
     if let Some(relay) = &outcome.relay {
@@ -112,4 +115,9 @@ pub fn text(outcome: &Outcome) -> String {
         let _ = writeln!(text, "{toml}");
     }
     text
+}
+
+/// A reading of the current, 0 to 255, in percent of the full scale of the module.
+pub fn percent(reading: u8) -> f64 {
+    f64::from(reading) / 2.55
 }

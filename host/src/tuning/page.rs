@@ -1,6 +1,6 @@
 //! The page of an experiment: figures, pictures, trials.
 
-use super::listing::figures;
+use super::listing::{figures, percent};
 use crate::page::chart::{LEFT, Panel, RIGHT, ceiling, time_scale};
 use crate::page::frame;
 use crate::text::escape::escape;
@@ -51,7 +51,7 @@ fn trace_s(trace: &Trace, us: u64) -> f64 {
 /// The values of the lower chart: the current of a servo, or the drive of a motor without one.
 fn below(trace: &Trace) -> Vec<(f64, f64)> {
     if trace.target.is_some() {
-        return shown(trace, |sample| f64::from(sample.current));
+        return shown(trace, |sample| percent(sample.current));
     }
     let drives = trace.drives.iter();
     let drives = drives.map(|(us, duty)| (trace_s(trace, *us), f64::from(*duty)));
@@ -61,7 +61,7 @@ fn below(trace: &Trace) -> Vec<(f64, f64)> {
 /// Draws the lower chart.
 fn lower(page: &mut String, trace: &Trace, below: &[(f64, f64)], x: impl Fn(f64) -> f64) {
     let (name, bottom) = match trace.target {
-        Some(_) => ("motor current, of 255", 0.0),
+        Some(_) => ("motor current, % of full scale", 0.0),
         None => ("drive, PWM", -255.0),
     };
     let largest = below

@@ -55,6 +55,7 @@ impl<P: Port> Head<P> {
         if machine.axes.is_empty() {
             return Err(Trouble::NoAxis { axis: 'X' });
         }
+        line.name_axes(machine);
         let chain = line.start_up(machine.baud)?;
         let wanted = machine.modules();
         if chain.modules < wanted {

@@ -2,6 +2,7 @@
 
 mod halt;
 
+use super::machine::Machine;
 use super::operator::Operator;
 use super::port::Port;
 use crate::trouble::Trouble;
@@ -10,11 +11,16 @@ use husillo_transports::nmc::{
 };
 use std::fmt;
 
+/// Addresses from here on are those of groups.
+const FIRST_GROUP: u8 = 0x80;
+
 /// The host's end of the line.
 pub struct Line<P> {
     port: P,
     host: Host,
     operator: Box<dyn Operator>,
+    /// Module and letter of each axis, for messages.
+    letters: Vec<(u8, char)>,
 }
 
 impl<P: fmt::Debug> fmt::Debug for Line<P> {
@@ -34,6 +40,7 @@ impl<P: Port> Line<P> {
             port,
             host,
             operator: Box::new(()),
+            letters: Vec::new(),
         }
     }
 
@@ -44,6 +51,24 @@ impl<P: Port> Line<P> {
         Self {
             operator: Box::new(operator),
             ..self
+        }
+    }
+
+    /// Names the axes of the modules, for messages.
+    pub(super) fn name_axes(&mut self, machine: &Machine) {
+        let axes = machine.axes.iter();
+        self.letters = axes.map(|axis| (axis.module, axis.letter)).collect();
+    }
+
+    /// A module in words: `axis x (module 2)`.
+    pub(super) fn name(&self, address: u8) -> String {
+        if address >= FIRST_GROUP {
+            return "the modules".into();
+        }
+        let mut letters = self.letters.iter();
+        match letters.find(|(module, _)| *module == address) {
+            Some((_, letter)) => format!("axis {letter} (module {address})"),
+            None => format!("module {address}"),
         }
     }
 
@@ -111,7 +136,7 @@ impl<P: Port> Line<P> {
     ///
     /// The port or the link fails.
     pub fn command(&mut self, address: u8, command: Command) -> Result<Reply, Trouble> {
-        self.answer(Step::Request { address, command })
+        self.answer(address, Step::Request { address, command })
     }
 
     /// Reads a standing axis until two readings agree. Positions may differ by `jitter_counts`.
@@ -125,18 +150,22 @@ impl<P: Port> Line<P> {
         items: Items,
         jitter_counts: u32,
     ) -> Result<Reply, Trouble> {
-        self.answer(Step::ReadTwice {
+        let step = Step::ReadTwice {
             address,
             items,
             jitter_counts,
-        })
+        };
+        self.answer(address, step)
     }
 
-    fn answer(&mut self, step: Step) -> Result<Reply, Trouble> {
+    fn answer(&mut self, address: u8, step: Step) -> Result<Reply, Trouble> {
         match self.step(step)? {
             Outcome::Answered(reply) | Outcome::Confirmed(reply) => Ok(reply),
             Outcome::Sent => Ok(Reply::default()),
-            Outcome::Failed(failure) => Err(Trouble::Link(failure)),
+            Outcome::Failed(failure) => Err(Trouble::Link {
+                module: self.name(address),
+                failure,
+            }),
         }
     }
 

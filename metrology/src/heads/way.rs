@@ -124,7 +124,10 @@ impl<P: Port> Head<P> {
             let reply = self.line.command(axis.settings.module, command)?;
             if !searches(&reply) {
                 // The module has received another command, and its latch belongs to another search.
-                return Err(Trouble::Link(Failure::Uncertain));
+                return Err(Trouble::Link {
+                    module: self.line.name(axis.settings.module),
+                    failure: Failure::Uncertain,
+                });
             }
         }
         Ok(())
@@ -207,7 +210,11 @@ impl<P: Port> Head<P> {
         for _ in 0..STARTS {
             match self.line.command(EVERY_GROUP, Command::StartMotion) {
                 // If the answer of the leader is missing, the readings below decide.
-                Ok(_) | Err(Trouble::Link(Failure::Uncertain)) => {}
+                Ok(_)
+                | Err(Trouble::Link {
+                    failure: Failure::Uncertain,
+                    ..
+                }) => {}
                 Err(trouble) => return Err(trouble),
             }
             let replies = self.read()?;

@@ -49,6 +49,7 @@ impl<'a> Runner<'a> {
             Order::MachineFrame => {
                 let here = site.machine_position()?;
                 site.change_frame(Frame::MACHINE, here);
+                site.frame_name = "machine".into();
             }
             Order::Frame { of, called_nm } => {
                 let here = site.machine_position()?;
@@ -56,6 +57,7 @@ impl<'a> Runner<'a> {
                 let of = [self.find(plane)?, self.find(line)?, self.find(point)?];
                 let frame = align(of, *called_nm, &self.site.frame, &self.site.tip)?;
                 self.site.change_frame(frame, here);
+                self.site.frame_name = format!("{plane}, {line}, {point}");
             }
             Order::Measure(task) => {
                 let feature = self.measure(task, statement.line)?;
@@ -88,6 +90,7 @@ impl<'a> Runner<'a> {
             contacts,
             marks,
             frame: self.site.frame,
+            frame_name: self.site.frame_name.clone(),
             dimensions: Vec::new(),
             is_spoiled: false,
         };

@@ -31,6 +31,8 @@ pub struct Site<'a> {
     pub tip: Stylus,
     /// The frame of coordinates.
     pub frame: Frame,
+    /// How the routine calls the frame: `machine`, or the features that give it.
+    pub frame_name: String,
     /// Distance before a surface at which touches begin, nm.
     pub clearance_nm: i64,
     /// Distance behind a surface at which touches end, nm.
@@ -57,6 +59,7 @@ impl<'a> Site<'a> {
             prober,
             tip,
             frame: Frame::MACHINE,
+            frame_name: "machine".into(),
             clearance_nm: 2_000_000,
             search_nm: 2_000_000,
             safe_nm: None,
@@ -207,6 +210,9 @@ impl<'a> Site<'a> {
     pub(super) fn zero(&mut self, axes: [bool; 3]) -> Result<(), Failure> {
         let here = self.machine_position()?;
         self.change_frame(self.frame.zeroed(here, axes), here);
+        let axes = "xyz".chars().zip(axes).filter(|(_, is_zeroed)| *is_zeroed);
+        self.frame_name.push_str(", zero moved in ");
+        self.frame_name.extend(axes.map(|(axis, _)| axis));
         Ok(())
     }
 

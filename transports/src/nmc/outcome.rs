@@ -117,10 +117,10 @@ impl fmt::Display for Failure {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         out.write_str(match self {
             Failure::Silent => "no answer",
-            Failure::Garbled => "no undamaged answer",
-            Failure::NotExecuted => "not executed",
+            Failure::Garbled => "every answer was damaged",
+            Failure::NotExecuted => "the command was not executed",
             Failure::Uncertain => "no answer, and the readings do not tell whether it was executed",
-            Failure::Unsteady => "no two readings agree",
+            Failure::Unsteady => "two readings of a standing axis never agreed",
         })
     }
 }

@@ -1,5 +1,6 @@
 //! `husillo measure run` and `husillo measure record`: reads and writes their files.
 
+use super::heading::{Heading, now};
 use super::{findings, listing, page};
 use crate::cli::{Measure, Results};
 use crate::diagnostics::{Finding, Format};
@@ -138,11 +139,17 @@ pub fn run(
     if has_collided {
         runner.features.iter_mut().for_each(Feature::spoil);
     }
-    let (name, features) = (routine.name(), &runner.features);
+    let features = &runner.features;
+    let heading = Heading {
+        routine: routine.name(),
+        part: args.part.as_deref(),
+        machine: &machine.title,
+        measured: now(),
+    };
     let trouble = done.as_ref().err().map(|finding| finding.message.clone());
     let json = || {
         let trouble = trouble.as_deref();
-        listing::json(name, &machine.title, features, trouble, has_collided)
+        listing::json(&heading, features, trouble, has_collided)
     };
     match args.format {
         Results::Text => writeln!(out, "{}", listing::summary(features))?,
@@ -152,13 +159,7 @@ pub fn run(
     if let Some(path) = &args.output {
         let lower = path.to_ascii_lowercase();
         let text = if lower.ends_with(".html") || lower.ends_with(".htm") {
-            page::html(
-                name,
-                &machine.title,
-                features,
-                &runner.site,
-                trouble.as_deref(),
-            )
+            page::html(&heading, features, &runner.site, trouble.as_deref())
         } else if lower.ends_with(".json") {
             json()
         } else {

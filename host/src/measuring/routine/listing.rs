@@ -1,5 +1,6 @@
 //! Measured features as text, JSON and a table.
 
+use super::heading::Heading;
 use crate::text::length::length;
 use husillo_metrology::routine::{Dimension, Feature, Verdict, decimal, number, signed};
 use serde_json::{Value, json};
@@ -94,16 +95,17 @@ pub fn summary(features: &[Feature]) -> String {
 /// One JSON object for all features. It also has the trouble that ended the routine, and whether
 /// there was a collision.
 pub fn json(
-    name: &str,
-    machine: &str,
+    heading: &Heading<'_>,
     features: &[Feature],
     trouble: Option<&str>,
     has_collided: bool,
 ) -> String {
     let all: Vec<Value> = features.iter().map(object).collect();
     let whole = json!({
-        "routine": name,
-        "machine": machine,
+        "routine": heading.routine,
+        "part": heading.part,
+        "machine": heading.machine,
+        "measured": heading.measured,
         "trouble": trouble,
         "collision": has_collided,
         "in_tolerance": trouble.is_none() && !has_collided && features.iter().all(Feature::is_good),
@@ -130,6 +132,7 @@ fn object(feature: &Feature) -> Value {
     json!({
         "feature": feature.name,
         "kind": feature.keyword,
+        "frame": feature.frame_name,
         "line": feature.line,
         "in_tolerance": feature.is_good(),
         "dimensions": dimensions,

@@ -1,5 +1,6 @@
 //! The measuring report: one self-contained HTML file without scripts.
 
+use super::heading::Heading;
 use super::listing::{limits, summary};
 use super::picture::{self, ABOVE, FRONT};
 use crate::page::frame;
@@ -18,20 +19,25 @@ circle{fill:none;vector-effect:non-scaling-stroke}circle.dot{fill:var(--ink);str
 .off{stroke:var(--rapid);stroke-width:2.4}.bar{stroke:var(--rapid);stroke-width:5}\
 td.ok{color:var(--good)}td.out{color:var(--limit);font-weight:700}tr.first td{border-top:2px solid \
 var(--line)}\
-td:nth-child(2),th:nth-child(2),td:nth-child(3),th:nth-child(3){text-align:left}\
+td:nth-child(n+8),th:nth-child(n+8),td:nth-child(2),th:nth-child(2),td:nth-child(3),\
+th:nth-child(3){text-align:left}\
 figure{margin:.8rem 0}figcaption{color:var(--soft);font-size:.9rem}\
 .verdict{font-size:1.15rem;font-weight:600}.verdict.ok{color:var(--good)}\
 .verdict.out{color:var(--limit)}";
 
 /// Writes the page.
 pub fn html(
-    name: &str,
-    machine: &str,
+    heading: &Heading<'_>,
     features: &[Feature],
     site: &Site<'_>,
     trouble: Option<&str>,
 ) -> String {
-    let mut page = frame::open(&format!("{name}: measured"), name, machine, LOOK);
+    let name = heading.routine;
+    let of = heading
+        .part
+        .map_or(String::new(), |part| format!("part {part}, "));
+    let line = format!("{of}{}, measured {}", heading.machine, heading.measured);
+    let mut page = frame::open(&format!("{name}: measured"), name, &line, LOOK);
     let is_good = features.iter().all(Feature::is_good) && trouble.is_none();
     // Writing to a String cannot fail.
     let _ = writeln!(
@@ -59,6 +65,8 @@ fn figures(page: &mut String, features: &[Feature], site: &Site<'_>) {
     let touches: u32 = features.iter().map(Feature::touches).sum();
     let spread = features.iter().map(Feature::spread_nm).max();
     let form = features.iter().map(Feature::form_nm).max();
+    let contacts = features.iter().flat_map(|feature| &feature.contacts);
+    let repeats = contacts.map(|contact| contact.touches).max().unwrap_or(0);
     let points: usize = features.iter().map(|feature| feature.contacts.len()).sum();
     let nm = |nm: Option<i64>| length(nm.unwrap_or_default() as f64);
     page.push_str("<dl>\n");
@@ -66,35 +74,56 @@ fn figures(page: &mut String, features: &[Feature], site: &Site<'_>) {
         ("features", features.len().to_string()),
         ("points touched", points.to_string()),
         ("touches averaged", touches.to_string()),
-        ("largest spread of a point", nm(spread)),
+        (
+            "largest spread of a point",
+            match repeats > 1 {
+                true => nm(spread),
+                false => "one touch a point".into(),
+            },
+        ),
         ("largest form error", nm(form)),
         ("radius of the tip", length(site.radius_nm() as f64)),
+        ("pre-travel", pre_travel(site)),
     ] {
         let _ = writeln!(page, "<div><dt>{term}</dt><dd>{value}</dd></div>");
     }
     page.push_str("</dl>\n");
 }
 
+/// The pre-travel that was subtracted: one for all directions, or its range.
+fn pre_travel(site: &Site<'_>) -> String {
+    let entries = site.tip.pre_travel.entries().iter().map(|(_, nm)| *nm);
+    let ends = entries.clone().min().zip(entries.max());
+    match ends {
+        None => "none".into(),
+        Some((least, most)) if least == most => length(least.into()),
+        Some((least, most)) => {
+            format!("{} to {}", length(least.into()), length(most.into()))
+        }
+    }
+}
+
 fn table(page: &mut String, features: &[Feature]) {
     page.push_str("<section><h2>Features</h2><div class=\"scroll\"><table><thead><tr>");
     for head in [
         "feature",
-        "kind",
+        "result",
         "figure",
-        "nominal",
-        "tolerance",
         "actual",
         "deviation",
-        "result",
+        "nominal",
+        "tolerance",
+        "kind",
+        "frame",
     ] {
         let _ = write!(page, "<th scope=\"col\">{head}</th>");
     }
     page.push_str("</tr></thead><tbody>\n");
     for feature in features {
-        let mut name = (escape(&feature.name), feature.keyword, " class=\"first\"");
+        let frame = escape(&feature.frame_name);
+        let mut first = Some([&escape(&feature.name), feature.keyword, &frame]);
         for dimension in &feature.dimensions {
-            row(page, dimension, feature.verdict(dimension), &name);
-            name = (String::new(), "", "");
+            row(page, dimension, feature.verdict(dimension), first.take());
         }
     }
     page.push_str("</tbody></table></div></section>\n");
@@ -104,8 +133,14 @@ fn row(
     page: &mut String,
     dimension: &Dimension,
     verdict: Option<Verdict>,
-    (name, keyword, class): &(String, &str, &str),
+    first: Option<[&str; 3]>,
 ) {
+    let class = if first.is_some() {
+        " class=\"first\""
+    } else {
+        ""
+    };
+    let [name, keyword, frame] = first.unwrap_or_default();
     let wanted = dimension.wanted;
     let nominal = wanted.map(|wanted| decimal(wanted.nominal_micro));
     let tolerance = wanted.and_then(|wanted| wanted.tolerance_micro);
@@ -119,15 +154,14 @@ fn row(
     };
     let _ = writeln!(
         page,
-        "<tr{class}><td>{name}</td><td>{keyword}</td><td>{} \
-         {}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td \
-         class=\"{colour}\">{result}</td></tr>",
+        "<tr{class}><td>{name}</td><td class=\"{colour}\">{result}</td><td>{} {}</td><td>{}</td>\
+         <td>{}</td><td>{}</td><td>{}</td><td>{keyword}</td><td>{frame}</td></tr>",
         dimension.figure.name(),
         dimension.figure.unit(),
-        nominal.unwrap_or_default(),
-        tolerance.unwrap_or_default(),
         decimal(dimension.actual_micro),
         deviation.unwrap_or_default(),
+        nominal.unwrap_or_default(),
+        tolerance.unwrap_or_default(),
     );
 }
 

@@ -127,7 +127,10 @@ mod tests {
     fn a_stop_of_a_line_after_a_reset_reports_the_silence() {
         let chain = SimulatedChain::new(&[4; 3], &[], None).unwrap();
         let mut line = Line::new(SimulatedPort::new(chain));
-        assert!(matches!(line.halt(&three_axes()), Err(Trouble::Link(_))));
+        assert!(matches!(
+            line.halt(&three_axes()),
+            Err(Trouble::Link { .. })
+        ));
         assert_eq!(line.start_up(Baud::B19200).unwrap().modules, 3);
     }
 }
