@@ -54,7 +54,6 @@ struct Node {
     is_dead: bool,
     module: ServoModule,
     motor: DcMotor,
-    counts_per_revolution: i64,
     duty: f64,
     around: Surroundings,
 }
@@ -78,7 +77,7 @@ impl Node {
             counts: counts as i32, // modulo 2^32, as the counter of a module
             limit_1: self.around.limit_1,
             limit_2: self.around.limit_2,
-            index: counts.rem_euclid(self.counts_per_revolution) == 0,
+            index: self.motor.is_at_index(),
             current: current.min(255.0) as u8,
             has_power: !self.around.without_power,
         });
@@ -132,7 +131,6 @@ impl ServoChain {
                 is_dead: false,
                 module: ServoModule::new(version),
                 motor: DcMotor::new(motor),
-                counts_per_revolution: motor.counts_per_revolution.into(),
                 duty: 0.0,
                 around: Surroundings::default(),
             })
