@@ -26,7 +26,7 @@ const WAIT_PERIODS: u32 = 100;
 /// Servo periods within which every move ends and the motor stands. Its rest modulo 5 decides
 /// whether the loop, which the gains divide by 5, has begun the motion in velocity mode before the
 /// smooth stop arrives. In the example it has not: the stop is done at once.
-const MOVE_PERIODS: u32 = 50_001;
+const MOVE_PERIODS: u32 = 50_000;
 
 /// Requests to two modules of version 4, with their replies; after `end` the motion ends first.
 /// The rest are sent as soon as the reply is there.
@@ -87,13 +87,16 @@ const CONVERSATION: [(&str, &str); 37] = [
 
 /// Sends a packet and returns the reply. Returns as soon as the reply is there, so that the next
 /// packet follows it at once.
-fn exchange(chain: &mut ServoChain, request: &[u8]) -> Vec<u8> {
+fn exchange(chain: &mut ServoChain, request: &[u8], length: usize) -> Vec<u8> {
     request.iter().for_each(|byte| chain.send(*byte));
-    let replies = (0..WAIT_PERIODS).map(|_| chain.tick());
-    replies
-        .into_iter()
-        .find(|reply| !reply.is_empty())
-        .unwrap_or_default()
+    let mut heard = Vec::new();
+    for _ in 0..WAIT_PERIODS {
+        heard.extend(chain.tick());
+        if length > 0 && heard.len() >= length {
+            break;
+        }
+    }
+    heard
 }
 
 #[test]
@@ -101,7 +104,7 @@ fn the_module_answers_the_worked_examples_byte_by_byte() {
     let mut chain = ServoChain::new(&[4, 4], MOTOR);
     for (request, reply) in CONVERSATION {
         let wanted = bytes(reply.trim_end_matches("end"));
-        let heard = exchange(&mut chain, &bytes(request));
+        let heard = exchange(&mut chain, &bytes(request), wanted.len());
         assert_eq!(heard, wanted, "{request}");
         if reply.ends_with("end") {
             (0..MOVE_PERIODS).for_each(|_| drop(chain.tick()));
