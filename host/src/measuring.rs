@@ -31,7 +31,9 @@ use action::Action;
 use husillo_metrology::Trouble;
 use husillo_metrology::calibration::Calibrated;
 use husillo_metrology::heads::{Head, Machine, Prober as _, Stylus};
-use husillo_metrology::simulated::{Mounted, PANEL, SimulatedChain};
+use husillo_metrology::simulated::{
+    ChainModule, DcMotorModel, IO_PANEL, Mounted, PANEL, SimulatedChain,
+};
 use interrupt::{Interrupt, User};
 use result_row::{CSV_HEAD, ResultRow};
 use routine::{Ending, Routine};
@@ -364,24 +366,39 @@ pub fn told(trouble: &Trouble) -> String {
 #[cfg(unix)]
 pub fn emulate(args: &Emulate, out: &mut dyn Write) -> Result<(), Stopped> {
     let machine = file::load(&args.machine).map_err(Stopped::File)?;
-    let versions = match &args.modules {
-        Some(list) => module_list::versions(list)?,
-        None => vec![4; usize::from(machine.modules())],
+    let motor = |_| DcMotorModel::PROTOTYPE;
+    let modules = match &args.modules {
+        Some(list) => module_list::modules(list, motor)?,
+        None => (1..=machine.modules())
+            .map(|address| ChainModule::Servo {
+                version: 4,
+                motor: motor(address),
+            })
+            .collect(),
     };
-    let mut emulated = SimulatedChain::new(
-        &versions,
-        &args.contact,
-        mounted(args.piece.as_deref(), &machine)?,
-    )?
-    .with_noise(args.noise);
-    let modules = if versions.len() == 1 {
+    let piece = mounted(args.piece.as_deref(), &machine)?;
+    let mut emulated = SimulatedChain::of_modules(&modules, &args.contact, piece)?
+        .with_noise(args.noise)
+        .with_reset_ms(args.reset_ms);
+    if args.fast {
+        emulated = emulated.without_byte_times();
+    }
+    let noun = if modules.len() == 1 {
         "module"
     } else {
         "modules"
     };
-    let name = format!("{}: {} {modules}", machine.title, versions.len());
+    let name = format!("{}: {} {noun}", machine.title, modules.len());
     let hint = format!("husillo measure -m {} --port {{port}} status", args.machine);
-    let heading = [&name[..], &hint, PANEL];
+    let has_io = modules
+        .iter()
+        .any(|module| matches!(module, ChainModule::Io { .. }));
+    let panel = if has_io {
+        format!("{PANEL}, {IO_PANEL}")
+    } else {
+        PANEL.to_owned()
+    };
+    let heading = [&name[..], &hint, &panel];
     crate::emulate::terminal::serve(&mut emulated, args, None, out, heading).map_err(|error| {
         match error.kind() {
             ErrorKind::BrokenPipe => Stopped::Output(error),
