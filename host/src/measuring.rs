@@ -15,6 +15,7 @@ mod halt;
 mod help;
 pub mod interrupt;
 mod module_list;
+mod motor_file;
 mod piece_file;
 pub mod port;
 mod result_row;
@@ -31,9 +32,7 @@ use action::Action;
 use husillo_metrology::Trouble;
 use husillo_metrology::calibration::Calibrated;
 use husillo_metrology::heads::{Head, Machine, Prober as _, Stylus};
-use husillo_metrology::simulated::{
-    ChainModule, DcMotorModel, IO_PANEL, Mounted, PANEL, SimulatedChain,
-};
+use husillo_metrology::simulated::{ChainModule, IO_PANEL, Mounted, PANEL, SimulatedChain};
 use interrupt::{Interrupt, User};
 use result_row::{CSV_HEAD, ResultRow};
 use routine::{Ending, Routine};
@@ -366,33 +365,26 @@ pub fn told(trouble: &Trouble) -> String {
 #[cfg(unix)]
 pub fn emulate(args: &Emulate, out: &mut dyn Write) -> Result<(), Stopped> {
     let machine = file::load(&args.machine).map_err(Stopped::File)?;
-    let motor = |_| DcMotorModel::PROTOTYPE;
-    let modules = match &args.modules {
-        Some(list) => module_list::modules(list, motor)?,
-        None => (1..=machine.modules())
-            .map(|address| ChainModule::Servo {
-                version: 4,
-                motor: motor(address),
-            })
-            .collect(),
-    };
     let piece = mounted(args.piece.as_deref(), &machine)?;
-    let mut emulated = SimulatedChain::of_modules(&modules, &args.contact, piece)?
-        .with_noise(args.noise)
-        .with_reset_ms(args.reset_ms);
+    let motor = |address| machine.motor(address);
+    let modules = match &args.modules {
+        Some(list) => Some(module_list::modules(list, motor)?),
+        None => None,
+    };
+    let emulated = match &modules {
+        Some(modules) => SimulatedChain::of_modules(modules, &args.contact, piece)?,
+        None => SimulatedChain::of_machine(&machine, &args.contact, piece)?,
+    };
+    let mut emulated = emulated.with_noise(args.noise).with_reset_ms(args.reset_ms);
     if args.fast {
         emulated = emulated.without_byte_times();
     }
-    let noun = if modules.len() == 1 {
-        "module"
-    } else {
-        "modules"
-    };
-    let name = format!("{}: {} {noun}", machine.title, modules.len());
+    let count = modules.as_ref().map_or(machine.modules().into(), Vec::len);
+    let noun = if count == 1 { "module" } else { "modules" };
+    let name = format!("{}: {count} {noun}", machine.title);
     let hint = format!("husillo measure -m {} --port {{port}} status", args.machine);
-    let has_io = modules
-        .iter()
-        .any(|module| matches!(module, ChainModule::Io { .. }));
+    let is_io = |module: &ChainModule| matches!(module, ChainModule::Io { .. });
+    let has_io = modules.iter().flatten().any(is_io);
     let panel = if has_io {
         format!("{PANEL}, {IO_PANEL}")
     } else {

@@ -2,6 +2,7 @@
 
 use super::contact::Contact;
 use super::piece::Mounted;
+use crate::heads::Machine;
 #[cfg(test)]
 use crate::heads::operator::StopButton;
 use husillo_sim::{ChainModule, DcMotor, DcMotorModel, IoInputs, Noise, ServoChain, Surroundings};
@@ -44,6 +45,24 @@ impl SimulatedChain {
         let motor = DcMotorModel::PROTOTYPE;
         let servo = |&version| ChainModule::Servo { version, motor };
         let modules: Vec<_> = versions.iter().map(servo).collect();
+        Self::of_modules(&modules, contacts, piece)
+    }
+
+    /// The servo modules of a machine, of version 4 and with its motors.
+    ///
+    /// # Errors
+    ///
+    /// A contact of a module that does not exist.
+    pub fn of_machine(
+        machine: &Machine,
+        contacts: &[Contact],
+        piece: Option<Mounted>,
+    ) -> Result<Self, String> {
+        let servo = |module| ChainModule::Servo {
+            version: 4,
+            motor: machine.motor(module),
+        };
+        let modules: Vec<_> = (1..=machine.modules()).map(servo).collect();
         Self::of_modules(&modules, contacts, piece)
     }
 
