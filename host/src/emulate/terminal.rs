@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 /// Periods that are made up for at most when the computer was busy; what is beyond is left out.
 const MOST_BEHIND: u64 = 2000;
 /// Waiting for a byte is what paces the simulation.
-const LOOK: Duration = Duration::from_millis(2);
+const LOOK: Duration = Duration::from_millis(1);
 
 /// Rate of a port before a client sets one, bits/s.
 const FIRST_RATE: u32 = 19200;
@@ -234,13 +234,9 @@ impl Server {
         };
         while !is_over() {
             let received = self.outlet.read();
+            let received = received.map_err(|error| of_port(&self.asked, &error))?;
             // A client sets its rate before it sends.
             device.set_host_rate(self.outlet.rate());
-            for byte in received.map_err(|error| of_port(&self.asked, &error))? {
-                if is_plugged {
-                    device.send(byte);
-                }
-            }
             let mut shown = Vec::new();
             while let Ok(line) = panel.try_recv() {
                 shown.push(typed(device, line.trim(), &mut is_plugged));
@@ -254,6 +250,12 @@ impl Server {
                 if !bytes.is_empty() && is_plugged {
                     let written = self.outlet.write(&bytes);
                     written.map_err(|error| of_port(&self.asked, &error))?;
+                }
+            }
+            // At the present time of the simulation, so that no reply comes sooner than on a line.
+            for byte in received {
+                if is_plugged {
+                    device.send(byte);
                 }
             }
             shown.extend(device.take_reports());
