@@ -15,6 +15,7 @@ mod halt;
 mod help;
 pub mod interrupt;
 mod module_list;
+mod motor_file;
 mod piece_file;
 pub mod port;
 mod result_row;
@@ -31,7 +32,7 @@ use action::Action;
 use husillo_metrology::Trouble;
 use husillo_metrology::calibration::Calibrated;
 use husillo_metrology::heads::{Head, Machine, Prober as _, Stylus};
-use husillo_metrology::simulated::{Mounted, PANEL, SimulatedChain};
+use husillo_metrology::simulated::{ChainModule, IO_PANEL, Mounted, PANEL, SimulatedChain};
 use interrupt::{Interrupt, User};
 use result_row::{CSV_HEAD, ResultRow};
 use routine::{Ending, Routine};
@@ -364,24 +365,32 @@ pub fn told(trouble: &Trouble) -> String {
 #[cfg(unix)]
 pub fn emulate(args: &Emulate, out: &mut dyn Write) -> Result<(), Stopped> {
     let machine = file::load(&args.machine).map_err(Stopped::File)?;
-    let versions = match &args.modules {
-        Some(list) => module_list::versions(list)?,
-        None => vec![4; usize::from(machine.modules())],
+    let piece = mounted(args.piece.as_deref(), &machine)?;
+    let motor = |address| machine.motor(address);
+    let modules = match &args.modules {
+        Some(list) => Some(module_list::modules(list, motor)?),
+        None => None,
     };
-    let mut emulated = SimulatedChain::new(
-        &versions,
-        &args.contact,
-        mounted(args.piece.as_deref(), &machine)?,
-    )?
-    .with_noise(args.noise);
-    let modules = if versions.len() == 1 {
-        "module"
-    } else {
-        "modules"
+    let emulated = match &modules {
+        Some(modules) => SimulatedChain::of_modules(modules, &args.contact, piece)?,
+        None => SimulatedChain::of_machine(&machine, &args.contact, piece)?,
     };
-    let name = format!("{}: {} {modules}", machine.title, versions.len());
+    let mut emulated = emulated.with_noise(args.noise).with_reset_ms(args.reset_ms);
+    if args.fast {
+        emulated = emulated.without_byte_times();
+    }
+    let count = modules.as_ref().map_or(machine.modules().into(), Vec::len);
+    let noun = if count == 1 { "module" } else { "modules" };
+    let name = format!("{}: {count} {noun}", machine.title);
     let hint = format!("husillo measure -m {} --port {{port}} status", args.machine);
-    let heading = [&name[..], &hint, PANEL];
+    let is_io = |module: &ChainModule| matches!(module, ChainModule::Io { .. });
+    let has_io = modules.iter().flatten().any(is_io);
+    let panel = if has_io {
+        format!("{PANEL}, {IO_PANEL}")
+    } else {
+        PANEL.to_owned()
+    };
+    let heading = [&name[..], &hint, &panel];
     crate::emulate::terminal::serve(&mut emulated, args, None, out, heading).map_err(|error| {
         match error.kind() {
             ErrorKind::BrokenPipe => Stopped::Output(error),

@@ -19,7 +19,6 @@ use husillo_metrology::tuning::{
     Direct, Experiment, Failed, Linked, Method, NoRelay, Outcome, RelaySettings, Rig, Stand,
 };
 use husillo_pid::tuning::Rule;
-use husillo_sim::DcMotorModel;
 use husillo_transports::nmc::Gains;
 use std::io::{self, Write};
 
@@ -122,15 +121,12 @@ fn open(
     interrupt: &Interrupt,
 ) -> Result<Box<dyn Rig>, Stopped> {
     let port: Box<dyn Port> = match args.port.as_str() {
-        "sim" => return Ok(Box::new(Direct::new(DcMotorModel::PROTOTYPE))),
-        "line" => {
-            let versions = vec![4; usize::from(machine.modules())];
-            Box::new(SimulatedPort::new(SimulatedChain::new(
-                &versions,
-                &[],
-                None,
-            )?))
-        }
+        "sim" => return Ok(Box::new(Direct::new(file.motor))),
+        "line" => Box::new(SimulatedPort::new(SimulatedChain::of_machine(
+            machine,
+            &[],
+            None,
+        )?)),
         name => {
             let port = ChainPort::open(name);
             let port = port.map_err(|error| format!("{name}: {error}"))?;

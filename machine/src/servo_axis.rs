@@ -303,8 +303,10 @@ impl<R: Regulator> ServoAxis<R> {
         self.profile.stop_at(position);
     }
 
+    /// The position error is set at once: a status read in the same period has it.
     fn switch_off(&mut self) {
         self.profile.switch_off();
+        self.position_error = true;
         self.forget();
     }
 

@@ -10,11 +10,12 @@ mod port;
 
 pub use chain::{PERIOD_NS, SimulatedChain};
 pub use contact::Contact;
-pub use emulation::PANEL;
+pub use emulation::{IO_PANEL, PANEL};
 pub use machines::{one_axis, three_axes};
 pub use piece::{Mounted, Piece};
 pub use port::SimulatedPort;
 
 pub use husillo_sim::{
-    Bore, DcMotorModel, Place, PointMm, Shape, Solid, TouchProbe, TouchProbeModel, WorkPiece,
+    Bore, ChainModule, DcMotorModel, Place, PointMm, Shape, Solid, TouchProbe, TouchProbeModel,
+    WorkPiece,
 };

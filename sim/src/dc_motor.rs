@@ -25,6 +25,9 @@ pub struct DcMotorModel {
     pub stiction_nm: f64,
     /// Encoder counts per revolution, all edges.
     pub counts_per_revolution: u32,
+    /// Place of the index mark of the encoder in its revolution, counts from where the motor stands
+    /// at power-up.
+    pub index_counts: u32,
 }
 
 impl DcMotorModel {
@@ -41,6 +44,7 @@ impl DcMotorModel {
         coulomb_nm: 0.02,
         stiction_nm: 0.03,
         counts_per_revolution: 400,
+        index_counts: 0,
     };
 
     /// Speed without load at full voltage, revolutions/s.
@@ -124,6 +128,12 @@ impl DcMotor {
     /// Angle in encoder counts, rounded down to whole edges.
     pub fn counts(&self) -> i64 {
         self.position_counts().floor() as i64
+    }
+
+    /// Level of the encoder index: high for one count in each revolution.
+    pub fn is_at_index(&self) -> bool {
+        let turn = i64::from(self.model.counts_per_revolution.max(1));
+        (self.counts() - i64::from(self.model.index_counts)).rem_euclid(turn) == 0
     }
 
     /// Angle in encoder counts with a fraction, which the encoder does not report.

@@ -65,7 +65,9 @@ pub use model::AxisModel;
 pub use place::Place;
 pub use random::Random;
 pub use rig::Rig;
-pub use servo_chain::{Damage, FULL_CURRENT_A, SERVO_PERIOD_S, ServoChain, Surroundings};
+pub use servo_chain::{
+    ChainModule, Damage, FULL_CURRENT_A, IoInputs, SERVO_PERIOD_S, ServoChain, Surroundings,
+};
 pub use spindle::Spindle;
 pub use touch_probe::{TouchProbe, TouchProbeModel};
 pub use winding::{Chopper, Current, Rotor, Winding};

@@ -1,21 +1,37 @@
-//! Servo modules with motors on one line: bytes in, bytes out, in steps of a servo period.
+//! Modules on one line, servo modules with motors among them: bytes in, bytes out, in steps of a
+//! servo period.
+
+mod damage;
+mod ear;
+mod io_module;
+mod node;
+mod pair;
 
 use std::collections::VecDeque;
 
-use husillo_controllers::ServoModule;
-use husillo_machine::{ServoAxis, ServoInputs};
-use husillo_transports::nmc::{Baud, Frame, Receiver, Verdict, unseen_pairs_in_halves};
+use husillo_machine::ServoAxis;
+use husillo_transports::nmc::Baud;
 
-use crate::{DcMotor, DcMotorModel, Noise, Wire};
+pub use damage::Damage;
+pub use io_module::IoInputs;
+pub use node::ChainModule;
+
+use crate::{DcMotor, DcMotorModel, Noise};
+use damage::Account;
+use ear::Ear;
+use node::{Byte, Device, Node};
+use pair::Pair;
 
 /// Servo period, s.
 pub const SERVO_PERIOD_S: f64 = 512e-6;
+/// Servo period, ns.
+const PERIOD_NS: u64 = 512_000;
 
 /// Current at which the converter of a module reads 255, A: twice the stall current of the
 /// prototype motor. Assumed; the original does not state it.
 pub const FULL_CURRENT_A: f64 = 3.0;
 
-/// External inputs and load of a module.
+/// External inputs and load of a servo module.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
 pub struct Surroundings {
     /// Limit switch or probe contact 1.
@@ -28,68 +44,12 @@ pub struct Surroundings {
     pub without_power: bool,
 }
 
-/// Effects of noise on the packets of a line.
-#[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
-pub struct Damage {
-    /// Wrong bits, including those in silence.
-    pub wrong_bits: u64,
-    /// Replies sent.
-    pub replies: u64,
-    /// Pairs of wrong bits in replies, in halves, that the checksum does not detect: see
-    /// `husillo_transports::nmc::unseen_pairs_in_halves`.
-    pub pairs_in_halves: u64,
-    /// Replies that arrived damaged.
-    pub damaged_replies: u64,
-    /// Damaged replies with the right length and checksum, which are undetectable.
-    pub unseen_replies: u64,
-    /// Commands that modules accepted although they were never sent in that form.
-    pub unseen_commands: u64,
-}
-
-/// A module with its motor.
-#[derive(Clone, Debug)]
-struct Node {
-    version: u8,
-    /// The module neither receives nor answers, and its motor has no drive.
-    is_dead: bool,
-    module: ServoModule,
-    motor: DcMotor,
-    counts_per_revolution: i64,
-    duty: f64,
-    around: Surroundings,
-}
-
-impl Node {
-    /// Runs motor and module for one servo period.
-    fn tick(&mut self) -> Option<Baud> {
-        let duty = if self.around.without_power || self.is_dead {
-            0.0
-        } else {
-            self.duty
-        };
-        self.motor
-            .advance(duty, self.around.load_nm, SERVO_PERIOD_S);
-        if self.is_dead {
-            return None;
-        }
-        let counts = self.motor.counts();
-        let current = self.motor.current_a().abs() / FULL_CURRENT_A * 255.0;
-        let output = self.module.tick(&ServoInputs {
-            counts: counts as i32, // modulo 2^32, as the counter of a module
-            limit_1: self.around.limit_1,
-            limit_2: self.around.limit_2,
-            index: counts.rem_euclid(self.counts_per_revolution) == 0,
-            current: current.min(255.0) as u8,
-            has_power: !self.around.without_power,
-        });
-        self.duty = f64::from(output.drive.signed()) / 255.0;
-        output.baud
-    }
-}
-
-/// A chain of servo modules behind one host. Every byte takes its time on the line. A module
-/// receives what its ADDR_IN permits. Two modules that answer at the same time corrupt each other's
-/// bytes.
+/// A chain of modules behind one host.
+///
+/// Every byte takes its time on the line, in both directions: ten bits at the rate of its sender.
+/// Each module has a rate of its own, which Set Baud changes. At another rate than the host's it
+/// hears noise, and so does the host of it. A module receives what its ADDR_IN permits. A byte that
+/// it hears ends its reply. Two modules that answer at the same time corrupt each other's bytes.
 ///
 /// # Examples
 /// ```
@@ -105,70 +65,82 @@ impl Node {
 #[derive(Clone, Debug)]
 pub struct ServoChain {
     nodes: Vec<Node>,
+    now_ns: u64,
+    /// Rate of the host in bits/s.
+    host_rate: Option<u32>,
+    /// The rate that was set last, of a host that has none of its own.
     baud: Baud,
-    /// Bytes on their way to the modules.
-    to_modules: VecDeque<u8>,
-    /// Bytes that still fit on the line in the present period; the fraction is carried.
-    room: f64,
-    /// Wire to the modules, and wire from them.
-    wires: [Wire; 2],
-    /// Carried fractions of a bit of silence on both wires.
-    silence: [f64; 2],
-    /// Receivers of the packets as sent and as received.
-    receivers: [Receiver; 2],
-    /// The last complete packet sent.
-    sent: Option<Frame>,
-    damage: Damage,
+    /// Bytes on their way to the modules, with the rate of the host when it sent them.
+    to_modules: VecDeque<(Byte, Option<u32>)>,
+    /// Bytes take no time.
+    is_fast: bool,
+    /// Time after a reset in which a module hears nothing.
+    reset_ns: u64,
+    /// Wires to the modules, and wires from them.
+    there: Pair,
+    back: Pair,
+    /// The host's receiver, for bytes of other rates.
+    ear: Ear,
+    account: Account,
 }
 
 impl ServoChain {
-    /// Creates modules of these versions, all with the same motor. The first module is at the far
-    /// end and is addressed first.
+    /// Creates servo modules of these versions, all with the same motor. The first module is at the
+    /// far end and is addressed first.
     pub fn new(versions: &[u8], motor: DcMotorModel) -> ServoChain {
-        let nodes = versions
-            .iter()
-            .map(|&version| Node {
-                version,
-                is_dead: false,
-                module: ServoModule::new(version),
-                motor: DcMotor::new(motor),
-                counts_per_revolution: motor.counts_per_revolution.into(),
-                duty: 0.0,
-                around: Surroundings::default(),
-            })
-            .collect();
+        let servo = |&version| ChainModule::Servo { version, motor };
+        let modules: Vec<ChainModule> = versions.iter().map(servo).collect();
+        ServoChain::of_modules(&modules)
+    }
+
+    /// Creates modules of any kind. The first is at the far end and is addressed first.
+    pub fn of_modules(modules: &[ChainModule]) -> ServoChain {
         ServoChain {
-            nodes,
+            nodes: modules.iter().copied().map(Node::new).collect(),
+            now_ns: 0,
+            host_rate: None,
             baud: Baud::default(),
             to_modules: VecDeque::new(),
-            room: 0.0,
-            wires: [
-                Wire::new(Noise::default(), 1),
-                Wire::new(Noise::default(), 2),
-            ],
-            silence: [0.0; 2],
-            receivers: [Receiver::new(), Receiver::new()],
-            sent: None,
-            damage: Damage::default(),
+            is_fast: false,
+            reset_ns: 0,
+            there: Pair::new(Noise::default(), 1),
+            back: Pair::new(Noise::default(), 2),
+            ear: Ear::default(),
+            account: Account::new(),
         }
     }
 
     /// Adds noise on both pairs of wires; the same seed gives the same noise.
     pub fn with_noise(mut self, noise: Noise, seed: u64) -> ServoChain {
         let seed = seed.wrapping_mul(2);
-        self.wires = [
-            Wire::new(noise, seed),
-            Wire::new(noise, seed.wrapping_add(1)),
-        ];
+        self.there = Pair::new(noise, seed);
+        self.back = Pair::new(noise, seed.wrapping_add(1));
         self
+    }
+
+    /// Lets a module hear nothing for this time after a reset or when its supply returns.
+    pub fn with_reset_ms(mut self, reset_ms: u32) -> ServoChain {
+        self.reset_ns = u64::from(reset_ms) * 1_000_000;
+        self
+    }
+
+    /// Lets bytes take no time: a packet arrives within a period, and its reply in the same.
+    pub fn without_byte_times(mut self) -> ServoChain {
+        self.is_fast = true;
+        self
+    }
+
+    /// Sets the rate at which the host sends and receives from now on, bits/s. `None`, the state at
+    /// first: the rate that Set Baud last gave to any module, and every module understands it.
+    pub fn set_host_rate(&mut self, bits_per_s: Option<u32>) {
+        self.host_rate = bits_per_s;
     }
 
     /// Effects of the noise so far.
     pub fn damage(&self) -> Damage {
-        let [to, from] = &self.wires;
         Damage {
-            wrong_bits: to.wrong_bits() + from.wrong_bits(),
-            ..self.damage
+            wrong_bits: self.there.wrong_bits() + self.back.wrong_bits(),
+            ..self.account.damage
         }
     }
 
@@ -176,10 +148,9 @@ impl ServoChain {
     /// an address, and the modules beyond it are disabled until it gets one. Modules count from 0;
     /// other numbers have no effect.
     pub fn set_dead(&mut self, module: usize, is_dead: bool) {
+        let deaf_until_ns = self.now_ns + self.reset_ns;
         if let Some(node) = self.nodes.get_mut(module) {
-            node.is_dead = is_dead;
-            node.module = ServoModule::new(node.version);
-            node.duty = 0.0;
+            node.set_dead(is_dead, deaf_until_ns);
         }
     }
 
@@ -195,129 +166,232 @@ impl ServoChain {
 
     /// Puts a byte on the command line; bytes arrive in order.
     pub fn send(&mut self, byte: u8) {
-        self.to_modules.push_back(byte);
+        let free_ns = self.to_modules.back().map_or(0, |(last, _)| last.end_ns);
+        let start_ns = free_ns.max(self.now_ns);
+        let byte = Byte {
+            value: byte,
+            start_ns,
+            end_ns: start_ns + 10 * self.host_bit_ns(),
+        };
+        self.to_modules.push_back((byte, self.host_rate));
     }
 
-    /// Changes the inputs of a module, counted from 0; other numbers have no effect.
+    /// Changes the inputs of a servo module, counted from 0; other numbers have no effect.
     pub fn surround(&mut self, module: usize, around: Surroundings) {
-        if let Some(node) = self.nodes.get_mut(module) {
-            node.around = around;
+        if let Some(Device::Servo(servo)) = self.device_mut(module) {
+            servo.around = around;
         }
     }
 
-    /// The axis of a module, from 0 on.
+    /// Changes the inputs of an input and output module, counted from 0; other numbers have no
+    /// effect.
+    pub fn connect(&mut self, module: usize, inputs: IoInputs) {
+        if let Some(Device::Io(_, old)) = self.device_mut(module) {
+            *old = inputs;
+        }
+    }
+
+    /// Levels of the outputs of an input and output module, and the duties of its PWM outputs.
+    /// `None` for other modules.
+    pub fn outputs(&self, module: usize) -> Option<(u16, [u8; 2])> {
+        match self.device(module)? {
+            Device::Io(module, _) => Some((module.outputs(), module.duties())),
+            Device::Servo(_) => None,
+        }
+    }
+
+    /// The axis of a servo module, from 0 on.
     pub fn axis(&self, module: usize) -> Option<&ServoAxis> {
-        self.nodes.get(module).map(|node| node.module.axis())
+        match self.device(module)? {
+            Device::Servo(servo) => Some(servo.module.axis()),
+            Device::Io(..) => None,
+        }
     }
 
-    /// The motor of a module, from 0 on.
+    /// The motor of a servo module, from 0 on.
     pub fn motor(&self, module: usize) -> Option<&DcMotor> {
-        self.nodes.get(module).map(|node| &node.motor)
+        match self.device(module)? {
+            Device::Servo(servo) => Some(&servo.motor),
+            Device::Io(..) => None,
+        }
     }
 
-    /// Baud rate of the line.
-    pub fn baud(&self) -> Baud {
-        self.baud
+    /// Rate of a module, from 0 on.
+    pub fn baud(&self, module: usize) -> Option<Baud> {
+        self.nodes.get(module).map(|node| node.baud)
     }
 
-    /// Runs one servo period: bytes that fit on the line arrive, motors turn, modules act. Returns
-    /// the bytes they send, all bytes of a reply at once.
+    fn device(&self, module: usize) -> Option<&Device> {
+        self.nodes.get(module).map(|node| &node.device)
+    }
+
+    fn device_mut(&mut self, module: usize) -> Option<&mut Device> {
+        self.nodes.get_mut(module).map(|node| &mut node.device)
+    }
+
+    fn bits_per_s(&self) -> u32 {
+        self.host_rate.unwrap_or(self.baud.bits_per_s()).max(1)
+    }
+
+    /// Time of a bit of the host, ns.
+    fn host_bit_ns(&self) -> u64 {
+        1_000_000_000 / u64::from(self.bits_per_s())
+    }
+
+    /// Runs one servo period: bytes arrive, motors turn, modules act. Returns the bytes that the
+    /// host has received in it.
     pub fn tick(&mut self) -> Vec<u8> {
-        let bits = f64::from(self.baud.bits_per_s()) * SERVO_PERIOD_S;
-        // Ten bits per byte.
-        self.room += bits / 10.0;
-        let mut carried = 0.0;
-        while self.room >= 1.0 {
-            self.room -= 1.0;
-            let Some(byte) = self.to_modules.pop_front() else {
-                self.room = self.room.min(1.0);
-                break;
-            };
-            carried += 10.0;
-            self.note_sent(byte);
-            for heard in self.wires[0].carry(byte) {
-                self.deliver(heard);
-            }
-        }
-        let silence = self.silence(0, bits - carried);
-        for heard in self.wires[0].rest(silence) {
-            self.deliver(heard);
-        }
-        let mut replies: Vec<Vec<u8>> = Vec::new();
+        let end_ns = self.now_ns + PERIOD_NS;
+        let mut heard = if self.is_fast {
+            self.carry_packet(end_ns);
+            Vec::new()
+        } else {
+            self.carry(end_ns)
+        };
+        self.now_ns = end_ns;
+        let bits = f64::from(self.bits_per_s()) * SERVO_PERIOD_S;
+        let (noise, _) = self.there.pass(bits);
+        noise.into_iter().for_each(|byte| self.deliver(byte));
+        // Not beyond the start of a byte that is on its way.
+        let next = self.to_modules.front();
+        let silent_ns = next.map_or(end_ns, |(byte, _)| byte.start_ns.min(end_ns));
         for node in &mut self.nodes {
-            if let Some(baud) = node.tick() {
+            node.overhear_silence(silent_ns);
+            if let Some(baud) = node.tick(end_ns, self.reset_ns) {
                 self.baud = baud;
             }
-            let reply: Vec<u8> = std::iter::from_fn(|| node.module.link().transmit()).collect();
-            if !reply.is_empty() {
-                replies.push(reply);
+            if !self.is_fast && node.saying.is_none() {
+                node.say(end_ns);
             }
         }
         self.enable();
-        self.tell(&together(&replies), bits)
-    }
-
-    /// Carries the reply line of a period.
-    fn tell(&mut self, reply: &[u8], bits: f64) -> Vec<u8> {
-        let silence = self.silence(1, bits - 10.0 * reply.len() as f64);
-        let [_, wire] = &mut self.wires;
-        let mut heard: Vec<u8> = reply.iter().flat_map(|byte| wire.carry(*byte)).collect();
-        if reply.is_empty() {
-            return wire.rest(silence);
+        if self.is_fast {
+            heard.extend(self.whole_replies());
         }
-        // A byte that began too late ends in the following silence, which is at least a character.
-        heard.extend(wire.rest(silence.max(10)));
-        let has_its_sum = heard.split_last().is_some_and(|(sum, rest)| {
-            *sum == rest.iter().fold(0, |sum: u8, byte| sum.wrapping_add(*byte))
-        });
-        self.damage.replies += 1;
-        self.damage.pairs_in_halves += u64::from(unseen_pairs_in_halves(reply.len() as u16));
-        self.damage.damaged_replies += u64::from(heard != reply);
-        self.damage.unseen_replies +=
-            u64::from(heard != reply && heard.len() == reply.len() && has_its_sum);
+        let said = self.nodes.iter().filter_map(|node| node.saying);
+        let silent_ns = said.map(|byte| byte.start_ns).min();
+        let silent_ns = silent_ns.unwrap_or(end_ns).min(end_ns);
+        heard.extend(self.ear.rest(silent_ns, self.host_bit_ns()));
+        let (noise, silence) = self.back.pass(bits);
+        self.account.note_silence(silence, &noise);
+        heard.extend(noise);
         heard
     }
 
-    /// Whole bits of silence on a wire; the remainder, positive or negative, is carried to the next
-    /// period.
-    fn silence(&mut self, wire: usize, bits: f64) -> u64 {
-        let due = self.silence[wire] + bits;
-        let whole = due.floor().max(0.0);
-        self.silence[wire] = due - whole;
-        whole as u64
-    }
-
-    fn note_sent(&mut self, byte: u8) {
-        if self.receivers[0].push(byte) == Some(Verdict::Sound) {
-            self.sent = Some(frame(&self.receivers[0]));
+    /// Carries the bytes of both directions that end up to this time, in their order.
+    fn carry(&mut self, end_ns: u64) -> Vec<u8> {
+        let mut heard = Vec::new();
+        loop {
+            let ends = self.nodes.iter().filter_map(|node| node.saying);
+            let said_ns = ends.map(|byte| byte.end_ns).min();
+            let sent_ns = self.to_modules.front().map(|(byte, _)| byte.end_ns);
+            let next_ns = said_ns.into_iter().chain(sent_ns).min();
+            match next_ns {
+                Some(next_ns) if next_ns <= end_ns => {
+                    self.now_ns = next_ns;
+                    if said_ns == next_ns.into() {
+                        heard.extend(self.hear(next_ns));
+                    } else if let Some((byte, rate)) = self.to_modules.pop_front() {
+                        self.arrive(byte, rate);
+                    }
+                }
+                _ => return heard,
+            }
         }
     }
 
-    fn deliver(&mut self, byte: u8) {
+    /// Carries what waits, up to the end of a packet, without byte times.
+    fn carry_packet(&mut self, end_ns: u64) {
+        self.now_ns = end_ns;
+        while let Some((byte, _)) = self.to_modules.pop_front() {
+            let is_complete = self.account.note_sent(byte.value);
+            for heard in self.there.carry(byte.value) {
+                self.deliver(heard);
+            }
+            if is_complete {
+                return;
+            }
+        }
+    }
+
+    /// A byte of the host has arrived.
+    fn arrive(&mut self, byte: Byte, rate: Option<u32>) {
+        self.account.note_sent(byte.value);
+        let heard = self.there.carry(byte.value);
+        heard.into_iter().for_each(|heard| {
+            self.account.note_received(heard);
+            self.push(heard, |node| node.understands(rate));
+        });
         self.enable();
-        if self.receivers[1].push(byte) == Some(Verdict::Sound)
-            && self.sent != Some(frame(&self.receivers[1]))
-        {
-            self.damage.unseen_commands += 1;
+        let bit_ns = (byte.end_ns - byte.start_ns) / 10;
+        let others = self.nodes.iter_mut().filter(|node| !node.understands(rate));
+        others.for_each(|node| node.overhear(byte, bit_ns));
+    }
+
+    /// A byte reaches all modules.
+    fn deliver(&mut self, byte: u8) {
+        self.account.note_received(byte);
+        self.push(byte, |_| true);
+    }
+
+    fn push(&mut self, byte: u8, wanted: impl Fn(&Node) -> bool) {
+        self.enable();
+        let now_ns = self.now_ns;
+        let nodes = self.nodes.iter_mut().filter(|node| wanted(node));
+        nodes.for_each(|node| node.push(byte, now_ns));
+    }
+
+    /// The bytes that end at this time reach the host. Returns what it receives.
+    fn hear(&mut self, now_ns: u64) -> Vec<u8> {
+        let mut together: Option<Byte> = None;
+        let mut is_understood = true;
+        for node in &mut self.nodes {
+            let Some(byte) = node.saying.filter(|byte| byte.end_ns == now_ns) else {
+                continue;
+            };
+            is_understood &= node.understands(self.host_rate);
+            // Low wins.
+            let value = together.map_or(byte.value, |other| other.value & byte.value);
+            together = Some(Byte { value, ..byte });
+            node.say(now_ns);
         }
-        for node in self.nodes.iter_mut().filter(|node| !node.is_dead) {
-            node.module.link().push(byte);
+        let Some(byte) = together else {
+            return Vec::new();
+        };
+        let heard = if is_understood {
+            self.back.carry(byte.value)
+        } else {
+            let bit_ns = (byte.end_ns - byte.start_ns) / 10;
+            let own_ns = self.host_bit_ns();
+            self.ear.byte(byte.value, byte.start_ns, bit_ns, own_ns)
+        };
+        self.account.note_reply(byte.value, &heard);
+        heard
+    }
+
+    /// The replies of a period, without byte times.
+    fn whole_replies(&mut self) -> Vec<u8> {
+        let replies = self.nodes.iter_mut();
+        let replies: Vec<Vec<u8>> = replies
+            .map(|node| std::iter::from_fn(|| node.transmit()).collect())
+            .collect();
+        let mut heard = Vec::new();
+        for byte in together(&replies) {
+            let carried = self.back.carry(byte);
+            self.account.note_reply(byte, &carried);
+            heard.extend(carried);
         }
+        heard
     }
 
     /// Connects ADDR_OUT of each module to ADDR_IN of the next.
     fn enable(&mut self) {
         let mut enabled = true;
         for node in &mut self.nodes {
-            let link = node.module.link();
-            link.set_enabled(enabled);
-            enabled = enabled && link.enables_next();
+            node.set_enabled(enabled);
+            enabled = enabled && node.enables_next();
         }
     }
-}
-
-fn frame(receiver: &Receiver) -> Frame {
-    Frame::new(receiver.address(), receiver.code(), receiver.data())
 }
 
 /// Bytes on the line when several modules drive it: low wins.

@@ -112,9 +112,21 @@ pub struct Emulate {
     /// Bits a second of the link of a micro mill, drill or microfactory [default: 9600, 2400, 9600]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(300..=115_200))]
     pub baud: Option<u32>,
-    /// Modules from the far end, with their versions [default: servo:4 for each of the machine]
-    #[arg(long, value_name = "servo:V,..")]
+    /// Modules from the far end: servo:VERSION (4, 5 or 10) or io:VERSION (inputs and outputs), as
+    /// in servo:4,io:2 [default: servo:4 for each of the machine]
+    #[arg(long, value_name = "KIND:V,..")]
     pub modules: Option<String>,
+    /// Time in ms after a hard reset in which a module of a measuring machine hears nothing
+    #[arg(
+        long,
+        value_name = "MS",
+        default_value_t = 0,
+        value_parser = clap::value_parser!(u32).range(..=10_000),
+    )]
+    pub reset_ms: u32,
+    /// Bytes of a measuring machine take no time, and rates do not matter
+    #[arg(long)]
+    pub fast: bool,
     /// Name for clients to open: a symbolic link to a pseudo-terminal, removed at the end
     #[arg(long, value_name = "PATH", required_unless_present = "listen")]
     pub link: Option<String>,
@@ -200,6 +212,8 @@ impl Emulate {
 
     fn of_chain(&self) -> Result<(), String> {
         self.not_given("--modules", self.modules.is_some())?;
+        self.not_given("--reset-ms", self.reset_ms > 0)?;
+        self.not_given("--fast", self.fast)?;
         self.not_given("--contact", !self.contact.is_empty())?;
         self.not_given("--piece", self.piece.is_some())?;
         self.not_given("--noise", self.noise > 0.0)

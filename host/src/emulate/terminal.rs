@@ -14,7 +14,10 @@ use std::time::{Duration, Instant};
 /// Periods that are made up for at most when the computer was busy; what is beyond is left out.
 const MOST_BEHIND: u64 = 2000;
 /// Waiting for a byte is what paces the simulation.
-const LOOK: Duration = Duration::from_millis(2);
+const LOOK: Duration = Duration::from_millis(1);
+
+/// Rate of a port before a client sets one, bits/s.
+const FIRST_RATE: u32 = 19200;
 
 /// How fast and how long an emulation runs.
 struct Pace {
@@ -85,8 +88,9 @@ enum Outlet {
     /// A pseudo-terminal with a name of its own, until it is dropped.
     Terminal {
         master: TTYPort,
-        /// Kept open, so that clients may come and go and find it raw.
-        _slave: TTYPort,
+        /// Kept open, so that clients may come and go and find it raw. It has the rate that they
+        /// set.
+        slave: TTYPort,
         link: PathBuf,
     },
     /// A socket for one client at a time: another one is turned away.
@@ -99,8 +103,10 @@ enum Outlet {
 impl Outlet {
     /// A pseudo-terminal whose client's end is found at `link`.
     fn terminal(link: &Path) -> io::Result<Self> {
-        let (mut master, slave) = TTYPort::pair()?;
+        let (mut master, mut slave) = TTYPort::pair()?;
         master.set_timeout(LOOK)?;
+        // For clients that set no rate.
+        slave.set_baud_rate(FIRST_RATE)?;
         let name = slave.name().ok_or(ErrorKind::NotFound)?;
         let is_symlink = std::fs::symlink_metadata(link).is_ok_and(|old| old.is_symlink());
         if is_symlink && !link.exists() {
@@ -110,7 +116,7 @@ impl Outlet {
         std::os::unix::fs::symlink(name, link)?;
         Ok(Self::Terminal {
             master,
-            _slave: slave,
+            slave,
             link: link.to_owned(),
         })
     }
@@ -130,6 +136,14 @@ impl Outlet {
         match self {
             Self::Terminal { link, .. } => Ok(link.display().to_string()),
             Self::Socket { listener, .. } => Ok(format!("tcp:{}", listener.local_addr()?)),
+        }
+    }
+
+    /// The rate that the client has set, bits/s. A socket has none.
+    fn rate(&self) -> Option<u32> {
+        match self {
+            Self::Terminal { slave, .. } => slave.baud_rate().ok(),
+            Self::Socket { .. } => None,
         }
     }
 
@@ -220,11 +234,9 @@ impl Server {
         };
         while !is_over() {
             let received = self.outlet.read();
-            for byte in received.map_err(|error| of_port(&self.asked, &error))? {
-                if is_plugged {
-                    device.send(byte);
-                }
-            }
+            let received = received.map_err(|error| of_port(&self.asked, &error))?;
+            // A client sets its rate before it sends.
+            device.set_host_rate(self.outlet.rate());
             let mut shown = Vec::new();
             while let Ok(line) = panel.try_recv() {
                 shown.push(typed(device, line.trim(), &mut is_plugged));
@@ -238,6 +250,12 @@ impl Server {
                 if !bytes.is_empty() && is_plugged {
                     let written = self.outlet.write(&bytes);
                     written.map_err(|error| of_port(&self.asked, &error))?;
+                }
+            }
+            // At the present time of the simulation, so that no reply comes sooner than on a line.
+            for byte in received {
+                if is_plugged {
+                    device.send(byte);
                 }
             }
             shown.extend(device.take_reports());

@@ -1,6 +1,6 @@
 //! Machine files of measuring machines.
 
-use super::calibration_file;
+use super::{calibration_file, motor_file};
 use crate::diagnostics::Finding;
 use crate::machines::machine_file::{LoadError, MEASURING, read_text};
 use crate::machines::table::{Table, document};
@@ -114,6 +114,7 @@ fn read_axis(table: &mut Table<'_, '_>, letter: char, scale: Scale) -> AxisSetti
             scale.acceleration(q)
         }),
         gains: gains.unwrap_or_default(),
+        motor: motor_file::read(table),
     }
 }
 
@@ -296,6 +297,7 @@ fn travel(table: &mut Table<'_, '_>, scale: Scale) -> [i32; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use husillo_metrology::simulated::DcMotorModel;
 
     const CMM: &str = MEASURING[0].2;
     const CMM3: &str = MEASURING[1].2;
@@ -336,6 +338,46 @@ mod tests {
             for finding in read.err().unwrap_or_default() {
                 assert_eq!(finding.message, "`over_travel` is too short");
             }
+        }
+    }
+
+    #[test]
+    fn a_motor_is_that_of_the_prototype_where_nothing_else_is_said() {
+        let prototype = load("cmm").unwrap().motor(1);
+        assert_eq!(prototype, DcMotorModel::PROTOTYPE);
+        let text = "[axis.x.motor]\nsupply_v = 24\ninductance_mh = 1.5\n\
+                    counts_per_revolution = 8000\n[probe]";
+        let text = CMM.replacen("[probe]", text, 1);
+        let motor = parse("mine.toml", &text).unwrap().motor(1);
+        assert_eq!(
+            motor,
+            DcMotorModel {
+                supply_v: 24.0,
+                inductance_h: 1.5e-3,
+                counts_per_revolution: 8000,
+                ..DcMotorModel::PROTOTYPE
+            }
+        );
+    }
+
+    #[test]
+    fn wrong_constants_of_a_motor_are_named() {
+        for (line, message) in [
+            ("inertia_kg_m2 = 0", "`inertia_kg_m2` is out of range"),
+            (
+                "counts_per_revolution = 0",
+                "`counts_per_revolution` is out of range",
+            ),
+            (
+                "coulomb_nm = 1.0",
+                "the friction is larger than the breakaway torque",
+            ),
+            ("weight = 1", "unknown key `weight` in [axis.x.motor]"),
+        ] {
+            let text = format!("[axis.x.motor]\n{line}\n[probe]");
+            let text = CMM.replacen("[probe]", &text, 1);
+            let findings = parse("mine.toml", &text).unwrap_err();
+            assert_eq!(findings[0].message, message, "{line}");
         }
     }
 

@@ -316,8 +316,7 @@ pub fn open(
 ) -> Result<Line<AnyPort>, String> {
     let contacts: &[Contact] = &args.contact;
     let port: AnyPort = if args.port == "sim" {
-        let versions = vec![4; usize::from(machine.modules())];
-        let chain = SimulatedChain::new(&versions, contacts, piece)?;
+        let chain = SimulatedChain::of_machine(machine, contacts, piece)?;
         Box::new(SimulatedPort::new(chain.with_noise(args.noise)))
     } else if contacts.is_empty() && piece.is_none() && args.noise == 0.0 {
         let port = ChainPort::open(&args.port);

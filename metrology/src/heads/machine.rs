@@ -3,6 +3,7 @@
 use super::view::Errors;
 use crate::scale::Scale;
 use husillo_probe::{PreTravel, Tip, UnitVector};
+use husillo_sim::DcMotorModel;
 use husillo_transports::nmc::{Baud, Gains};
 
 /// Largest number of entries of a table of pre-travel.
@@ -29,7 +30,7 @@ pub struct Machine {
 }
 
 /// An axis: a servo module and what it drives.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisSettings {
     /// `X`, `Y` or `Z`.
     pub letter: char,
@@ -45,6 +46,8 @@ pub struct AxisSettings {
     pub acceleration: u32,
     /// Gains and limits of the servo.
     pub gains: Gains,
+    /// Its motor, in simulations.
+    pub motor: DcMotorModel,
 }
 
 /// The probe.
@@ -89,6 +92,15 @@ impl Machine {
                 letters.join(", ")
             )
         })
+    }
+
+    /// The motor of the module with this address, in simulations. Modules without an axis have that
+    /// of the prototype.
+    #[must_use]
+    pub fn motor(&self, module: u8) -> DcMotorModel {
+        let mut axes = self.axes.iter();
+        let axis = axes.find(|axis| axis.module == module);
+        axis.map_or(DcMotorModel::PROTOTYPE, |axis| axis.motor)
     }
 
     /// The highest address of a module.

@@ -2,9 +2,10 @@
 
 use super::contact::Contact;
 use super::piece::Mounted;
+use crate::heads::Machine;
 #[cfg(test)]
 use crate::heads::operator::StopButton;
-use husillo_sim::{DcMotor, DcMotorModel, Noise, ServoChain, Surroundings};
+use husillo_sim::{ChainModule, DcMotor, DcMotorModel, IoInputs, Noise, ServoChain, Surroundings};
 
 /// Servo period, ns.
 pub const PERIOD_NS: u64 = 512_000;
@@ -12,10 +13,13 @@ pub const PERIOD_NS: u64 = 512_000;
 /// Seed of the noise, the same in every run.
 const NOISE_SEED: u64 = 2026;
 
-/// Modules, their motors, and the faces and the work piece before the probe.
+/// Modules, their motors, and the faces and the work piece before the probe. Modules count from 1,
+/// as their addresses do.
 #[derive(Clone, Debug)]
 pub struct SimulatedChain {
     chain: ServoChain,
+    /// What the input and output modules are connected to; without use for other modules.
+    inputs: Vec<IoInputs>,
     contacts: Vec<Contact>,
     piece: Option<Mounted>,
     /// The contact of the probe is held closed or open by hand.
@@ -27,7 +31,8 @@ pub struct SimulatedChain {
 }
 
 impl SimulatedChain {
-    /// Modules of these versions with the motors of the prototype. The first is at the far end.
+    /// Servo modules of these versions with the motors of the prototype. The first is at the far
+    /// end.
     ///
     /// # Errors
     ///
@@ -37,18 +42,57 @@ impl SimulatedChain {
         contacts: &[Contact],
         piece: Option<Mounted>,
     ) -> Result<Self, String> {
-        if let Some(contact) = contacts
-            .iter()
-            .find(|contact| usize::from(contact.module) > versions.len())
-        {
-            return Err(format!(
-                "a contact at module {}, of {} on the line",
-                contact.module,
-                versions.len()
-            ));
+        let motor = DcMotorModel::PROTOTYPE;
+        let servo = |&version| ChainModule::Servo { version, motor };
+        let modules: Vec<_> = versions.iter().map(servo).collect();
+        Self::of_modules(&modules, contacts, piece)
+    }
+
+    /// The servo modules of a machine, of version 4 and with its motors.
+    ///
+    /// # Errors
+    ///
+    /// A contact of a module that does not exist.
+    pub fn of_machine(
+        machine: &Machine,
+        contacts: &[Contact],
+        piece: Option<Mounted>,
+    ) -> Result<Self, String> {
+        let servo = |module| ChainModule::Servo {
+            version: 4,
+            motor: machine.motor(module),
+        };
+        let modules: Vec<_> = (1..=machine.modules()).map(servo).collect();
+        Self::of_modules(&modules, contacts, piece)
+    }
+
+    /// Modules of any kind. The first is at the far end.
+    ///
+    /// # Errors
+    ///
+    /// A contact of a module that does not exist, or that has no motor.
+    pub fn of_modules(
+        modules: &[ChainModule],
+        contacts: &[Contact],
+        piece: Option<Mounted>,
+    ) -> Result<Self, String> {
+        for Contact { module, .. } in contacts {
+            match modules.get(usize::from(*module) - 1) {
+                Some(ChainModule::Servo { .. }) => {}
+                Some(ChainModule::Io { .. }) => {
+                    return Err(format!("a contact at module {module}, which has no motor"));
+                }
+                None => {
+                    let count = modules.len();
+                    return Err(format!(
+                        "a contact at module {module}, of {count} on the line"
+                    ));
+                }
+            }
         }
         Ok(Self {
-            chain: ServoChain::new(versions, DcMotorModel::PROTOTYPE),
+            chain: ServoChain::of_modules(modules),
+            inputs: vec![IoInputs::default(); modules.len()],
             contacts: contacts.to_vec(),
             piece,
             held: None,
@@ -57,6 +101,49 @@ impl SimulatedChain {
             #[cfg(test)]
             question: None,
         })
+    }
+
+    /// The same chain, whose modules hear nothing for this time after a reset.
+    #[must_use]
+    pub fn with_reset_ms(self, reset_ms: u32) -> Self {
+        Self {
+            chain: self.chain.with_reset_ms(reset_ms),
+            ..self
+        }
+    }
+
+    /// The same chain on a line where bytes take no time.
+    #[must_use]
+    pub fn without_byte_times(self) -> Self {
+        Self {
+            chain: self.chain.without_byte_times(),
+            ..self
+        }
+    }
+
+    /// Sets the rate of the host in bits/s. `None`: every module understands it.
+    pub fn set_host_rate(&mut self, bits_per_s: Option<u32>) {
+        self.chain.set_host_rate(bits_per_s);
+    }
+
+    /// Changes what an input and output module is connected to. `false` where there is no such
+    /// module.
+    pub fn connect(&mut self, module: usize, change: impl FnOnce(&mut IoInputs)) -> bool {
+        let Some(place) = module.checked_sub(1) else {
+            return false;
+        };
+        if self.chain.outputs(place).is_none() {
+            return false;
+        }
+        change(&mut self.inputs[place]);
+        self.chain.connect(place, self.inputs[place]);
+        true
+    }
+
+    /// Levels of the outputs of an input and output module, and the duties of its PWM outputs.
+    #[must_use]
+    pub fn outputs(&self, module: usize) -> Option<(u16, [u8; 2])> {
+        self.chain.outputs(module.checked_sub(1)?)
     }
 
     /// The same chain with noise: `bit_errors` is the share of wrong bits on the line.

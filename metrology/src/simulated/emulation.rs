@@ -5,9 +5,55 @@ use husillo_sim::device::Emulation;
 
 /// The commands of the panel of a simulated chain.
 pub const PANEL: &str = "close probe, open probe, free probe, power off|on, unplug, plug";
+/// The commands of the panel for a chain with input and output modules.
+pub const IO_PANEL: &str = "pin MODULE PIN high|low, analogue MODULE 1|2|3 VALUE, outputs MODULE";
+
+/// Pins of an input and output module.
+const PINS: u8 = 12;
+
+/// Connects a pin of a module to a level.
+fn pin_of(chain: &mut SimulatedChain, module: &str, pin: &str, level: &str) -> Option<String> {
+    let number: u8 = pin.parse().ok().filter(|pin| *pin < PINS)?;
+    let is_connected = chain.connect(module.parse().ok()?, |inputs| {
+        let mask = 1 << number;
+        inputs.pins = inputs.pins & !mask | if level == "high" { mask } else { 0 };
+    });
+    is_connected.then(|| format!("pin {number} of module {module}: {level}"))
+}
+
+/// Sets the reading of an analogue input of a module.
+fn analogue(chain: &mut SimulatedChain, module: &str, input: &str, value: &str) -> Option<String> {
+    let place: usize = input.parse().ok().filter(|input| (1..=3).contains(input))?;
+    let reading: u8 = value.parse().ok()?;
+    let is_connected = chain.connect(module.parse().ok()?, |inputs| {
+        inputs.analogue[place - 1] = reading;
+    });
+    is_connected.then(|| format!("analogue input {place} of module {module}: {reading}"))
+}
+
+/// The outputs of a module.
+fn outputs(chain: &SimulatedChain, module: &str) -> Option<String> {
+    let (pins, [one, two]) = chain.outputs(module.parse().ok()?)?;
+    let pins: Vec<String> = (0..PINS)
+        .filter(|pin| pins >> pin & 1 == 1)
+        .map(|pin| pin.to_string())
+        .collect();
+    let high = if pins.is_empty() {
+        "none".to_owned()
+    } else {
+        pins.join(", ")
+    };
+    Some(format!(
+        "outputs of module {module}: high {high}; PWM {one} and {two} of 255"
+    ))
+}
 
 impl Emulation for SimulatedChain {
     const PERIOD_NS: u64 = super::PERIOD_NS;
+
+    fn set_host_rate(&mut self, bits_per_s: Option<u32>) {
+        self.set_host_rate(bits_per_s);
+    }
 
     fn send(&mut self, byte: u8) {
         self.send(byte);
@@ -31,7 +77,14 @@ impl Emulation for SimulatedChain {
                 self.set_power(power == "on");
                 format!("power is {power}")
             }
-            _ => format!("there are {PANEL}"),
+            ["pin", module, pin, level @ ("high" | "low")] => pin_of(self, module, pin, level)
+                .unwrap_or_else(|| format!("pin MODULE 0..{} high|low", PINS - 1)),
+            ["analogue", module, input, value] => analogue(self, module, input, value)
+                .unwrap_or_else(|| "analogue MODULE 1|2|3 0..255".into()),
+            ["outputs", module] => {
+                outputs(self, module).unwrap_or_else(|| format!("module {module} has no outputs"))
+            }
+            _ => format!("there are {PANEL}; {IO_PANEL}"),
         }
     }
 }

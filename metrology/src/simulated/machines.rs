@@ -3,6 +3,7 @@
 use crate::heads::{AxisSettings, Errors, Machine, ProbeSettings, Stylus, both_ways};
 use crate::quantity::Fraction;
 use crate::scale::Scale;
+use husillo_sim::DcMotorModel;
 use husillo_transports::nmc::{Baud, Gains};
 
 /// With these gains every move of the simulated motor ends within a count of its goal.
@@ -28,6 +29,7 @@ const fn axis(letter: char, module: u8, travel: i32) -> AxisSettings {
         rate: 1200,
         acceleration: 6000,
         gains: GAINS,
+        motor: DcMotorModel::PROTOTYPE,
     }
 }
 

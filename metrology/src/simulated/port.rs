@@ -15,9 +15,10 @@ pub struct SimulatedPort {
 }
 
 impl SimulatedPort {
-    /// The port of a chain, at time 0.
+    /// The port of a chain, at time 0 and at the rate after power-up.
     #[must_use]
-    pub const fn new(chain: SimulatedChain) -> Self {
+    pub fn new(mut chain: SimulatedChain) -> Self {
+        chain.set_host_rate(Some(Baud::default().bits_per_s()));
         Self {
             chain,
             elapsed_ns: 0,
@@ -34,8 +35,8 @@ impl Port for SimulatedPort {
         self.elapsed_ns / 1000
     }
 
-    // Simulated modules communicate at any rate.
-    fn set_baud(&mut self, _: Baud) -> io::Result<()> {
+    fn set_baud(&mut self, baud: Baud) -> io::Result<()> {
+        self.chain.set_host_rate(Some(baud.bits_per_s()));
         Ok(())
     }
 

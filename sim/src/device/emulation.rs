@@ -5,6 +5,12 @@ pub trait Emulation {
     /// Length of a period of the simulation, ns.
     const PERIOD_NS: u64;
 
+    /// Takes the rate of the client's port in bits/s, where it is known. Devices whose line has no
+    /// rate ignore it.
+    fn set_host_rate(&mut self, bits_per_s: Option<u32>) {
+        let _ = bits_per_s;
+    }
+
     /// Takes a byte that a client sent.
     fn send(&mut self, byte: u8);
 

@@ -1,0 +1,247 @@
+//! A module on the line: its device, its rate, and what it hears and says.
+
+use husillo_controllers::ServoModule;
+use husillo_machine::ServoInputs;
+use husillo_transports::nmc::Baud;
+
+use super::ear::Ear;
+use super::io_module::{Change, IoInputs, IoModule};
+use super::{FULL_CURRENT_A, SERVO_PERIOD_S, Surroundings};
+use crate::{DcMotor, DcMotorModel};
+
+/// A module to put on the line.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub enum ChainModule {
+    /// A servo module.
+    Servo {
+        /// 4 for the original chip, 5 or 10.
+        version: u8,
+        /// Its motor.
+        motor: DcMotorModel,
+    },
+    /// A module with twelve inputs and outputs.
+    Io {
+        /// As its replies have it.
+        version: u8,
+    },
+}
+
+/// A servo module with its motor.
+#[derive(Clone, Debug)]
+pub(super) struct Servo {
+    version: u8,
+    pub(super) module: ServoModule,
+    pub(super) motor: DcMotor,
+    duty: f64,
+    pub(super) around: Surroundings,
+}
+
+impl Servo {
+    /// Runs motor and module for one servo period; a dead module drives nothing.
+    fn tick(&mut self, is_alive: bool) -> Option<Change> {
+        let duty = if self.around.without_power || !is_alive {
+            0.0
+        } else {
+            self.duty
+        };
+        self.motor
+            .advance(duty, self.around.load_nm, SERVO_PERIOD_S);
+        if !is_alive {
+            return None;
+        }
+        let counts = self.motor.counts();
+        let current = self.motor.current_a().abs() / FULL_CURRENT_A * 255.0;
+        let output = self.module.tick(&ServoInputs {
+            counts: counts as i32, // modulo 2^32, as the counter of a module
+            limit_1: self.around.limit_1,
+            limit_2: self.around.limit_2,
+            index: self.motor.is_at_index(),
+            current: current.min(255.0) as u8,
+            has_power: !self.around.without_power,
+        });
+        self.duty = f64::from(output.drive.signed()) / 255.0;
+        if output.is_reset {
+            return Some(Change::Reset);
+        }
+        output.baud.map(Change::Baud)
+    }
+}
+
+#[derive(Clone, Debug)]
+pub(super) enum Device {
+    // The larger variant by far.
+    Servo(Box<Servo>),
+    Io(Box<IoModule>, IoInputs),
+}
+
+/// A byte on its way from a module.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct Byte {
+    pub(super) value: u8,
+    pub(super) start_ns: u64,
+    pub(super) end_ns: u64,
+}
+
+/// A module on the line.
+#[derive(Clone, Debug)]
+pub(super) struct Node {
+    pub(super) device: Device,
+    pub(super) baud: Baud,
+    /// The module neither receives nor answers, and its motor has no drive.
+    is_dead: bool,
+    /// End of the time after a reset in which it hears nothing.
+    deaf_until_ns: u64,
+    ear: Ear,
+    /// The byte that it sends.
+    pub(super) saying: Option<Byte>,
+}
+
+impl Node {
+    pub(super) fn new(module: ChainModule) -> Node {
+        let device = match module {
+            ChainModule::Servo { version, motor } => Device::Servo(Box::new(Servo {
+                version,
+                module: ServoModule::new(version),
+                motor: DcMotor::new(motor),
+                duty: 0.0,
+                around: Surroundings::default(),
+            })),
+            ChainModule::Io { version } => {
+                Device::Io(Box::new(IoModule::new(version)), IoInputs::default())
+            }
+        };
+        Node {
+            device,
+            baud: Baud::default(),
+            is_dead: false,
+            deaf_until_ns: 0,
+            ear: Ear::default(),
+            saying: None,
+        }
+    }
+
+    /// Switches the supply. After that it is in the state of power-up.
+    pub(super) fn set_dead(&mut self, is_dead: bool, deaf_until_ns: u64) {
+        self.is_dead = is_dead;
+        self.saying = None;
+        self.restart(deaf_until_ns);
+        match &mut self.device {
+            Device::Servo(servo) => {
+                servo.module = ServoModule::new(servo.version);
+                servo.duty = 0.0;
+            }
+            Device::Io(module, _) => **module = IoModule::new(module.version()),
+        }
+    }
+
+    fn restart(&mut self, deaf_until_ns: u64) {
+        self.baud = Baud::default();
+        self.deaf_until_ns = deaf_until_ns;
+        self.ear = Ear::default();
+    }
+
+    /// Time of a bit at its rate, ns.
+    pub(super) fn bit_ns(&self) -> u64 {
+        1_000_000_000 / u64::from(self.baud.bits_per_s())
+    }
+
+    /// Whether a host of this rate is understood, up to a difference of 2 %.
+    pub(super) fn understands(&self, host_bits_per_s: Option<u32>) -> bool {
+        let own = self.baud.bits_per_s();
+        host_bits_per_s.is_none_or(|rate| rate.abs_diff(own) <= own / 50)
+    }
+
+    /// Takes a byte that ends at this time.
+    pub(super) fn push(&mut self, byte: u8, now_ns: u64) {
+        if self.is_dead || now_ns < self.deaf_until_ns {
+            return;
+        }
+        self.fall_silent(now_ns);
+        match &mut self.device {
+            Device::Servo(servo) => servo.module.link().push(byte),
+            Device::Io(module, _) => module.push(byte),
+        }
+    }
+
+    /// Hears a byte of another rate.
+    pub(super) fn overhear(&mut self, byte: Byte, bit_ns: u64) {
+        let own = self.bit_ns();
+        let heard = self.ear.byte(byte.value, byte.start_ns, bit_ns, own);
+        heard
+            .into_iter()
+            .for_each(|heard| self.push(heard, byte.end_ns));
+    }
+
+    /// Hears silence until this time.
+    pub(super) fn overhear_silence(&mut self, now_ns: u64) {
+        let heard = self.ear.rest(now_ns, self.bit_ns());
+        heard.into_iter().for_each(|heard| self.push(heard, now_ns));
+    }
+
+    /// Leaves the line in the middle of a byte, as a module does that hears one. The line is then
+    /// idle, so the bits that are missing read 1.
+    fn fall_silent(&mut self, now_ns: u64) {
+        let bit_ns = self.bit_ns();
+        self.saying = self.saying.and_then(|byte| {
+            let bits = now_ns.saturating_sub(byte.start_ns) / bit_ns;
+            // The start bit and the data bits after it.
+            let missing = match bits {
+                0 => return None,
+                1..=8 => 0xff << (bits - 1),
+                _ => 0,
+            };
+            Some(Byte {
+                value: byte.value | missing as u8,
+                ..byte
+            })
+        });
+    }
+
+    /// Runs one period. `reset_ns` is the time after a reset in which it hears nothing.
+    pub(super) fn tick(&mut self, now_ns: u64, reset_ns: u64) -> Option<Baud> {
+        let is_alive = !self.is_dead;
+        let change = match &mut self.device {
+            Device::Servo(servo) => servo.tick(is_alive),
+            Device::Io(module, inputs) => is_alive.then(|| module.tick(inputs)).flatten(),
+        };
+        match change? {
+            Change::Baud(baud) => self.baud = baud,
+            Change::Reset => self.restart(now_ns + reset_ns),
+        }
+        Some(self.baud)
+    }
+
+    /// The next byte of a reply.
+    pub(super) fn transmit(&mut self) -> Option<u8> {
+        match &mut self.device {
+            Device::Servo(servo) => servo.module.link().transmit(),
+            Device::Io(module, _) => module.transmit(),
+        }
+    }
+
+    /// Begins the next byte of a reply, if there is one.
+    pub(super) fn say(&mut self, now_ns: u64) {
+        let end_ns = now_ns + 10 * self.bit_ns();
+        self.saying = self.transmit().map(|value| Byte {
+            value,
+            start_ns: now_ns,
+            end_ns,
+        });
+    }
+
+    /// Sets ADDR_IN.
+    pub(super) fn set_enabled(&mut self, is_enabled: bool) {
+        match &mut self.device {
+            Device::Servo(servo) => servo.module.link().set_enabled(is_enabled),
+            Device::Io(module, _) => module.set_enabled(is_enabled),
+        }
+    }
+
+    /// Whether ADDR_OUT enables the next module.
+    pub(super) fn enables_next(&mut self) -> bool {
+        match &mut self.device {
+            Device::Servo(servo) => servo.module.link().enables_next(),
+            Device::Io(module, _) => module.enables_next(),
+        }
+    }
+}
