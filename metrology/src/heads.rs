@@ -2,7 +2,7 @@
 //! lines.
 //!
 //! ```text
-//! Prober ◄── Head ──► servo, way, touching, homing, jog, collision ──► Line ──► Port
+//! Prober ◄── Head ──► servo, straight_move, touching, homing, jog, collision ──► Line ──► Port
 //!                                                                        └────► Operator
 //! ```
 
@@ -20,9 +20,9 @@ mod prober;
 mod search;
 mod servo;
 mod standing;
+mod straight_move;
 mod touching;
 mod view;
-mod way;
 
 pub use head::Head;
 pub use line::Line;

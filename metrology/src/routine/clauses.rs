@@ -3,10 +3,10 @@
 use super::dimension::{Figure, Wanted};
 use super::jobs::Needs;
 use super::line_reader::{LineReader, Value, twice};
+use super::mistake::{Wrong, code};
 use super::parser::Parser;
 use super::statement::{Fit, Job, Place};
 use super::vector::{Vector, nearest_axis};
-use super::wrong::{Wrong, code};
 use std::ops::Range;
 
 /// A value and its bytes in the line.

@@ -6,7 +6,7 @@ mod state;
 
 pub use error::{ProgramError, ProgramFault};
 
-use super::called::{self, CYCLES};
+use super::called_cycle::{self, CYCLES};
 use super::failure::Failure;
 use super::feature::Feature;
 use super::frame::Frame;
@@ -150,7 +150,7 @@ fn call<'r>(
     at: &At<'_>,
 ) -> Result<&'r Feature, Box<ProgramError>> {
     let wrong = |message, expected| Box::new(at.error(ProgramFault::Call { message, expected }));
-    let cycle = called::by_name(name).ok_or_else(|| wrong("no such cycle", None))?;
+    let cycle = called_cycle::by_name(name).ok_or_else(|| wrong("no such cycle", None))?;
     let lengths: Option<Vec<i64>> = values.iter().map(|value| state.nm(*value)).collect();
     let lengths = lengths.filter(|all| all.iter().all(|nm| nm.abs() <= 10_000_000_000));
     let lengths = lengths.ok_or_else(|| wrong("a length of more than 10 m", None))?;

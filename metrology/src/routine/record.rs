@@ -2,11 +2,11 @@
 
 use super::failure::Failure;
 use super::feature::Feature;
+use super::mistake::Wrong;
 use super::parser::Parser;
 use super::runner::Runner;
 use super::statement::{Order, Statement};
 use super::words::words;
-use super::wrong::Wrong;
 use std::io::{self, BufRead, Write};
 
 /// A line that is not part of the recording.
