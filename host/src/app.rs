@@ -13,11 +13,10 @@ mod stop;
 use job::{Job, displayed, load, not_loaded, whole};
 use reporting::{colour, verdict, with_findings};
 
-use crate::calibrating::{Calibrate, What};
 use crate::cli::{
-    Check, Cli, Command, Commands, Compare, Compile, DrillOrder, DrillOutput, Emulate, Holes,
-    Interpolate, Jog, Listing, Machines, MachinesAction, Measure, Output, Page, Send, Shape, Steps,
-    Target, Tune,
+    Calibrate, Check, Cli, Command, Commands, Compare, Compile, DrillOrder, DrillOutput, Emulate,
+    Holes, Interpolate, Jog, Listing, Machines, MachinesAction, Measure, Output, Page, Send, Shape,
+    Steps, Target, Tune, What,
 };
 use crate::console;
 use crate::console::shown;

@@ -1,5 +1,6 @@
 //! The command line: what can be asked, and the help texts.
 
+mod calibrate;
 mod drilling;
 mod jog;
 mod moves;
@@ -8,6 +9,7 @@ mod stop;
 mod zero;
 
 use crate::diagnostics::Format;
+pub use calibrate::{AxisArgs, BacklashArgs, Calibrate, CirclesArgs, SquarenessArgs, What};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 pub use drilling::{
     Compile, Cycle, DrillOrder, DrillOutput, DrillProfile, DrillUnits, DrillZeros, Drilling, Holes,
@@ -226,7 +228,7 @@ pub enum Command {
     #[command(after_help = TUNE_HELP)]
     Tune(Tune),
     /// Find the errors of a machine from measurements, as lines for its file
-    Calibrate(crate::calibrating::Calibrate),
+    Calibrate(Calibrate),
 }
 
 /// Which machine and which language.

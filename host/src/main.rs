@@ -9,7 +9,7 @@
 //! | `methods` | interpolation methods, compared on the bare grid |
 //! | `holes` | drill files: read, placed, sorted, written back |
 //! | `machines` | machine files, and what follows from them |
-//! | `measuring`, `calibrating` | the measuring machine and its errors |
+//! | `measuring` | the measuring machine and its errors |
 //! | `lash`, `tuning` | backlash by position; servo axes |
 //! | `micromill`, `drill`, `microfactory` | programs and commands for these machines |
 //! | `console` | the terminal: what is shown, typed lines, Ctrl-C |
@@ -22,7 +22,6 @@
 mod console;
 
 mod app;
-mod calibrating;
 mod cli;
 mod diagnostics;
 mod drill;

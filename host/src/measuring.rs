@@ -10,10 +10,10 @@ mod action;
 mod calibrating;
 mod calibration_file;
 mod direction;
-pub mod file;
 mod halt;
 mod help;
 pub mod interrupt;
+pub mod machine_file;
 mod module_list;
 mod piece_file;
 pub mod port;
@@ -73,7 +73,8 @@ const COLLISION: u8 = 4;
 ///
 /// [`Stopped`]. The results before the failure are printed.
 pub fn measure(args: &Measure, out: &mut dyn Write, table: &mut Vec<u8>) -> Result<(), Stopped> {
-    let machine = file::load(args.machine.as_deref().unwrap_or("cmm")).map_err(Stopped::File)?;
+    let machine =
+        machine_file::load(args.machine.as_deref().unwrap_or("cmm")).map_err(Stopped::File)?;
     let interrupt = Interrupt::listen()?;
     let done = measure_by(args, &machine, &interrupt, out, table);
     match done {
@@ -363,7 +364,7 @@ pub fn told(trouble: &Trouble) -> String {
 /// [`Stopped`].
 #[cfg(unix)]
 pub fn emulate(args: &Emulate, out: &mut dyn Write) -> Result<(), Stopped> {
-    let machine = file::load(&args.machine).map_err(Stopped::File)?;
+    let machine = machine_file::load(&args.machine).map_err(Stopped::File)?;
     let versions = match &args.modules {
         Some(list) => module_list::versions(list)?,
         None => vec![4; usize::from(machine.modules())],

@@ -6,8 +6,8 @@ mod page;
 use crate::cli::{Output, Tune, TuneMethod, TuneRule};
 use crate::console::sharing::share;
 use crate::console::stop::INTERRUPTED;
-use crate::measuring::file;
 use crate::measuring::interrupt::{Interrupt, User};
+use crate::measuring::machine_file;
 use crate::measuring::port::ChainPort;
 use crate::measuring::{Stopped, told};
 use husillo_metrology::Trouble;
@@ -27,7 +27,8 @@ use std::io::{self, Write};
 ///
 /// [`Stopped`]. The results before the failure are printed.
 pub fn tune(args: &Tune, out: &mut dyn Write, page: &mut String) -> Result<(), Stopped> {
-    let machine = file::load(args.machine.as_deref().unwrap_or("cmm")).map_err(Stopped::File)?;
+    let machine =
+        machine_file::load(args.machine.as_deref().unwrap_or("cmm")).map_err(Stopped::File)?;
     let mut file = machine.axis(args.axis)?;
     file.gains = given(args, &file.gains)?;
     let size = step_size(args, &file)?;

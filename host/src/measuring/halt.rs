@@ -1,7 +1,7 @@
 //! A stop of a measuring machine whose program was killed.
 
 use super::port::ChainPort;
-use super::{Stopped, file, told};
+use super::{Stopped, machine_file, told};
 use husillo_metrology::heads::Line;
 use std::io::Write;
 
@@ -11,7 +11,7 @@ use std::io::Write;
 ///
 /// [`Stopped`]: the port, or an axis that does not confirm.
 pub fn halt(machine: &str, port: &str, out: &mut dyn Write) -> Result<(), Stopped> {
-    let file = file::load(machine).map_err(Stopped::File)?;
+    let file = machine_file::load(machine).map_err(Stopped::File)?;
     let opened = ChainPort::open(port).map_err(|error| format!("{port}: {error}"))?;
     let positions = Line::new(opened).halt(&file).map_err(|trouble| {
         let advice = "the stop was sent and is not confirmed: be ready to switch off the machine";
