@@ -43,7 +43,8 @@ impl Trouble {
     pub fn text(&self) -> String {
         match self {
             Trouble::Link(Failure::Silent) => {
-                "no answer: the drill is off, unplugged or stopped for a fault, or a byte was lost"
+                "no answer: the drill is off, unplugged or stopped because of a fault, or a byte \
+                 was lost"
                     .into()
             }
             Trouble::Link(Failure::Wrong(byte)) => {
@@ -56,12 +57,12 @@ impl Trouble {
                 format!("unexpected byte {byte:#04x}: a byte was doubled on the line")
             }
             Trouble::Link(Failure::Restarted) => {
-                "the drill was reset: it has homed, and its program is gone".into()
+                "the drill was reset: it has homed, and its program is lost".into()
             }
             Trouble::Link(Failure::Fault) => {
-                "the drill has stopped for a fault, which its panel shows: steps were lost, a \
-                 switch or a sensor does not work, or a position is off the table. Mend it, then \
-                 press its button R"
+                "the drill has stopped because of a fault, which its panel shows: steps were lost, \
+                 a switch or a sensor does not work, or a position is off the table. Repair it, \
+                 then press its button R"
                     .into()
             }
             Trouble::Link(Failure::NotAll) => {
@@ -211,7 +212,7 @@ impl Client {
     ///
     /// # Errors
     ///
-    /// The device does not answer in that time: it is off, absent or stopped for a fault.
+    /// The device does not answer in that time: it is off, absent or stopped because of a fault.
     /// [`Trouble::Stopped`]: the operator does not wait.
     pub fn end_program(&mut self, wait: impl FnOnce(Duration)) -> Result<(), Trouble> {
         // One wrong bit in an `E` makes an `e`, which runs a program. So only a device that answers

@@ -441,7 +441,7 @@ fn a_fault_is_reported_at_once() {
     let Ok(End::Failed(Failed { why, done, .. })) = end else {
         panic!("{end:?}")
     };
-    assert!(why.contains("has stopped for a fault"), "{why}");
+    assert!(why.contains("has stopped because of a fault"), "{why}");
     assert_eq!(done, 0);
     // 1.8 kB at 2400 baud are 17 s with their echoes, and the host looks for the device afterwards.
     let took = client.elapsed() - start;

@@ -453,7 +453,7 @@ fn two_machines_move_at_once() {
     let (first, second) = (device.rig(0).unwrap().tool(), device.rig(1).unwrap().tool());
     assert!(first[1] > 100 && first[0] == 0, "{first:?}");
     assert!(second[0] > 100 && second[1] == 0, "{second:?}");
-    // Nobody says it again: both stand after their dead-man's time.
+    // Nothing repeats the jogs: both machines stand after their dead-man's time.
     for _ in 0..1000 {
         device.tick();
     }
@@ -461,7 +461,7 @@ fn two_machines_move_at_once() {
         device
             .take_reports()
             .iter()
-            .filter(|line| line.contains("not said again"))
+            .filter(|line| line.contains("not repeated"))
             .count()
             == 2
     );
