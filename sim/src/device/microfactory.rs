@@ -9,7 +9,7 @@ use husillo_transports::microfactory::{ByteTable, Device as LinkDevice};
 
 /// Moves of a figure that a device has room for.
 pub const ROOM: u16 = 1000;
-/// Ticks after which a jog that is not said again ends, on devices that answer.
+/// Ticks after which a jog that is not repeated ends, on devices that answer.
 const DEAD_MAN_TICKS: u32 = 500_000;
 /// Where the axes stand above their home switches at first, and the work piece before the tool.
 const ABOVE_SWITCHES: [u16; 3] = [420, 380, 900];
@@ -157,7 +157,7 @@ pub fn text(report: MicrofactoryReport) -> String {
         MicrofactoryReport::Homed => "homed".into(),
         MicrofactoryReport::Done => "done".into(),
         MicrofactoryReport::Stopped => "stopped".into(),
-        MicrofactoryReport::DeadMan => "the jog was not said again".into(),
+        MicrofactoryReport::DeadMan => "the jog was not repeated".into(),
         MicrofactoryReport::Contact => "the tool touches: the figure begins".into(),
         MicrofactoryReport::NoContact => {
             "no contact on the longest way; the figure was not cut".into()

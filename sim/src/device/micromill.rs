@@ -71,7 +71,7 @@ impl Machine for EmulatedMicromill {
         match *event {
             MicromillEvent::Step(_) => None,
             MicromillEvent::Spindle { direction, rpm } => Some(spindle(direction, rpm)),
-            MicromillEvent::Tool { number } => Some(format!("tool {number} is asked for")),
+            MicromillEvent::Tool { number } => Some(format!("tool {number} is requested")),
         }
     }
 
