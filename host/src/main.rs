@@ -1,10 +1,10 @@
 //! The program `husillo`: check, simulate and draw G-code programs.
 //!
-//! | folder | what is in it |
+//! | folder | content |
 //! | --- | --- |
 //! | `cli`, `app` | the options, and the command that each starts |
 //! | `programs` | G-code: read, checked, explained, written back |
-//! | `simulation` | a program on the simulated machine, and what is seen of it |
+//! | `simulation` | a program on the simulated machine, and its observers |
 //! | `geometry` | the geometry of moves: paths, and distances from them |
 //! | `methods` | interpolation methods, compared on the bare grid |
 //! | `holes` | drill files: read, placed, sorted, written back |
@@ -14,8 +14,8 @@
 //! | `micromill`, `drill`, `microfactory` | programs and commands for these machines |
 //! | `console` | the terminal: what is shown, typed lines, Ctrl-C |
 //! | `emulate` | simulated controllers behind a port |
-//! | `page` | what the reports are made of |
-//! | `text` | how values are written |
+//! | `page` | the parts of the reports |
+//! | `text` | formats of values |
 #![forbid(unsafe_code)]
 
 #[macro_use]

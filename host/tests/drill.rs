@@ -125,7 +125,7 @@ fn lost_steps_are_reported() {
     let output = child.wait_with_output().unwrap();
     let told = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{told}");
-    assert!(told.contains("stopped for a fault"), "{told}");
+    assert!(told.contains("stopped because of a fault"), "{told}");
     assert!(told.contains("look at the board"), "{told}");
     let place = device.type_line("where", "lost");
     assert!(place.contains("spindle off"), "{place}");
@@ -253,7 +253,7 @@ fn programs_are_compiled_and_listed() {
         .args(["compile", &file, "-m", "router"])
         .assert()
         .code(2)
-        .stderr(contains("-m drill is what takes records"));
+        .stderr(contains("only -m drill takes records"));
     for file in [file.as_ref(), again.as_ref(), &*records, &*second] {
         let _ = std::fs::remove_file::<&std::path::Path>(file);
     }
@@ -309,7 +309,7 @@ fn a_manifest_is_sent_as_it_is() {
         .args(["--order", "shortest"])
         .assert()
         .code(2)
-        .stderr(contains("records have their places"));
+        .stderr(contains("records have positions"));
     let text = std::fs::read_to_string(&manifest).unwrap();
     for (from, to, why) in [
         (
@@ -432,7 +432,7 @@ fn the_original_over_a_pseudo_terminal() {
     let deep = program("deep.nc", "G21 G90\nG0 Z2\nG81 X1 Y2 Z-3 R1 F60\nG80\n");
     send(&device, &deep, &["--baud", "9600", "--fixed"])
         .code(2)
-        .stderr(contains("it knows no depths"));
+        .stderr(contains("it ignores depths"));
     device.type_line("holes", "0 holes");
     let _ = std::fs::remove_file(deep);
     let _ = std::fs::remove_file(file);
@@ -472,7 +472,7 @@ fn a_run_is_stopped() {
     let _ = std::fs::remove_file(file);
 }
 
-/// Ctrl-C while a tool is asked for ends it there.
+/// Ctrl-C while it asks for a tool ends the job there.
 #[cfg(unix)]
 #[test]
 fn a_tool_change_is_interrupted() {

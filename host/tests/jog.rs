@@ -82,7 +82,7 @@ fn two_machines_at_once() {
     .success()
     .stdout(contains("1: x +40: ").and(contains("2: x -7: ")))
     .stdout(contains(": 3 of 3 actions").count(2))
-    .stdout(contains("2 of 2 machines did all they had to"));
+    .stdout(contains("2 of 2 machines completed all actions"));
     first.type_line("unplug", "unplugged");
     jog_both(&first, &second, &["c", "9"])
         .code(1)
@@ -175,7 +175,7 @@ fn one_host_drives_both_machines_of_a_controller() {
         .success()
         .stdout(contains("load triangle.nc").and(contains("load zigzag.fig")))
         .stdout(contains(": 3 of 3 actions").count(2))
-        .stdout(contains("2 of 2 machines did all they had to"));
+        .stdout(contains("2 of 2 machines completed all actions"));
     for machine in ["", "2: "] {
         let place = device.type_line(&format!("{machine}where"), "lost");
         assert!(place.starts_with("x 0 y 1380 z 0 "), "{place}");
@@ -335,7 +335,7 @@ fn figures_are_sent_to_two_machines_at_once() {
         .success()
         .stdout(contains("load triangle.nc").and(contains("load zigzag.fig")))
         .stdout(contains(": 3 of 3 actions").count(2))
-        .stdout(contains("2 of 2 machines did all they had to"));
+        .stdout(contains("2 of 2 machines completed all actions"));
     for device in [&mut first, &mut second] {
         device.read_until("the tool touches");
         device.read_until("done");
