@@ -165,8 +165,8 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
         Next::Again
     }
 
-    /// Returns the take-up of the first axis that owes one, or the step itself. The flag is `true`
-    /// for the step itself.
+    /// Returns the take-up of the first axis that has one due, or the step itself. The flag is
+    /// `true` for the step itself.
     fn owed_or(&self, directions: Directions) -> (Directions, bool) {
         match first_owed(&self.plays, directions) {
             Some((owed, _)) => (owed, false),
