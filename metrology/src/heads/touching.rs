@@ -100,7 +100,7 @@ impl<P: Port> Head<P> {
                 // The latch reports a contact once. The level shows whether it lasts.
                 contact: finished.is_found || (is_closed && !is_in_vain),
                 latched: self.latched(&finished.replies),
-                // Each request is carried out before the next one is asked for.
+                // Each request is carried out before the next one.
                 still: true,
             };
             finished.is_found = false;

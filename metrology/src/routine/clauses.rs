@@ -254,7 +254,7 @@ impl Clauses {
         Ok(())
     }
 
-    /// The only place.
+    /// The only position.
     pub fn one_place(&self, needs: &Needs<'_, '_>) -> Result<Place, Wrong> {
         match self.at.as_slice() {
             [] => Err(needs.missing("at", "its coordinates, as in `at x 10 y 20 z 0`")),
@@ -263,7 +263,7 @@ impl Clauses {
         }
     }
 
-    /// At least `least` places.
+    /// At least `least` positions.
     pub fn places(&self, least: usize, needs: &Needs<'_, '_>) -> Result<Vec<Place>, Wrong> {
         if self.at.len() >= least {
             return Ok(self.at.iter().map(plain).collect());

@@ -86,9 +86,9 @@ pub enum Shape {
     Circle(Circle),
     /// A sphere.
     Sphere(Sphere),
-    /// A distance between two places.
+    /// A distance between two positions.
     Distance {
-        /// The two places, nm.
+        /// The two positions, nm.
         ends_nm: [[i64; 3]; 2],
         /// Their distance, nm.
         length_nm: i64,
