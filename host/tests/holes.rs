@@ -752,7 +752,7 @@ fn a_board_is_mirrored_turned_and_laid_on_measured_holes() {
     let stretched = holes(&[&measured[..], &["--stretch"]].concat());
     assert!((stretched[0][0] - 12.0).abs() < 1e-6 && (stretched[1][0] - 62.05).abs() < 1e-6);
     for (args, reason) in [
-        (&["--reference", "1,1=2,2"][..], "two at least"),
+        (&["--reference", "1,1=2,2"][..], "give two, or use --shift"),
         (&["--reference", "1,1"], "as in 5,5=5.02,4.97"),
         (&["--stretch"], "needs --reference"),
         (&["--turn", "nan"], "expected degrees"),

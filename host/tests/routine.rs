@@ -372,7 +372,7 @@ fn probing_there_and_away() {
         .stderr(contains("nothing to leave"));
     probe("G38.2 Z-9\nG38.4 X1")
         .code(3)
-        .stderr(contains("the contact lasted all the way from"));
+        .stderr(contains("the contact lasted from"));
     probe("G38.2 Z-9\nG38.2 Z-9")
         .code(3)
         .stderr(contains("contact at start"));
