@@ -121,7 +121,7 @@ fn a_switch_and_an_emergency_at_the_panel() {
         .stderr(contains("no answer"));
 }
 
-/// A controller of two machines: `#2` behind the port is the second one.
+/// A controller of two machines: `#2` after the port is the second one.
 #[test]
 fn two_machines_of_one_controller() {
     let Some(mut device) = device("pair", &["--machines", "2"]) else {
@@ -299,8 +299,7 @@ fn the_original_does_not_answer() {
     assert!(place.contains(" z 7 "), "{place}");
 }
 
-/// A switch that closes on the way ends the action; the device is off it again by 200 steps, and
-/// says so.
+/// A switch that closes during an action ends it. The device backs off by 200 steps and reports it.
 #[test]
 fn a_switch_on_the_way_is_reported_over_the_link() {
     let Some(mut device) = device("switch", &[]) else {
@@ -317,8 +316,8 @@ fn a_switch_on_the_way_is_reported_over_the_link() {
     );
 }
 
-/// Two machines, each with its own figure, one as a program and one as a list; then one is
-/// unplugged on the way.
+/// Two machines, each with its own figure, one as a program and one as a list. Then one is
+/// unplugged during its figure.
 #[test]
 fn figures_are_sent_to_two_machines_at_once() {
     let (Some(mut first), Some(mut second)) = (device("left", &[]), device("right", &[])) else {
@@ -406,7 +405,7 @@ fn figures_and_machines_must_match() {
         .stdout(contains("load square.nc").and(contains("2 of 2 machines")));
 }
 
-/// The original has its figure built in, and says nothing.
+/// The original has its figure built in, and does not answer.
 #[test]
 fn the_original_takes_no_figure() {
     let Some(device) = device("builtin", &["--faithful"]) else {
