@@ -177,7 +177,7 @@ fn picture(page: &mut String, board: &Board<'_>) {
     let _ = writeln!(
         page,
         "<svg viewBox=\"{:.3} {:.3} {width:.3} {height:.3}\" role=\"img\" aria-label=\"holes and \
-         the way between them\">",
+         the path between them\">",
         -margin, -margin
     );
     if is_bounded {

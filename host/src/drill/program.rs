@@ -321,7 +321,7 @@ mod tests {
         assert!(
             compile("G1 F60 Z-1\nX3", Dialect::RS274)
                 .unwrap_err()
-                .contains("sideways")
+                .contains("a move across")
         );
         assert!(
             compile("G1 F60 Z-1\nG2 X1 Y1 I1", Dialect::RS274)
