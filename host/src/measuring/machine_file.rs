@@ -5,7 +5,9 @@ use crate::diagnostics::Finding;
 use crate::machines::machine_file::{LoadError, MEASURING, read_text};
 use crate::machines::table::{Table, document};
 use husillo_metrology::Scale;
-use husillo_metrology::heads::{AxisSettings, Errors, Machine, PLACES, ProbeSettings, both_ways};
+use husillo_metrology::heads::{
+    AxisSettings, Errors, Machine, PLACES, ProbeSettings, pre_travel_by_sign,
+};
 use husillo_metrology::quantity::{self, Quantity};
 use husillo_probe::{PreTravel, Tip, UnitVector};
 use husillo_transports::nmc::{Baud, Gains, LAST_ADDRESS};
@@ -169,7 +171,7 @@ fn read_pre_travel(table: &mut Table<'_, '_>, scale: Scale) -> PreTravel<PLACES>
                 short(table, "negative", scale),
             ]
         });
-        return both_ways(both.unwrap_or_default());
+        return pre_travel_by_sign(both.unwrap_or_default());
     }
     let entries = table.optional_tables("pre_travel", |entry| {
         let direction = entry.value("direction").and_then(|(value, span)| {
@@ -199,7 +201,7 @@ fn read_pre_travel(table: &mut Table<'_, '_>, scale: Scale) -> PreTravel<PLACES>
         if let Some((_, span)) = table.value("pre_travel") {
             table.wrong(span, "too many entries", &format!("at most {PLACES}"));
         }
-        both_ways([0; 2])
+        pre_travel_by_sign([0; 2])
     })
 }
 

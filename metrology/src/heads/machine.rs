@@ -102,7 +102,7 @@ impl Machine {
 /// The same pre-travel on all axes: in positive direction, and in negative direction. In amounts of
 /// the scale.
 #[must_use]
-pub fn both_ways([positive, negative]: [i32; 2]) -> PreTravel<PLACES> {
+pub fn pre_travel_by_sign([positive, negative]: [i32; 2]) -> PreTravel<PLACES> {
     let axes = [UnitVector::X, UnitVector::Y, UnitVector::Z];
     let entries = axes.map(|axis| [(axis, positive), (axis.reversed(), negative)]);
     // Six entries of 64.

@@ -198,7 +198,7 @@ fn carry_out(
             let goal = to.map(|nm| nm.0);
             let from = prober.position();
             let from = from.map_err(|trouble| at.failed(trouble))?;
-            let speed = nm_per_min(feed, way(from, goal)).ok_or_else(|| at.foreign())?;
+            let speed = nm_per_min(feed, displacement(from, goal)).ok_or_else(|| at.foreign())?;
             let reached = prober.feed_to(goal, speed);
             reached.map_err(|trouble| at.failed(trouble))?;
         }
@@ -210,9 +210,10 @@ fn carry_out(
         } => {
             let goal = to.map(|nm| nm.0);
             let from = prober.position().map_err(|trouble| at.failed(trouble))?;
-            let way = way(from, goal);
-            let travel = UnitVector::new(way).ok_or_else(|| at.failed(Failure::NoDirection))?;
-            let speed = nm_per_min(feed, way).ok_or_else(|| at.foreign())?;
+            let displacement = displacement(from, goal);
+            let travel =
+                UnitVector::new(displacement).ok_or_else(|| at.failed(Failure::NoDirection))?;
+            let speed = nm_per_min(feed, displacement).ok_or_else(|| at.foreign())?;
             // At the end of the contact the stylus is still bent by the travel towards the surface.
             let (until, approach) = if away {
                 (Edge::Broken, travel.reversed())
@@ -258,16 +259,16 @@ fn carry_out(
     Ok(())
 }
 
-fn way(from: [i64; 3], to: [i64; 3]) -> [i64; 3] {
+fn displacement(from: [i64; 3], to: [i64; 3]) -> [i64; 3] {
     std::array::from_fn(|axis| to[axis].saturating_sub(from[axis]))
 }
 
 /// The speed of a move over this distance, nm per minute. `None`: it depends on a spindle.
-fn nm_per_min(feed: Feed, way: [i64; 3]) -> Option<u64> {
+fn nm_per_min(feed: Feed, displacement: [i64; 3]) -> Option<u64> {
     match feed {
         Feed::PerMinute(nm) => Some(nm.0.unsigned_abs()),
         Feed::InverseTime { micro_per_minute } => {
-            let length = length(floats(way));
+            let length = length(floats(displacement));
             // The cast saturates, which is faster than any machine.
             Some((length * micro_per_minute as f64 / 1e6) as u64)
         }

@@ -84,7 +84,7 @@ impl<'a> Site<'a> {
     }
 
     /// Longest distance of a touch, nm.
-    pub(super) fn way_nm(&self) -> i64 {
+    pub(super) fn reach_nm(&self) -> i64 {
         self.clearance_nm + self.search_nm
     }
 
