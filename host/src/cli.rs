@@ -276,7 +276,7 @@ pub struct Run {
     /// Write the position of the simulated tool after every step as CSV
     #[arg(long, value_name = "FILE.csv")]
     pub trace: Option<String>,
-    /// Leave the lash of the machine uncompensated
+    /// Leave the backlash of the machine uncompensated
     #[arg(long)]
     pub no_compensation: bool,
     /// Simulate the screws with the backlash of the table simulated_lash, which varies with the
@@ -414,7 +414,7 @@ pub struct Steps {
     /// CSV file to write; - is standard output
     #[arg(short, long, value_name = "FILE.csv")]
     pub output: String,
-    /// Leave the lash of the machine uncompensated
+    /// Leave the backlash of the machine uncompensated
     #[arg(long)]
     pub no_compensation: bool,
     /// Also write the inputs of the motor drivers after each event: a number per axis, whose bit 0
