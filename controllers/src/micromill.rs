@@ -229,12 +229,12 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
         if !self.reports_next() && events < self.ahead.len() {
             return self.ahead.drop_first(events);
         }
-        self.tell(events);
+        self.report(events);
     }
 
     /// Sends the reports of events that were made.
     #[inline(never)]
-    fn tell(&mut self, events: usize) {
+    fn report(&mut self, events: usize) {
         for _ in 0..events {
             let Some(given) = self.ahead.pop() else {
                 return;
