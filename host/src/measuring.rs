@@ -195,10 +195,10 @@ fn measure_by(
     let written = written.and_then(|()| write_rows(args.format, &rows, out, table));
     match result {
         Err(trouble) if has_collided => {
-            eprintln!("{}", told(&trouble));
+            eprintln!("{}", error_text(&trouble));
             return Err(Stopped::Told(COLLISION));
         }
-        result => result.map_err(|trouble| Stopped::Machine(told(&trouble)))?,
+        result => result.map_err(|trouble| Stopped::Machine(error_text(&trouble)))?,
     }
     // The state of the machine outranks a failed output, for example a closed pipe.
     if has_collided {
@@ -235,7 +235,7 @@ fn typed(
             Ok(actions) => match session.run(&actions, head, &mut report) {
                 Ok(()) => continue,
                 Err(trouble) if interrupt.has_stopped() => return Err(trouble),
-                Err(trouble) => told(&trouble),
+                Err(trouble) => error_text(&trouble),
             },
         };
         is_refused = true;
@@ -264,7 +264,7 @@ fn prepared(
         }
     });
     result.map_err(|trouble| {
-        eprintln!("{}", told(&trouble));
+        eprintln!("{}", error_text(&trouble));
         Stopped::Told(match head.has_collided() {
             true => COLLISION,
             false => TROUBLE,
@@ -334,7 +334,7 @@ fn started(
     let line = line.with_operator(User::new(interrupt, args.raw));
     let head = Head::start(line, machine, args.repeat);
     let head = head.map_err(|trouble| {
-        eprintln!("{}", told(&trouble));
+        eprintln!("{}", error_text(&trouble));
         Stopped::Told(TROUBLE)
     })?;
     Ok(Calibrated::new(head, machine.errors.clone()))
@@ -350,7 +350,7 @@ const fn ended(ending: Ending) -> Result<(), Stopped> {
 }
 
 /// The error message of a trouble, with its hint.
-pub fn told(trouble: &Trouble) -> String {
+pub fn error_text(trouble: &Trouble) -> String {
     match help::help(trouble) {
         Some(help) => format!("error: {trouble}\n  help: {help}"),
         None => format!("error: {trouble}"),

@@ -26,7 +26,9 @@ mod view;
 
 pub use head::Head;
 pub use line::Line;
-pub use machine::{AxisSettings, Machine, PLACES, ProbeSettings, Stylus, pre_travel_by_sign};
+pub use machine::{
+    AxisSettings, Machine, PRE_TRAVEL_ENTRIES, ProbeSettings, Stylus, pre_travel_by_sign,
+};
 pub use operator::Operator;
 pub use port::Port;
 pub use prober::{Probed, Prober, Touched};

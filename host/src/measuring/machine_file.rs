@@ -6,7 +6,7 @@ use crate::machines::machine_file::{LoadError, MEASURING, read_text};
 use crate::machines::table::{Table, document};
 use husillo_metrology::Scale;
 use husillo_metrology::heads::{
-    AxisSettings, Errors, Machine, PLACES, ProbeSettings, pre_travel_by_sign,
+    AxisSettings, Errors, Machine, PRE_TRAVEL_ENTRIES, ProbeSettings, pre_travel_by_sign,
 };
 use husillo_metrology::quantity::{self, Quantity};
 use husillo_probe::{PreTravel, Tip, UnitVector};
@@ -159,7 +159,7 @@ fn check_braking(
 
 /// Reads the pre-travel: one length for the positive and one for the negative direction of every
 /// axis, or a list by direction.
-fn read_pre_travel(table: &mut Table<'_, '_>, scale: Scale) -> PreTravel<PLACES> {
+fn read_pre_travel(table: &mut Table<'_, '_>, scale: Scale) -> PreTravel<PRE_TRAVEL_ENTRIES> {
     let is_list = |table: &mut Table<'_, '_>| {
         let value = table.value("pre_travel");
         value.is_some_and(|(value, _)| value.as_array().is_some())
@@ -199,7 +199,11 @@ fn read_pre_travel(table: &mut Table<'_, '_>, scale: Scale) -> PreTravel<PLACES>
     let entries: Vec<_> = entries.into_iter().flatten().flatten().collect();
     PreTravel::of(&entries).unwrap_or_else(|| {
         if let Some((_, span)) = table.value("pre_travel") {
-            table.wrong(span, "too many entries", &format!("at most {PLACES}"));
+            table.wrong(
+                span,
+                "too many entries",
+                &format!("at most {PRE_TRAVEL_ENTRIES}"),
+            );
         }
         pre_travel_by_sign([0; 2])
     })

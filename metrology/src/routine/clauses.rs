@@ -234,7 +234,7 @@ impl Clauses {
             let value = reader.toleranced_length("at")?;
             if value.1.is_some() {
                 let wanted = Wanted {
-                    figure: Figure::PLACES[axis],
+                    figure: Figure::COORDINATES[axis],
                     nominal_micro: value.0,
                     tolerance_micro: value.1,
                 };
@@ -368,7 +368,7 @@ impl Clauses {
         let mut wanted = self.figures.clone();
         if let [place] = self.at.as_slice() {
             for ((figure, value), is_measured) in
-                Figure::PLACES.into_iter().zip(place).zip(measured)
+                Figure::COORDINATES.into_iter().zip(place).zip(measured)
             {
                 let is_said = wanted.iter().any(|wanted| wanted.figure == figure);
                 if let (Some((nominal_micro, None)), true, false) = (*value, is_measured, is_said) {

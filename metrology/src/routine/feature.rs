@@ -158,7 +158,7 @@ impl Feature {
         let frame = &self.frame;
         let mut figures: Vec<(Figure, i64)> = Vec::new();
         if let Some(at_nm) = self.shape.point_nm() {
-            figures.extend(Figure::PLACES.into_iter().zip(frame.to_part(at_nm)));
+            figures.extend(Figure::COORDINATES.into_iter().zip(frame.to_part(at_nm)));
         }
         match &self.shape {
             Shape::Corner { angle_micro, .. } | Shape::Angle { angle_micro } => {
