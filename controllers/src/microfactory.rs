@@ -147,7 +147,7 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
                 self.due = None;
                 // The axes were stopped without deceleration, so their position is not certain.
                 self.is_homed = false;
-                self.report(Report::Emergency);
+                self.report_now(Report::Emergency);
                 return true;
             }
             Order::Stop => {
@@ -157,7 +157,7 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
                     Task::Idle => {}
                     // A status request still reports the switch that ended the task.
                     Task::BackOff { homes: false, .. } => self.report = Some(Report::Stopped),
-                    _ => self.report(Report::Stopped),
+                    _ => self.report_now(Report::Stopped),
                 }
                 self.task = Task::Idle;
                 return true;
@@ -179,7 +179,7 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
             return false;
         }
         if command == Order::Figure && self.figure.as_ref().is_empty() {
-            self.report(Report::NoFigure);
+            self.report_now(Report::NoFigure);
             return false;
         }
         if command == Order::Home {
@@ -302,7 +302,7 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
     }
 
     /// Reports now, and in the answer to a status request.
-    fn report(&mut self, report: Report) {
+    fn report_now(&mut self, report: Report) {
         self.report = Some(report);
         self.last = Some(report);
     }
@@ -345,7 +345,7 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
             Task::Approach { left } => {
                 if inputs.contact {
                     self.begin_move(0);
-                    self.report(Report::Contact);
+                    self.report_now(Report::Contact);
                     return None;
                 }
                 if left == 0 {
@@ -368,7 +368,7 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
     /// Ends the task.
     fn end(&mut self, report: Report) -> Option<Due> {
         self.task = Task::Idle;
-        self.report(report);
+        self.report_now(report);
         None
     }
 
@@ -410,7 +410,7 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
                 left: self.config.back_off_steps,
                 homes: false,
             };
-            self.report(Report::Switch { axis });
+            self.report_now(Report::Switch { axis });
         }
         stops
     }
