@@ -125,7 +125,7 @@ impl<const N: usize, L: Lash<N>> Compensator<N, L> {
 
     /// Returns the lash models for changes: after homing, or for another map.
     pub fn lash_mut(&mut self) -> &mut [L; N] {
-        // The models know the directions, so they are asked again.
+        // The models have the directions, so they are called again.
         self.positive = 0;
         self.negative = 0;
         &mut self.lash

@@ -154,8 +154,8 @@ impl<K: AsRef<[i32]>, V: AsRef<[u32]>> LashMap<K, V> {
             .wrapping_add(whole >> 1);
         let steps = weighted.checked_div(whole).unwrap_or(0);
         let above = weighted.wrapping_sub(steps.wrapping_mul(whole));
-        // What a step along each axis changes of the weighted sum, at most, anywhere between these
-        // places.
+        // Largest change of the weighted sum by a step along each axis, anywhere between these
+        // positions.
         let change = |pairs: [[u64; 2]; 2], other: u64| {
             let [one, two] = pairs.map(|[low, high]| low.abs_diff(high));
             one.max(two).wrapping_mul(other)

@@ -1,4 +1,4 @@
-//! The circuit-board drill: one key after another, and boards tool by tool.
+//! The circuit-board drill: single keys, and boards tool by tool.
 //!
 //! ```text
 //! action ─► hand ──┐

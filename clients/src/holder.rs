@@ -35,7 +35,7 @@ pub struct Holder {
 /// How urgent a stop is.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Urgency {
-    /// As Ctrl-C: the machine stops, and the program reports how far it came.
+    /// As Ctrl-C: the machine stops, and the program reports the work done.
     Stop,
     /// As Ctrl-C twice within a second: an emergency stop where the machine has one.
     Emergency,

@@ -16,7 +16,7 @@ use husillo_transports::microfactory::{Order, Report, Status};
 use figure::FigureMove;
 use husillo_backlash::Play;
 use husillo_machine::StepEvent;
-use task::{Task, Way};
+use task::{Task, Turn};
 
 /// X, Y, Z and the spindle.
 pub const MICROFACTORY_MOTORS: usize = 4;
@@ -147,7 +147,7 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
                 self.due = None;
                 // The axes were stopped without deceleration, so their position is not certain.
                 self.is_homed = false;
-                self.tell(Report::Emergency);
+                self.report_now(Report::Emergency);
                 return true;
             }
             Order::Stop => {
@@ -157,7 +157,7 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
                     Task::Idle => {}
                     // A status request still reports the switch that ended the task.
                     Task::BackOff { homes: false, .. } => self.report = Some(Report::Stopped),
-                    _ => self.tell(Report::Stopped),
+                    _ => self.report_now(Report::Stopped),
                 }
                 self.task = Task::Idle;
                 return true;
@@ -168,7 +168,7 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
             return false;
         };
         let is_said_again = match (self.task, task) {
-            (Task::Jog { way, .. }, Task::Jog { way: again, .. }) => way == again,
+            (Task::Jog { turn, .. }, Task::Jog { turn: again, .. }) => turn == again,
             _ => false,
         };
         if is_said_again {
@@ -179,7 +179,7 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
             return false;
         }
         if command == Order::Figure && self.figure.as_ref().is_empty() {
-            self.tell(Report::NoFigure);
+            self.report_now(Report::NoFigure);
             return false;
         }
         if command == Order::Home {
@@ -210,7 +210,7 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
         if self.is_moving() {
             self.due = None;
             self.task = Task::Idle;
-            self.tell(Report::DeadMan);
+            self.report_now(Report::DeadMan);
         }
     }
 
@@ -311,7 +311,7 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
     }
 
     /// Reports now, and in the answer to a status request.
-    fn tell(&mut self, report: Report) {
+    fn report_now(&mut self, report: Report) {
         self.report = Some(report);
         self.last = Some(report);
     }
@@ -324,24 +324,24 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
         self.were_closed = inputs.home;
         match self.task {
             Task::Idle | Task::Emergency => None,
-            Task::Jog { way, left_ticks } => {
-                let interval = self.config.interval(way.motor);
+            Task::Jog { turn, left_ticks } => {
+                let interval = self.config.interval(turn.motor);
                 let left_ticks = match left_ticks {
                     Some(left) if left < interval => {
                         return self.end(Report::DeadMan);
                     }
                     left => left.map(|left| left.wrapping_sub(interval)),
                 };
-                self.task = Task::Jog { way, left_ticks };
-                self.one_way(way, inputs).map(|(due, _)| due)
+                self.task = Task::Jog { turn, left_ticks };
+                self.one_step(turn, inputs).map(|(due, _)| due)
             }
-            Task::Steps { way, left } => {
+            Task::Steps { turn, left } => {
                 if left == 0 {
                     return self.end(Report::Done);
                 }
-                let (due, counts) = self.one_way(way, inputs)?;
+                let (due, counts) = self.one_step(turn, inputs)?;
                 let left = left.wrapping_sub(u8::from(counts));
-                self.task = Task::Steps { way, left };
+                self.task = Task::Steps { turn, left };
                 Some(due)
             }
             Task::Look { axis } => {
@@ -354,17 +354,17 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
             Task::Approach { left } => {
                 if inputs.contact {
                     self.begin_move(0);
-                    self.tell(Report::Contact);
+                    self.report_now(Report::Contact);
                     return None;
                 }
                 if left == 0 {
                     return self.end(Report::NoContact);
                 }
-                let way = Way {
+                let turn = Turn {
                     motor: 1,
                     forward: true,
                 };
-                let (due, counts) = self.one_way(way, inputs)?;
+                let (due, counts) = self.one_step(turn, inputs)?;
                 self.task = Task::Approach {
                     left: left.wrapping_sub(u32::from(counts)),
                 };
@@ -377,25 +377,25 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
     /// Ends the task.
     fn end(&mut self, report: Report) -> Option<Due> {
         self.task = Task::Idle;
-        self.tell(report);
+        self.report_now(report);
         None
     }
 
     /// Returns a step of one motor, and whether it moves the load. At a home switch the task
     /// becomes a back-off.
-    fn one_way(&mut self, way: Way, inputs: &MicrofactoryInputs) -> Option<(Due, bool)> {
-        let direction: i8 = if way.forward { 1 } else { -1 };
-        if self.stops_at(way, inputs) {
+    fn one_step(&mut self, turn: Turn, inputs: &MicrofactoryInputs) -> Option<(Due, bool)> {
+        let direction: i8 = if turn.forward { 1 } else { -1 };
+        if self.stops_at(turn, inputs) {
             return None;
         }
         let mut delta = [0; MICROFACTORY_MOTORS];
-        if let Some(place) = delta.get_mut(usize::from(way.motor)) {
+        if let Some(place) = delta.get_mut(usize::from(turn.motor)) {
             *place = direction;
         }
-        let play = self.plays.get(usize::from(way.motor));
-        let counts = !play.is_some_and(|play| play.owes(way.forward));
+        let play = self.plays.get(usize::from(turn.motor));
+        let counts = !play.is_some_and(|play| play.owes(turn.forward));
         let due = Due {
-            wait_ticks: self.config.interval(way.motor),
+            wait_ticks: self.config.interval(turn.motor),
             delta,
         };
         Some((due, counts))
@@ -403,12 +403,12 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
 
     /// Whether an axis must stop: it moves towards its closed switch, or its switch has closed in
     /// any motion of a task. The axis then backs off.
-    fn stops_at(&mut self, way: Way, inputs: &MicrofactoryInputs) -> bool {
-        let axis = way.motor;
+    fn stops_at(&mut self, turn: Turn, inputs: &MicrofactoryInputs) -> bool {
+        let axis = turn.motor;
         // The contact may bounce while the axis moves off its switch.
         let has_closed = self.close.get(usize::from(axis)) == Some(&true)
             && !matches!(self.task, Task::BackOff { .. } | Task::Leave { .. });
-        let stops = has_closed || (!way.forward && inputs.is_home(axis));
+        let stops = has_closed || (!turn.forward && inputs.is_home(axis));
         if stops {
             if !self.is_homed {
                 // The engaged flank is unknown, so the back-off is the longer one.
@@ -419,7 +419,7 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
                 left: self.config.back_off_steps,
                 homes: false,
             };
-            self.tell(Report::Switch { axis });
+            self.report_now(Report::Switch { axis });
         }
         stops
     }
@@ -461,11 +461,11 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
             return None;
         };
         self.task = Task::Leave { axis, left };
-        let way = Way {
+        let turn = Turn {
             motor: axis,
             forward: true,
         };
-        self.one_way(way, inputs).map(|(due, _)| due)
+        self.one_step(turn, inputs).map(|(due, _)| due)
     }
 
     /// Homing: moves towards the switch.
@@ -488,11 +488,11 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
             axis,
             left: left.wrapping_sub(1),
         };
-        let way = Way {
+        let turn = Turn {
             motor: axis,
             forward: false,
         };
-        self.one_way(way, inputs).map(|(due, _)| due)
+        self.one_step(turn, inputs).map(|(due, _)| due)
     }
 
     /// Backs off a switch. In homing the next axis follows.
@@ -504,11 +504,11 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
         inputs: &MicrofactoryInputs,
     ) -> Option<Due> {
         if left > 0 {
-            let way = Way {
+            let turn = Turn {
                 motor: axis,
                 forward: true,
             };
-            let (due, counts) = self.one_way(way, inputs)?;
+            let (due, counts) = self.one_step(turn, inputs)?;
             self.task = Task::BackOff {
                 axis,
                 left: left.wrapping_sub(u16::from(counts)),
@@ -550,11 +550,11 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
             return None;
         };
         for (motor, direction) in [(0, x), (2, z)] {
-            let way = Way {
+            let turn = Turn {
                 motor,
                 forward: direction > 0,
             };
-            if direction != 0 && self.stops_at(way, inputs) {
+            if direction != 0 && self.stops_at(turn, inputs) {
                 return None;
             }
         }

@@ -2,6 +2,7 @@
 
 mod config;
 mod course;
+mod directions;
 mod entry;
 mod event;
 mod lines;
@@ -9,7 +10,6 @@ mod moves;
 mod orders;
 mod path;
 mod task;
-mod ways;
 
 pub use config::MicromillConfig;
 pub use event::{MicromillEvent, MicromillInputs, MicromillStep};
@@ -21,17 +21,17 @@ use husillo_transports::micromill::{Answer, Axis, Device, Order, Stops};
 use crate::controller::{Controller, StopBytes, Timed};
 use crate::ring::Ring;
 use course::Course;
+use directions::Directions;
 use entry::{Entry, Place};
 use husillo_backlash::Play;
 use husillo_machine::{MAX_WAIT_TICKS, StepGuard};
 use path::Flat;
 use task::Task;
-use ways::Ways;
 
 /// An event that was given and is not yet made.
 #[derive(Copy, Clone, Debug)]
 struct Given {
-    ways: Ways,
+    directions: Directions,
     /// Axes whose load it moves.
     loads: u8,
     /// Number of lines that end with it.
@@ -139,13 +139,13 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
             zero: [0; 3],
             task: Task::Idle,
             path: None,
-            course: Course::new(Timer::new(0, 1, 1), Ways::NONE),
+            course: Course::new(Timer::new(0, 1, 1), Directions::NONE),
             guard: StepGuard::new(),
             carried_ticks: 0,
             plays: [Play::new(0); 3],
             lash: config.machine.axes.map(|axis| axis.lash_steps as u16),
             ahead: Ring::new(Given {
-                ways: Ways::NONE,
+                directions: Directions::NONE,
                 loads: 0,
                 ends: 0,
             }),
@@ -229,20 +229,20 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
         if !self.reports_next() && events < self.ahead.len() {
             return self.ahead.drop_first(events);
         }
-        self.tell(events);
+        self.report(events);
     }
 
     /// Sends the reports of events that were made.
     #[inline(never)]
-    fn tell(&mut self, events: usize) {
+    fn report(&mut self, events: usize) {
         for _ in 0..events {
             let Some(given) = self.ahead.pop() else {
                 return;
             };
             for axis in Axis::ALL {
-                let bit = Ways::one(axis, true).axes;
-                if given.ways.axes & bit != 0 {
-                    self.link.step(axis, given.ways.negative & bit == 0);
+                let bit = Directions::one(axis, true).axes;
+                if given.directions.axes & bit != 0 {
+                    self.link.step(axis, given.directions.negative & bit == 0);
                 }
             }
             for _ in 0..given.ends {
@@ -372,7 +372,7 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
             self.task = Task::Dwell {
                 left_ticks: left_ticks.wrapping_sub(wait_ticks.into()),
             };
-            return self.give(wait_ticks, Ways::NONE);
+            return self.give(wait_ticks, Directions::NONE);
         }
         // The decision requires the switches after the last step.
         if !self.ahead.is_empty() {
@@ -393,29 +393,31 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
         self.link.answer(Answer::Stopped);
     }
 
-    fn give(&mut self, wait_ticks: u32, ways: Ways) -> Next {
+    fn give(&mut self, wait_ticks: u32, directions: Directions) -> Next {
         let (mut loads, mut bit) = (0, 1_u8);
         for play in &mut self.plays {
-            if ways.axes & bit != 0 && play.step(ways.negative & bit == 0) {
+            if directions.axes & bit != 0 && play.step(directions.negative & bit == 0) {
                 loads |= bit;
             }
             bit = bit.wrapping_shl(1);
         }
-        self.guard.stepped_aside(wait_ticks, ways.axes);
-        Next::Give(MicromillEvent::Step(self.say(wait_ticks, ways, loads)))
+        self.guard.stepped_aside(wait_ticks, directions.axes);
+        Next::Give(MicromillEvent::Step(
+            self.say(wait_ticks, directions, loads),
+        ))
     }
 
     #[inline]
-    fn say(&mut self, wait_ticks: u32, ways: Ways, loads: u8) -> MicromillStep {
+    fn say(&mut self, wait_ticks: u32, directions: Directions, loads: u8) -> MicromillStep {
         self.ahead.push(Given {
-            ways,
+            directions,
             loads,
             ends: 0,
         });
         MicromillStep {
             wait_ticks,
-            axes: ways.axes,
-            negative: ways.negative,
+            axes: directions.axes,
+            negative: directions.negative,
         }
     }
 
@@ -507,16 +509,16 @@ impl Timed for MicromillEvent {
 
 /// Returns the first axis that steps in a direction with backlash to take up, and the steps left of
 /// its take-up.
-fn first_owed(plays: &[Play; 3], ways: Ways) -> Option<(Ways, u16)> {
+fn first_owed(plays: &[Play; 3], directions: Directions) -> Option<(Directions, u16)> {
     let mut bit = 1_u8;
     for play in plays {
-        let negative = ways.negative & bit;
-        if ways.axes & bit != 0 && play.owes(negative == 0) {
-            let way = Ways {
+        let negative = directions.negative & bit;
+        if directions.axes & bit != 0 && play.owes(negative == 0) {
+            let direction = Directions {
                 axes: bit,
                 negative,
             };
-            return Some((way, play.owed(negative == 0)));
+            return Some((direction, play.owed(negative == 0)));
         }
         bit = bit.wrapping_shl(1);
     }
@@ -527,8 +529,8 @@ fn first_owed(plays: &[Play; 3], ways: Ways) -> Option<(Ways, u16)> {
 fn undo(plays: &mut [Play; 3], given: &Given) {
     let mut bit = 1_u8;
     for play in plays {
-        if given.ways.axes & bit != 0 {
-            play.undo(given.ways.negative & bit == 0, given.loads & bit != 0);
+        if given.directions.axes & bit != 0 {
+            play.undo(given.directions.negative & bit == 0, given.loads & bit != 0);
         }
         bit = bit.wrapping_shl(1);
     }

@@ -1,5 +1,5 @@
-//! An axis with a scale of 2 um a count on an 8-bit bus: the carriage goes out and home again, and
-//! says where it is.
+//! An axis with a scale of 2 um per count on an 8-bit bus: the carriage moves out and home again,
+//! and its position is printed.
 
 use husillo_encoder::{Byte, Extended, VelocityByCount, read_running};
 

@@ -67,7 +67,7 @@ pub enum PathMode {
     ExactPath,
     /// G61.1: a stop after each move.
     ExactStop,
-    /// G64: corners may be rounded, by at most the tolerance (`P`) if one is given.
+    /// G64: corners without a stop, within the tolerance (`P`) if one is given.
     Blend {
         /// Largest distance from the path.
         tolerance: Option<Nm>,

@@ -2,7 +2,7 @@
 #![cfg(feature = "extended")]
 
 use husillo_gcode::{
-    Arc, Block, Command, Compensation, Dialect, Error, ErrorKind, Measure, Modal, Nm,
+    Arc, Block, Command, Compensation, Dialect, Error, ErrorKind, Measure, Modal, Nm, Units,
 };
 use proptest::prelude::*;
 
@@ -383,7 +383,8 @@ fn arcs_say_how_far_they_are_off() {
         for command in run(&lines).unwrap_or_else(|kind| panic!("{lines:?}: {kind}")) {
             match command {
                 Command::Arc { arc, .. } => {
-                    let same = Arc::around(&at, arc.to, arc.centre, arc.plane, arc.direction);
+                    let (to, centre, units) = (arc.to, arc.centre, Units::Millimetres);
+                    let same = Arc::around(&at, to, centre, arc.plane, arc.direction, units);
                     let same = same.expect("an arc that fits");
                     assert_eq!((arc.mismatch, arc.radius), (same.mismatch, None), "{arc:?}");
                     arcs += 1;

@@ -1,6 +1,6 @@
 //! Limits of acceptance: arcs and inputs just inside and just outside them.
 
-use husillo_gcode::{Arc, Block, Command, Dialect, ErrorKind, Modal, Nm};
+use husillo_gcode::{Arc, Block, Command, Dialect, Direction, ErrorKind, Modal, Nm, Plane, Units};
 
 /// The reason for refusing a line, from zero in millimetres.
 fn verdict(line: &str) -> Option<ErrorKind> {
@@ -68,6 +68,19 @@ fn ends_off_the_arc_in_micrometres() {
         ("G2 X2006 Y0 I1000 J0 F1", false),
     ] {
         ends_as(Dialect::MICROMILL, line, is_taken);
+    }
+    // An arc made without a line.
+    let (from, centre) = ([Nm(0); 3], [Nm(1_000_000), Nm(0), Nm(0)]);
+    for (units, end_nm, is_taken) in [
+        (Units::Micrometres, 2_005_000, true),
+        (Units::Micrometres, 2_006_000, false),
+        (Units::Millimetres, 2_028_000, true),
+        (Units::Inches, 2_071_000, true),
+        (Units::Inches, 2_072_000, false),
+    ] {
+        let to = [Nm(end_nm), Nm(0), Nm(0)];
+        let arc = Arc::around(&from, to, centre, Plane::Xy, Direction::Clockwise, units);
+        assert_eq!(arc.is_some(), is_taken, "{units:?} {end_nm}");
     }
 }
 

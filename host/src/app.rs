@@ -1,4 +1,4 @@
-//! What each command does, from its arguments to its exit status.
+//! Runs the commands, from their arguments to their exit status.
 
 mod choice;
 mod drilling;
@@ -13,11 +13,10 @@ mod stop;
 use job::{Job, displayed, load, not_loaded, whole};
 use reporting::{colour, verdict, with_findings};
 
-use crate::calibrating::{Calibrate, What};
 use crate::cli::{
-    Check, Cli, Command, Commands, Compare, Compile, DrillOrder, DrillOutput, Emulate, Holes,
-    Interpolate, Jog, Listing, Machines, MachinesAction, Measure, Output, Page, Send, Shape, Steps,
-    Target, Tune,
+    Calibrate, Check, Cli, Command, Commands, Compare, Compile, DrillOrder, DrillOutput, Emulate,
+    Holes, Interpolate, Jog, Listing, Machines, MachinesAction, Measure, Output, Page, Send, Shape,
+    Steps, Target, Tune, What,
 };
 use crate::console;
 use crate::console::shown;
@@ -58,7 +57,7 @@ const ERRORS: u8 = 1;
 /// Why there is no exit status of a command.
 #[derive(Debug)]
 pub enum Failure {
-    /// The reader of our output has gone away.
+    /// The reader of the output has closed it.
     Gone,
     /// Bad command line or file.
     Usage(String),
@@ -134,7 +133,7 @@ fn show_machines(args: &Machines) -> Result<u8, Failure> {
         None => listing::list()?,
         Some(MachinesAction::Write { machine, file }) => return write_machine(machine, file),
         Some(MachinesAction::Show { machine, format }) if MachineFile::is_measuring(machine) => {
-            // Its file says all that is known of it.
+            // Its file contains all that is known of it.
             let text = MachineFile::text_of(machine).unwrap_or_default();
             match format {
                 Output::Text => text.to_owned(),
@@ -159,7 +158,7 @@ fn show_machines(args: &Machines) -> Result<u8, Failure> {
     Ok(OK)
 }
 
-/// Writes the file of a built-in machine. A file that exists stays.
+/// Writes the file of a built-in machine. An existing file is not replaced.
 fn write_machine(machine: &str, file: &Option<String>) -> Result<u8, Failure> {
     let Some(text) = MachineFile::text_of(machine) else {
         let names = MachineFile::names().join(", ");
@@ -176,7 +175,7 @@ fn write_machine(machine: &str, file: &Option<String>) -> Result<u8, Failure> {
         None => format!("{machine}.toml"),
     };
     if std::fs::symlink_metadata(&file).is_ok() {
-        let why = "is there already: nothing is written";
+        let why = "exists already: nothing is written";
         return Err(Failure::Usage(format!("{file} {why}")));
     }
     write(&file, text.as_bytes())?;
@@ -200,8 +199,8 @@ fn jog(args: &Jog) -> Result<u8, Failure> {
         machine => {
             let settings = microfactory(machine)?.ok_or_else(|| {
                 format!(
-                    "{machine} cannot be jogged: there are microfactory, drill and micromill, \
-                     and files with [bytes]"
+                    "{machine} cannot be jogged: use microfactory, drill, micromill or a file with \
+                     [bytes]"
                 )
             })?;
             microfactory::jog(args, &settings, out)?
@@ -259,8 +258,8 @@ fn send(args: &Send) -> Result<u8, Failure> {
     }
 }
 
-/// The settings of the microfactory that a file is for; `None` where it is for another machine. A
-/// list of moves is for no other.
+/// The settings of the microfactory that a file is for; `None` for another machine. A list of moves
+/// is for a microfactory only.
 fn figures(target: &Target, file: &str) -> Result<Option<Settings>, Failure> {
     let is_list = microfactory::is_list(file);
     let machine = target.machine.as_deref();
@@ -275,10 +274,10 @@ fn only_microfactory(file: &str) -> Failure {
     Failure::Usage(format!("{file}: a list of moves is for -m microfactory"))
 }
 
-/// The settings of a microfactory; `None` where a machine is another one.
+/// The settings of a microfactory; `None` for another machine.
 fn microfactory(machine: &str) -> Result<Option<Settings>, Failure> {
     let says_so = || input::read_to_string(machine).is_ok_and(|text| text.contains("[bytes]"));
-    // A file may be called as a machine, and a port even has no end.
+    // A file may have the name of a machine, and a port has no file name extension.
     let is_file = || !MachineFile::is_built_in(machine) && says_so();
     if machine != "microfactory" && !is_file() {
         return Ok(None);
@@ -327,7 +326,7 @@ fn emulate(args: &Emulate) -> Result<u8, Failure> {
     ended(measuring::emulate(args, &mut console::stdout()))
 }
 
-/// The file for what an emulated machine makes.
+/// The file for the events of an emulated machine.
 #[cfg(unix)]
 fn made(args: &Emulate) -> Result<Option<Box<dyn Write>>, Failure> {
     let file = args.steps.as_deref().map(Outputs::stream).transpose()?;
@@ -431,7 +430,7 @@ fn compare_methods(args: &Compare) -> Result<u8, Failure> {
     Ok(OK)
 }
 
-/// Makes every feed move of a program; `None` when it has errors.
+/// Makes every feed move of a program; `None` if it has errors.
 fn compare_program(job: &Job, mut bench: Bench) -> Result<Option<Bench>, Failure> {
     let mut make = |command: &husillo_gcode::Command<3>, from| {
         let made = match command {
@@ -479,7 +478,7 @@ fn list_holes(args: &Holes) -> Result<u8, Failure> {
     let is_drill = args.make == DrillOutput::Drill;
     let to_file = args.output.as_ref().is_some_and(|path| path != "-");
     if is_drill && args.format == Output::Text && !to_file && io::stdout().is_terminal() {
-        let message = "records are bytes, nothing for a screen: see -o and --format json";
+        let message = "records are bytes and not for a terminal: see -o and --format json";
         return Err(Failure::Usage(message.into()));
     }
     let name = displayed(&args.file);
@@ -497,7 +496,7 @@ fn list_holes(args: &Holes) -> Result<u8, Failure> {
     if args.layout.order == DrillOrder::Shortest {
         board.sort_shortest(Metric::Straight);
     }
-    // All of it is made before the file is touched.
+    // Everything is computed before the file is written.
     let mut made = Vec::new();
     match (work, args.format) {
         (Some(work), _) => work.write(&board, name, &mut made)??,
@@ -520,7 +519,7 @@ fn list_holes(args: &Holes) -> Result<u8, Failure> {
         (None, Output::Json) => board.print_json(errors, warnings, &mut made)?,
     }
     match args.output.as_deref().unwrap_or("-") {
-        // A list is for people, or one line of JSON; the others are bytes for a machine.
+        // A list is text or one line of JSON; the other forms are bytes for a machine.
         "-" if args.make == DrillOutput::List => console::stdout().write_all(&made)?,
         path => write(path, &made)?,
     }
@@ -545,7 +544,7 @@ fn check_files(args: &Check) -> Result<u8, Failure> {
     Ok(code)
 }
 
-/// Finds what there is to say about a program or a drill file.
+/// Checks a program or a drill file. Returns the findings.
 fn check_file(args: &Check, file: &str, findings: &mut Findings) -> Result<(), Failure> {
     if holes::is_drill_file(args.target.dialect.as_deref(), file) {
         let name = displayed(file);
@@ -561,7 +560,7 @@ fn check_file(args: &Check, file: &str, findings: &mut Findings) -> Result<(), F
     Ok(())
 }
 
-/// Prints what was found, and as text the verdict about a file that was checked to its end.
+/// Prints the findings and, as text, the verdict about a file that was checked to its end.
 fn print_checked(args: &Check, file: &str, findings: &Findings, is_whole: bool) -> io::Result<()> {
     let stdout = io::stdout();
     let is_coloured = colour(stdout.is_terminal());
@@ -633,7 +632,7 @@ fn write_steps(args: &Steps) -> Result<u8, Failure> {
     Ok(OK)
 }
 
-/// Writes the one file of a command; `-` is standard output.
+/// Writes the only output of a command; `-` is standard output.
 fn write(path: &str, bytes: &[u8]) -> io::Result<()> {
     let mut outputs = Outputs::new();
     outputs.write(path, bytes)?;

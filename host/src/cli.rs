@@ -1,5 +1,6 @@
-//! The command line: what can be asked, and the help texts.
+//! The command line: commands, options and their help texts.
 
+mod calibrate;
 mod drilling;
 mod jog;
 mod moves;
@@ -8,6 +9,7 @@ mod stop;
 mod zero;
 
 use crate::diagnostics::Format;
+pub use calibrate::{AxisArgs, BacklashArgs, Calibrate, CirclesArgs, SquarenessArgs, What};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 pub use drilling::{
     Compile, Cycle, DrillOrder, DrillOutput, DrillProfile, DrillUnits, DrillZeros, Drilling, Holes,
@@ -60,7 +62,7 @@ pub enum Command {
         husillo format part.nc -o part.nc\n  \
         husillo format --check *.nc")]
     Format(FormatArgs),
-    /// Print the commands a program means
+    /// Print the commands of a program
     #[command(after_help = "Examples:\n  \
         husillo commands part.nc\n  \
         husillo commands part.nc --format json")]
@@ -86,13 +88,13 @@ pub enum Command {
         husillo compile figure.nc -m microfactory -o figure.fig\n  \
         husillo commands board.cod --format gcode")]
     Compile(Compile),
-    /// Send a program to the drill, the micro mill or microfactories and see it made
+    /// Send a program to the drill, the micro mill or microfactories, and report its progress
     #[command(after_help = "Examples:\n  \
         husillo send board.drl -m drill --shift corner --port /dev/ttyUSB0\n  \
         husillo send board.toml -m drill --port tcp:192.168.1.5:4001\n  \
         husillo send board.cod -m drill --port /dev/ttyUSB0 --detach\n  \
         husillo send board.drl -m drill --from 37\n\n\
-        It pauses between tools with the spindle off, and asks for the diameter of the next one.\n\
+        It pauses between tools with the spindle off, and asks for the diameter of the next tool.\n\
         Ctrl-C stops after the present hole. After a fault it reports the next hole: --from\n\
         continues there.\n\n  \
         husillo send part.nc -m micromill --port /dev/ttyUSB0\n  \
@@ -106,7 +108,7 @@ pub enum Command {
         report\n\
         about all of them at the end.")]
     Send(Send),
-    /// Walk one move on the bare integer grid
+    /// Make one move on the bare integer grid
     #[command(after_help = "Examples:\n  \
         husillo interpolate line --to 10,4,3\n  \
         husillo interpolate line --to 10,4 --method dda-printed\n  \
@@ -120,7 +122,7 @@ pub enum Command {
         husillo compare examples/gear.nc -m micromill --weights 5,1,3,1")]
     #[command(after_long_help = COMPARE_HELP)]
     Compare(Compare),
-    /// Say what a finding or a code means
+    /// Explain a finding or a code
     #[command(after_help = "Examples:\n  \
         husillo explain E0302\n  \
         husillo explain G83 M19")]
@@ -143,8 +145,8 @@ pub enum Command {
         husillo machines\n  \
         husillo machines show micromill")]
     Machines(Machines),
-    /// Move a microfactory by hand: home, counted steps, jogs, figures, emergency stop
-    #[command(after_help = "Actions, done in turn:\n  \
+    /// Move a microfactory, a micro mill or a drill by hand: home, counted steps, jogs
+    #[command(after_help = "Actions of a microfactory, done in turn:\n  \
         home         X, Y and Z to their switches and 200 steps back\n  \
         x -25        steps of a motor: x, y, z, or c for the spindle\n  \
         y+ 1.5s      turn a motor for a time\n  \
@@ -159,14 +161,16 @@ pub enum Command {
         faster 1s    continue the jog, 10 steps per second faster; slower 1s\n  \
         run x -250 2s  an axis at this many steps per second\n  \
         backlash x 204, zero\n\n\
+        The drill (-m drill) has home, steps, jogs, stop, and\n  \
+        spindle on, spindle off, teach, save FILE.cod, run, clear, test, help\n\n\
         Examples:\n  \
         husillo jog home x 400 figure\n  \
         husillo jog --port /dev/ttyUSB0 home y+ 1s\n  \
         husillo jog --port /dev/ttyUSB0 --port /dev/ttyUSB1 home 1: x 400 2: z -60 all: figure")]
     Jog(Jog),
-    /// Stop a machine, also one that another program is driving
+    /// Stop a machine, even if another program drives it
     #[command(after_help = "Examples:\n  \
-        husillo stop                                     every machine that husillo drives here\n  \
+        husillo stop                                     every machine that a husillo drives\n  \
         husillo stop -m micromill --port /dev/ttyUSB0\n  \
         husillo stop -m microfactory --emergency\n\n\
         The husillo that drives the machine stops it as at Ctrl-C and ends. Then this one opens\n\
@@ -215,7 +219,7 @@ pub enum Command {
         husillo measure -m cmm --port /dev/ttyUSB0 touch - --repeat 5 -o touches.csv\n  \
         husillo measure -m cmm calibrate + --reference 3000 --contact 1:3018")]
     Measure(Measure),
-    /// Simulated modules behind a pseudo-terminal, for any client of their protocol
+    /// Simulate a machine behind a pseudo-terminal or a socket, for any client of its protocol
     #[command(after_help = "Examples:\n  \
         husillo emulate cmm --link ./cmm\n  \
         husillo emulate cmm --modules servo:4,servo:4 --link ./cmm \\\n    \
@@ -226,10 +230,10 @@ pub enum Command {
     #[command(after_help = TUNE_HELP)]
     Tune(Tune),
     /// Find the errors of a machine from measurements, as lines for its file
-    Calibrate(crate::calibrating::Calibrate),
+    Calibrate(Calibrate),
 }
 
-/// Which machine and which language.
+/// Machine and language of a program.
 #[derive(Debug, Args)]
 pub struct Target {
     /// Machine: micromill, free, router, lathe, drill, microfactory, or a TOML file
@@ -241,12 +245,12 @@ pub struct Target {
     pub dialect: Option<String>,
 }
 
-/// Where a program lies on the machine.
+/// Position of a program on the machine.
 #[derive(Debug, Args)]
 pub struct Place {
-    /// Where work zero is on the machine, and the tool at the begin: axes with mm, as X20Y15Z-3;
-    /// the centre or the corner of the table; or fit: the part in the middle of the table. Its
-    /// highest Z is at the upper end of Z with these three [default: machine zero; fit if the
+    /// Position of work zero on the machine, where the tool begins: axes with mm, as X20Y15Z-3; the
+    /// centre or the corner of the table; or fit: the part in the middle of the table. These three
+    /// words put the highest Z of the part at the upper end of Z [default: machine zero; fit if the
     /// program does not fit there]
     #[arg(long, value_name = "X..Y..Z..|centre|corner|fit")]
     pub zero: Option<Zero>,
@@ -269,17 +273,17 @@ pub struct Run {
     /// How to print the results
     #[arg(long, value_enum, default_value = "text")]
     pub format: Output,
-    /// Write the simulated tool after every step as CSV
+    /// Write the position of the simulated tool after every step as CSV
     #[arg(long, value_name = "FILE.csv")]
     pub trace: Option<String>,
-    /// Leave the lash of the machine uncompensated
+    /// Leave the backlash of the machine uncompensated
     #[arg(long)]
     pub no_compensation: bool,
     /// Simulate the screws with the backlash of the table simulated_lash, which varies with the
     /// position
     #[arg(long)]
     pub worn: bool,
-    /// In which order closed contours are cut
+    /// Order of cutting closed contours
     #[arg(long, value_enum, default_value = "file")]
     pub order: CuttingOrder,
     /// Compare the left side of the work with the mirror image of its right side, about this
@@ -291,10 +295,10 @@ pub struct Run {
     pub lose: Vec<crate::machines::encoder_file::Push>,
 }
 
-/// In which order closed contours are cut.
+/// Order of cutting closed contours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum CuttingOrder {
-    /// As they are written
+    /// As in the file
     File,
     /// As two halves from the same start point, so that both sides are cut on the same flank of the
     /// other axis' screw
@@ -363,17 +367,17 @@ pub struct Machines {
 /// What to do with machines.
 #[derive(Debug, Subcommand)]
 pub enum MachinesAction {
-    /// Show what is known of one
+    /// Show the properties of one
     Show {
-        /// A machine that is built in, or the path of a machine file
+        /// A built-in machine, or the path of a machine file
         machine: String,
         /// How to print it
         #[arg(long, value_enum, default_value = "text")]
         format: Output,
     },
-    /// Write the file of one that is built in, to change it for a machine of your own
+    /// Write the file of a built-in machine, to change it for your own machine
     Write {
-        /// A machine that is built in
+        /// A built-in machine
         machine: String,
         /// File to write; - is standard output [default: NAME.toml]
         file: Option<String>,
@@ -410,11 +414,11 @@ pub struct Steps {
     /// CSV file to write; - is standard output
     #[arg(short, long, value_name = "FILE.csv")]
     pub output: String,
-    /// Leave the lash of the machine uncompensated
+    /// Leave the backlash of the machine uncompensated
     #[arg(long)]
     pub no_compensation: bool,
-    /// Also write the inputs of the motors' drivers after each event: a number per axis, bit 0 is
-    /// the first input
+    /// Also write the inputs of the motor drivers after each event: a number per axis, whose bit 0
+    /// is the first input
     #[arg(long)]
     pub levels: bool,
 }

@@ -1,7 +1,7 @@
-//! What people see: standard output and standard error, with nothing in it that a terminal obeys.
+//! Standard output and standard error, without control characters for the terminal.
 //!
-//! Names, cells, comments and answers of devices are written by others. A control character in them
-//! is shown as the escape that JSON has for it, so that a line of JSON stays one.
+//! Names, cells, comments and answers of devices come from others. A control character in them is
+//! shown as its JSON escape, so a line of JSON stays one line.
 
 pub mod sharing;
 pub mod stop;
@@ -9,14 +9,14 @@ pub mod typed;
 
 use std::io::{self, IsTerminal, StderrLock, StdoutLock, Write};
 
-/// [`std::eprintln`] through [`message`]: every module of the program tells its messages this way.
+/// [`std::eprintln`] through [`message`]: every module of the program prints its messages with it.
 macro_rules! eprintln {
     ($($part:tt)*) => {
         $crate::console::message(::std::format_args!($($part)*))
     };
 }
 
-/// A writer that shows control characters, and what turns text round, instead of passing them on.
+/// A writer that escapes control characters and changes of the direction of text.
 #[derive(Debug)]
 pub struct Shown<W: Write> {
     out: W,
@@ -29,7 +29,7 @@ pub fn stdout() -> Shown<StdoutLock<'static>> {
     Shown::new(io::stdout().lock())
 }
 
-/// Standard output for text of a command that goes on when its reader has gone: a machine finishes
+/// Standard output for commands that continue after its reader has closed it: a machine completes
 /// its work, and files are still written.
 pub fn lasting_stdout() -> Lasting<Shown<StdoutLock<'static>>> {
     Lasting {
@@ -38,7 +38,7 @@ pub fn lasting_stdout() -> Lasting<Shown<StdoutLock<'static>>> {
     }
 }
 
-/// A writer that drops everything after its reader has gone.
+/// A writer that drops everything after its reader has closed it.
 #[derive(Debug)]
 pub struct Lasting<W> {
     out: W,
@@ -46,7 +46,7 @@ pub struct Lasting<W> {
 }
 
 impl<W: Write> Lasting<W> {
-    /// The value of `written`, or `gone` if the reader has gone.
+    /// The value of `written`, or `gone` if the reader has closed the output.
     fn or_gone<T>(&mut self, written: io::Result<T>, gone: T) -> io::Result<T> {
         match written {
             Err(error) if error.kind() == io::ErrorKind::BrokenPipe => {
@@ -78,8 +78,7 @@ pub fn stderr() -> Shown<StderrLock<'static>> {
     Shown::new(io::stderr().lock())
 }
 
-/// Standard output for bytes that are to be the same at the other end; a terminal gets them as
-/// [`stdout`] shows them.
+/// Standard output for unchanged bytes. A terminal gets them as [`stdout`] shows them.
 pub fn data() -> Box<dyn Write + Send> {
     let out = io::stdout();
     if out.is_terminal() {
@@ -91,7 +90,7 @@ pub fn data() -> Box<dyn Write + Send> {
 
 /// Writes a line to standard error.
 pub fn message(text: std::fmt::Arguments<'_>) {
-    // Nobody to tell that it cannot be told.
+    // Standard error itself has failed, so nothing can be reported.
     let _ = writeln!(stderr(), "{text}");
 }
 
@@ -112,7 +111,7 @@ fn push(all: &mut String, one: char) {
     }
 }
 
-/// Whether a terminal does something at a character, beside going to a new line or a tab stop.
+/// Whether a terminal acts on a character, other than by a new line or a tab stop.
 pub const fn is_obeyed(one: char) -> bool {
     match one {
         '\n' | '\t' => false,
@@ -131,7 +130,7 @@ impl<W: Write> Shown<W> {
         }
     }
 
-    /// Writes what is complete of `begun`; at the end all of it.
+    /// Writes the complete characters of `begun`; at the end everything.
     fn pass(&mut self, is_end: bool) -> io::Result<()> {
         let bytes = std::mem::take(&mut self.begun);
         let mut rest = bytes.as_slice();
@@ -188,7 +187,7 @@ impl<W: Write> Write for Shown<W> {
 
 impl<W: Write> Drop for Shown<W> {
     fn drop(&mut self) {
-        // Half a character at the end of what is written: lost or not, there is nobody to tell.
+        // An incomplete character at the end of the output: its loss cannot be reported.
         let _ = self.pass(true);
     }
 }

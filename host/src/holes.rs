@@ -1,4 +1,4 @@
-//! Drill files: read, checked, listed.
+//! Drill files: reads, checks and lists them.
 
 pub mod drill_code;
 pub mod drill_file;
@@ -19,10 +19,10 @@ use husillo_gcode::Nm;
 pub use options::{Options, length};
 pub use reader::read;
 
-/// Names of files that hold drill programs.
+/// Ends of the names of drill files.
 const ENDS: [&str; 6] = [".drl", ".xln", ".exc", ".drd", ".ncd", ".drill"];
 
-/// Whether a file is a drill file, by what was asked for or by its name.
+/// Whether a file is a drill file, by the options or by its name.
 pub fn is_drill_file(dialect: Option<&str>, file: &str) -> bool {
     let lower = file.to_ascii_lowercase();
     match dialect {
@@ -34,7 +34,7 @@ pub fn is_drill_file(dialect: Option<&str>, file: &str) -> bool {
 /// A drill file, read.
 #[derive(Debug)]
 pub struct Board {
-    /// How its coordinates are read, and why.
+    /// The settings of its coordinates, with their reasons.
     pub settings: Settings,
     /// Its tools in the order of the file.
     pub tools: Vec<Tool>,
@@ -45,12 +45,11 @@ pub struct Board {
 }
 
 impl Board {
-    /// Leaves the tools that were asked for, and places the board; what a fit to measured holes
-    /// found.
+    /// Keeps the requested tools, and places the board. Returns the fit to the measured holes.
     ///
     /// # Errors
     ///
-    /// A tool without holes and slots, or a place that is out of reach.
+    /// A tool without holes and slots, or a position that is out of reach.
     pub fn apply(&mut self, options: &Options) -> Result<Option<Fit>, String> {
         let in_use = self.tools_in_use();
         if let Some(tool) = options.only.iter().find(|tool| !in_use.contains(tool)) {
@@ -69,7 +68,7 @@ impl Board {
         options.placement.apply(self)
     }
 
-    /// Says what is beyond the travel of a machine whose zero is that of the file.
+    /// Reports what is beyond the travel of a machine whose zero is that of the file.
     pub fn check_travel(&self, file: &str, machine: &MachineFile, findings: &mut Findings) {
         let Some([low, high]) = self.extent() else {
             return;
@@ -100,9 +99,9 @@ impl Board {
             let finding = Finding::general(Severity::Error, "E0401", message).note(note);
             let fits = high[axis].0 - low[axis].0 <= to - from;
             findings.add(finding.help(if fits {
-                "it fits when it is moved: see --shift of `husillo holes`"
+                "it fits after a shift: see --shift of `husillo holes`"
             } else {
-                "it cannot fit by moving it"
+                "it is too large for a shift to help"
             }));
         }
     }
@@ -139,12 +138,12 @@ impl Board {
             .collect()
     }
 
-    /// The way from the origin over all holes in their order, in nm.
+    /// Length of the path from the origin over all holes in their order, in nm.
     pub fn travel_nm(&self, metric: Metric) -> f64 {
         visiting_order::travel(self.holes.iter().map(|hole| hole.at_nm), [0; 2], metric)
     }
 
-    /// Least and greatest coordinates of the middles of holes and the ends of slots.
+    /// Smallest and largest coordinates of the centres of holes and the ends of slots.
     pub fn extent(&self) -> Option<[[Nm; 2]; 2]> {
         let ends = self
             .slots

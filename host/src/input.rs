@@ -1,5 +1,7 @@
 //! Files that a command reads. They are remembered, so that no output replaces one of them.
 
+pub mod columns;
+
 use std::fs::{File, Metadata};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};

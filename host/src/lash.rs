@@ -1,4 +1,4 @@
-//! Backlash by position: measured by the two-line test, and what remains of it on the work.
+//! Backlash by position: its measurement by the two-line test, and the error that remains.
 
 mod bench;
 mod calibrating;

@@ -1,27 +1,26 @@
 //! The program `husillo`: check, simulate and draw G-code programs.
 //!
-//! | folder | what is in it |
+//! | folder | content |
 //! | --- | --- |
 //! | `cli`, `app` | the options, and the command that each starts |
 //! | `programs` | G-code: read, checked, explained, written back |
-//! | `simulation` | a program on the simulated machine, and what is seen of it |
+//! | `simulation` | a program on the simulated machine, and its observers |
 //! | `methods` | interpolation methods, compared on the bare grid |
 //! | `holes` | drill files: read, placed, sorted, written back |
 //! | `machines` | machine files, and what follows from them |
-//! | `measuring`, `calibrating` | the measuring machine and its errors |
+//! | `measuring` | the measuring machine and its errors |
 //! | `lash`, `tuning` | backlash by position; servo axes |
 //! | `micromill`, `drill`, `microfactory` | programs and commands for these machines |
 //! | `console` | the terminal: what is shown, typed lines, Ctrl-C |
 //! | `emulate` | simulated controllers behind a port |
-//! | `page` | what the reports are made of |
-//! | `text` | how values are written |
+//! | `page` | the parts of the reports |
+//! | `text` | formats of values |
 #![forbid(unsafe_code)]
 
 #[macro_use]
 mod console;
 
 mod app;
-mod calibrating;
 mod cli;
 mod diagnostics;
 mod drill;

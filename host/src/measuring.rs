@@ -10,10 +10,10 @@ mod action;
 mod calibrating;
 mod calibration_file;
 mod direction;
-pub mod file;
 mod halt;
 mod help;
 pub mod interrupt;
+pub mod machine_file;
 mod module_list;
 mod motor_file;
 mod piece_file;
@@ -74,7 +74,8 @@ const COLLISION: u8 = 4;
 ///
 /// [`Stopped`]. The results before the failure are printed.
 pub fn measure(args: &Measure, out: &mut dyn Write, table: &mut Vec<u8>) -> Result<(), Stopped> {
-    let machine = file::load(args.machine.as_deref().unwrap_or("cmm")).map_err(Stopped::File)?;
+    let machine =
+        machine_file::load(args.machine.as_deref().unwrap_or("cmm")).map_err(Stopped::File)?;
     let interrupt = Interrupt::listen()?;
     let done = measure_by(args, &machine, &interrupt, out, table);
     match done {
@@ -195,10 +196,10 @@ fn measure_by(
     let written = written.and_then(|()| write_rows(args.format, &rows, out, table));
     match result {
         Err(trouble) if has_collided => {
-            eprintln!("{}", told(&trouble));
+            eprintln!("{}", error_text(&trouble));
             return Err(Stopped::Told(COLLISION));
         }
-        result => result.map_err(|trouble| Stopped::Machine(told(&trouble)))?,
+        result => result.map_err(|trouble| Stopped::Machine(error_text(&trouble)))?,
     }
     // The state of the machine outranks a failed output, for example a closed pipe.
     if has_collided {
@@ -235,7 +236,7 @@ fn typed(
             Ok(actions) => match session.run(&actions, head, &mut report) {
                 Ok(()) => continue,
                 Err(trouble) if interrupt.has_stopped() => return Err(trouble),
-                Err(trouble) => told(&trouble),
+                Err(trouble) => error_text(&trouble),
             },
         };
         is_refused = true;
@@ -264,7 +265,7 @@ fn prepared(
         }
     });
     result.map_err(|trouble| {
-        eprintln!("{}", told(&trouble));
+        eprintln!("{}", error_text(&trouble));
         Stopped::Told(match head.has_collided() {
             true => COLLISION,
             false => TROUBLE,
@@ -334,7 +335,7 @@ fn started(
     let line = line.with_operator(User::new(interrupt, args.raw));
     let head = Head::start(line, machine, args.repeat);
     let head = head.map_err(|trouble| {
-        eprintln!("{}", told(&trouble));
+        eprintln!("{}", error_text(&trouble));
         Stopped::Told(TROUBLE)
     })?;
     Ok(Calibrated::new(head, machine.errors.clone()))
@@ -350,7 +351,7 @@ const fn ended(ending: Ending) -> Result<(), Stopped> {
 }
 
 /// The error message of a trouble, with its hint.
-pub fn told(trouble: &Trouble) -> String {
+pub fn error_text(trouble: &Trouble) -> String {
     match help::help(trouble) {
         Some(help) => format!("error: {trouble}\n  help: {help}"),
         None => format!("error: {trouble}"),
@@ -364,7 +365,7 @@ pub fn told(trouble: &Trouble) -> String {
 /// [`Stopped`].
 #[cfg(unix)]
 pub fn emulate(args: &Emulate, out: &mut dyn Write) -> Result<(), Stopped> {
-    let machine = file::load(&args.machine).map_err(Stopped::File)?;
+    let machine = machine_file::load(&args.machine).map_err(Stopped::File)?;
     let piece = mounted(args.piece.as_deref(), &machine)?;
     let motor = |address| machine.motor(address);
     let modules = match &args.modules {

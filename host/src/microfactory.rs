@@ -23,7 +23,7 @@ use std::io::{self, Write};
 /// wide.
 const FIGURE: [[i16; 2]; 5] = [[1000, 0], [0, 1000], [-1000, 0], [0, -1000], [1000, 1000]];
 
-/// The settings of a machine file. `None` where it has no `[bytes]`: it is no microfactory.
+/// The settings of a machine file. `None` without `[bytes]`: it is no microfactory.
 pub fn settings_of(machine: &MachineFile) -> Option<Settings> {
     let table = machine.bytes?;
     let [x, y, z] = &machine.axes;
@@ -146,7 +146,7 @@ fn figure_of(file: Option<&str>, settings: &Settings) -> Result<Vec<[i16; 2]>, S
     )
 }
 
-/// `husillo emulate microfactory`; what it makes goes to `steps`, where there is that.
+/// `husillo emulate microfactory`; its events go to `steps`, if it is given.
 ///
 /// # Errors
 ///

@@ -17,7 +17,7 @@ use husillo_transports::micromill::{Line, Order};
 use std::fmt::Write as _;
 use std::io::{self, Write as _};
 
-/// `husillo emulate micromill`; what it makes goes to `steps`, where there is that.
+/// `husillo emulate micromill`; its events go to `steps`, if it is given.
 ///
 /// # Errors
 ///
@@ -44,22 +44,22 @@ pub fn emulate(
     )
 }
 
-/// The lines as a file has them: one string a line.
+/// The lines as the text of a file: one string per line.
 pub fn text(lines: &[(usize, Line)]) -> String {
     let mut out = String::new();
     for (_, line) in lines {
         let text = Order::Line(*line).text();
-        // Strings of the link are plain letters and digits; a string takes all that is written.
+        // Strings of the link are plain letters and digits, so writing one does not fail.
         let _ = writeln!(out, "{}", String::from_utf8_lossy(text.bytes()));
     }
     out
 }
 
-/// `husillo jog`: whether all went well.
+/// `husillo jog`. Returns whether all actions succeeded.
 ///
 /// # Errors
 ///
-/// A sentence about what cannot be asked for, before anything moves.
+/// A sentence about a wrong action, before anything moves.
 pub fn jog(args: &Jog, out: &mut dyn io::Write) -> Result<bool, String> {
     let actions = Action::parse(&args.actions)?;
     let [name] = &args.port[..] else {
@@ -75,7 +75,7 @@ pub fn jog(args: &Jog, out: &mut dyn io::Write) -> Result<bool, String> {
     let mut hand = match Hand::new(wire, baud, args.lease.unwrap_or(LEASE_MS), stop) {
         Ok(hand) => hand,
         Err(sentence) => {
-            // A terminal that has gone away does not matter.
+            // A closed terminal does not matter.
             let _ = writeln!(io::stderr(), "error: {name}: {sentence}");
             return Ok(false);
         }
@@ -84,13 +84,13 @@ pub fn jog(args: &Jog, out: &mut dyn io::Write) -> Result<bool, String> {
         let start = hand.elapsed();
         let made = hand.carry_out(action);
         for line in hand.panel() {
-            // A reader that has gone away does not stop a machine.
+            // A closed output does not stop a machine.
             let _ = writeln!(out, "  {line}");
         }
         match made {
             Ok(how) => {
                 let seconds = (hand.elapsed() - start).as_secs_f64();
-                // A reader that has gone away does not stop a machine.
+                // A closed output does not stop a machine.
                 let _ = writeln!(out, "{action}: {seconds:.1} s, {how}").and_then(|()| out.flush());
             }
             Err(sentence) => {

@@ -8,10 +8,10 @@ pub use listing::percent;
 use crate::cli::{Output, Tune, TuneMethod, TuneRule};
 use crate::console::sharing::share;
 use crate::console::stop::INTERRUPTED;
-use crate::measuring::file;
 use crate::measuring::interrupt::{Interrupt, User};
+use crate::measuring::machine_file;
 use crate::measuring::port::ChainPort;
-use crate::measuring::{Stopped, told};
+use crate::measuring::{Stopped, error_text};
 use husillo_metrology::Trouble;
 use husillo_metrology::heads::{AxisSettings, Line, Machine, Port};
 use husillo_metrology::simulated::{SimulatedChain, SimulatedPort};
@@ -28,7 +28,8 @@ use std::io::{self, Write};
 ///
 /// [`Stopped`]. The results before the failure are printed.
 pub fn tune(args: &Tune, out: &mut dyn Write, page: &mut String) -> Result<(), Stopped> {
-    let machine = file::load(args.machine.as_deref().unwrap_or("cmm")).map_err(Stopped::File)?;
+    let machine =
+        machine_file::load(args.machine.as_deref().unwrap_or("cmm")).map_err(Stopped::File)?;
     let mut file = machine.axis(args.axis)?;
     file.gains = given(args, &file.gains)?;
     let size = step_size(args, &file)?;
@@ -36,7 +37,8 @@ pub fn tune(args: &Tune, out: &mut dyn Write, page: &mut String) -> Result<(), S
     let rig = open(args, &machine, &file, &interrupt)?;
     let (title, port) = (machine.title.clone(), args.port.clone());
     let mut outcome = Outcome::new(args.method.name(), title, file.letter, port);
-    let mut stand = Stand::new(rig, file).map_err(|trouble| Stopped::Machine(told(&trouble)))?;
+    let mut stand =
+        Stand::new(rig, file).map_err(|trouble| Stopped::Machine(error_text(&trouble)))?;
     let result = experiment(args, size).run(&mut stand, &mut outcome);
     // The line is free again for the command that switches the motor off.
     interrupt.see_to();
@@ -142,9 +144,9 @@ fn open(
     let linked = Linked::start(line, machine, file);
     // The motor runs during the whole experiment, with or without its servo.
     interrupt.set_moving(linked.is_ok());
-    Ok(Box::new(
-        linked.map_err(|trouble| Stopped::Machine(told(&trouble)))?,
-    ))
+    Ok(Box::new(linked.map_err(|trouble| {
+        Stopped::Machine(error_text(&trouble))
+    })?))
 }
 
 /// Why an experiment was aborted, with its last trial and a hint.

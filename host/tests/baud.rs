@@ -21,8 +21,7 @@ fn takes_its_time(device: &Emulated, byte: u8, baud: u32) {
     port.read_exact(&mut answers).unwrap();
     let took_s = start.elapsed().as_secs_f64();
     assert_eq!(answers, vec![byte; count]);
-    // A second of ten bits a byte, less what the emulation is behind by on a busy computer when
-    // they come.
+    // A second of ten bits per byte, less the delay of the emulation on a busy computer.
     assert!(took_s > 0.5, "{took_s}");
     println!("{baud} baud: {took_s} s for {count} bytes and their answers");
 }

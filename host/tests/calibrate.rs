@@ -31,7 +31,7 @@ fn readings_make_a_machine_file() {
         a - lean * a,
         a + lean * a
     );
-    // As the axes read it: a way along Y carries X with it.
+    // Readings of the axes: a distance along Y also moves X.
     let bar = written("bar.csv", &bar);
     let args = [
         "calibrate",
@@ -74,7 +74,7 @@ fn readings_make_a_machine_file() {
     assert!(lines.contains("scale = \"100."), "{lines}");
 }
 
-/// Bad input is told in a sentence with its place.
+/// Bad input is reported in a sentence with its position.
 #[test]
 fn what_is_wrong_is_said() {
     let calibrate = |what: &str, text: &str, more: &[&str]| {

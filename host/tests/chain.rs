@@ -9,8 +9,8 @@ use emulated::Emulated;
 use serde_json::Value;
 use std::io::{BufRead, BufReader};
 
-/// Ctrl-C, a request to end and a closed terminal stop an axis that runs: the modules are told, and
-/// the exit status says so.
+/// Ctrl-C, a request to end and a closed terminal stop an axis that runs: the modules get the stop,
+/// and the exit status shows it.
 #[test]
 fn an_interruption_stops_the_axes() {
     let Some(chain) = Emulated::new(

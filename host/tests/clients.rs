@@ -11,7 +11,7 @@ use std::process::{Child, Command, Output, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-/// A machine, and what is asked of it.
+/// A machine, and the actions for it.
 struct Session {
     machine: &'static str,
     /// Times real time.
@@ -35,7 +35,8 @@ struct Job {
     printed: &'static str,
 }
 
-/// Checks a machine behind both kinds of port; behind a pseudo-terminal where there are some.
+/// Checks a machine behind both kinds of port, or the socket only on systems without
+/// pseudo-terminals.
 fn check(session: &Session) {
     // The line is as much faster, too; leases and dead-man's times are as much shorter.
     let args = ["--speed", session.speed];
@@ -133,7 +134,7 @@ fn text(output: &Output) -> String {
     format!("{out}{error}")
 }
 
-/// A jog under way, after homing where the client does that first.
+/// A jog in progress, after homing if the client homes first.
 fn begin(session: &Session, device: &mut Emulated) -> Child {
     let child = jog(session, device, &session.jog).spawn().unwrap();
     moves(device);
@@ -223,7 +224,7 @@ fn a_second_terminal_stops_it(session: &Session, device: &mut Emulated) {
     stands(device, Duration::from_millis(900));
     let output = child.wait_with_output().unwrap();
     assert!(!output.status.success(), "{}", text(&output));
-    // And while nobody holds the port.
+    // And while no program holds the port.
     let stopped = stop(session, device, &[]);
     assert!(stopped.status.success(), "{}", text(&stopped));
     assert!(text(&stopped).starts_with("stop: "), "{}", text(&stopped));

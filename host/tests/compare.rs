@@ -117,7 +117,7 @@ fn partial_arcs_both_ways() {
     }
 }
 
-/// Methods about whole steps say so, the general one goes on.
+/// Methods with whole-step centres report it, and the general one continues.
 #[test]
 fn a_centre_between_the_steps() {
     let arc = [

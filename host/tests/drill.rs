@@ -73,8 +73,8 @@ fn the_same_over_a_pseudo_terminal() {
     );
 }
 
-/// A switch that does not close, power that goes, a cable that is pulled, the button: each is told
-/// in a sentence, and the button brings it back.
+/// A switch that does not close, a power failure, a pulled cable, the button: each is reported in a
+/// sentence, and the button restores the drill.
 #[test]
 fn faults_at_the_panel() {
     let Some(mut device) = device("drill-panel", &[]) else {
@@ -101,7 +101,7 @@ fn faults_at_the_panel() {
     jog(&device, &["home", "x", "10"]).success();
 }
 
-/// A board under way, with its first hole drilled.
+/// A board in progress, with its first hole drilled.
 fn drilling(file: &str, device: &mut Emulated) -> std::process::Child {
     let child = std::process::Command::new(env!("CARGO_BIN_EXE_husillo"))
         .args(["send", file, "-m", "drill", "--port", device.port()])
@@ -112,7 +112,8 @@ fn drilling(file: &str, device: &mut Emulated) -> std::process::Child {
     child
 }
 
-/// Steps lost in the middle of a board: the switch tells on the way home, and the host at once.
+/// Steps lost in the middle of a board: the switch shows it on the return home, and the host
+/// reports it at once.
 #[test]
 fn lost_steps_are_reported() {
     let Some(mut device) = device("drill-lost", &[]) else {
@@ -125,7 +126,7 @@ fn lost_steps_are_reported() {
     let output = child.wait_with_output().unwrap();
     let told = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{told}");
-    assert!(told.contains("stopped for a fault"), "{told}");
+    assert!(told.contains("stopped because of a fault"), "{told}");
     assert!(told.contains("look at the board"), "{told}");
     let place = device.type_line("where", "lost");
     assert!(place.contains("spindle off"), "{place}");
@@ -206,7 +207,7 @@ fn wrong_actions_move_nothing() {
         .assert()
         .code(2)
         .stdout("")
-        .stderr(contains("microfactory, drill and micromill"));
+        .stderr(contains("use microfactory, drill, micromill"));
 }
 
 /// A program of the drill's language, in a file of this test's own.
@@ -253,7 +254,7 @@ fn programs_are_compiled_and_listed() {
         .args(["compile", &file, "-m", "router"])
         .assert()
         .code(2)
-        .stderr(contains("-m drill is what takes records"));
+        .stderr(contains("only -m drill takes records"));
     for file in [file.as_ref(), again.as_ref(), &*records, &*second] {
         let _ = std::fs::remove_file::<&std::path::Path>(file);
     }
@@ -282,7 +283,7 @@ fn a_board_has_a_file_for_each_tool_and_a_manifest() {
     assert!(manifest.contains("diameter_mm = 3.2\nfile = \"b.T3.cod\"\nholes = 2"));
     let page = std::fs::read_to_string(page).unwrap();
     assert_eq!(page.matches("<circle").count(), 29);
-    // A way for each tool, and one back to zero, which the travel has in it; a bar of 10 mm.
+    // A path for each tool and one back to zero, which the travel includes; a bar of 10 mm.
     assert_eq!(page.matches("class=\"way\"").count(), 4);
     assert_eq!(page.matches("class=\"way back\"").count(), 4);
     assert!(page.contains(">10 mm</text>"));
@@ -309,7 +310,7 @@ fn a_manifest_is_sent_as_it_is() {
         .args(["--order", "shortest"])
         .assert()
         .code(2)
-        .stderr(contains("records have their places"));
+        .stderr(contains("records have positions"));
     let text = std::fs::read_to_string(&manifest).unwrap();
     for (from, to, why) in [
         (
@@ -432,13 +433,13 @@ fn the_original_over_a_pseudo_terminal() {
     let deep = program("deep.nc", "G21 G90\nG0 Z2\nG81 X1 Y2 Z-3 R1 F60\nG80\n");
     send(&device, &deep, &["--baud", "9600", "--fixed"])
         .code(2)
-        .stderr(contains("it knows no depths"));
+        .stderr(contains("it ignores depths"));
     device.type_line("holes", "0 holes");
     let _ = std::fs::remove_file(deep);
     let _ = std::fs::remove_file(file);
 }
 
-/// Ctrl-C: stops behind the hole that is being drilled, and says which is next.
+/// Ctrl-C: stops after the hole that is being drilled, and reports the next one.
 #[cfg(unix)]
 #[test]
 fn a_run_is_stopped() {
@@ -472,7 +473,7 @@ fn a_run_is_stopped() {
     let _ = std::fs::remove_file(file);
 }
 
-/// Ctrl-C while a tool is asked for ends it there.
+/// Ctrl-C while it asks for a tool ends the job there.
 #[cfg(unix)]
 #[test]
 fn a_tool_change_is_interrupted() {
@@ -527,7 +528,7 @@ fn an_emergency_stop_and_a_pulled_cable() {
     assert!(told.contains("the drill was reset"), "{told}");
     assert!(told.contains("look at the board"), "{told}");
     device.type_line("board", "without holes");
-    // The cable: the drill goes on to the end of what it holds, and nobody hears it.
+    // The cable: the drill continues to the end of its memory, and its answers are lost.
     let child = begin(&device);
     device.read_until("spindle on");
     device.type_line("unplug", "unplugged");
@@ -545,7 +546,7 @@ fn an_emergency_stop_and_a_pulled_cable() {
     let _ = std::fs::remove_file(file);
 }
 
-/// Z has no coordinate, so no travel is said of it.
+/// Z has no coordinate, so its travel is not checked.
 #[test]
 fn the_machine_is_shown_without_a_travel_of_z() {
     husillo()
@@ -574,7 +575,7 @@ fn what_it_makes_is_written_down() {
         .lines()
         .map(|row| row.split(',').map(|cell| cell.parse().unwrap()).collect())
         .collect();
-    // Where it stands at first, above its switches; behind its home it ends where it was jogged to.
+    // Its first position is above its switches; after homing it ends where it was jogged to.
     let sum = |column: usize| rows.iter().map(|row| row[column]).sum::<i64>();
     assert_eq!([sum(3), sum(4)], [3 - 500, -250]);
     let steps = rows.iter().filter(|row| row[3..6] != [0; 3]);
@@ -593,8 +594,8 @@ fn what_it_makes_is_written_down() {
     std::fs::remove_file(path).unwrap();
 }
 
-/// What the original makes: its spindle goes on after X and Y, turns while Z goes down and up, and
-/// is off when X moves on.
+/// The events of the original: its spindle turns on after X and Y, turns while Z moves down and up,
+/// and is off when X moves on.
 #[test]
 fn the_spindle_of_the_original_is_in_what_it_makes() {
     let path = passing("made-original.csv");
@@ -612,7 +613,7 @@ fn the_spindle_of_the_original_is_in_what_it_makes() {
         .collect();
     let (dx_dy, dz, spindle) = (3..5, 5, 9);
     let first = rows.iter().position(|row| row[spindle] == 1).unwrap();
-    // Of homing nothing turns; behind it Z moves with the spindle on, X and Y with it off.
+    // The spindle is off during homing. After it Z moves with the spindle on, X and Y with it off.
     let mut switched = 0;
     for pair in rows[first - 1..].windows(2) {
         let row = &pair[1];

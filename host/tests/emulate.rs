@@ -1,4 +1,4 @@
-//! `husillo emulate`: where its clients connect, and what it says about its files.
+//! `husillo emulate`: the ports for its clients, and the errors of its files.
 
 #![cfg(unix)]
 

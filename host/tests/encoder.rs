@@ -67,8 +67,8 @@ fn lost_steps_are_reported_and_re_emitted() {
     assert!(stop["events"].as_u64().unwrap() < 20_010, "{stop}");
 }
 
-/// An axis that loses steps as fast as they are given again is not made good, whatever was asked
-/// for.
+/// An axis that loses steps as fast as they are re-emitted cannot be corrected, whatever `on_loss`
+/// is.
 #[test]
 fn what_could_not_be_corrected_is_an_error() {
     let again = (0..40).map(|turn| format!("x:{}:-8", 20_000 + 8 * turn));

@@ -253,7 +253,7 @@ fn one_missing_folder_is_made() {
     assert!(folder.get("new/c.csv").starts_with(b"event,"));
 }
 
-/// What is no plain file is written as it comes, and an error of it is told.
+/// An output that is no plain file is written directly, and its errors are reported.
 #[cfg(unix)]
 #[test]
 fn devices_are_written_directly() {

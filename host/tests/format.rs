@@ -181,7 +181,8 @@ fn is_there(findings: &[Value], code: &Value, line: &Value, column: u64) -> bool
     })
 }
 
-/// Applies every fix of a program one by one and sees that its error is gone; the number of fixes.
+/// Applies every fix of a program one by one, and checks that its error is gone. Returns the number
+/// of fixes.
 fn assert_fixes_help(name: &str, program: &str) -> usize {
     let mut fixes = 0;
     let path = scratch(name, program);

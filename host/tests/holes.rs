@@ -35,7 +35,7 @@ fn the_board_of_the_examples() {
         .success()
         .stdout(contains("22 holes, 1 slot"))
         .stdout(contains(
-            "units    mm                         said in line 5",
+            "units    mm                         declared in line 5",
         ))
         .stdout(contains("T2               1  yes           4        0"))
         .stdout(contains("X 3.5 to 36.5 mm, Y 3 to 26.5 mm"));
@@ -384,7 +384,7 @@ fn every_hole_of_real_files_within_four_micrometres() {
     }
 }
 
-/// The travel of the drill, as `compile` says it.
+/// The travel of the drill, as `compile` prints it.
 fn a_short_order_saves_a_quarter(file: &str) {
     let order = ["--unbounded", "--shift", "corner", "--order", "shortest"];
     let said = printed(&[&["compile", file, "-m", "drill"], &order[..]].concat());
@@ -586,7 +586,7 @@ fn a_board_is_moved_and_checked_against_a_machine() {
         .code(1)
         .stdout(contains("2 holes of <input> beyond the travel of X"))
         .stdout(contains("X 1 to 231 mm; drill goes from 0 to 220 mm"))
-        .stdout(contains("it cannot fit by moving it"))
+        .stdout(contains("it is too large for a shift to help"))
         .stdout(contains("2 holes of <input> beyond the travel of Y"))
         .stdout(contains("2 errors"));
 }
@@ -752,9 +752,9 @@ fn a_board_is_mirrored_turned_and_laid_on_measured_holes() {
     let stretched = holes(&[&measured[..], &["--stretch"]].concat());
     assert!((stretched[0][0] - 12.0).abs() < 1e-6 && (stretched[1][0] - 62.05).abs() < 1e-6);
     for (args, reason) in [
-        (&["--reference", "1,1=2,2"][..], "two at least"),
+        (&["--reference", "1,1=2,2"][..], "give two, or use --shift"),
         (&["--reference", "1,1"], "as in 5,5=5.02,4.97"),
-        (&["--stretch"], "goes with --reference"),
+        (&["--stretch"], "needs --reference"),
         (&["--turn", "nan"], "expected degrees"),
         (&["--turn", "1e300"], "expected degrees"),
         (

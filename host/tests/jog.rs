@@ -83,7 +83,7 @@ fn two_machines_at_once() {
     .success()
     .stdout(contains("1: x +40: ").and(contains("2: x -7: ")))
     .stdout(contains(": 3 of 3 actions").count(2))
-    .stdout(contains("2 of 2 machines did all they had to"));
+    .stdout(contains("2 of 2 machines completed all actions"));
     first.type_line("unplug", "unplugged");
     jog_both(&first, &second, &["c", "9"])
         .code(1)
@@ -122,7 +122,7 @@ fn a_switch_and_an_emergency_at_the_panel() {
         .stderr(contains("no answer"));
 }
 
-/// A controller of two machines: `#2` behind the port is the second one.
+/// A controller of two machines: `#2` after the port is the second one.
 #[test]
 fn two_machines_of_one_controller() {
     let Some(mut device) = device("pair", &["--machines", "2"]) else {
@@ -176,7 +176,7 @@ fn one_host_drives_both_machines_of_a_controller() {
         .success()
         .stdout(contains("load triangle.nc").and(contains("load zigzag.fig")))
         .stdout(contains(": 3 of 3 actions").count(2))
-        .stdout(contains("2 of 2 machines did all they had to"));
+        .stdout(contains("2 of 2 machines completed all actions"));
     for machine in ["", "2: "] {
         let place = device.type_line(&format!("{machine}where"), "lost");
         assert!(place.starts_with("x 0 y 1380 z 0 "), "{place}");
@@ -301,8 +301,7 @@ fn the_original_does_not_answer() {
     assert!(place.contains(" z 7 "), "{place}");
 }
 
-/// A switch that closes on the way ends the action; the device is off it again by 200 steps, and
-/// says so.
+/// A switch that closes during an action ends it. The device backs off by 200 steps and reports it.
 #[test]
 fn a_switch_on_the_way_is_reported_over_the_link() {
     let Some(mut device) = device("switch", &[]) else {
@@ -319,8 +318,8 @@ fn a_switch_on_the_way_is_reported_over_the_link() {
     );
 }
 
-/// Two machines, each with its own figure, one as a program and one as a list; then one is
-/// unplugged on the way.
+/// Two machines, each with its own figure, one as a program and one as a list. Then one is
+/// unplugged during its figure.
 #[test]
 fn figures_are_sent_to_two_machines_at_once() {
     let (Some(mut first), Some(mut second)) = (device("left", &[]), device("right", &[])) else {
@@ -338,7 +337,7 @@ fn figures_are_sent_to_two_machines_at_once() {
         .success()
         .stdout(contains("load triangle.nc").and(contains("load zigzag.fig")))
         .stdout(contains(": 3 of 3 actions").count(2))
-        .stdout(contains("2 of 2 machines did all they had to"));
+        .stdout(contains("2 of 2 machines completed all actions"));
     for device in [&mut first, &mut second] {
         device.read_until("the tool touches");
         device.read_until("done");
@@ -409,7 +408,7 @@ fn figures_and_machines_must_match() {
         .stdout(contains("load square.nc").and(contains("2 of 2 machines")));
 }
 
-/// The original has its figure built in, and says nothing.
+/// The original has its figure built in, and does not answer.
 #[test]
 fn the_original_takes_no_figure() {
     let Some(device) = device("builtin", &["--faithful"]) else {

@@ -24,7 +24,7 @@ fn printed(args: &[&str]) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
-/// The span that a line of `calibrate backlash` says is left behind some words, um.
+/// The remaining span in a line of `calibrate backlash`, after these words, um.
 fn span(line: &str, behind: &str) -> [f64; 2] {
     let (_, rest) = line.split_once(behind).unwrap();
     let mut numbers = rest.split([' ', ',']).filter_map(|word| word.parse().ok());

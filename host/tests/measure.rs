@@ -59,7 +59,7 @@ fn all_axes_go_in_straight_lines() {
 
 #[test]
 fn a_touch_in_any_direction_latches_all_axes() {
-    // Faces across X at 2 mm and across Z at -1 mm; the way to the first is twice that in Y.
+    // Faces across X at 2 mm and across Z at -1 mm; the distance to the first is twice that in Y.
     let faces = ["-m", "cmm3", "--contact", "1:1000", "--contact", "3:..-500"];
     let touches = [
         "touch", "1,-0.5,0", "goto", "X0", "Y1", "touch", "-z", "--repeat", "2",
@@ -84,7 +84,7 @@ fn a_touch_in_any_direction_latches_all_axes() {
         ));
 }
 
-/// The session goes on: away from the block, and only its exit status remembers.
+/// The session continues, away from the block; only its exit status shows the collision.
 #[test]
 fn a_goto_that_meets_something_stops_there() {
     let piece = ["--piece", "../examples/piece.toml", "session"];
@@ -254,7 +254,7 @@ fn a_table_of_errors_needs_a_home() {
     );
 }
 
-/// Scales that read 2 mm/m short: what goes wrong is told in positions as results are.
+/// Scales that read 2 mm/m short: errors are reported in positions, as results are.
 #[test]
 fn troubles_name_true_positions() {
     let machine = cmm3_with(
@@ -651,7 +651,7 @@ fn a_touch_after_another_one_latches_its_own_contact() {
     }
 }
 
-/// Neither the way back nor the slow touch leaves the travel.
+/// Neither the back-off nor the slow touch leaves the travel.
 #[test]
 fn a_touch_stays_within_the_travel() {
     let raw = |machine: &str, args: &[&str]| {
@@ -762,7 +762,7 @@ fn a_dead_port_is_reported() {
         .assert()
         .code(2)
         .stderr(contains("/dev/no-such-port: "));
-    // Somebody who takes everything and says nothing.
+    // A port that takes everything and never answers.
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let port = format!("tcp:{}", listener.local_addr().unwrap());
     husillo()

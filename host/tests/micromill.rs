@@ -1,5 +1,5 @@
-//! `husillo compile` for the micro mill: the strings, what is told, and that their simulated path
-//! is the program's.
+//! `husillo compile` for the micro mill: the strings, the notes, and the simulated path, which is
+//! that of the program.
 
 use assert_cmd::Command;
 use std::fs;
@@ -18,7 +18,7 @@ fn file(name: &str, text: &str) -> PathBuf {
     path
 }
 
-/// The strings of a program, and what was told.
+/// The strings of a program, and its notes.
 fn compiled(name: &str, text: &str) -> (String, String) {
     let output = husillo()
         .args(["compile", "-m", "micromill"])

@@ -210,7 +210,7 @@ fn a_collision_is_exit_status_4_and_nothing_is_good() {
     let rows = table.lines().filter(|row| row.ends_with(",spoiled"));
     assert!(rows.count() == 1 && !table.contains(",ok"), "{table}");
 
-    // The same way over the block is none.
+    // The same move over the block is no collision.
     let over = THROUGH.replace("goto x 30 y 58", "goto z -8\ngoto y 58\ngoto x 30 y 58");
     let over = result(measure_piece(PIECE, "8 um"), written("over.routine", &over));
     assert_eq!([&over["collision"], &over["in_tolerance"]], [false, true]);
@@ -285,7 +285,7 @@ fn recorded_and_run_again() {
         let found = actual(&again, feature, dimension);
         assert!((found - wanted).abs() < 0.005, "{found} for {wanted}");
     }
-    // A line that fails is not written, and told.
+    // A line that fails is reported and not written.
     let run = measure()
         .arg("record")
         .arg(&routine)
@@ -388,7 +388,7 @@ fn probing_there_and_away() {
         .stderr(contains("nothing to leave"));
     probe("G38.2 Z-9\nG38.4 X1")
         .code(3)
-        .stderr(contains("the contact lasted all the way from"));
+        .stderr(contains("the contact lasted from"));
     probe("G38.2 Z-9\nG38.2 Z-9")
         .code(3)
         .stderr(contains("contact at start"));
@@ -413,7 +413,7 @@ fn both_ways_on_the_piece() {
     command.arg("run").arg(&program).assert().success();
 }
 
-/// Behind the three features that find the part, what is judged of the others, mm.
+/// Results in mm within tolerance, without those of the three features that find the part.
 fn judged(result: &Value) -> Vec<f64> {
     let features = result["features"].as_array().unwrap()[3..].iter();
     let figures = features.flat_map(|feature| feature["dimensions"].as_array().unwrap());

@@ -274,7 +274,7 @@ fn a_link_may_be_called_as_its_machine() {
     jog.wait().unwrap();
 }
 
-/// A drill that was left alone with a program says that it runs, and is stopped.
+/// A drill that runs a program without a host reports that it runs, and is stopped.
 #[test]
 fn a_drill_left_alone_is_stopped() {
     let drill = Drill::start("stop-left-alone");

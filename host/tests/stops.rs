@@ -29,8 +29,8 @@ struct Seen {
     unheard: u64,
 }
 
-/// A controller's end of the link on a socket: every motion goes on until it is stopped, host or
-/// not.
+/// A controller's end of the link on a socket: every motion continues until it is stopped, with or
+/// without a host.
 struct Controller {
     port: u16,
     seen: Arc<Mutex<Seen>>,
@@ -136,7 +136,7 @@ fn obey(device: &mut Device<256>, seen: &mut Seen, order: Order) {
     }
 }
 
-/// A program of one long way.
+/// A program of one long move.
 fn program() -> String {
     let path = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("long-way.nc");
     std::fs::write(&path, "G21 G90\nG1 X5 F10\nG1 X0\nM30\n").unwrap();
@@ -180,8 +180,8 @@ fn a_host_that_is_asked_to_end_stops_the_mill() {
     }
 }
 
-/// Nobody answers: the stop was sent all the same, and the host does not wait for ever; asked again
-/// it waits no longer.
+/// Without an answer the stop is sent all the same, and the host does not wait without end. After a
+/// second request it waits no longer.
 #[test]
 fn a_mill_that_does_not_answer_the_stop_is_reported() {
     for (times, why) in [(1, "no answer"), (2, "the wait was ended")] {

@@ -148,7 +148,7 @@ fn fit_puts_it_into_the_middle() {
     }
 }
 
-/// A program is made by the same steps wherever it lies, and its results are told from work zero.
+/// A program has the same steps at every position, and its results count from work zero.
 #[test]
 fn the_same_steps_wherever_it_lies() {
     let part = PART
@@ -171,8 +171,7 @@ fn the_same_steps_wherever_it_lies() {
     }
 }
 
-/// With lash, coils and a map of them by place, too: what is simulated is at the place that it
-/// says.
+/// With backlash, coils and a map by position, too: the simulated position is the reported one.
 #[test]
 fn the_simulated_machine_is_there() {
     let part = file("zero-mill.nc", "G21 G90 F1\nG1 X0.2 Y0.1\nX0.1\nX0.2\nM2\n");
@@ -317,7 +316,8 @@ fn real_programs_fit_by_their_size() {
     );
 }
 
-/// Where the part of a wrong program is nobody knows: `fit` says nothing of it, the error is told.
+/// The position of a program with errors is not known: `fit` does not report it, the error is
+/// reported.
 #[test]
 fn a_wrong_program_is_not_placed() {
     let wrong = file("zero-wrong.nc", "G21 G90\nO1001 jump\nG0 X-5\nM2\n");

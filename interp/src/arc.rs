@@ -53,8 +53,8 @@ pub enum Rim {
     /// A circle of nominal radius R; the ends are rounded points near it.
     ///
     /// Each value is the residue (|P - C|^2 - R^2) 2^f for P in BLU, in units of 2^-f BLU^2. With
-    /// residues rounded to nearest the error bound is 0.5 + 2^-f / (4 r). With floored residues (as
-    /// in the oracle) it is 0.5 + 2^-f / (2 r). Both residues have to be rounded the same way.
+    /// residues rounded to nearest the error bound is 0.5 + 2^-f / (4 r). With floored residues it
+    /// is 0.5 + 2^-f / (2 r). Both residues have to be rounded in the same manner.
     Nominal {
         /// Residue of the first point.
         start: i64,
@@ -472,7 +472,8 @@ fn radius_change(from: &Spot, to: &Spot, arc: &ArcMove) -> Option<i64> {
     i64::try_from(sum).ok()
 }
 
-/// Spreads a change of radius (K of `motion.md` 2.3) over the events (N).
+/// Spreads the change of the residue of a spiral evenly over its events: the remainder, and the
+/// whole part per event.
 fn spread(
     from: &Spot,
     to: &Spot,

@@ -2,7 +2,7 @@
 //! lines.
 //!
 //! ```text
-//! Prober ◄── Head ──► servo, way, touching, homing, jog, collision ──► Line ──► Port
+//! Prober ◄── Head ──► servo, straight_move, touching, homing, jog, collision ──► Line ──► Port
 //!                                                                        └────► Operator
 //! ```
 
@@ -20,15 +20,17 @@ mod prober;
 mod search;
 mod servo;
 mod standing;
+mod straight_move;
 mod touching;
 mod view;
-mod way;
 
-pub(crate) use way::per_period;
+pub(crate) use straight_move::per_period;
 
 pub use head::Head;
 pub use line::Line;
-pub use machine::{AxisSettings, Machine, PLACES, ProbeSettings, Stylus, both_ways};
+pub use machine::{
+    AxisSettings, Machine, PRE_TRAVEL_ENTRIES, ProbeSettings, Stylus, pre_travel_by_sign,
+};
 pub use operator::Operator;
 pub use port::Port;
 pub use prober::{Probed, Prober, Touched};

@@ -3,14 +3,14 @@
 //!
 //! ```text
 //! text ─► words ─► line_reader ─► clauses, jobs ─► parser ─► statement ─► runner ─► feature
-//! G-code ─► program ─► called ─────────────────────────────────────┘  │
+//! G-code ─► program ─► called_cycle ───────────────────────────────┘  │
 //!                               Prober ◄── site ◄── cycle ◄───────────┤ moves and touches
 //!                                          frame ◄── alignment ◄──────┤
 //!                                                    fits ◄───────────┘ husillo-probe
 //! ```
 
 mod alignment;
-mod called;
+mod called_cycle;
 mod clauses;
 mod cycle;
 mod dimension;
@@ -20,6 +20,7 @@ mod fits;
 mod frame;
 mod jobs;
 mod line_reader;
+mod mistake;
 mod parser;
 pub mod program;
 mod record;
@@ -33,16 +34,15 @@ mod trials;
 pub mod vector;
 mod vocabulary;
 mod words;
-mod wrong;
 
 pub use dimension::{Dimension, Figure, Verdict, Wanted, decimal, number, signed};
 pub use failure::Failure;
 pub use feature::{Feature, Mark, Shape};
 pub use frame::Frame;
+pub use mistake::{Mistake, Wrong, code};
 pub use parser::Parser;
 pub use record::{Refusal, Refused, record};
 pub use runner::Runner;
 pub use site::{Contact, Site};
 pub use statement::Statement;
 pub use words::span;
-pub use wrong::{Mistake, Wrong, code};

@@ -168,7 +168,9 @@ impl fmt::Display for Trouble {
             Self::NoAxis { axis } => write!(out, "the machine has no axis {axis}"),
             Self::Periods => out.write_str("the modules of the axes have different periods"),
             Self::NotTogether => out.write_str("not all modules have begun the move"),
-            Self::NotSeen { axis } => write!(out, "the module of {axis} has not seen the contact"),
+            Self::NotSeen { axis } => {
+                write!(out, "the module of {axis} has not detected the contact")
+            }
             Self::PositionError { at } => write!(out, "position error at {at}"),
             Self::OverCurrent { at } => write!(out, "current beyond its limit at {at}"),
             Self::StillMoving { at } => write!(out, "still moving, at {at}"),
@@ -202,7 +204,7 @@ impl fmt::Display for Trouble {
             Self::NotTouching => out.write_str("nothing to leave: no contact at start"),
             Self::NotLatched { at } => write!(out, "contact, not latched, at {at}"),
             Self::Kept { from, to } => {
-                write!(out, "the contact lasted all the way from {from} to {to}")
+                write!(out, "the contact lasted from {from} to {to}")
             }
             Self::Probe(failure) => failure.fmt(out),
             Self::Plan(error) => error.fmt(out),

@@ -70,7 +70,7 @@ impl FusedIterator for Replay {}
 /// a burst is made.
 ///
 /// # Cost
-/// Up to two divisions of 64 bits per candidate and event: this is for the side that has time.
+/// Up to two divisions of 64 bits per candidate and event, so compression is for a fast processor.
 ///
 /// # Examples
 ///

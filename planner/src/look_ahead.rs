@@ -1,4 +1,4 @@
-//! Highest speed at the end of each move, given the moves behind it.
+//! Highest speed at the end of each move, given the moves after it.
 //!
 //! Braking with the acceleration a over a length L changes the square of the speed by 2 a L. The
 //! sum of these along the queue is the *height* of a junction. For every junction behind the first

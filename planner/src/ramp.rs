@@ -7,8 +7,8 @@ use crate::{
     stretch::square,
 };
 
-/// Path speed from event to event, as high as top speed, acceleration and the end of the move
-/// allow.
+/// Path speed from event to event, as high as the top speed, the acceleration and the end of the
+/// move allow.
 ///
 /// The state is the square of the speed, which changes by at most 2 a ds over an event of the
 /// length ds. The speed is carried from move to move, and so is the fraction of a tick, whichever

@@ -8,7 +8,7 @@ use crate::wide::{FRACTION_BITS, divide, quotient, root};
 /// Ticks before each event of a trapezoid, by the recurrence `c -= 2 c / (4 n + 1)`: one short
 /// division per event.
 ///
-/// For controllers without cycles to spare, and for moves that do not change on the way.
+/// For controllers without cycles to spare, and for moves that do not change while they run.
 /// [`Trapezoid`](crate::Trapezoid) is exact at two to three times the cost.
 ///
 /// - The number of events is always the requested one.

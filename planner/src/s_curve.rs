@@ -28,7 +28,7 @@ use crate::wide::{divide, quotient};
 /// - The profile keeps the limits: rates, acceleration and jerk never exceed the requested ones.
 ///   Start and end rate are met within the change of rate in one tick. With equal start and end
 ///   rates the profile is a mirror image, to a tick.
-/// - The top rate may change on the way, and the move may be held and resumed. A new profile then
+/// - The top rate may change in the move, and the move may be held and resumed. A new profile then
 ///   begins from the present rate and acceleration, within the same jerk.
 ///
 /// Range: that of [`Trapezoid`](crate::Trapezoid). In addition, the ramp from no acceleration to

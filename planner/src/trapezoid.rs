@@ -28,7 +28,7 @@ use crate::wide::{FRACTION_BITS, divide, quotient, root, share};
 ///   `2 f^2 / a` has 32 fraction bits: less than 1 tick^2 in the square after 2^32 events.
 /// - Between the same rates, slowing down gives the intervals of speeding up in reverse order, tick
 ///   for tick.
-/// - The top rate may change on the way, and the move may be held and resumed. It still slows down
+/// - The top rate may change in the move, and the move may be held and resumed. It still slows down
 ///   in time for its end.
 ///
 /// Range: ramps of fewer than 2^30 ticks from standstill to the fastest rate (33 s at 32 MHz).

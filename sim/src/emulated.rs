@@ -109,7 +109,7 @@ where
         }
     }
 
-    /// Drops the events that wait, and tells the controller.
+    /// Drops the events that wait, and reports the stop to the controller.
     fn halt(&mut self) {
         self.due.fill_with(|| None);
         self.controller.halted();
@@ -126,7 +126,7 @@ where
         self.controller.reset();
     }
 
-    /// Lets time pass without power. Nothing happens.
+    /// Lets time pass without power. The machines do nothing.
     pub const fn pass_without_power(&mut self, us: u64) {
         self.now_us += us;
     }
@@ -142,7 +142,7 @@ where
                 Some(over_us) => self.pass_until(over_us.max(self.now_us), &mut made),
                 None => return self.pass_until(end_us, &mut made),
             }
-            // The silence begins anew for what the controller does next.
+            // The silence is counted anew for the next motion of the controller.
             let is_over = self.controller.lease_us().is_some();
             self.heard_us = self.now_us;
             if is_over && self.controller.expire() {

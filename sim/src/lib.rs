@@ -1,4 +1,4 @@
-//! Coil levels in, tool position out: a simulated machine that does not know the commanded path.
+//! Coil levels in, tool position out: a simulated machine that does not get the commanded path.
 //!
 //! ```text
 //!  Levels ──► coil currents ──► electrical angle ──► rotor ──► screw ──► nut = tool

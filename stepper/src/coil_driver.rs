@@ -1,8 +1,8 @@
-//! What a machine needs of a motor's output stage.
+//! The interface of a machine to the driver of a motor.
 
 use crate::{Levels, PulseTiming};
 
-/// Turns steps into the levels of one motor's driver.
+/// Turns steps into the levels of the driver of one motor.
 ///
 /// [`Sequencer`](crate::Sequencer), [`StepDirection`](crate::StepDirection) and
 /// [`StepToggle`](crate::StepToggle) are those of this crate; a machine is generic over it.
@@ -30,14 +30,14 @@ use crate::{Levels, PulseTiming};
 /// assert_eq!(ring.step(-1), Levels(0b10000));
 /// ```
 pub trait CoilDriver {
-    /// Whether a step may be a pulse: whether [`timing`](CoilDriver::timing) is ever given. Where
-    /// it is not, as here by default, a machine does without the code for pulses.
+    /// Whether a step may be a pulse: whether [`timing`](CoilDriver::timing) ever returns times. If
+    /// not (the default), a machine omits the code for pulses.
     const HAS_PULSES: bool = false;
 
     /// The levels after `delta` steps: -1, 0 or +1. A disabled driver stays where it is.
     fn step(&mut self, delta: i8) -> Levels;
 
-    /// The levels before a step by `delta`, as long as the set-up time of
+    /// The levels before a step by `delta`, during the set-up time of
     /// [`timing`](CoilDriver::timing).
     ///
     /// Nothing changes where a step is no pulse, as here by default.
@@ -53,7 +53,7 @@ pub trait CoilDriver {
         self.levels()
     }
 
-    /// The times of a step's pulse; `None`, as here by default: a step is one change of levels.
+    /// The times of the pulse of a step. `None` (the default): a step is one change of levels.
     fn timing(&self) -> Option<PulseTiming> {
         None
     }
@@ -61,7 +61,7 @@ pub trait CoilDriver {
     /// The levels now.
     fn levels(&self) -> Levels;
 
-    /// Turns all currents off, or on again in the phase that was held last; the levels after it.
+    /// Turns all currents off, or on again in the last held phase. Returns the levels.
     fn set_enabled(&mut self, on: bool) -> Levels;
 
     /// Holds with less current, or with full current again. Returns the levels. A step needs full

@@ -1,14 +1,14 @@
-//! Any kind of output stage, chosen at run time by a machine file.
+//! Any driver of a motor, selected at run time by a machine file.
 
 use crate::{CoilDriver, Levels, PulseTiming, Sequencer, StepDirection, StepToggle};
 
-/// A motor's output stage when it is known at run time only.
+/// The driver of a motor that is known at run time only.
 #[derive(Copy, Clone, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Drive {
     /// Coil levels.
     Coils(Sequencer),
-    /// Step and direction, a pulse a step: rising edges count.
+    /// Step and direction with one pulse per step: rising edges count.
     StepDirection(StepDirection),
     /// Step and direction for drivers that count both edges of STEP.
     StepToggle(StepToggle),

@@ -1,4 +1,4 @@
-//! The power stages and what they make of their input levels.
+//! The power stages, and the currents for their input levels.
 
 use crate::Levels;
 
@@ -9,8 +9,8 @@ pub const FULL_CURRENT: i16 = 1000;
 #[derive(Copy, Clone, Eq, PartialEq, Hash, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Driver {
-    /// Two PBL3717A, one a phase: 100, 60, 20 and 0 % by I1 and I0 (data sheet: 420, 250 and 80 mV
-    /// at the comparator).
+    /// Two PBL3717A, one per phase: 100, 60, 20 and 0 % by I1 and I0 (data sheet: 420, 250 and 80
+    /// mV at the comparator).
     Pbl3717a,
     /// Half an A3988: the same inputs, 100, 66.7, 33.3 and 0 %.
     A3988,
@@ -26,7 +26,7 @@ pub enum Driver {
 impl Driver {
     /// The currents of coils A and B in thousandths of the full current, for these input levels.
     ///
-    /// Rests on the data sheets alone, not on any step table: any byte has an answer.
+    /// It follows from the data sheets alone, not from a step table: every byte has currents.
     ///
     /// ```
     /// use husillo_stepper::{Driver, Levels};

@@ -14,7 +14,7 @@ pub struct L297Inputs {
     pub half: bool,
     /// RESET: low holds state 1, whatever CLOCK does.
     pub reset: bool,
-    /// ENABLE: low takes A, B, C, D and both inhibit lines low. The states go on.
+    /// ENABLE: low sets A, B, C, D and both inhibit lines low. The state still follows CLOCK.
     pub enable: bool,
 }
 
@@ -29,11 +29,11 @@ impl L297Inputs {
     };
 }
 
-/// The step sequencer L297 pin by pin, for simulators and tests of what drives it.
+/// The step sequencer L297 pin by pin, for simulators and for tests of a controller.
 ///
-/// A controller with the chip on its board needs CLOCK and CW/CCW only, which
-/// [`StepDirection`](crate::StepDirection) makes with [`L297::timing`]; one without it takes a
-/// [`Sequencer`], which makes the chip's outputs itself.
+/// A controller of a board with the chip needs CLOCK and CW/CCW only, which
+/// [`StepDirection`](crate::StepDirection) makes with [`L297::timing`]. A controller without the
+/// chip uses a [`Sequencer`], which makes the outputs of the chip.
 ///
 /// Eight states; the odd ones have two phases on, the even ones have one. A half step goes to the
 /// next state, a full step over it, so HALF/FULL going low in an odd state gives normal drive and
@@ -67,8 +67,8 @@ impl L297 {
         }
     }
 
-    /// Other levels at the inputs, all at once; the outputs after it. An edge of CLOCK counts with
-    /// the direction and mode given beside it.
+    /// Sets the levels of all inputs at once, and returns the outputs. An edge of CLOCK counts with
+    /// the direction and mode of the same call.
     pub fn set(&mut self, inputs: L297Inputs) -> Levels {
         let rises = inputs.clock && !self.inputs.clock;
         self.inputs = inputs;
@@ -101,8 +101,8 @@ impl L297 {
         ((self.states.sixteenth().wrapping_add(6) & 15) >> 1).wrapping_add(1)
     }
 
-    /// The times its inputs ask for, in ticks of a timer of `timer_hz`, rounded up: 1 us set-up, 4
-    /// us hold, 0.5 us of CLOCK high and low. RESET wants 1 us and as much before the next clock.
+    /// The times that its inputs need, in ticks of a timer of `timer_hz`, rounded up: 1 us set-up,
+    /// 4 us hold, 0.5 us of CLOCK high and low. RESET needs 1 us, and 1 us before the next clock.
     ///
     /// Up to 1 GHz; above that the times are those of 1 GHz.
     #[must_use]

@@ -1,8 +1,8 @@
-//! The input levels of one motor's driver.
+//! The input levels of the driver of one motor.
 
-/// The logic levels at the inputs of one motor's driver, one bit an input, 1 = high.
+/// The logic levels at the inputs of the driver of one motor, one bit per input, 1 = high.
 ///
-/// What a bit means depends on the [`Driver`](crate::Driver):
+/// The meaning of a bit depends on the [`Driver`](crate::Driver):
 ///
 /// | driver | bit 0 | 1 | 2 | 3 | 4 | 5 | 6 |
 /// | --- | --- | --- | --- | --- | --- | --- | --- |
@@ -27,7 +27,7 @@ impl Levels {
     /// HOME of the L297: high in the state after reset.
     pub const HOME: Levels = Levels(1 << 6);
 
-    /// Whether every bit that is set in `inputs` is high here.
+    /// Whether every input that is set in `inputs` is high.
     #[must_use]
     pub const fn contains(self, inputs: Levels) -> bool {
         self.0 & inputs.0 == inputs.0

@@ -1,4 +1,4 @@
-//! Steps in, motor signals out: the levels of a driver's inputs, one byte a motor.
+//! Steps in, motor signals out: the levels of the inputs of a driver, one byte per motor.
 //!
 //! ```text
 //!  delta ──► Sequencer ────► Levels  PH I0 I1 | A B C D INH1 INH2 | nibble ──► Driver::currents
@@ -9,7 +9,7 @@
 //!       └──► Microstep ────► [i16; 2]         coil currents of a sine drive
 //! ```
 //!
-//! Nothing here owns a pin or a clock: levels are data. The feature `embedded-hal` adds the pins.
+//! The crate owns no pin and no clock: levels are data. The feature `embedded-hal` adds the pins.
 //!
 //! ```
 //! use husillo_stepper::{CoilDriver, Driver, Mode, Sequencer};

@@ -60,7 +60,7 @@ pub struct StepDirectionPins<S, D, E> {
     enable: E,
     enable_is_high: bool,
     times: PulseNanoseconds,
-    /// What the pins show; unknown until the first write and after a failed one.
+    /// The levels of the pins. Unknown until the first write and after a failed one.
     shown: Option<Levels>,
 }
 

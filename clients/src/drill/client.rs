@@ -12,13 +12,13 @@ const LOOK: Duration = Duration::from_millis(20);
 /// A step that takes longer has failed. During a run the host extends the wait up to the caller's
 /// own limit.
 const RUN_US: u32 = 30_000_000;
-/// A drill at work answers within this time.
+/// A drill that runs a program answers within this time.
 const AT_WORK_ANSWER: Duration = Duration::from_millis(400);
-/// How often a drill is asked whether it is at work.
+/// Number of queries whether a drill runs a program.
 const ASKED: usize = 4;
-/// The period in which a drill that runs a program is asked.
+/// Period of the queries to a drill that runs a program.
 const ASK: Duration = Duration::from_secs(1);
-/// After this number of questions without an answer the drill counts as gone.
+/// After this number of queries without an answer the drill counts as absent.
 const UNANSWERED: u32 = 5;
 /// A drill that is stopped completes its record first: a move of the table, or a drilling.
 const RECORD: Duration = Duration::from_secs(180);
@@ -30,7 +30,7 @@ pub enum Trouble {
     Link(Failure),
     /// Stopped on request.
     Stopped,
-    /// The device runs a program that it was left alone with.
+    /// The device runs a program without a host.
     AtWork,
     /// The port failed, for this reason.
     Port(String),
@@ -43,7 +43,8 @@ impl Trouble {
     pub fn text(&self) -> String {
         match self {
             Trouble::Link(Failure::Silent) => {
-                "no answer: the drill is off, unplugged or stopped for a fault, or a byte was lost"
+                "no answer: the drill is off, unplugged or stopped because of a fault, or a byte \
+                 was lost"
                     .into()
             }
             Trouble::Link(Failure::Wrong(byte)) => {
@@ -56,12 +57,12 @@ impl Trouble {
                 format!("unexpected byte {byte:#04x}: a byte was doubled on the line")
             }
             Trouble::Link(Failure::Restarted) => {
-                "the drill was reset: it has homed, and its program is gone".into()
+                "the drill was reset: it has homed, and its program is lost".into()
             }
             Trouble::Link(Failure::Fault) => {
-                "the drill has stopped for a fault, which its panel shows: steps were lost, a \
-                 switch or a sensor does not work, or a position is off the table. Mend it, then \
-                 press its button R"
+                "the drill has stopped because of a fault, which its panel shows: steps were lost, \
+                 a switch or a sensor does not work, or a position is off the table. Repair it, \
+                 then press its button R"
                     .into()
             }
             Trouble::Link(Failure::NotAll) => {
@@ -157,7 +158,7 @@ impl Client {
         }
     }
 
-    /// Whether the device has what the original lacked.
+    /// Whether the device has the extras that the original lacks.
     pub const fn has_extras(&self) -> bool {
         self.has_extras
     }
@@ -167,7 +168,7 @@ impl Client {
         [self.host.done_bytes(), self.host.begun_bytes()]
     }
 
-    /// Whether the operator wants it to stop.
+    /// Whether the operator has requested a stop.
     pub fn is_stopping(&self) -> bool {
         self.stop.is_asked()
     }
@@ -211,7 +212,7 @@ impl Client {
     ///
     /// # Errors
     ///
-    /// The device does not answer in that time: it is off, absent or stopped for a fault.
+    /// The device does not answer in that time: it is off, absent or stopped because of a fault.
     /// [`Trouble::Stopped`]: the operator does not wait.
     pub fn end_program(&mut self, wait: impl FnOnce(Duration)) -> Result<(), Trouble> {
         // One wrong bit in an `E` makes an `e`, which runs a program. So only a device that answers

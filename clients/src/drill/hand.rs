@@ -153,8 +153,9 @@ impl Hand {
     fn run(&mut self) -> Result<String, Failed> {
         if !self.client.has_extras() {
             return Err(Failed::Other(
-                "this drill is an original one, which does not say what it holds: its programs are \
-                 run by `husillo send`".into(),
+                "this is an original drill, which does not report its program: run programs with \
+                 `husillo send`"
+                    .into(),
             ));
         }
         self.idle()?;
@@ -201,7 +202,8 @@ impl Hand {
         self.idle()?;
         let program = self.client.program()?;
         let records: Option<Vec<_>> = program.into_iter().map(Record::from_bytes).collect();
-        let records = records.ok_or_else(|| Failed::Other("what it holds is no program".into()))?;
+        let records =
+            records.ok_or_else(|| Failed::Other("its memory holds no valid program".into()))?;
         if records.is_empty() {
             return Err(Failed::Other(
                 "its memory holds no program: nothing to save".into(),
@@ -286,15 +288,15 @@ fn whole(program: &[[u8; 3]]) -> Result<usize, String> {
     };
     match records {
         Some(records) if records.is_empty() => Err(
-            "its memory holds no program (of one that is longer than its memory it holds the end \
-             alone)"
+            "its memory holds no program (of a program longer than its memory it keeps only the \
+             end)"
                 .into(),
         ),
         Some(records) if ends_well(&records) => {
             let is_drilling = |record: &&Record| matches!(record, Record::Drill(_));
             Ok(records.iter().filter(is_drilling).count())
         }
-        _ => Err("what it holds is no whole program: `clear` it, or send it again".into()),
+        _ => Err("its program is incomplete: `clear` it, or send it again".into()),
     }
 }
 
@@ -323,7 +325,7 @@ mod tests {
         for part in [*b"X\x01f", *b"Xff", *b"Z\x01f", *b"Y\x02\0", *b"f\x01\0"] {
             let program = [&hole[..], &[part]].concat();
             assert!(
-                whole(&program).unwrap_err().contains("no whole"),
+                whole(&program).unwrap_err().contains("is incomplete"),
                 "{part:?}"
             );
         }

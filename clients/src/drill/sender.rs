@@ -161,8 +161,8 @@ impl<O: Operator> Sender<'_, O> {
             }
             if self.has_depths() {
                 return Err(
-                    "this is an original drill: it knows no depths, and would drill each hole \
-                     through"
+                    "this is an original drill: it ignores depths, and would drill through every \
+                     hole"
                         .into(),
                 );
             }
@@ -434,7 +434,7 @@ pub fn sentence(end: &End, again: &str, all: usize) -> String {
                 format!("{done} of {all} holes are drilled")
             } else {
                 format!(
-                    "{done} of {all} holes are drilled for certain, up to {begun} may be: look at \
+                    "{done} of {all} holes are certainly drilled, up to {begun} may be: look at \
                      the board"
                 )
             };

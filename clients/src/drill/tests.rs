@@ -12,13 +12,13 @@ use husillo_sim::device::LineFault as Fault;
 use husillo_sim::device::drill::Device;
 use husillo_transports::drill::{Record, Step, record_bytes};
 
-/// Types what it was told to.
+/// An operator who types the given lines.
 #[derive(Default)]
 struct Script {
     answers: Vec<&'static str>,
     told: Vec<String>,
     shares: Vec<[f64; 2]>,
-    /// Presses Ctrl-C when something with these words was told.
+    /// Presses Ctrl-C after a message with these words.
     stops_at: Option<(&'static str, StopRequests)>,
 }
 
@@ -65,7 +65,7 @@ fn client_of(device: Device, stop: StopRequests) -> Client {
     Client::new(Wire::simulated(device), 2400, stop)
 }
 
-/// Sends it from a hole on; the client comes back.
+/// Sends a board from a hole on. Returns the client.
 fn send(
     client: Client,
     parts: &[Part],
@@ -131,8 +131,8 @@ fn a_board_of_two_tools() {
         assert_eq!(rig.dragged_steps(), 0);
         assert!(!rig.spindle_turns());
         assert!(rig.holes().iter().all(|hole| hole.is_clean));
-        // An original one switches its spindle for each hole; of the other one `send` does it for
-        // each tool.
+        // An original drill switches its spindle for each hole. For the other one `send` switches
+        // it for each tool.
         let told = device(&mut client).take_reports();
         let is_on = |line: &&String| line.as_str() == "spindle on";
         let switched = told.iter().filter(is_on).count();
@@ -145,8 +145,8 @@ fn a_board_of_two_tools() {
     }
 }
 
-/// The spindle stands while a tool is changed: it is switched off behind the last hole of each, and
-/// on before the first.
+/// The spindle stands during a tool change: it is switched off after the last hole of each tool,
+/// and on before the first one.
 #[test]
 fn the_spindle_stands_between_tools() {
     let (end, mut client) = send(client(false), &board(), 0, false, &mut Script::default());
@@ -163,8 +163,8 @@ fn the_spindle_stands_between_tools() {
     assert_eq!(events, ["on", "drilled", "off", "on", "drilled", "off"]);
 }
 
-/// What is said to be left is what is left: a board at the rates of the machine itself, whose run
-/// is looked at every 20 ms.
+/// The reported remaining time is right, for a board at the rates of the machine, observed every 20
+/// ms.
 #[test]
 fn the_remaining_time_is_honest() {
     let parts = [part(1, &[[100, 50], [900, 400], [2000, 10]])];
@@ -188,8 +188,8 @@ fn the_remaining_time_is_honest() {
     }
 }
 
-/// An original one says nothing while it drills. Where it is gone the operator is told that it
-/// takes long, and a stop ends the wait.
+/// An original drill reports nothing while it drills. If it is unplugged, the operator gets a
+/// message that it takes long, and a stop ends the wait.
 #[test]
 fn an_original_that_is_gone_is_not_waited_for_all_the_time() {
     let holes: Vec<[u16; 2]> = (0..200).map(|n| [100 * n, 7 * n]).collect();
@@ -256,7 +256,7 @@ fn it_asks_for_each_tool() {
         "{:?}",
         operator.told
     );
-    // Nobody there to put the second one in.
+    // No operator inserts the second tool.
     operator.answers = vec!["0.8"];
     let mut sender = Sender {
         client: client(false),
@@ -273,8 +273,7 @@ fn it_asks_for_each_tool() {
     assert_eq!((failed.done, failed.begun), (2, 2));
 }
 
-/// An original one switches its spindle itself: nobody is asked anything before a board of one
-/// tool.
+/// An original drill switches its spindle itself: there is no question before a board of one tool.
 #[test]
 fn nobody_is_asked_to_switch_the_spindle_of_an_original() {
     let parts = [part(1, &[[20, 10]])];
@@ -300,8 +299,8 @@ fn nobody_is_asked_to_switch_the_spindle_of_an_original() {
     assert_eq!(of_hole, ["spindle on", "drilled at 20,10", "spindle off"]);
 }
 
-/// A program of three memories: the wait at each border, every hole once; the share rises to the
-/// end, and what is left falls.
+/// A program of three times the memory: it waits at each border and drills every hole once. The
+/// progress rises to the end, and the remaining time falls.
 #[test]
 fn a_long_board_is_done_in_parts() {
     let holes: Vec<[u16; 2]> = (0..2000).map(|n| [n % 40, n / 50]).collect();
@@ -334,7 +333,7 @@ fn a_detached_start_is_certain() {
     assert!(end.unwrap_err().contains("one tool"));
 }
 
-/// A program that was left alone is ended by another client, between two records.
+/// A program without a host is ended by another client, between two records.
 #[test]
 fn a_program_left_alone_is_ended_from_elsewhere() {
     let parts = [part(1, &[[3000, 10], [5, 400], [3000, 400]])];
@@ -368,13 +367,13 @@ fn a_program_left_alone_is_ended_from_elsewhere() {
         rest(&mut second);
         let all = drilled(&mut second).len();
         assert!(holes == all && all < 3, "{is_original}: {holes}, {all}");
-        // One that stands is left as it is, at once.
+        // A drill that stands gets nothing, at once.
         assert_eq!(second.end_program(|_| waits += 1), Ok(()));
         assert_eq!(waits, 1);
     }
 }
 
-/// A start that the device did not hear is told: nothing has started.
+/// A start that the device did not receive is reported: nothing has started.
 #[test]
 fn a_start_that_was_lost_is_reported() {
     let parts = [part(1, &[[2000, 10]])];
@@ -402,13 +401,13 @@ fn a_start_that_was_lost_is_reported() {
                 );
                 continue;
             }
-            // Whoever does not know whether it drills says that.
+            // A client that does not know whether the drill runs reports that.
             unknown += u32::from(has_drilled && !says_so);
             if !says_so {
                 let told = operator.told.last().map_or("", String::as_str);
                 assert!(told.contains("its spindle may turn"), "{context}: {told}");
             }
-            // What has run stops its spindle by itself.
+            // A completed program stops its spindle.
             assert!(
                 !has_drilled || !device(&mut client).rig(0).unwrap().spindle_turns(),
                 "{context}"
@@ -418,8 +417,8 @@ fn a_start_that_was_lost_is_reported() {
     assert!(unheard >= 3 && unknown >= 1, "{unheard}, {unknown}");
 }
 
-/// An original one does not say that it has started: it is not left to itself, and nothing moves
-/// but homing of it.
+/// An original drill does not report its start. It is not left without a host, and nothing moves
+/// except in homing.
 #[test]
 fn an_original_is_not_left_to_itself() {
     let parts = [part(1, &[[20, 10]])];
@@ -429,8 +428,8 @@ fn an_original_is_not_left_to_itself() {
     assert!(drilled(&mut client).is_empty());
 }
 
-/// A fault is told when it happens, not after the longest time of the board: here the lower sensor
-/// does not work.
+/// A fault is reported when it happens, not after the longest time of the board. Here the lower
+/// sensor does not work.
 #[test]
 fn a_fault_is_reported_at_once() {
     let holes: Vec<[u16; 2]> = (0..200).map(|n| [7 * n, n]).collect();
@@ -441,15 +440,15 @@ fn a_fault_is_reported_at_once() {
     let Ok(End::Failed(Failed { why, done, .. })) = end else {
         panic!("{end:?}")
     };
-    assert!(why.contains("has stopped for a fault"), "{why}");
+    assert!(why.contains("has stopped because of a fault"), "{why}");
     assert_eq!(done, 0);
-    // 1.8 kB at 2400 baud are 17 s with their echoes, and the host looks for the device afterwards.
+    // 1.8 kB at 2400 baud take 17 s with their echoes. Then the host queries the device.
     let took = client.elapsed() - start;
     assert!(took.as_secs() < 30, "{took:?}");
 }
 
-/// A cable that is pulled while the drill is at work is noticed in seconds: the drill is asked now
-/// and then whether it is.
+/// A cable that is pulled during a program is noticed within seconds, because the drill is queried
+/// now and then.
 #[test]
 fn a_pulled_cable_is_noticed_soon() {
     let holes: Vec<[u16; 2]> = (0..200).map(|n| [7 * n, n]).collect();
@@ -457,7 +456,7 @@ fn a_pulled_cable_is_noticed_soon() {
     let (end, mut good) = send(client(false), &parts, 0, true, &mut Script::default());
     assert_eq!(end, Ok(End::Detached));
     let begins = good.elapsed();
-    // Behind the start there are two bytes here: asked, and answered.
+    // After the start there are two bytes here: the query and its answer.
     let place = device(&mut good).line().carried - 2;
     let mut client = client(false);
     device(&mut client).line().fault = Some((place, Fault::Unplugged));
@@ -480,7 +479,7 @@ fn a_pulled_cable_is_noticed_soon() {
     );
 }
 
-/// Holes drilled in pecks: each counts once, and going on begins with a whole one.
+/// Holes drilled in pecks: each counts once, and a resumed job begins with a whole hole.
 #[test]
 fn pecks_are_one_hole() {
     let hole = |[x, y]: [u16; 2]| {
@@ -506,7 +505,7 @@ fn pecks_are_one_hole() {
     };
     let pecks = |at| [(at, 4), (at, 5), (at, 6)];
     assert_eq!(depths(&mut one), [pecks([9, 4]), pecks([5, 8])].concat());
-    // Stopped anywhere: what is said to be done is done to its last peck.
+    // Stopped anywhere: a hole that is reported as done is done to its last peck.
     for fault_at in 0..60 {
         let mut client = client(false);
         let (_, mut good) = send(
@@ -542,9 +541,9 @@ fn faults() -> impl Iterator<Item = Fault> {
     ])
 }
 
-/// Sends it with a fault; then, as the operator, goes on from the hole that is said to be the next,
-/// or the first one that is not in the board. `false` where nothing was reported. At the end every
-/// hole is there once.
+/// Sends a board with a fault. Then it continues, as the operator does, with the next hole of the
+/// report or the first one that is missing in the board. Returns `false` if nothing was reported.
+/// At the end every hole is there once.
 fn goes_on(client: Client, parts: &[Part], fault: Fault, context: &str) -> bool {
     let expected = places(parts);
     let mut from = 0;
@@ -614,7 +613,7 @@ fn any_fault_at_any_byte_is_survived_or_reported() {
     }
 }
 
-/// The same anywhere in long ones, with the border of the device's memory among them.
+/// The same at random in long boards, which include the border of the device's memory.
 #[test]
 fn faults_in_long_boards_are_survived_or_reported() {
     let (mut numbers, mut reported) = (Random::new(5), 0);

@@ -3,15 +3,15 @@
 //! On 100 000 random points the path is 8 % above the expected best, 0.7124 sqrt(n area). Lengths
 //! are compared as floats. No coordinate is computed from them.
 
-/// Neighbours that are looked at, of each point.
+/// Number of neighbours of each point that are tried.
 const NEIGHBOURS: usize = 8;
-/// The longest piece of the path that is turned round, so that very large boards stay quick.
+/// The longest piece of the path that is reversed, so that very large boards stay quick.
 const LONGEST_TURN: usize = 50_000;
 /// The longest piece that is moved elsewhere.
 const LONGEST_MOVE: usize = 3;
 /// Points in a cell of the grid, on average.
 const CELL_POINTS: usize = 3;
-/// Less than this, in nm, is rounding of the floats.
+/// A shorter difference, in nm, is rounding of the floats.
 const LEAST_GAIN: f64 = 0.5;
 
 /// What a way is measured by.
@@ -19,7 +19,7 @@ const LEAST_GAIN: f64 = 0.5;
 pub enum Metric {
     /// Both axes at once, in a straight line.
     Straight,
-    /// One axis after the other, as the circuit-board drill goes.
+    /// One axis after the other, as the circuit-board drill moves.
     AxisByAxis,
 }
 
@@ -208,7 +208,7 @@ impl<'a> Tour<'a> {
         };
         let home = grid.column_row(self.places[of]);
         for ring in 0..=grid.columns.max(grid.rows) {
-            // What lies in this ring is at least so far away.
+            // A point in this ring is at least this distance away.
             if found[last].0 <= (ring as f64 - 1.0) * grid.side {
                 break;
             }
@@ -282,7 +282,7 @@ impl<'a> Tour<'a> {
     /// Reverses pieces of the path, and moves short ones elsewhere, while that makes it shorter.
     /// Its first point stays.
     fn improve(&mut self) {
-        // Points whose surroundings have changed since they were looked at.
+        // Points whose neighbours on the path have changed since they were tried.
         let mut open: std::collections::VecDeque<u32> = self.path.iter().copied().collect();
         let mut is_open = vec![true; self.path.len()];
         while let Some(point) = open.pop_front() {
@@ -315,7 +315,7 @@ impl<'a> Tour<'a> {
         let only = |low, high| Some([(low, high), (0, 0), (0, 0)]);
         let at = self.at[a as usize] as usize;
         let length = |from: u32, to: Option<&u32>| to.map_or(0.0, |&to| self.distance(from, to));
-        // The points behind `a` and its neighbour change places ...
+        // The points after `a` and after its neighbour change places ...
         let behind = self.path.get(at + 1);
         let now = length(a, behind);
         for &c in self.neighbours(a) {
@@ -335,7 +335,7 @@ impl<'a> Tour<'a> {
                 return only(low, high);
             }
         }
-        // ... or the points before them, which the first one of the path has not.
+        // ... or the points before them. The first point of the path has none.
         let before = *self.path.get(at.checked_sub(1)?)?;
         let now = self.distance(a, before);
         for &c in self.neighbours(a) {
@@ -402,7 +402,8 @@ impl<'a> Tour<'a> {
                         if freed - paid <= LEAST_GAIN || far > LONGEST_TURN {
                             continue;
                         }
-                        // `a` comes next to `c`: first in the piece when it lies behind `c`.
+                        // `a` comes next to `c`: it is first in the piece if the piece is after
+                        // `c`.
                         let is_turned = (a == first) != is_behind;
                         return Some(moved(low, high, left, is_turned));
                     }
@@ -417,7 +418,7 @@ impl<'a> Tour<'a> {
 /// three reversals.
 fn moved(low: usize, high: usize, left: usize, is_turned: bool) -> [(usize, usize); 3] {
     let length = high + 1 - low;
-    // All from the piece to its new place is turned, then what has changed places each by itself.
+    // Everything from the piece to its new place is reversed, then each of the two parts alone.
     let (all, between, piece) = if left > high {
         ((low, left), (low, left - length), (left + 1 - length, left))
     } else {

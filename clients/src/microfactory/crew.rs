@@ -170,7 +170,7 @@ pub fn report(shares: &[Share], out: &mut dyn Write) -> io::Result<bool> {
     if shares.len() > 1 {
         writeln!(
             out,
-            "{well} of {} machines did all they had to",
+            "{well} of {} machines completed all actions",
             shares.len()
         )?;
     }

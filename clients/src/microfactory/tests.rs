@@ -11,7 +11,7 @@ use husillo_sim::device::LineFault as Fault;
 use husillo_sim::device::microfactory::Device;
 use std::time::Duration;
 
-/// A machine that is quick: short ways to its switches, little lash.
+/// A quick machine: short distances to its switches, little backlash.
 fn settings() -> Settings {
     let mut settings = Settings::ORIGINAL;
     settings.config.axis_rate_hz = 4000;
@@ -43,7 +43,7 @@ fn client_of(machine: u8) -> Client {
     Client::new(Wire::simulated(device), settings.table, true, stop).of_machine(machine)
 }
 
-/// A figure with bytes in it that are commands.
+/// A figure that contains bytes of commands.
 fn session() -> Vec<Action> {
     let figure = Figure {
         name: "test".into(),
@@ -65,7 +65,7 @@ fn session() -> Vec<Action> {
     ]
 }
 
-/// Everything, or how far it came and why no farther.
+/// The actions of a session up to the first failure, and its reason.
 fn run(client: &mut Client) -> Result<(), (usize, String)> {
     for (place, action) in session().iter().enumerate() {
         client
@@ -75,7 +75,7 @@ fn run(client: &mut Client) -> Result<(), (usize, String)> {
     Ok(())
 }
 
-/// Where the tool is in X and Z from where it is after homing, and how often a figure was begun.
+/// Position of the tool in X and Z from its position after homing, and number of figures begun.
 fn outcome(client: &mut Client, zero: [i32; 2]) -> ([i32; 2], usize) {
     outcome_of(client, 0, zero)
 }
@@ -112,9 +112,10 @@ fn faults() -> impl Iterator<Item = Fault> {
     ])
 }
 
-/// The whole session with a fault. If nothing is reported, everything is as asked. If something is
-/// reported, nothing turns any more, except what a pulled cable left running, and the operator
-/// continues after plugging in, a reset and homing. Returns whether it was reported.
+/// The whole session with a fault. If nothing is reported, everything is done as requested. If
+/// something is reported, nothing turns any more, except the action in progress after a pulled
+/// cable. The operator then continues after plugging in, a reset and homing. Returns whether it was
+/// reported.
 fn survives(machine: u8, place: u64, fault: Fault) -> bool {
     let context = format!("{fault:?} at byte {place} to machine {machine}");
     let mut client = client_of(machine);
@@ -183,7 +184,7 @@ fn any_fault_at_any_byte_is_survived_or_reported() {
     }
 }
 
-/// The same at random in a long one: a figure of 400 moves, and long counted steps.
+/// The same at random in a long session: a figure of 400 moves, and long counted steps.
 #[test]
 fn faults_in_long_sessions_are_survived_or_reported() {
     let (mut numbers, mut reported) = (Random::new(11), 0);
@@ -228,7 +229,7 @@ fn faults_in_long_sessions_are_survived_or_reported() {
     assert!((3..50).contains(&reported), "{reported}");
 }
 
-/// A figure that came in wrong is sent again; nothing has moved.
+/// A figure that was received with an error is sent again; nothing has moved.
 #[test]
 fn a_figure_survives_a_bad_moment() {
     let mut client = client();
@@ -303,8 +304,8 @@ fn switch_reports(client: &mut Client) -> usize {
     hits.count()
 }
 
-/// A jog that ends at a switch is reported and not begun again, however long it should last. The
-/// axis backs off the switch completely.
+/// A jog that ends at a switch is reported and not begun again, whatever its time. The axis backs
+/// off the switch completely.
 #[test]
 fn a_jog_into_a_switch_is_reported_and_ends() {
     let mut client = client();
@@ -418,14 +419,14 @@ fn two_machines_of_one_controller() {
     let mut first = on(second.into_wire(), 0);
     first.carry_out(&Action::Figure).unwrap();
     assert_eq!(places(&mut first), [[-20, 50], [30, -7]]);
-    // An emergency stop is for both.
+    // An emergency stop applies to both.
     first.carry_out(&Action::Emergency).unwrap();
     let mut second = on(first.into_wire(), 1);
     let trouble = second.carry_out(&jog(0, true, 1)).unwrap_err();
     assert!(trouble.contains("emergency stop"), "{trouble}");
 }
 
-/// Both move at once: a jog of one goes on while the other is commanded.
+/// Both move at once: a jog of one continues while the other gets commands.
 #[test]
 fn two_machines_move_at_once() {
     let settings = settings();
@@ -453,7 +454,7 @@ fn two_machines_move_at_once() {
     let (first, second) = (device.rig(0).unwrap().tool(), device.rig(1).unwrap().tool());
     assert!(first[1] > 100 && first[0] == 0, "{first:?}");
     assert!(second[0] > 100 && second[1] == 0, "{second:?}");
-    // Nobody renews it: both stand after their dead-man's time.
+    // Nothing repeats the jogs: both machines stand after their dead-man's time.
     for _ in 0..1000 {
         device.tick();
     }

@@ -68,7 +68,7 @@ impl Action {
                     };
                     let time = time(word, words.next())?;
                     let Some(Self::Jog(_, legs)) = actions.last_mut() else {
-                        return Err(format!("`{word}` goes on with a jog: `x+ 2s {word} 1s`"));
+                        return Err(format!("`{word}` must follow a jog: `x+ 2s {word} 1s`"));
                     };
                     legs.push(Leg { pace, time });
                     continue;

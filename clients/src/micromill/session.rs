@@ -259,9 +259,9 @@ fn unconfirmed(why: &str) -> String {
 pub const fn why(outcome: Outcome) -> &'static str {
     match outcome {
         Outcome::Done => "done",
-        Outcome::Stopped => "something stopped it",
+        Outcome::Stopped => "it was stopped",
         Outcome::Refused => "the controller refuses it: not homed, beyond the travel, or busy",
-        Outcome::Wrong => "the controller knows no such string",
+        Outcome::Wrong => "the controller does not know the string",
         Outcome::NoSwitch => "no home switch was found",
         Outcome::Garbled => "the echo differs from what was sent: check the cable and the rate",
         Outcome::Silent => "no answer: check the cable, the rate and the power",

@@ -11,21 +11,21 @@ use std::f64::consts::TAU;
 const UNIT_NM: i64 = 10;
 /// Largest coordinate in that unit: five digits of micrometres and two decimals.
 const MOST: i64 = 9_999_999;
-/// A curve is walked in parts of a step as small as this.
+/// Length of the parts in which a curve is followed, as a part of a step.
 const PART: f64 = 0.02;
 
 /// A program for the mill.
 #[derive(Debug, Default)]
 pub struct Translated {
-    /// Each line, with the number of the line it comes from.
+    /// Each line, with the number of its line in the program.
     pub lines: Vec<(usize, Line)>,
-    /// What was dropped or changed: line and sentence.
+    /// Words that were dropped or changed: line and sentence.
     pub notes: Vec<(usize, String)>,
-    /// What the mill cannot do: line and sentence.
+    /// Functions that the mill does not have: line and sentence.
     pub errors: Vec<(usize, String)>,
 }
 
-/// Translates commands, each with the number of its line and where it begins.
+/// Translates commands, each with the number of its line and its start position.
 pub fn translate(
     commands: impl IntoIterator<Item = (usize, Command<3>)>,
     config: &Config<3>,
@@ -127,7 +127,7 @@ impl Translator<'_> {
             let [x, y, z] = to;
             let [at_x, at_y, at_z] = self.at;
             self.note("Z moves apart from X and Y".into());
-            // Up before across, across before down.
+            // Z moves up before X and Y, and X and Y before Z down.
             let between = if z > at_z {
                 [at_x, at_y, z]
             } else {
@@ -145,7 +145,7 @@ impl Translator<'_> {
         z != at_z && (x != at_x || y != at_y)
     }
 
-    /// X and Y, or Z alone; where a curve leaves both, Z first.
+    /// X and Y, or Z alone. If a curve leaves both, Z moves first.
     fn straight(&mut self, to: [i64; 3], feed: Option<u16>) {
         let [x, y, z] = to;
         let [at_x, at_y, at_z] = self.at;
@@ -210,8 +210,8 @@ impl Translator<'_> {
         self.straight(to, Some(feed));
     }
 
-    /// A curve on which Z moves with the others: Z steps where it is half a step off, and X and Y
-    /// go on between, on lines or on an arc.
+    /// A curve on which Z moves together with the others. Z steps when it is half a step off.
+    /// Between these steps X and Y continue on lines or on an arc.
     fn flatten(
         &mut self,
         steps: f64,
@@ -230,7 +230,7 @@ impl Translator<'_> {
         while part < parts {
             part += 1.0;
             let at = place(part / parts);
-            // X or Y turns round here, off an arc that goes round by itself.
+            // X or Y reverses here, and not because of an arc.
             let next_way = [at[0] - before[0], at[1] - before[1]];
             let turns =
                 round.is_none() && way.iter().zip(next_way).any(|(way, next)| way * next < 0.0);
@@ -256,7 +256,7 @@ impl Translator<'_> {
     fn across(&mut self, at: [f64; 3], feed: u16, round: Option<(Direction, [i64; 2])>) {
         let [x, y] = [0, 1].map(|axis| self.rounded(axis, Nm(at[axis].round() as i64)));
         let z = self.at[2];
-        // Less than a step goes with the next part.
+        // Less than a step joins the next part.
         let step = (self.step_nm() / UNIT_NM as f64) as i64;
         let is_short = (x - self.at[0]).abs().max((y - self.at[1]).abs()) <= step;
         match round {
@@ -329,7 +329,7 @@ impl Translator<'_> {
         f64::from(z.scale.nm()) / f64::from(z.scale.steps())
     }
 
-    /// Steps of the longest way of an axis.
+    /// Steps of the axis with the longest distance.
     fn longest(&self, from: &[Nm; 3], to: &[Nm; 3]) -> f64 {
         let ways = from.iter().zip(to).map(|(a, b)| (b.0 - a.0).abs());
         ways.max().unwrap_or(0) as f64 / self.step_nm()
@@ -339,7 +339,7 @@ impl Translator<'_> {
         std::array::from_fn(|axis| self.rounded(axis, at[axis]))
     }
 
-    /// A coordinate in units: the nearest that is in the same step.
+    /// A coordinate in units: the nearest one within the same step.
     fn rounded(&self, axis: usize, at: Nm) -> i64 {
         let unit = nearest(at.0, UNIT_NM);
         let scale = self.config.axes[axis].scale;

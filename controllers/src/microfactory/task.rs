@@ -6,7 +6,7 @@ use super::MicrofactoryConfig;
 
 /// A motor and its direction.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
-pub(super) struct Way {
+pub(super) struct Turn {
     pub(super) motor: u8,
     pub(super) forward: bool,
 }
@@ -16,12 +16,12 @@ pub(super) struct Way {
 pub(super) enum Task {
     Idle,
     Jog {
-        way: Way,
+        turn: Turn,
         /// Ticks left until the jog must be repeated.
         left_ticks: Option<u32>,
     },
     Steps {
-        way: Way,
+        turn: Turn,
         left: u8,
     },
     /// Homing of an axis begins, by leaving its switch or by searching it.
@@ -62,7 +62,7 @@ impl Task {
         Some(match command {
             Order::Home => Task::Look { axis: 0 },
             Order::Jog { motor, forward } => Task::Jog {
-                way: Way { motor, forward },
+                turn: Turn { motor, forward },
                 left_ticks: config.dead_man_ticks,
             },
             Order::Steps {
@@ -70,7 +70,7 @@ impl Task {
                 forward,
                 count,
             } => Task::Steps {
-                way: Way { motor, forward },
+                turn: Turn { motor, forward },
                 left: count,
             },
             Order::Figure => Task::Approach {

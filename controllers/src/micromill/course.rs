@@ -2,16 +2,16 @@
 
 use husillo_planner::Timer;
 
-use super::ways::Ways;
+use super::directions::Directions;
 
 /// State of the present path.
 #[derive(Clone, Debug)]
 pub(super) struct Course {
     pub(super) timer: Timer,
     /// Directions in which a straight move takes up backlash before it begins.
-    pub(super) heading: Ways,
+    pub(super) heading: Directions,
     /// The next step of the path and its wait, while something precedes it.
-    pub(super) next: Option<(Ways, u64)>,
+    pub(super) next: Option<(Directions, u64)>,
     /// Whether an axis steps in the opposite direction to before, or for the first time. Only then
     /// can a take-up be due.
     pub(super) may_owe: bool,
@@ -25,14 +25,14 @@ pub(super) struct Course {
 /// A take-up of one axis.
 #[derive(Clone, Debug)]
 pub(super) struct TakeUp {
-    pub(super) way: Ways,
+    pub(super) direction: Directions,
     /// Steps left, not 0.
     pub(super) left: u16,
     pub(super) pace: Timer,
 }
 
 impl Course {
-    pub(super) const fn new(timer: Timer, heading: Ways) -> Self {
+    pub(super) const fn new(timer: Timer, heading: Directions) -> Self {
         Course {
             timer,
             heading,
@@ -45,8 +45,8 @@ impl Course {
 
     /// Registers the directions of the next step of an arc.
     #[inline]
-    pub(super) const fn turns(&mut self, ways: Ways) {
-        let both = u16::from_le_bytes([ways.axes, ways.negative]);
+    pub(super) const fn turns(&mut self, directions: Directions) {
+        let both = u16::from_le_bytes([directions.axes, directions.negative]);
         let steps = both & !(both >> 8);
         if steps & !self.known != 0 {
             self.may_owe = true;
@@ -56,9 +56,9 @@ impl Course {
 
     /// Returns the next step of a take-up of one axis, and the ticks before it.
     #[inline]
-    pub(super) fn take_up(&mut self) -> Option<(Ways, u32)> {
+    pub(super) fn take_up(&mut self) -> Option<(Directions, u32)> {
         let owed = self.owed.as_mut()?;
-        let step = (owed.way, owed.pace.wait_one() as u32); // at most a second
+        let step = (owed.direction, owed.pace.wait_one() as u32); // at most a second
         owed.left = owed.left.wrapping_sub(1);
         if owed.left == 0 {
             self.owed = None;
@@ -70,6 +70,6 @@ impl Course {
     #[inline]
     pub(super) const fn is_even(&mut self) {
         self.may_owe = false;
-        self.heading = Ways::NONE;
+        self.heading = Directions::NONE;
     }
 }

@@ -1,6 +1,6 @@
 //! A line in the queue: 24 bytes, so that sixteen lines fit a small chip.
 
-use husillo_gcode::{Arc, Command, Direction, Feed, Nm, Plane};
+use husillo_gcode::{Arc, Command, Direction, Feed, Nm, Plane, Units};
 use husillo_transports::micromill::{Line, Point};
 
 /// A position in nanometres from machine zero, within 2.1 m.
@@ -128,7 +128,9 @@ impl Entry {
         };
         let [_, _, z] = from;
         let [i, j] = self.centre;
-        let arc = Arc::around(&nm(from), to, nm([i, j, z]), Plane::Xy, direction)?;
+        let centre = nm([i, j, z]);
+        let units = Units::Micrometres;
+        let arc = Arc::around(&nm(from), to, centre, Plane::Xy, direction, units)?;
         Some(Command::Arc { arc, feed })
     }
 }

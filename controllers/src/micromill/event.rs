@@ -2,7 +2,7 @@
 
 use husillo_gcode::SpindleDirection;
 
-use super::ways::Ways;
+use super::directions::Directions;
 
 /// Inputs that the board reads.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Default)]
@@ -25,7 +25,7 @@ pub struct MicromillStep {
 impl MicromillStep {
     /// Returns -1, 0 or +1 motor step for X, Y and Z.
     pub fn deltas(&self) -> [i8; 3] {
-        Ways {
+        Directions {
             axes: self.axes,
             negative: self.negative,
         }

@@ -8,10 +8,10 @@ use husillo_transports::micromill::Answer;
 use super::{
     Micromill, MicromillEvent, Next,
     course::Course,
+    directions::Directions,
     entry::{Entry, Kind, Place, nm},
     path::Flat,
     task::Task,
-    ways::Ways,
 };
 use husillo_machine::{Config, MAX_WAIT_TICKS, Segment, StepGuard};
 
@@ -29,7 +29,7 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
             self.task = Task::Idle;
             let wait_ticks = self.carried_ticks.min(MAX_WAIT_TICKS.into()) as u32;
             self.carried_ticks = self.carried_ticks.wrapping_sub(wait_ticks.into());
-            return self.give(wait_ticks, Ways::NONE);
+            return self.give(wait_ticks, Directions::NONE);
         }
         let is_output = !entry.moves() && !matches!(entry.kind, Kind::Nothing | Kind::Dwell);
         if is_output && !self.ahead.is_empty() {
@@ -105,7 +105,7 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
             self.path = None;
             return ticks;
         }
-        let mut heading = Ways::NONE;
+        let mut heading = Directions::NONE;
         if path.radius().is_none() {
             for (axis, (start, end)) in (0..).zip(start.iter().zip(end)) {
                 let direction = i8::from(end > *start).wrapping_sub(i8::from(end < *start));

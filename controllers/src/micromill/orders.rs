@@ -4,10 +4,10 @@ use husillo_transports::micromill::{Answer, Axis, Line, Order};
 
 use super::{
     Lease, Micromill,
+    directions::Directions,
     entry::{Entry, nm},
     path::Flat,
     task::Task,
-    ways::Ways,
 };
 
 impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUEUE, AHEAD, OUT> {
@@ -29,9 +29,9 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
                 self.link.answer(Answer::Taken);
             }
             _ if !is_free => self.link.answer(Answer::Refused),
-            Order::Jog(ways) => {
+            Order::Jog(directions) => {
                 self.task = Task::Jog {
-                    ways: Ways::of(ways),
+                    directions: Directions::of(directions),
                     hz: self.config.jog_hz,
                 };
             }
@@ -39,7 +39,7 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
                 let is_right = hz.unsigned_abs() <= self.config.top_hz;
                 if is_right {
                     self.task = Task::Run {
-                        ways: Ways::one(axis, hz > 0),
+                        directions: Directions::one(axis, hz > 0),
                         hz: hz.unsigned_abs(),
                     };
                 } else {
@@ -49,7 +49,7 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
             Order::Steps(axis, steps) => {
                 if self.reaches(axis, steps) {
                     self.task = Task::Steps {
-                        ways: Ways::one(axis, steps > 0),
+                        directions: Directions::one(axis, steps > 0),
                         left: steps.unsigned_abs(),
                     };
                 } else {

@@ -2,7 +2,7 @@
 
 use husillo_transports::micromill::{Answer, Axis};
 
-use super::{Micromill, MicromillInputs, Next, first_owed, ways::Ways};
+use super::{Micromill, MicromillInputs, Next, directions::Directions, first_owed};
 
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub(super) enum Task {
@@ -13,16 +13,16 @@ pub(super) enum Task {
         left_ticks: u64,
     },
     Jog {
-        ways: Ways,
+        directions: Directions,
         hz: u16,
     },
     Run {
-        ways: Ways,
+        directions: Directions,
         hz: u16,
     },
     /// Counted load steps; `left` remain.
     Steps {
-        ways: Ways,
+        directions: Directions,
         left: u16,
     },
     /// Homing: leaves the switch if it is closed at the start. The later move towards the switch
@@ -58,22 +58,22 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
             Task::Leave { axis, left } => self.leave(axis, left, inputs),
             Task::Search { axis, left } => self.search(axis, left, inputs),
             Task::BackOff { axis, left } => self.back_off(axis, left, inputs),
-            Task::Jog { ways, hz } | Task::Run { ways, hz } => {
+            Task::Jog { directions, hz } | Task::Run { directions, hz } => {
                 let wait_ticks = self.interval(hz);
-                if self.is_at_end(ways, inputs) {
+                if self.is_at_end(directions, inputs) {
                     return self.end(Answer::Stopped);
                 }
-                let (delta, _) = self.owed_or(ways);
+                let (delta, _) = self.owed_or(directions);
                 self.give(wait_ticks, delta)
             }
             Task::Steps { left: 0, .. } => self.end(Answer::Done),
-            Task::Steps { ways, left } => {
-                if self.is_at_end(ways, inputs) {
+            Task::Steps { directions, left } => {
+                if self.is_at_end(directions, inputs) {
                     return self.end(Answer::Stopped);
                 }
-                let (delta, moves) = self.owed_or(ways);
+                let (delta, moves) = self.owed_or(directions);
                 self.task = Task::Steps {
-                    ways,
+                    directions,
                     left: left.wrapping_sub(moves.into()), // `left` is not 0
                 };
                 self.give(self.interval(self.config.jog_hz), delta)
@@ -96,7 +96,10 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
             axis,
             left: left.wrapping_sub(1),
         };
-        self.give(self.interval(self.config.jog_hz), Ways::one(axis, true))
+        self.give(
+            self.interval(self.config.jog_hz),
+            Directions::one(axis, true),
+        )
     }
 
     fn search(&mut self, axis: Axis, left: u32, inputs: &MicromillInputs) -> Next {
@@ -124,12 +127,15 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
             axis,
             left: left.wrapping_sub(1),
         };
-        self.give(self.interval(self.config.jog_hz), Ways::one(axis, false))
+        self.give(
+            self.interval(self.config.jog_hz),
+            Directions::one(axis, false),
+        )
     }
 
     fn back_off(&mut self, axis: Axis, left: u16, inputs: &MicromillInputs) -> Next {
         if left > 0 {
-            let (delta, moves) = self.owed_or(Ways::one(axis, true));
+            let (delta, moves) = self.owed_or(Directions::one(axis, true));
             self.task = Task::BackOff {
                 axis,
                 left: left.wrapping_sub(moves.into()),
@@ -159,23 +165,23 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
         Next::Again
     }
 
-    /// Returns the take-up of the first axis that owes one, or the step itself. The flag is `true`
-    /// for the step itself.
-    fn owed_or(&self, ways: Ways) -> (Ways, bool) {
-        match first_owed(&self.plays, ways) {
+    /// Returns the take-up of the first axis that has one due, or the step itself. The flag is
+    /// `true` for the step itself.
+    fn owed_or(&self, directions: Directions) -> (Directions, bool) {
+        match first_owed(&self.plays, directions) {
             Some((owed, _)) => (owed, false),
-            None => (ways, true),
+            None => (directions, true),
         }
     }
 
     /// Whether an axis has reached its end: the end of the travel if it is known, otherwise the
     /// switch.
-    fn is_at_end(&self, ways: Ways, inputs: &MicromillInputs) -> bool {
-        if ways.negative & inputs.home != 0 {
+    fn is_at_end(&self, directions: Directions, inputs: &MicromillInputs) -> bool {
+        if directions.negative & inputs.home != 0 {
             return true;
         }
         let axes = self.config.machine.axes.iter().zip(&self.plays);
-        let mut axes = axes.zip(ways.deltas());
+        let mut axes = axes.zip(directions.deltas());
         axes.any(|((axis, play), direction)| match axis.travel {
             Some([low, high]) if self.is_homed && direction != 0 && !play.owes(direction > 0) => {
                 let to = play.load().saturating_add(direction.into());
@@ -201,5 +207,5 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
 }
 
 fn is_closed(axis: Axis, inputs: &MicromillInputs) -> bool {
-    Ways::one(axis, true).axes & inputs.home != 0
+    Directions::one(axis, true).axes & inputs.home != 0
 }

@@ -4,7 +4,7 @@ use critical_section::CriticalSection;
 
 use crate::chosen::LONGEST_US;
 
-/// A queued step. `D` is what the foreground gets back if the step is dropped.
+/// A queued step. `D` is returned to the foreground if the step is dropped.
 #[derive(Clone, Copy)]
 pub struct Step<D> {
     /// Microseconds after the previous step.

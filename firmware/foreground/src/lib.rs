@@ -95,8 +95,8 @@ pub fn run<P: Product, const PLACES: usize, const PULSED: u8, const PULSE_US: u3
             transmitter.send(|| controller.transmit());
         }
         let inputs = product.inputs(controller);
-        // A controller that plans ahead counts its events itself, so the queue is not asked for
-        // room.
+        // A controller that plans ahead counts its events itself, so the loop does not ask the
+        // queue for room.
         while (plans_ahead || has_room)
             && let Some(event) = controller.next_event(0, &inputs)
         {

@@ -3,6 +3,7 @@
 
 use crate::blocks::fault::{Fault, Reason};
 use crate::codes::letters::Letters;
+use crate::modal::modes::Units;
 use crate::values::nm::{Nm, coordinate};
 use crate::values::wide::{Ratio, WHOLE_DIGITS, product, root, root_to, square};
 
@@ -141,18 +142,29 @@ pub struct Arc<const N: usize> {
 }
 
 impl<const N: usize> Arc<N> {
-    /// Creates a flat arc around a centre, all in the machine frame, as a line with `I` and `J`
-    /// does, including its checks. Returns `None` where such a line is refused: the end is not on
-    /// the circle, or the start is the centre. Equal start and end give one full turn.
+    /// Creates a flat arc around a centre, all in the machine frame, as a line with `I` and `J` in
+    /// these units does, including its checks. Returns `None` where such a line is refused: the end
+    /// is not on the circle, or the start is the centre. Equal start and end give one full turn.
+    ///
+    /// The digits of the words are not known here, so they excuse no error ([`Arc::resolution`]).
     pub fn around(
         from: &[Nm; N],
         to: [Nm; N],
         centre: [Nm; N],
         plane: Plane,
         direction: Direction,
+        units: Units,
     ) -> Option<Arc<N>> {
         let mut mismatch = Nm(0);
-        with_centre(from, &to, &centre, plane.axes(), SLACK_MM, &mut mismatch).ok()?;
+        with_centre(
+            from,
+            &to,
+            &centre,
+            plane.axes(),
+            slack(units),
+            &mut mismatch,
+        )
+        .ok()?;
         Some(Arc {
             to,
             centre,
@@ -231,6 +243,15 @@ pub(crate) const SLACK_DIGITS: i64 = 500_000;
 /// # Source
 /// Grbl 1.1, `gcode.c`, error 33: 0.005 mm.
 pub(crate) const SLACK_NARROW: i64 = 5_000;
+
+/// The slack of an arc in these units, nm.
+pub(crate) const fn slack(units: Units) -> i64 {
+    match units {
+        Units::Millimetres => SLACK_MM,
+        Units::Inches => SLACK_INCH,
+        Units::Micrometres => SLACK_NARROW,
+    }
+}
 
 /// Checks the geometry of an arc with a centre: returns the mismatch, or an error.
 ///

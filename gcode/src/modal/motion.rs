@@ -393,8 +393,7 @@ impl<const N: usize> Modal<N> {
             let one_and_a_half = (arc.resolution.0.wrapping_mul(3) >> 1).min(arc::SLACK_DIGITS);
             let slack = match (self.modes.dialect.flavour, self.units()) {
                 (Flavour::Grbl, _) | (_, Units::Micrometres) => arc::SLACK_NARROW,
-                (_, Units::Millimetres) => arc::SLACK_MM.max(one_and_a_half),
-                (_, Units::Inches) => arc::SLACK_INCH.max(one_and_a_half),
+                (_, units) => arc::slack(units).max(one_and_a_half),
             };
             arc::with_centre(from, &arc.to, &arc.centre, axes, slack, &mut arc.mismatch)?;
         }

@@ -7,16 +7,17 @@ use crate::console::shown;
 use crate::diagnostics::Findings;
 use crate::machines::machine_file::MachineFile;
 
-/// The machines that are tried, in this order.
+/// The machines that are tried in this order.
 const TRIED: [&str; 3] = ["micromill", "router", "lathe"];
-/// The machine of a program that none of them takes. It has no limits, so the errors are those of
-/// the program.
+/// The machine of a program that no other machine accepts. It has no limits, so the errors are
+/// those of the program.
 const NONE: &str = "free";
-/// A comment names a machine within this many bytes from the begin of a program.
+/// A comment that names a machine is within this number of bytes from the start of a program.
 const HEAD: usize = 4096;
 
-/// The program with its machine: that of the command line, or the one that a comment of the program
-/// names as `-m NAME`, or the first that takes it without an error. A line then says which.
+/// The program with its machine: that of the command line, or that of a comment of the program (`-m
+/// NAME`), or the first one that accepts the program without an error. In the last two cases a line
+/// names the machine.
 pub fn job(file: &str, target: &Target, zero: Option<Zero>) -> Result<Job, Failure> {
     if target.machine.is_some() {
         return Job::new(file, target, NONE);
@@ -40,11 +41,11 @@ pub fn job(file: &str, target: &Target, zero: Option<Zero>) -> Result<Job, Failu
     let name = shown(job.name());
     match fitting {
         Some(machine) => eprintln!(
-            "{name}: for {machine}, the first that takes it of {}; -m NAME chooses",
+            "{name}: for {machine}, the first of {} that accepts it; -m NAME selects another",
             TRIED.join(", ")
         ),
         None => eprintln!(
-            "{name}: none of {} takes it; for {NONE}, which has no limits",
+            "{name}: none of {} accepts it; for {NONE}, which has no limits",
             TRIED.join(", ")
         ),
     }
@@ -52,7 +53,7 @@ pub fn job(file: &str, target: &Target, zero: Option<Zero>) -> Result<Job, Failu
 }
 
 impl Job {
-    /// Whether the machine takes the program without an error.
+    /// Whether the machine accepts the program without an error.
     fn takes(&mut self, zero: Option<Zero>) -> Result<bool, Failure> {
         self.is_trial = true;
         self.place(zero)?;

@@ -1,4 +1,4 @@
-//! `compile`, and what else has to do with records of the drill.
+//! `compile`, and the other commands on records of the drill.
 
 use super::job::{displayed, whole};
 use super::reporting::{self, with_findings};
@@ -23,14 +23,14 @@ use std::io::{self, BufWriter, Write};
 pub(super) struct Job {
     /// Tool by tool.
     pub(super) parts: Vec<Part>,
-    /// Steps in the order of the file, where that was changed.
+    /// Steps of travel in the order of the file, if the order was changed.
     file_travel_steps: Option<u64>,
-    /// It may have to be compiled with tools named: a drill file.
+    /// It is a drill file, whose records get a manifest.
     is_drill_file: bool,
 }
 
-/// Reads a program, a drill file, records or a manifest; `None` where it has errors, which were
-/// told.
+/// Reads a program, a drill file, records or a manifest; `None` if it has errors, which are
+/// reported.
 pub(super) fn load(
     file: &str,
     dialect: Option<&str>,
@@ -45,8 +45,8 @@ pub(super) fn load(
     let is_made = lower.ends_with(".toml") || lower.ends_with(".cod");
     if is_made && !args.is_default() {
         return Err(Failure::Usage(format!(
-            "{file}: records have their places and depths already; these options go with what \
-             they are compiled from"
+            "{file}: records have positions and depths already; use these options when you compile \
+             them"
         )));
     }
     if lower.ends_with(".toml") {
@@ -162,12 +162,12 @@ fn steps_of(text: &str) -> Option<u16> {
     u16::try_from(steps).ok().filter(|steps| *steps > 0)
 }
 
-/// Whether the machine is the drill; a sentence otherwise.
+/// Checks that the machine is the drill. The error is a sentence.
 pub(super) fn expect_drill(machine: Option<&str>) -> Result<(), Failure> {
     match machine {
         None | Some("drill") => Ok(()),
         Some(other) => Err(Failure::Usage(format!(
-            "{other} takes programs as they are: -m drill is what takes records"
+            "{other} takes programs; only -m drill takes records"
         ))),
     }
 }
@@ -260,7 +260,7 @@ pub(super) fn send(args: &Send) -> Result<u8, Failure> {
     Ok(if is_well { OK } else { ERRORS })
 }
 
-/// What `commands --format json` prints of a record.
+/// A record as `commands --format json` prints it.
 #[derive(Serialize)]
 struct ListedRecord {
     record: usize,

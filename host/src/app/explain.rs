@@ -1,4 +1,4 @@
-//! `husillo explain`: what a finding or a code means, from the pages of the documentation.
+//! `husillo explain`: the meaning of a finding or a code, from the pages of the documentation.
 
 use super::{Failure, OK};
 use crate::cli::Explain;
@@ -14,11 +14,11 @@ struct Row {
     cells: Vec<&'static str>,
 }
 
-/// Prints what is known of each name.
+/// Prints the row of each name.
 ///
 /// # Errors
 ///
-/// One is not known. Nothing is printed then.
+/// A name is not known. Nothing is printed then.
 pub(super) fn explain(args: &Explain) -> Result<u8, Failure> {
     let found: Result<Vec<_>, _> = args.names.iter().map(|name| row(name)).collect();
     let mut out = console::stdout();

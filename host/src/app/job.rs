@@ -1,4 +1,4 @@
-//! A program with the machine it is for, and the files of both.
+//! A program with its machine, and the files of both.
 
 use super::{Failure, reporting};
 use crate::cli::Target;
@@ -16,20 +16,20 @@ use husillo_gcode::Nm;
 use husillo_machine::Config;
 use std::io::{self, Read};
 
-/// A program and the machine it is for.
+/// A program and its machine.
 pub struct Job {
     pub file: String,
     pub machine: MachineFile,
     pub config: Config<3>,
-    /// Its language, and where it lies on the machine.
+    /// Its language, and its position on the machine.
     pub start: Start,
     is_placed: bool,
-    /// Nobody has said where it lies: where it does not fit at machine zero, it is moved.
+    /// No position was requested: if the program does not fit at machine zero, it is moved.
     may_move: bool,
-    /// The job only finds out whether the machine takes the program: no message is printed.
+    /// Only a check whether the machine accepts the program: no message is printed.
     pub(super) is_trial: bool,
-    /// Standard input is read once and kept, as a run reads its program twice; of a list of moves
-    /// the program.
+    /// Standard input is read once and kept, because a run reads its program twice. For a list of
+    /// moves this is the program made from it.
     pub input: Option<Vec<u8>>,
     /// How often the program was opened.
     #[cfg(test)]

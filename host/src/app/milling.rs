@@ -20,7 +20,7 @@ use husillo_machine::{Config, Event};
 use husillo_transports::micromill::Line;
 use std::io::{self, Write};
 
-/// Whether it is the micro mill that is meant.
+/// Whether the machine is the micro mill.
 pub(super) fn is_for(target: &Target, file: &str) -> bool {
     match target.machine.as_deref() {
         Some(name) => name == "micromill",
@@ -76,7 +76,7 @@ pub(super) fn send(args: &Send) -> Result<u8, Failure> {
     let count = made.lines.len();
     let progress = |done: usize| {
         if done == count || done.is_multiple_of(100) {
-            // A terminal that has gone away does not stop a machine in the middle of a line.
+            // A closed terminal does not stop a machine in the middle of a line.
             let _ = writeln!(io::stderr(), "{done} of {count} lines");
         }
     };
@@ -126,8 +126,8 @@ pub(super) fn send(args: &Send) -> Result<u8, Failure> {
     Ok(OK)
 }
 
-/// The program as lines of the mill, everything that was dropped or changed told; `None` with
-/// errors.
+/// The program as lines of the mill. Everything that is dropped or changed is reported. `None` if
+/// it has errors.
 fn translated(job: &mut Job) -> Result<Option<Translated>, Failure> {
     job.keep_input()?;
     let (_, findings) = with_findings(|findings| job.check(findings))?;
@@ -142,7 +142,7 @@ fn translated(job: &mut Job) -> Result<Option<Translated>, Failure> {
         &mut source,
         job.name(),
         job.start,
-        // What is wrong with the program was reported when it was checked.
+        // The check has reported the errors of the program.
         &mut Findings::new(0),
         |meaning, command, _, _| {
             commands.push((meaning.at.line, *command));
@@ -159,14 +159,14 @@ fn translated(job: &mut Job) -> Result<Option<Translated>, Failure> {
     Ok(made.errors.is_empty().then_some(made))
 }
 
-/// The steps of the mill's strings on a simulated machine: axis, and whether forward, in the order
-/// in which a controller tells them.
+/// The steps of the mill's strings on a simulated machine, in the order in which a controller
+/// reports them: axis, and whether forward.
 fn steps(job: &Job, text: String) -> Result<Vec<(u8, bool)>, Failure> {
     let config = Config {
         dialect: Dialect::MICROMILL,
         ..job.config
     };
-    // The controller has one lash an axis.
+    // The controller has one backlash value per axis.
     let mut machine = setup::with_maps(config, setup::maps(&job.machine)?);
     let mut source = Source::from_reader(Box::new(io::Cursor::new(text.into_bytes())));
     let mut steps = Vec::new();
@@ -183,7 +183,7 @@ fn steps(job: &Job, text: String) -> Result<Vec<(u8, bool)>, Failure> {
     Ok(steps)
 }
 
-/// Exit status where the machine did not do all it had to.
+/// Exit status if the machine did not complete its work.
 pub(super) fn failed() -> u8 {
     if stops_asked() > 0 {
         INTERRUPTED

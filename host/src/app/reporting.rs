@@ -1,13 +1,13 @@
-//! Findings printed to standard error, and how they are summed up.
+//! Prints findings to standard error, and counts them.
 
 use super::Failure;
 use crate::diagnostics::{Finding, Findings, Format};
 use std::io::{self, IsTerminal};
 
-/// Findings of a file that are printed, where no option says otherwise.
+/// Number of findings of a file that are printed, without an option.
 const MOST_PRINTED: u64 = 50;
 
-/// Makes something, and prints to standard error what was found on the way, also where it fails.
+/// Calls `make`, and prints its findings to standard error, even if it fails.
 pub fn with_findings<T>(
     make: impl FnOnce(&mut Findings) -> Result<T, Failure>,
 ) -> Result<(T, Findings), Failure> {
@@ -25,12 +25,12 @@ pub fn print(found: &[Finding]) -> io::Result<()> {
     printed.try_for_each(|finding| finding.print(Format::Text, is_coloured, &mut io::stderr()))
 }
 
-/// Whether what goes to a terminal, or not to one, is coloured.
+/// Whether output is coloured, to a terminal or not.
 pub fn colour(is_terminal: bool) -> bool {
     is_terminal && std::env::var_os("NO_COLOR").is_none()
 }
 
-/// How many errors and warnings there are.
+/// The numbers of errors and warnings.
 pub fn verdict(errors: u64, warnings: u64) -> String {
     let count = |number: u64, name: &str| match number {
         0 => format!("no {name}s"),

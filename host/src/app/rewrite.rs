@@ -1,4 +1,4 @@
-//! `format`: programs written back in one form.
+//! `format`: writes programs in one form.
 
 use super::job::displayed;
 use super::reporting::{verdict, with_findings};
@@ -25,7 +25,7 @@ pub(super) fn format_files(args: &FormatArgs) -> Result<u8, Failure> {
     Ok(code)
 }
 
-/// Whether a program has errors or, where it is only looked at, another form.
+/// Whether a program has errors or, with `--check`, another form.
 fn format_file(args: &FormatArgs, file: &str) -> Result<bool, Failure> {
     let form = format::Form {
         dialect: setup::dialect(args.dialect.as_deref(), file, None)?,

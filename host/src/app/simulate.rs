@@ -1,4 +1,4 @@
-//! `run`: a program checked, simulated, summed up and drawn.
+//! `run`: checks, simulates and draws a program, and prints a summary.
 
 mod losses;
 mod report;
@@ -93,7 +93,10 @@ fn simulate_job(job: &mut Job, args: &RunArgs) -> Result<u8, Failure> {
         eprintln!("{}: {sentence}", job.name());
     }
     if end.has_stopped {
-        eprintln!("{}: stopped: an axis is not where it should be", job.name());
+        eprintln!(
+            "{}: stopped: an axis is not at its expected position",
+            job.name()
+        );
     }
     let is_well = lost.is_empty() && !end.has_stopped;
     Ok(if is_well { OK } else { ERRORS })
@@ -120,7 +123,8 @@ fn mirror(job: &mut Job, facts: &mut Facts) -> Result<Order, Failure> {
     })
 }
 
-/// The files that a run writes, begun before it: one that cannot be written costs no run.
+/// The files of a run. They are begun before it, so that a file that cannot be written costs no
+/// run.
 struct Files {
     trace: Option<Box<dyn Write>>,
     report: Option<Writer>,
@@ -146,7 +150,7 @@ impl Files {
         })
     }
 
-    /// Writes the report, if there is to be one. Returns its bytes.
+    /// Writes the report if it is requested. Returns its length in bytes.
     fn write_report(&mut self, page: impl FnOnce() -> String) -> io::Result<Option<usize>> {
         let Some(mut out) = self.report.take() else {
             return Ok(None);
@@ -160,7 +164,7 @@ impl Files {
 
 /// How the machine ended.
 struct End {
-    /// Where its work zero is, nm of the machine frame.
+    /// Position of its work zero, nm of the machine frame.
     offset_nm: [i64; 3],
     /// An encoder stopped it.
     has_stopped: bool,

@@ -1,4 +1,5 @@
-//! `husillo stop`: the program that holds the port stops its machine, then the machine is asked.
+//! `husillo stop`: the program that holds the port stops its machine, then the machine itself gets
+//! the stop.
 
 use super::{ERRORS, Failure, OK, ended, jog, microfactory};
 use crate::cli::{Jog, Stop};
@@ -12,11 +13,11 @@ struct Place {
     baud: Option<u32>,
 }
 
-/// Stops every machine that `args` mean.
+/// Stops every machine that `args` select.
 ///
 /// # Errors
 ///
-/// Nothing is to be stopped, or the command line is wrong.
+/// There is nothing to stop, or the command line is wrong.
 pub(super) fn stop(args: &Stop) -> Result<u8, Failure> {
     let mut is_well = true;
     let mut places = released(args, &mut is_well);
@@ -44,7 +45,7 @@ pub(super) fn stop(args: &Stop) -> Result<u8, Failure> {
     Ok(if is_well { OK } else { ERRORS })
 }
 
-/// Asks the machine itself, at a port that is free now. Returns whether it has confirmed the stop.
+/// Sends the stop to the machine at a port that is free now. Returns whether it has confirmed it.
 fn confirm(place: Place, args: &Stop) -> Result<bool, Failure> {
     let Place { port, baud, .. } = place;
     let Some(machine) = args.machine.clone().or(place.machine) else {
@@ -89,7 +90,7 @@ fn released(args: &Stop, is_well: &mut bool) -> Vec<Place> {
     /// A drill that is stopped completes its record first, within this time.
     const LONGEST: Duration = Duration::from_secs(180);
     let mut held = folder().map(|folder| holders(&folder)).unwrap_or_default();
-    // A port alone is enough: its machine may have another name there.
+    // The port alone decides: its machine may have another name there.
     held.retain(|held| match (&args.port, &args.machine) {
         (Some(port), _) => held.holds(port),
         (None, Some(machine)) => held.holder.machine == machine_from_anywhere(machine),
@@ -103,7 +104,7 @@ fn released(args: &Stop, is_well: &mut bool) -> Vec<Place> {
         let holder = &held.holder;
         let text = format!("`husillo {}` (process {})", holder.command, holder.process);
         eprintln!("{}: {text} is stopping the machine", holder.port);
-        // One that has ended meanwhile has released its port.
+        // A program that has ended meanwhile has released its port.
         let _ = held.ask(urgency);
     }
     let mut places = Vec::new();
@@ -125,7 +126,7 @@ fn released(args: &Stop, is_well: &mut bool) -> Vec<Place> {
     places
 }
 
-/// Programs do not share their ports here.
+/// Programs do not share their ports on this system.
 #[cfg(not(unix))]
 fn released(_args: &Stop, _is_well: &mut bool) -> Vec<Place> {
     Vec::new()

@@ -11,13 +11,13 @@ pub struct Holes {
     /// How to print the holes
     #[arg(long, value_enum, default_value = "text")]
     pub format: Output,
-    /// What to make of the file
+    /// Form of the output
     #[arg(long = "as", value_enum, value_name = "KIND", default_value = "list")]
     pub make: DrillOutput,
     /// File to write [default: standard output]
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<String>,
-    /// What is made of the file.
+    /// How the file is read and placed.
     #[command(flatten)]
     pub layout: Layout,
     /// Depth of the holes below the surface, which is Z0
@@ -29,10 +29,10 @@ pub struct Holes {
     /// Height above the surface for tool changes
     #[arg(long, value_name = "MM", default_value = "10")]
     pub safe: String,
-    /// Feed into the board, a minute
+    /// Feed into the board, per minute
     #[arg(long, value_name = "MM", default_value = "60")]
     pub feed: String,
-    /// Feed along slots, a minute [default: that of --feed]
+    /// Feed along slots, per minute [default: that of --feed]
     #[arg(long, value_name = "MM")]
     pub rout_feed: Option<String>,
     /// Spindle speed
@@ -46,22 +46,22 @@ pub struct Holes {
     pub peck: String,
 }
 
-/// How a drill file is read, which of its holes are made, in which order, and where.
+/// How a drill file is read; which holes are drilled, in which order, and where.
 #[derive(Debug, PartialEq, Args)]
 pub struct Layout {
-    /// Unit, whatever the file says
+    /// Unit, instead of that of the file
     #[arg(long, value_enum)]
     pub units: Option<DrillUnits>,
-    /// Zeros that are kept, whatever the file says
+    /// Zeros that are kept, instead of those of the file
     #[arg(long, value_enum)]
     pub zeros: Option<DrillZeros>,
-    /// Digits before and behind the point that is not written, whatever the file says, as in 2.4
+    /// Digits before and after the omitted point, as in 2.4, instead of those of the file
     #[arg(long, value_name = "I.F")]
     pub format_digits: Option<String>,
-    /// Kind of file, for what it does not say
+    /// Kind of file, for settings that the file does not have
     #[arg(long, value_enum, default_value = "excellon")]
     pub profile: DrillProfile,
-    /// Diameter of a tool, whatever the file says; may be repeated
+    /// Diameter of a tool, instead of that of the file; may be repeated
     #[arg(long, value_name = "N=MM")]
     pub tool: Vec<String>,
     /// Order of the holes: as in the file, or tool by tool on a short path (nearest neighbour,
@@ -74,7 +74,7 @@ pub struct Layout {
     /// Turn the board over: x changes the sign of X, y that of Y
     #[arg(long, value_enum, value_name = "AXIS")]
     pub mirror: Option<Mirror>,
-    /// Turn the board counter-clockwise by so many degrees, after --mirror
+    /// Turn the board counter-clockwise by this angle, after --mirror
     #[arg(
         long,
         value_name = "DEGREES",
@@ -88,16 +88,16 @@ pub struct Layout {
     /// board onto them (least squares)
     #[arg(long, value_name = "X,Y=X,Y", allow_hyphen_values = true)]
     pub reference: Vec<String>,
-    /// Let --reference stretch the board as well, by the scale and the skew it finds
+    /// Let --reference also correct the scale and the skew of the board
     #[arg(long)]
     pub stretch: bool,
-    /// Move the board by X,Y millimetres, after all this; `corner` puts its least X and Y at 0,0
+    /// Move the board last, by X,Y millimetres; `corner` puts its smallest X and Y at 0,0
     #[arg(long, value_name = "X,Y|corner", allow_hyphen_values = true)]
     pub shift: Option<String>,
-    /// How a slot is made [default: drill; rout with --as gcode]
+    /// How a slot is cut [default: drill; rout with --as gcode]
     #[arg(long, value_enum)]
     pub slots: Option<SlotHandling>,
-    /// Let records of the drill go beyond its table of 220 x 45 mm, up to 612 mm
+    /// Allow records of the drill beyond its table of 220 x 45 mm, up to 612 mm
     #[arg(long)]
     pub unbounded: bool,
 }
@@ -117,7 +117,7 @@ pub struct Compile {
     /// Page with a picture of the board: holes, order and travel
     #[arg(long, value_name = "REPORT.html")]
     pub report: Option<String>,
-    /// What is made of a program for the drill.
+    /// How a program for the drill is compiled.
     #[command(flatten)]
     pub drilling: Drilling,
 }
@@ -125,21 +125,21 @@ pub struct Compile {
 /// `husillo send`.
 #[derive(Debug, Args)]
 pub struct Send {
-    /// Program, drill file, records (NAME.cod), a manifest of them (NAME.toml), or a figure
-    /// (NAME.fig); of figures one per port
+    /// Program, drill file, records (NAME.cod), their manifest (NAME.toml), or a figure (NAME.fig):
+    /// one for all ports, or one per port
     #[arg(value_name = "FILE", required = true)]
     pub files: Vec<String>,
     /// Machine and language.
     #[command(flatten)]
     pub target: Target,
-    /// Port: sim, a serial device, or tcp:HOST:PORT; microfactory: several for as many machines at
-    /// once, PORT#2 for the second machine of a controller
+    /// Port: sim, a serial device, or tcp:HOST:PORT; microfactory: repeated, for several machines
+    /// at once, and PORT#2 for the second machine of a controller
     #[arg(short, long, value_name = "PORT", default_value = "sim")]
     pub port: Vec<String>,
-    /// Bits a second of the link [default: 2400, of the micro mill and the microfactory 9600]
+    /// Bits per second of the link [default: 2400 for a drill, otherwise 9600]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(300..=115_200))]
     pub baud: Option<u32>,
-    /// First hole to be drilled, counted through all tools
+    /// First hole to be drilled, counted over all tools
     #[arg(
         long,
         value_name = "HOLE",
@@ -155,10 +155,10 @@ pub struct Send {
     /// Do not ask for tools
     #[arg(short, long)]
     pub yes: bool,
-    /// Micro mill: lines go ahead of the motion, without a stop between them
+    /// Micro mill: send lines ahead of the motion, without a stop between them
     #[arg(long)]
     pub stream: bool,
-    /// Micro mill: each line waits for Enter; q ends the program before it
+    /// Micro mill: wait for Enter before each line; q ends the program there
     #[arg(long, conflicts_with = "stream")]
     pub single_block: bool,
     /// Micro mill: one step in N is reported; 0 for none
@@ -169,28 +169,28 @@ pub struct Send {
         value_parser = clap::value_parser!(u16).range(0..=999),
     )]
     pub every: u16,
-    /// Micro mill, microfactory: a motion ends this many milliseconds after the last byte of this
-    /// program; 0: it needs no host [default: 250]
+    /// Micro mill, microfactory: milliseconds after the last byte of this program at which a motion
+    /// ends; 0: a motion needs no host [default: 250]
     #[arg(long, value_name = "MS", value_parser = clap::value_parser!(u16).range(0..=9999))]
     pub lease: Option<u16>,
-    /// Micro mill: it is homed, and stands at machine zero; microfactory: figures begin at the
+    /// Micro mill: do not home, it is homed and at machine zero; microfactory: begin figures at the
     /// present positions
     #[arg(long)]
     pub no_home: bool,
-    /// Microfactory: the device does not answer; what is sent is not confirmed
+    /// Microfactory: the device does not answer, so nothing is confirmed
     #[arg(long)]
     pub without_answers: bool,
-    /// What is made of a program for the drill.
+    /// How a program for the drill is compiled.
     #[command(flatten)]
     pub drilling: Drilling,
 }
 
 impl Send {
-    /// The file and the port, for machines that are driven alone.
+    /// The file and the port, for machines of which one command drives only one.
     ///
     /// # Errors
     ///
-    /// There are several.
+    /// There are several files or ports.
     pub fn alone(&self) -> Result<(&str, &str), String> {
         match (&self.files[..], &self.port[..]) {
             ([file], [port]) => Ok((file, port)),
@@ -199,18 +199,18 @@ impl Send {
     }
 }
 
-/// What is said of a program for the drill.
+/// How a program for the drill is compiled.
 #[derive(Debug, PartialEq, Args)]
 pub struct Drilling {
-    /// What is made of the file.
+    /// How the file is read and placed.
     #[command(flatten)]
     pub layout: Layout,
-    /// Depths from Z words and G81 to G83, for a drill with its flaws mended: the program is RS-274
-    /// then
+    /// Depths from Z words and G81 to G83, for a drill without the flaws of the original: the
+    /// program is then RS-274
     #[arg(long)]
     pub fixed: bool,
-    /// Depth of all holes of a drill file below the upper sensor, for a drill with its flaws mended
-    /// [default: to the lower sensor]
+    /// Depth of all holes of a drill file below the upper sensor, for a drill without the flaws of
+    /// the original [default: to the lower sensor]
     #[arg(long, value_name = "MM")]
     pub depth: Option<String>,
     /// Height of the upper sensor above Z 0 of the program, with --fixed
@@ -224,7 +224,7 @@ pub struct Drilling {
 }
 
 impl Drilling {
-    /// Whether nothing is said of a program.
+    /// Whether no option is given.
     pub fn is_default(&self) -> bool {
         #[derive(Parser)]
         struct Nothing {
@@ -242,14 +242,14 @@ fn degrees(text: &str) -> Result<f64, String> {
     angle.ok_or_else(|| "expected degrees, from -360 to 360".into())
 }
 
-/// What to make of a drill file.
+/// Form of the output of a drill file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum DrillOutput {
     /// A list of tools and holes.
     List,
     /// A G-code program.
     Gcode,
-    /// The program of the circuit-board drill: three-byte records, one tool a file.
+    /// The program of the circuit-board drill: three-byte records, one tool per file.
     Drill,
 }
 
@@ -309,12 +309,12 @@ pub enum Cycle {
     Moves,
 }
 
-/// How a slot is made.
+/// How a slot is cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum SlotHandling {
     /// The tool goes along it.
     Rout,
-    /// Both ends and overlapping holes between.
+    /// Holes at both ends, and overlapping holes between.
     Drill,
     /// Not at all: an error.
     Refuse,

@@ -8,10 +8,10 @@ pub struct Jog {
     /// Actions, done in turn
     #[arg(required = true, value_name = "ACTION", allow_negative_numbers = true)]
     pub actions: Vec<String>,
-    /// Machine: drill, micromill, microfactory, or the file of one like it
+    /// Machine: drill, micromill, microfactory, or a TOML file of such a machine
     #[arg(short, long, value_name = "NAME|FILE", default_value = "microfactory")]
     pub machine: String,
-    /// Port: sim, a serial device, or tcp:HOST:PORT; several for as many machines at once; PORT#2
+    /// Port: sim, a serial device, or tcp:HOST:PORT; repeated, for several machines at once; PORT#2
     /// for the second machine of a controller
     #[arg(long, value_name = "PORT", default_value = "sim")]
     pub port: Vec<String>,
@@ -19,14 +19,14 @@ pub struct Jog {
     /// them (NAME.fig)
     #[arg(long, value_name = "FILE")]
     pub figure: Option<String>,
-    /// Bits a second of the link [default: 9600, of a drill 2400]
+    /// Bits per second of the link [default: 2400 for a drill, otherwise 9600]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(300..=115_200))]
     pub baud: Option<u32>,
-    /// Micro mill, microfactory: a motion ends this many milliseconds after the last byte of this
-    /// program; 0: it needs no host [default: 250]
+    /// Micro mill, microfactory: milliseconds after the last byte of this program at which a motion
+    /// ends; 0: a motion needs no host [default: 250]
     #[arg(long, value_name = "MS", value_parser = clap::value_parser!(u16).range(0..=9999))]
     pub lease: Option<u16>,
-    /// The device does not answer, as the original did not: wait as long as it may take
+    /// The device does not answer, as the original: wait the longest time of each action
     #[arg(long)]
     pub without_answers: bool,
 }

@@ -1,4 +1,4 @@
-//! The measuring machine and its servos; simulated machines behind a pseudo-terminal.
+//! The measuring machine and its servos; simulated machines behind a port.
 
 use super::{Output, Results};
 use clap::{Args, ValueEnum};
@@ -17,7 +17,7 @@ pub struct Measure {
     /// Serial device, tcp:HOST:PORT, or sim: simulated modules in simulated time
     #[arg(short, long, value_name = "PORT", default_value = "sim")]
     pub port: String,
-    /// Axis that is meant where an action names none
+    /// Axis of an action that names none
     #[arg(long, value_name = "X|Y|Z", default_value_t = 'x')]
     pub axis: char,
     /// Pre-travel to subtract, instead of the machine's
@@ -26,7 +26,7 @@ pub struct Measure {
     /// Radius of the probe's ball, instead of the machine's
     #[arg(long, value_name = "LENGTH")]
     pub ball: Option<String>,
-    /// Where the face is that `calibrate` touches
+    /// Position of the face that `calibrate` touches
     #[arg(long, value_name = "POSITION", allow_negative_numbers = true)]
     pub reference: Option<String>,
     /// Slow touches to average
@@ -52,7 +52,7 @@ pub struct Measure {
     /// How to print the results
     #[arg(long, value_enum, default_value = "text")]
     pub format: Results,
-    /// File to write the results to: CSV, and of a routine by its name .html or .json
+    /// File for the results: CSV; for a routine also a page (.html) or .json
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<String>,
     /// Show the bytes sent (>) and received (<) on standard error
@@ -94,7 +94,8 @@ fn address(text: &str) -> Result<String, String> {
 pub struct Emulate {
     /// Machine: micromill, drill, microfactory, cmm, cmm3, or a TOML file of a measuring machine
     pub machine: String,
-    /// Figure of a microfactory: a G-code program of straight moves in X and Z
+    /// Figure of a microfactory: a G-code program of straight moves in X and Z, or a list of them
+    /// (NAME.fig)
     #[arg(long, value_name = "FILE")]
     pub figure: Option<String>,
     /// Machines that the controller of a microfactory drives
@@ -105,11 +106,12 @@ pub struct Emulate {
         value_parser = clap::value_parser!(u8).range(1..=2),
     )]
     pub machines: u8,
-    /// As the original: a microfactory that does not answer and has no dead-man's time, a drill
-    /// with the flaws of its link
+    /// Behave as the original: a microfactory without answers and dead-man's time, a drill with the
+    /// flaws of its link
     #[arg(long)]
     pub faithful: bool,
-    /// Bits a second of the link of a micro mill, drill or microfactory [default: 9600, 2400, 9600]
+    /// Bits per second of the link of a micro mill, drill or microfactory [default: 2400 for a
+    /// drill, otherwise 9600]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(300..=115_200))]
     pub baud: Option<u32>,
     /// Modules from the far end: servo:VERSION (4, 5 or 10) or io:VERSION (inputs and outputs), as
@@ -143,19 +145,19 @@ pub struct Emulate {
     /// Share of wrong bits on the simulated line, such as 1e-5
     #[arg(long, value_name = "RATE", default_value_t = 0.0, value_parser = share)]
     pub noise: f64,
-    /// CSV file of all that a micro mill, drill or microfactory makes: step events, dwells, outputs
+    /// CSV file for the events of a micro mill, drill or microfactory: steps, dwells, outputs
     #[arg(long, value_name = "FILE.csv")]
     pub steps: Option<String>,
     /// End after this time instead of at Ctrl-C
     #[arg(long = "for", value_name = "SECONDS", value_parser = positive)]
     pub seconds: Option<f64>,
-    /// Multiple of real time, that of the wire too
+    /// Multiple of real time, also for the line
     #[arg(long, value_name = "N", default_value = "1", value_parser = positive)]
     pub speed: f64,
 }
 
 impl Emulate {
-    /// Whether nothing is said that a drill has not.
+    /// Refuses options that do not apply to a drill.
     ///
     /// # Errors
     ///
@@ -165,7 +167,7 @@ impl Emulate {
         self.of_chain()
     }
 
-    /// The port, as it was asked for.
+    /// The port, as clients name it.
     pub fn port(&self) -> String {
         match (&self.link, &self.listen) {
             (Some(link), _) => link.clone(),
@@ -174,7 +176,7 @@ impl Emulate {
         }
     }
 
-    /// Whether nothing is said that a micro mill has not.
+    /// Refuses options that do not apply to a micro mill.
     ///
     /// # Errors
     ///
@@ -184,7 +186,7 @@ impl Emulate {
         self.not_given("--faithful", self.faithful)
     }
 
-    /// Whether nothing is said that a microfactory has not.
+    /// Refuses options that do not apply to a microfactory.
     ///
     /// # Errors
     ///
@@ -193,7 +195,7 @@ impl Emulate {
         self.of_chain()
     }
 
-    /// Whether nothing is said that a chain of servo modules has not.
+    /// Refuses options that do not apply to a chain of servo modules.
     ///
     /// # Errors
     ///
@@ -240,7 +242,7 @@ pub struct Tune {
     /// simulated axis itself, read in every servo period
     #[arg(short, long, value_name = "PORT", default_value = "sim")]
     pub port: String,
-    /// What to do
+    /// How to find the gains
     #[arg(long, value_enum)]
     pub method: TuneMethod,
     /// Proportional gain of a step, instead of the machine's
@@ -252,19 +254,19 @@ pub struct Tune {
     /// Derivative gain of a step
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(..=0x7fff))]
     pub d: Option<u16>,
-    /// Bound of the sum of errors of a step
+    /// Limit of the sum of errors of a step
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(..=0x7fff))]
     pub integral_limit: Option<u16>,
     /// Dead-band compensation, PWM, instead of the machine's
     #[arg(long, value_name = "PWM")]
     pub dead_band: Option<u8>,
-    /// Position error that ends it, counts, instead of the machine's
+    /// Position error that ends the experiment, counts, instead of the machine's
     #[arg(long, value_name = "COUNTS", value_parser = clap::value_parser!(u16).range(1..=0x3fff))]
     pub error_limit: Option<u16>,
-    /// Current that ends it, as the module reads it, odd; instead of the machine's
+    /// Current that ends the experiment, as the module reads it, odd; instead of the machine's
     #[arg(long, value_name = "N")]
     pub current: Option<u8>,
-    /// Steps of step and stepwise
+    /// Length of the steps of the methods step and stepwise
     #[arg(
         long,
         value_name = "COUNTS",
@@ -280,10 +282,10 @@ pub struct Tune {
         value_parser = clap::value_parser!(u8).range(1..),
     )]
     pub amplitude: u8,
-    /// Error that the relay needs to turn over, counts on both sides [default: 0, on a line 1]
+    /// Position error at which the relay switches, counts on both sides [default: 0, on a line 1]
     #[arg(long, value_name = "COUNTS", value_parser = clap::value_parser!(u16).range(..=1000))]
     pub hysteresis: Option<u16>,
-    /// Rule that makes gains of Ku and Tu
+    /// Rule that computes the gains from Ku and Tu
     #[arg(long, value_enum, default_value = "tyreus-luyben")]
     pub rule: TuneRule,
     /// Moves that check the gains, 1 to 1000 counts long [default: 20, none for step]
@@ -300,7 +302,7 @@ pub struct Tune {
     pub raw: bool,
 }
 
-/// Ways to find gains.
+/// Methods of finding gains.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum TuneMethod {
     /// A step response.
@@ -314,7 +316,7 @@ pub enum TuneMethod {
 }
 
 impl TuneMethod {
-    /// As the command line has it.
+    /// Its name on the command line.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Step => "step",

@@ -12,7 +12,7 @@ pub struct Stop {
     /// Port: a serial device, or tcp:HOST:PORT [default: that of the running husillo]
     #[arg(short, long, value_name = "PORT")]
     pub port: Option<String>,
-    /// Bits a second of the link [default: that of the machine]
+    /// Bits per second of the link [default: that of the machine]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(300..=115_200))]
     pub baud: Option<u32>,
     /// An emergency stop where the machine has one: the microfactory, until the reset of its panel

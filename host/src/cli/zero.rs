@@ -4,12 +4,12 @@ use husillo_gcode::Nm;
 use husillo_metrology::quantity::{self, Quantity};
 use std::str::FromStr;
 
-/// Work zero in machine coordinates, as it is asked for.
+/// The requested work zero in machine coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Zero {
-    /// By axis; an axis that is not named has it at machine zero.
+    /// By axis. An axis that is not named has its work zero at machine zero.
     At([Nm; 3]),
-    /// Where the part lies in the middle of the table.
+    /// The part is in the middle of the table.
     Fit,
     /// In the middle of the table.
     Centre,
@@ -67,7 +67,7 @@ fn length(text: &str) -> Result<Nm, String> {
     }
 }
 
-/// Work zero from machine zero at most: a kilometre.
+/// Largest distance of work zero from machine zero: a kilometre.
 const FARTHEST: i64 = 1_000_000_000_000;
 
 #[cfg(test)]

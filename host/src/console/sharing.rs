@@ -32,7 +32,7 @@ pub fn share(machine: &str, port: &str, bits_per_s: u32) {
     let stop = |urgency| {
         let requests = if urgency == Urgency::Emergency { 2 } else { 1 };
         for _ in 0..requests {
-            // Two signals that wait at the same time are one.
+            // Two signals that wait at the same time count as one.
             super::stop::request();
         }
     };
@@ -50,7 +50,7 @@ pub fn share(machine: &str, port: &str, bits_per_s: u32) {
     }
 }
 
-/// [`from_anywhere`] for a machine: a built-in one has its name everywhere.
+/// [`from_anywhere`] for a machine: a built-in machine has the same name everywhere.
 #[cfg(unix)]
 pub fn machine_from_anywhere(name: &str) -> String {
     match MachineFile::is_built_in(name) {
@@ -59,7 +59,7 @@ pub fn machine_from_anywhere(name: &str) -> String {
     }
 }
 
-/// A name that other programs understand in their folders, too: that of a file from the root on.
+/// A name that is also valid in the folders of other programs: the absolute path of a file.
 #[cfg(unix)]
 fn from_anywhere(name: &str) -> String {
     // `#2` names a machine of the controller at the port.
@@ -70,7 +70,7 @@ fn from_anywhere(name: &str) -> String {
     }
 }
 
-/// Nobody else can ask this program for a stop here.
+/// No other program can request a stop on this system.
 #[cfg(not(unix))]
 pub fn share(_machine: &str, _port: &str, _bits_per_s: u32) {}
 

@@ -24,12 +24,12 @@ pub fn stop_requests() -> Result<StopRequests, String> {
     Ok(requests)
 }
 
-/// How often Ctrl-C was pressed, or the end was requested.
+/// Number of requests so far: Ctrl-C, or another request to end.
 pub fn stops_asked() -> u32 {
     REQUESTS.get().map_or(0, StopRequests::count)
 }
 
-/// What is called at a request to end.
+/// The function that is called at a request to end.
 static HANDLER: Mutex<Option<Box<dyn FnMut() + Send>>> = Mutex::new(None);
 
 /// Calls `handle` at every request to end, in a thread of its own. A process has one such handler:
@@ -48,7 +48,7 @@ pub fn on_request(handle: impl FnMut() + Send + 'static) -> Result<(), String> {
     deliver().map_err(|error| format!("signals: {error}"))
 }
 
-/// A request to end, as Ctrl-C is one. Without a handler it ends the program.
+/// Makes a request to end, as Ctrl-C does. Without a handler it ends the program.
 pub fn request() {
     match HANDLER
         .lock()
@@ -77,7 +77,7 @@ fn deliver() -> Result<(), ctrlc::Error> {
 }
 
 /// Whether this process was started with a signal ignored, as `nohup` does with SIGHUP. Only Linux
-/// shows it.
+/// reports it.
 #[cfg(unix)]
 fn ignores(signal: i32) -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();

@@ -9,8 +9,8 @@ use std::time::Duration;
 /// Interval of the checks for Ctrl-C while a line is typed.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// The next line of standard input; `None` where that has ended, or Ctrl-C was pressed more often
-/// than [`stops_asked`] said before the operator was asked.
+/// The next line of standard input. `None` at its end, or if Ctrl-C was pressed more than `before`
+/// times ([`stops_asked`]).
 pub fn typed_line(before: u32) -> Option<String> {
     static TYPED: Mutex<Option<Receiver<String>>> = Mutex::new(None);
     let mut typed = TYPED.lock().unwrap_or_else(PoisonError::into_inner);
@@ -26,7 +26,7 @@ pub fn typed_line(before: u32) -> Option<String> {
     }
 }
 
-/// The lines of standard input as they are typed; none any more where it has ended.
+/// The lines of standard input as they are typed, up to its end.
 pub fn typed_lines() -> Receiver<String> {
     let (sender, receiver) = mpsc::channel();
     std::thread::spawn(move || {

@@ -1,4 +1,4 @@
-//! What belongs together: one file of records for each tool.
+//! The manifest of a board: one file of records for each tool.
 
 use husillo_clients::drill::Part;
 use husillo_gcode::Nm;
@@ -101,7 +101,7 @@ pub fn load(file: &str) -> Result<Vec<Part>, String> {
     })?;
     if manifest.schema != 1 {
         return Err(format!(
-            "{file}: schema {}, and this program knows 1",
+            "{file}: schema {}; this program reads schema 1",
             manifest.schema
         ));
     }
@@ -140,7 +140,7 @@ pub fn load(file: &str) -> Result<Vec<Part>, String> {
 ///
 /// # Errors
 ///
-/// A sentence with the place of the first wrong byte.
+/// A sentence with the position of the first wrong byte.
 pub fn load_records(file: &str) -> Result<Vec<Record>, String> {
     let bytes = crate::input::read(file).map_err(|error| format!("{file}: {error}"))?;
     let all: Result<Vec<_>, _> = records(&bytes).collect();

@@ -26,7 +26,7 @@ impl<'a> Console<'a> {
         Self { out, bar }
     }
 
-    /// The next line; `None` where the input has ended, or Ctrl-C was pressed since so many times.
+    /// The next line. `None` at the end of the input, or if Ctrl-C was pressed since this count.
     fn line(stops_before: u32) -> Option<String> {
         typed_line(stops_before).map(|line| line.trim().to_owned())
     }
@@ -40,7 +40,7 @@ impl<'a> Console<'a> {
 impl Operator for Console<'_> {
     fn show(&mut self, line: &str) {
         self.bar.suspend(|| {
-            // A reader that has gone away does not stop a machine.
+            // A closed output does not stop a machine.
             let _ = writeln!(self.out, "{line}").and_then(|()| self.out.flush());
         });
     }

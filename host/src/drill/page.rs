@@ -15,7 +15,7 @@ const COLOURS: &str = "\
 .back{stroke-dasharray:1 \
 3}.swatch{display:inline-block;width:.8em;height:.8em;border-radius:50%;margin-right:.5em}\
 .board{stroke:var(--soft);stroke-width:1;stroke-dasharray:4 3}";
-/// Diameter drawn where it is not known, mm.
+/// Drawn diameter of a hole whose diameter is not known, mm.
 const UNKNOWN_MM: f64 = 0.8;
 /// Most numbers written beside holes.
 const MOST_NUMBERS: usize = 60;
@@ -28,11 +28,11 @@ pub struct Board<'a> {
     pub parts: &'a [Part],
     /// Where holes may be.
     pub table: Table,
-    /// Steps of X and Y in the order of the file, if the order was changed.
+    /// Steps of travel of X and Y in the order of the file, if the order was changed.
     pub file_travel_steps: Option<u64>,
 }
 
-/// The page: one file with everything inside.
+/// The page: one self-contained file.
 pub fn html(board: &Board<'_>) -> String {
     let line = "Drill for circuit boards: X, then Y, then down and up";
     let mut page = frame::open(board.name, board.name, line, COLOURS);
@@ -40,9 +40,9 @@ pub fn html(board: &Board<'_>) -> String {
     page.push_str("<section><h2>Board</h2>\n");
     picture(&mut page, board);
     page.push_str(
-        "<p>The numbers are the order; a hole tells its place. The lines are the way, X before Y: \
-         of each tool from zero and, dotted, back there. \
-         The frame of dashes is the board's extent, the red one the table.</p></section>\n",
+        "<p>The numbers give the order. Point at a hole for its position. The lines are the path \
+         of each tool, X before Y: from zero, and dotted back to zero. \
+         The dashed frame is the extent of the board, the red one the table.</p></section>\n",
     );
     table(&mut page, board);
     frame::close(page, None)
@@ -169,7 +169,7 @@ fn picture(page: &mut String, board: &Board<'_>) {
         return;
     };
     let is_bounded = board.table != Table::UNBOUNDED;
-    // The board fills the picture; of a large table only the corner at zero is in it.
+    // The board fills the picture. Of a large table, only the corner at zero is visible.
     let (right, up) = (1.05 * to_mm(high[0]) + 1.0, 1.05 * to_mm(high[1]) + 1.0);
     let margin = 0.03 * right.max(up) + 1.0;
     let (width, height) = (right + 2.0 * margin, up + 2.0 * margin);
@@ -177,7 +177,7 @@ fn picture(page: &mut String, board: &Board<'_>) {
     let _ = writeln!(
         page,
         "<svg viewBox=\"{:.3} {:.3} {width:.3} {height:.3}\" role=\"img\" aria-label=\"holes and \
-         the way between them\">",
+         the path between them\">",
         -margin, -margin
     );
     if is_bounded {

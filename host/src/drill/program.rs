@@ -17,27 +17,27 @@ pub struct Translation {
     pub dialect: Dialect,
     /// Where holes may be.
     pub table: Table,
-    /// Height of the upper sensor above Z 0, where Z words are depths.
+    /// Height of the upper sensor above Z 0, if Z words are depths.
     pub home_height: Nm,
 }
 
-/// What has been made of the program so far.
+/// The translation so far.
 struct Maker {
     table: Table,
     home_height: Nm,
     parts: Vec<Part>,
-    /// Where the records have led, from home.
+    /// Position at the end of the records, from home.
     at: [u16; 2],
     /// In the board: no way sideways.
     is_down: bool,
 }
 
 impl Translation {
-    /// The records of a program, a part for each tool that it asks for.
+    /// The records of a program, one part for each tool that it selects.
     ///
     /// # Errors
     ///
-    /// Reading fails; what is wrong with the program goes to `findings`.
+    /// Reading fails. `findings` gets the errors of the program.
     pub fn read(
         &self,
         source: &mut Source,
@@ -101,10 +101,10 @@ impl Maker {
             }
             Command::Arc { .. } | Command::Spline { .. } | Command::Thread { .. } => Err((
                 "E0631",
-                "the drill goes from point to point: no arc, no curve, no thread".into(),
+                "the drill moves from point to point: no arc, no curve, no thread".into(),
             )),
             Command::Probe { .. } => Err(("E0631", "the drill has no probe".into())),
-            // Spindle, coolant, dwell and the like are not in its records.
+            // Its records have no spindle, coolant or dwell.
             _ => Ok(()),
         }
     }
@@ -125,7 +125,7 @@ impl Maker {
                 continue;
             }
             if self.is_down {
-                let message = "a way sideways while the drill is in the board".into();
+                let message = "a move across while the drill is in the board".into();
                 return Err(("E0631", message));
             }
             self.at[axis] = steps;
@@ -167,12 +167,12 @@ impl Maker {
     }
 }
 
-/// A program that compiles to these records: in the drill's language, or in RS-274 where they have
+/// A program that compiles to these records: in the drill's language, or in RS-274 if they have
 /// depths.
 ///
 /// # Errors
 ///
-/// A sentence: depths and ways to the lower sensor are not for one program.
+/// A sentence: a program cannot have both depths and strokes to the lower sensor.
 pub fn text(records: &[Record]) -> Result<String, String> {
     let mut text = String::from("%\n");
     let depths = |record: &Record| match record {
@@ -182,8 +182,8 @@ pub fn text(records: &[Record]) -> Result<String, String> {
     let has_depths = records.iter().filter_map(depths).any(|is_depth| is_depth);
     if has_depths && !records.iter().filter_map(depths).all(|is_depth| is_depth) {
         return Err(
-            "some holes have a depth and some go to the lower sensor: no program says both; see \
-             --format text"
+            "some holes have a depth and some go to the lower sensor: a program has one kind only; \
+             see --format text"
                 .into(),
         );
     }
@@ -321,7 +321,7 @@ mod tests {
         assert!(
             compile("G1 F60 Z-1\nX3", Dialect::RS274)
                 .unwrap_err()
-                .contains("sideways")
+                .contains("a move across")
         );
         assert!(
             compile("G1 F60 Z-1\nG2 X1 Y1 I1", Dialect::RS274)

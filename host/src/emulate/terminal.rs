@@ -11,19 +11,19 @@ use std::net::{TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// Periods that are made up for at most when the computer was busy; what is beyond is left out.
+/// Most periods that are caught up after the computer was busy. The rest is left out.
 const MOST_BEHIND: u64 = 2000;
-/// Waiting for a byte is what paces the simulation.
+/// The wait for a byte paces the simulation.
 const LOOK: Duration = Duration::from_millis(1);
 
 /// Rate of a port before a client sets one, bits/s.
 const FIRST_RATE: u32 = 19200;
 
-/// How fast and how long an emulation runs.
+/// Speed and duration of an emulation.
 struct Pace {
     /// Multiple of real time.
     speed: f64,
-    /// End after so long.
+    /// Duration of the emulation.
     limit: Option<Duration>,
     /// End when this is set.
     is_over: StopRequests,
@@ -78,7 +78,7 @@ fn print(out: &mut dyn Write, lines: &[String]) -> io::Result<()> {
         .map_err(|error| io::Error::new(error.kind(), format!("standard output: {error}")))
 }
 
-/// The error of a port, by the name that was asked for.
+/// The error of a port, with the name that the user gave.
 fn of_port(asked: &str, error: &io::Error) -> io::Error {
     io::Error::other(format!("{asked}: {error}"))
 }
@@ -88,12 +88,12 @@ enum Outlet {
     /// A pseudo-terminal with a name of its own, until it is dropped.
     Terminal {
         master: TTYPort,
-        /// Kept open, so that clients may come and go and find it raw. It has the rate that they
-        /// set.
+        /// Kept open, so that clients may connect one after another and find it in raw mode. It has
+        /// the rate that they set.
         slave: TTYPort,
         link: PathBuf,
     },
-    /// A socket for one client at a time: another one is turned away.
+    /// A socket for one client at a time. It refuses a second one.
     Socket {
         listener: TcpListener,
         client: Option<TcpStream>,
@@ -110,7 +110,7 @@ impl Outlet {
         let name = slave.name().ok_or(ErrorKind::NotFound)?;
         let is_symlink = std::fs::symlink_metadata(link).is_ok_and(|old| old.is_symlink());
         if is_symlink && !link.exists() {
-            // It leads nowhere: left by a run that was killed.
+            // It leads nowhere: a killed program has left it.
             std::fs::remove_file(link)?;
         }
         std::os::unix::fs::symlink(name, link)?;
@@ -147,13 +147,13 @@ impl Outlet {
         }
     }
 
-    /// What a client has sent; waits for it for a moment.
+    /// The bytes that a client has sent. Waits a moment for them.
     fn read(&mut self) -> io::Result<Vec<u8>> {
         match self {
             Self::Terminal { master, .. } => read(master),
             Self::Socket { listener, client } => {
                 match listener.accept() {
-                    // One that is dropped is turned away.
+                    // A dropped connection refuses its client.
                     Ok((new, _)) if client.is_none() => {
                         new.set_nodelay(true)?;
                         new.set_nonblocking(false)?;
@@ -171,7 +171,7 @@ impl Outlet {
                 };
                 match read(connected) {
                     Ok(bytes) => Ok(bytes),
-                    // It has gone; the next one may come.
+                    // The client has left, so the next one may connect.
                     Err(_) => {
                         *client = None;
                         Ok(Vec::new())
@@ -181,12 +181,12 @@ impl Outlet {
         }
     }
 
-    /// What nobody reads is lost, as on a line.
+    /// Bytes without a reader are lost, as on a line.
     fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
         let written = match self {
             Self::Terminal { master, .. } => master.write_all(bytes),
             Self::Socket { client, .. } => {
-                // A client that has gone is seen when it is read from.
+                // A read shows that a client has left.
                 let _ = client.as_mut().map(|client| client.write_all(bytes));
                 Ok(())
             }
@@ -201,7 +201,7 @@ impl Outlet {
 impl Drop for Outlet {
     fn drop(&mut self) {
         if let Self::Terminal { link, .. } = self {
-            // Somebody may have removed it already.
+            // Another program may have removed it already.
             let _ = std::fs::remove_file(link);
         }
     }
@@ -262,7 +262,7 @@ impl Server {
             print(out, &shown)?;
             if let Some(steps) = &mut self.steps {
                 let written = steps.write_all(device.made().as_bytes());
-                // Somebody may read it as it grows. The error names the file.
+                // Another program may read it as it grows. The error names the file.
                 written
                     .and_then(|()| steps.flush())
                     .map_err(|error| io::Error::other(error.to_string()))?;
@@ -272,7 +272,7 @@ impl Server {
     }
 }
 
-/// A line of the panel, and the answer to it. The cable is the same for every device.
+/// Carries out a line of the panel and returns its answer. The cable is the same for every device.
 fn typed<E: Emulation>(device: &mut E, line: &str, is_plugged: &mut bool) -> String {
     match line {
         "plug" => {

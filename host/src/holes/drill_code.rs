@@ -6,7 +6,7 @@ use husillo_excellon::{Hole, Path, Slot, Tool};
 use husillo_gcode::Nm;
 use std::io::{self, Write};
 
-/// Heights, feeds and ways of working.
+/// Heights, feeds and cycles.
 #[derive(Debug)]
 pub struct Work {
     bottom: Nm,
@@ -64,7 +64,7 @@ impl Work {
     ///
     /// # Errors
     ///
-    /// A slot that is to be refused or cannot be drilled; the outer error is that of the writer.
+    /// A slot is refused or cannot be drilled; the outer error is that of the writer.
     pub fn write(
         &self,
         board: &Board,
@@ -179,7 +179,7 @@ impl Work {
         writeln!(out, "G80")
     }
 
-    /// Slots in turn. Where one begins at the end of the one before, the tool stays down.
+    /// Slots in turn. If one begins at the end of the previous one, the tool stays down.
     fn rout(&self, slots: &[&Slot], out: &mut impl Write) -> io::Result<()> {
         let (bottom, clearance) = (self.bottom, self.clearance);
         let mut down_at = None;
@@ -236,7 +236,7 @@ pub fn overlapping(slot: &Slot) -> Vec<Hole> {
     let pieces = (10 * length)
         .div_ceil(7 * u128::from(width))
         .clamp(1, 10_000) as i128;
-    // Both ends first: the drill is guided where the slot must be right.
+    // Both ends first: a drill is guided where the position of the slot matters.
     let between = 1..pieces;
     [0, pieces]
         .into_iter()

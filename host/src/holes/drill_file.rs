@@ -20,12 +20,12 @@ pub struct Compiler {
     chosen: bool,
 }
 
-/// The holes of one tool as records, three a hole.
+/// The holes of one tool as records, three per hole.
 #[derive(Debug)]
 pub struct ToolRecords {
     /// The tool.
     pub tool: Tool,
-    /// How many holes, those of slots among them.
+    /// Number of holes, including those of slots.
     pub holes: usize,
     /// Its records.
     pub records: Vec<Record>,
@@ -34,7 +34,7 @@ pub struct ToolRecords {
 /// Why there are no records.
 #[derive(Debug)]
 pub enum Refusal {
-    /// The command line asks for what cannot be.
+    /// The command line requests something impossible.
     Usage(String),
     /// The board does not fit.
     Finding(Box<Finding>),
@@ -126,11 +126,11 @@ impl Compiler {
         })
     }
 
-    /// Writes the bytes of one program: of one tool, or of those that were chosen.
+    /// Writes the bytes of one program: of one tool, or of the selected tools.
     ///
     /// # Errors
     ///
-    /// Several tools and no choice, or no hole at all.
+    /// There are several tools and no selection, or there is no hole.
     pub fn bytes(&self, tools: &[ToolRecords], file: &str) -> Result<Vec<u8>, String> {
         match tools {
             [] => return Err(format!("{file}: no hole, and a program needs one record")),
@@ -154,7 +154,7 @@ impl Compiler {
     ///
     /// # Errors
     ///
-    /// What the writer says.
+    /// The error of the writer.
     pub fn print_json(&self, tools: &[ToolRecords], out: &mut impl Write) -> io::Result<()> {
         let listing = Listing {
             table_steps: [self.table.x, self.table.y],

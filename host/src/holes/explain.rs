@@ -1,4 +1,4 @@
-//! What is said about a drill file: errors, warnings, and the reasons of its settings.
+//! The findings about a drill file: errors, warnings, and the reasons of its settings.
 
 use super::reader::MOST_TOOLS;
 use crate::diagnostics::{Finding, Place};
@@ -21,18 +21,18 @@ pub fn refused(error: &Error, file: &str, number: usize, line: &[u8]) -> Finding
             .label("a command of Gerber")
             .help("take the drill file of the layout, often .drl, .xln, .exc or .txt"),
         ErrorKind::MissingNumber(_) => finding.label("a number must follow the letter"),
-        ErrorKind::MalformedNumber => finding.label("the number goes wrong here"),
+        ErrorKind::MalformedNumber => finding.label("the number is malformed from here on"),
         ErrorKind::TooManyDigits => finding.label("at most 18 digits"),
         ErrorKind::NumberTooLarge => finding
             .label("too large")
             .help("other units or digits? See --units and --format-digits"),
         ErrorKind::UnknownCode(..) | ErrorKind::UnknownName | ErrorKind::UnknownWord(_) => {
-            finding.label("not in the list of what a drill file has")
+            finding.label("unknown in drill files")
         }
         ErrorKind::RepeatedWord(_) => finding.label("given a second time"),
         ErrorKind::NoTool => finding
-            .label("with which tool is not said")
-            .help("choose a tool before, as in `T1`"),
+            .label("no tool is selected")
+            .help("select a tool before it, as in `T1`"),
         ErrorKind::NoDiameter => finding.label("must be above zero"),
         ErrorKind::StepAndRepeat => finding
             .label("a pattern is repeated by M02 between M01 and M08")
@@ -43,7 +43,7 @@ pub fn refused(error: &Error, file: &str, number: usize, line: &[u8]) -> Finding
             .label("not here")
             .help("the order is M25, the pattern, M01, M02X..Y.. for each copy, M08"),
         ErrorKind::TooManyTools => finding.label(format!("at most {MOST_TOOLS}")),
-        ErrorKind::HalfSlot => finding.label("needs a point before it and one behind it"),
+        ErrorKind::HalfSlot => finding.label("needs a point before it and one after it"),
         ErrorKind::Origin => finding.help("let the layout program write absolute coordinates"),
         ErrorKind::NoCentre => finding.label("needs `A`, or `I` and `J`"),
         _ => finding,
@@ -68,10 +68,10 @@ pub fn warned(warning: &Warning, file: &str, number: usize, line: &[u8]) -> Find
 pub fn because(reason: Reason) -> String {
     match reason {
         Reason::Given => "given on the command line".to_owned(),
-        Reason::Declared(line) => format!("said in line {line}"),
-        Reason::Comment(line) => format!("said by the comment in line {line}"),
-        Reason::Numbers(line) => format!("the numbers look like it, first in line {line}"),
+        Reason::Declared(line) => format!("declared in line {line}"),
+        Reason::Comment(line) => format!("declared by the comment in line {line}"),
+        Reason::Numbers(line) => format!("from the form of the numbers, first in line {line}"),
         Reason::Profile => "of the tango profile".to_owned(),
-        Reason::Default => "the usual, as nothing says otherwise".to_owned(),
+        Reason::Default => "the default, as the file does not declare it".to_owned(),
     }
 }

@@ -14,7 +14,7 @@ impl Board {
     ///
     /// # Errors
     ///
-    /// What the writer says.
+    /// The error of the writer.
     pub fn print(&self, file: &str, out: &mut impl Write) -> io::Result<()> {
         let (holes, slots) = (self.holes.len(), self.slots.len());
         writeln!(
@@ -108,7 +108,7 @@ impl Board {
     ///
     /// # Errors
     ///
-    /// What the writer says.
+    /// The error of the writer.
     pub fn print_json(&self, errors: u64, warnings: u64, out: &mut impl Write) -> io::Result<()> {
         let settings = &self.settings;
         let listing = Listing {
@@ -166,7 +166,7 @@ impl ListedTool {
     }
 }
 
-/// A slot: straight ones as their ends and their diameter.
+/// A slot: a straight one as its ends and its diameter.
 #[derive(Serialize)]
 #[serde(untagged)]
 enum ListedSlot {
@@ -195,7 +195,7 @@ enum About {
     Centre([Millimetres; 2]),
 }
 
-/// Each hole as X, Y and diameter. One by one: there can be millions.
+/// Each hole as X, Y and diameter, written one by one: there may be millions.
 fn holes<S: Serializer>(holes: &[Hole], serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_seq(holes.iter().map(|hole| {
         let [x, y] = hole.at_nm.map(Millimetres);

@@ -1,4 +1,4 @@
-//! What the command line says about a drill file.
+//! The settings of a drill file from the command line.
 
 use crate::cli::{self, Layout};
 use crate::holes::placement::Placement;
@@ -6,7 +6,7 @@ use husillo_excellon::{Digits, Overrides, Profile, Units, Zeros};
 use husillo_gcode::Nm;
 use husillo_metrology::quantity::{self, Quantity};
 
-/// What the command line says about the file.
+/// The settings of the file from the command line.
 #[derive(Debug, Default)]
 pub struct Options {
     pub(super) overrides: Overrides,

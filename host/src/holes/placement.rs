@@ -1,4 +1,4 @@
-//! Where a board lies on the machine: mirrored, turned, fitted to measured holes, moved.
+//! The position of a board on the machine: mirrored, turned, fitted to measured holes, moved.
 
 use crate::cli::{Layout, Mirror};
 use crate::holes::{Board, length};
@@ -6,12 +6,12 @@ use husillo_excellon::{LIMIT_NM, Path};
 use husillo_gcode::Nm;
 use std::fmt;
 
-/// What the command line says about the place of a board.
+/// The position of a board from the command line.
 #[derive(Debug, Default)]
 pub struct Placement {
     mirror: Option<Mirror>,
     turn_degrees: f64,
-    /// Where a hole is in the file, and where it was measured, nm.
+    /// Position of a hole in the file, and its measured position, nm.
     references: Vec<[[f64; 2]; 2]>,
     stretches: bool,
     shift: Option<Shift>,
@@ -24,23 +24,23 @@ enum Shift {
     Corner,
 }
 
-/// What a fit to measured holes found.
+/// The result of a fit to measured holes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fit {
     /// Turn of the board, degrees.
     pub turn_degrees: f64,
-    /// How much longer it is than the file in X and Y, parts in a million.
+    /// Excess of its length over the file in X and Y, parts in a million.
     pub scale_ppm: [f64; 2],
-    /// How far the angle between X and Y is from a right one, um/m; two holes say nothing of it.
+    /// Deviation of the angle between X and Y from a right angle, um/m; unknown from two holes.
     pub skew_ppm: Option<f64>,
-    /// Largest distance of a measured hole from where it is now expected, nm.
+    /// Largest distance of a measured hole from its expected position, nm.
     pub residual_nm: f64,
 }
 
-/// Farthest that a board may be stretched, as a part of its length: paper and film change by less.
+/// Largest stretch of a board, relative to its length: paper and film change by less.
 const MAX_STRETCH: f64 = 0.02;
 
-/// Farthest that a measured hole may be from where the fit expects it, nm.
+/// Largest distance of a measured hole from the position that the fit expects, nm.
 const MAX_RESIDUAL_NM: f64 = 1e6;
 
 /// `p -> M p + t`.
@@ -123,11 +123,11 @@ impl Placement {
             .collect::<Result<_, _>>()?;
         if references.len() == 1 {
             return Err(
-                "one --reference says nothing of the turn: two at least, or --shift".into(),
+                "one --reference does not determine the turn: give two, or use --shift".into(),
             );
         }
         if args.stretch && references.is_empty() {
-            return Err("--stretch goes with --reference".into());
+            return Err("--stretch needs --reference".into());
         }
         Ok(Self {
             mirror: args.mirror,
@@ -138,11 +138,11 @@ impl Placement {
         })
     }
 
-    /// Moves holes and slots; what a fit found.
+    /// Moves holes and slots. Returns the fit, if there is one.
     ///
     /// # Errors
     ///
-    /// Something ends out of reach; references that lie on one place.
+    /// A position is out of reach, or all references are at one position.
     pub fn apply(&self, board: &mut Board) -> Result<Option<Fit>, String> {
         let mirrored = Affine {
             matrix: match self.mirror {
@@ -234,7 +234,7 @@ impl Moments {
 }
 
 /// The map that brings the first of each pair nearest to the second, by least squares: a turn and
-/// an offset, or with `stretches` scales and skew too.
+/// an offset; with `stretches` also scales and skew.
 fn fit(pairs: &[[[f64; 2]; 2]], stretches: bool) -> Result<(Affine, Fit), String> {
     let Moments {
         means: [from, to],
@@ -255,7 +255,7 @@ fn fit(pairs: &[[[f64; 2]; 2]], stretches: bool) -> Result<(Affine, Fit), String
     let rigid = Affine::turned(angle.to_degrees()).matrix;
     let similar = along.hypot(across) / size;
     let determinant = own[0][0] * own[1][1] - own[0][1] * own[1][0];
-    // Holes on a line tell nothing of what is across it.
+    // Holes on a line do not determine the scale across it.
     let whole = (pairs.len() > 2 && determinant > 1e-6 * size * size).then(|| {
         let [[a, b], [c, d]] = cross;
         let [[e, f], [g, h]] = own;
@@ -302,7 +302,7 @@ fn fit(pairs: &[[[f64; 2]; 2]], stretches: bool) -> Result<(Affine, Fit), String
     Ok((map, fit))
 }
 
-/// Refuses a fit that is wrong by more than a drill is: of another file, unit, or hole.
+/// Refuses a fit with a larger error than a drill has: it is that of another file, unit, or hole.
 fn check_fit(scale: [f64; 2], residual_nm: f64) -> Result<(), String> {
     if scale
         .iter()

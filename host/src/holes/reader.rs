@@ -9,10 +9,10 @@ use husillo_excellon::{Doubt, ErrorKind, Feature, Inference, Reader, Reason, War
 
 /// Tools that one file may have.
 pub const MOST_TOOLS: usize = 1000;
-/// Holes and slots that one file may have: repeats can make many of a short text.
+/// Most holes and slots of a file. Repeats can give many from a short text.
 const MOST_FEATURES: usize = 2_000_000;
 
-/// Reads a drill file; everything that is to be said about it goes to `findings`.
+/// Reads a drill file; `findings` gets all errors, warnings and reasons.
 pub fn read(text: &[u8], file: &str, options: &Options, findings: &mut Findings) -> Board {
     let text = text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text);
     let mut inference = Inference::new();
@@ -98,19 +98,19 @@ fn doubts(board: &Board, file: &str, findings: &mut Findings) {
     }
     if matches!(settings.units.reason, Reason::Default | Reason::Numbers(_)) {
         let message = format!(
-            "nothing in {file} says its unit: {} is assumed",
+            "{file} does not declare its unit: {} is assumed",
             settings.units.value
         );
         let finding = general("W0928", message).note(because(settings.units.reason));
-        findings.add(finding.help("--units inch or --units mm says it"));
+        findings.add(finding.help("--units inch or --units mm sets it"));
     }
     if let (Reason::Numbers(_), true) = (settings.zeros.reason, settings.point_missing) {
         let message = format!(
-            "nothing in {file} says which zeros are left out: {} is assumed",
+            "{file} does not declare which zeros are omitted: {} is assumed",
             settings.zeros.value
         );
         let finding = general("W0929", message).note(because(settings.zeros.reason));
-        findings.add(finding.help("--zeros leading or --zeros trailing says which are kept"));
+        findings.add(finding.help("--zeros leading or --zeros trailing sets which are kept"));
     }
     match settings.doubt {
         Some(Doubt::LongNumber(line, digits)) => {
@@ -120,14 +120,14 @@ fn doubts(board: &Board, file: &str, findings: &mut Findings) {
                 format.all()
             );
             let finding = general("W0930", message).note(because(settings.digits.reason));
-            let help = "--format-digits says where the point is, as in 4.4";
+            let help = "--format-digits sets the position of the point, as in 4.4";
             findings.add(finding.help(help));
         }
         Some(Doubt::MixedPoints(line)) => {
             let message =
                 format!("some coordinates of {file} have a point, and one of line {line} has none");
             let format = settings.digits.value;
-            let note = format!("without a point it is read by the digits {format}");
+            let note = format!("without a point it is read with the format {format}");
             findings.add(general("W0931", message).note(note));
         }
         None => {}

@@ -1,11 +1,11 @@
-//! Step and repeat of drill files: copies of what a pattern made.
+//! Step and repeat of drill files: copies of the holes of a pattern.
 
 use husillo_excellon::{Feature, Hole, Pattern, Repeat, Slot};
 
 /// The pattern that is being copied.
 #[derive(Debug, Default)]
 pub struct Panel {
-    /// How many holes and slots were there before the pattern.
+    /// Number of holes and slots before the pattern.
     before: [usize; 2],
     /// How many there are with it.
     with: [usize; 2],
@@ -23,11 +23,11 @@ pub enum Refused {
 }
 
 impl Panel {
-    /// Does what a line says, with room for `most` holes and slots.
+    /// Carries out a line, with room for `most` holes and slots.
     ///
     /// # Errors
     ///
-    /// See [`Refused`]; the copies before the one refused are made.
+    /// See [`Refused`]. The copies before the refused one are made.
     pub fn take(
         &mut self,
         pattern: &Pattern,

@@ -3,7 +3,7 @@
 use super::bench::SimulatedBench;
 use super::page::{self, Panel};
 use super::readings;
-use crate::calibrating::BacklashArgs;
+use crate::cli::BacklashArgs;
 use crate::machines::lash_file::section;
 use crate::machines::machine_file::{MachineFile, Travel};
 use crate::programs::setup;

@@ -2,7 +2,7 @@
 //! measured on the original.
 
 use super::bench::SimulatedBench;
-use crate::calibrating::CirclesArgs;
+use crate::cli::CirclesArgs;
 use crate::machines::machine_file::{MachineFile, Travel};
 use crate::programs::setup;
 use husillo_metrology::calibration::backlash::{CIRCLE_ENDS, left_at_ends};

@@ -1,6 +1,6 @@
 //! Reads the readings of the two-line test from a file.
 
-use crate::calibrating::columns::{Columns, Row};
+use crate::input::columns::{Columns, Row};
 use husillo_metrology::calibration::backlash::LinePair;
 use husillo_metrology::quantity::{self, Quantity};
 

@@ -53,8 +53,8 @@ pub struct MachineFile {
     pub top_feed: Option<i64>,
     /// Largest |r_start - r_end| of an arc, nm; `None`: only the built-in rule for arcs applies.
     pub arc_tolerance: Option<i64>,
-    /// Largest distance of the path from a corner, nm; `None`: only the junction rates of the axes
-    /// set the speed.
+    /// Largest distance from a corner to the circle that limits the speed there, nm; `None`: only
+    /// the junction rates of the axes set the speed.
     pub corner_deviation: Option<i64>,
     /// Counts per turn of the spindle's encoder; `None`: it has no encoder.
     pub spindle_counts: Option<u32>,

@@ -2,9 +2,9 @@
 
 use super::Stopped;
 use super::calibration_file::{axis_lines, squareness_lines};
-use super::file;
-use crate::calibrating::columns::{Columns, Row};
-use crate::calibrating::{AxisArgs, SquarenessArgs};
+use super::machine_file;
+use crate::cli::{AxisArgs, SquarenessArgs};
+use crate::input::columns::{Columns, Row};
 use husillo_backlash::Flank;
 use husillo_metrology::calibration::{AxisFit, Ends, Reading, SquareFit};
 use husillo_metrology::heads::Machine;
@@ -118,7 +118,7 @@ pub fn calibrate_squareness(args: &SquarenessArgs, out: &mut dyn Write) -> Resul
 }
 
 fn load(name: &str) -> Result<Machine, Stopped> {
-    let machine = file::load(name).map_err(Stopped::File)?;
+    let machine = machine_file::load(name).map_err(Stopped::File)?;
     if machine.scale.unit() == "mm" {
         Ok(machine)
     } else {

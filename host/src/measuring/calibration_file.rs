@@ -137,7 +137,7 @@ fn per_metre(ppb: i32) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measuring::file;
+    use crate::measuring::machine_file;
 
     #[test]
     fn written_calibration_reads_back_unchanged() {
@@ -156,7 +156,7 @@ mod tests {
         let text = include_str!("../../../machines/cmm3.toml").to_owned()
             + &axis_lines('Y', &table)
             + &squareness_lines(&squareness);
-        let machine = file::parse("mine.toml", &text).unwrap();
+        let machine = machine_file::parse("mine.toml", &text).unwrap();
         assert_eq!(machine.errors.axes[1], table);
         assert_eq!(machine.errors.squareness, squareness);
         assert_eq!(machine.errors.axes[0], ErrorTable::default());

@@ -9,7 +9,7 @@ use crate::cli::Measure;
 use crate::console::sharing::share;
 use crate::measuring::port::ChainPort;
 use husillo_metrology::calibration::{Body, Calibrated, Face, FoundProbe, is_by_axis, surface_nm};
-use husillo_metrology::heads::{Head, Line, Machine, Port, Prober, Stylus, both_ways};
+use husillo_metrology::heads::{Head, Line, Machine, Port, Prober, Stylus, pre_travel_by_sign};
 use husillo_metrology::simulated::{Contact, Mounted, SimulatedChain, SimulatedPort};
 use husillo_metrology::{Scale, Trouble};
 use husillo_probe::{Measurement, UnitVector};
@@ -282,7 +282,7 @@ pub fn stylus(args: &Measure, machine: &Machine) -> Result<Stylus, String> {
     if let Some(amount) = amount(machine.scale, "--pretravel", args.pretravel.as_deref())? {
         let amount = i32::try_from(amount);
         let amount = amount.map_err(|_| "--pretravel: too long for a probe")?;
-        stylus.pre_travel = both_ways([amount; 2]);
+        stylus.pre_travel = pre_travel_by_sign([amount; 2]);
     }
     if let Some(amount) = amount(machine.scale, "--ball", args.ball.as_deref())? {
         let radius = i32::try_from(amount).ok().filter(|radius| *radius >= 0);

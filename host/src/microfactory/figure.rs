@@ -1,4 +1,4 @@
-//! A figure out of a file: a list of moves, or a G-code program.
+//! Reads a figure from a file: a list of moves, or a G-code program.
 
 use crate::diagnostics::Findings;
 use crate::programs::program;
@@ -6,7 +6,7 @@ use crate::programs::source::Source;
 use husillo_clients::microfactory::{Figure, Settings, listed};
 use husillo_gcode::{Command, Dialect, Nm};
 
-/// What a file that ends so is: a line a move, X and Z in steps; `;` begins a comment.
+/// End of the name of a list of moves: one move per line, X and Z in steps; `;` begins a comment.
 const LIST: &str = ".fig";
 
 /// Reads a list of moves, or a G-code program.
@@ -33,7 +33,7 @@ pub fn load(file: &str, settings: &Settings) -> Result<Figure, String> {
     })
 }
 
-/// A list as a program of the same moves, which can be drawn; `None` where the file is none.
+/// A list as a program of the same moves, which can be drawn; `None` if the file is no list.
 ///
 /// # Errors
 ///
@@ -61,12 +61,12 @@ pub fn is_list(file: &str) -> bool {
     file.to_ascii_lowercase().ends_with(LIST)
 }
 
-/// The straight moves of a program in X and Z, in steps. Positions are rounded, not moves, so that
-/// nothing adds up.
+/// The straight moves of a program in X and Z, in steps. The positions are rounded, so errors do
+/// not add up.
 ///
 /// # Errors
 ///
-/// The program's first error; a move that is no straight one in X and Z, or too long.
+/// The program's first error; a move that is not straight in X and Z, or too long.
 fn programmed(file: &str, settings: &Settings) -> Result<Vec<[i16; 2]>, String> {
     let mut source = Source::open(file).map_err(|error| format!("{file}: {error}"))?;
     let mut findings = Findings::new(1);

@@ -205,7 +205,7 @@ impl Checker<'_> {
                 let message = format!("{} has no means for {name}", self.machine.name);
                 Finding::error("E0404", message, at.whole())
                     .label("understood, but this machine cannot do it")
-                    .note("`husillo commands` shows what it means")
+                    .note("`husillo commands` prints its meaning")
             }
             _ => {
                 let code = if matches!(command, Command::Arc { .. }) {

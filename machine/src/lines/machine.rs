@@ -1,7 +1,7 @@
 //! Lines in, events out.
 
 mod begin;
-mod give;
+mod next_event;
 
 use husillo_backlash::{Backlash, Flank, Lash};
 use husillo_gcode::{Block, Command, Commands, Modal, Nm, PathMode};

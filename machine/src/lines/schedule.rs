@@ -1,4 +1,4 @@
-//! Planned moves on the way from the lines to the motors.
+//! Planned moves between the lines and the motors.
 
 use husillo_gcode::{Command, Nm, PathMode};
 use husillo_interp::{Moves, Step};

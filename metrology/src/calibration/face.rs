@@ -92,7 +92,7 @@ pub fn surface_nm(stylus: &Stylus, measurement: &Measurement) -> [i64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::heads::both_ways;
+    use crate::heads::pre_travel_by_sign;
     use crate::quantity::Fraction;
     use husillo_probe::Touch;
 
@@ -126,7 +126,7 @@ mod tests {
     fn a_face_gives_the_pre_travel_of_one_direction() {
         let stylus = Stylus {
             radius_nm: 1_000_000,
-            pre_travel: both_ways([0; 2]),
+            pre_travel: pre_travel_by_sign([0; 2]),
         };
         // The signal came 8 um late.
         let found = calibrated(stylus, -4_008_000).unwrap();

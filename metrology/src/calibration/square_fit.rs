@@ -210,7 +210,7 @@ mod tests {
         };
         assert!(why(&DIAGONALS[..1], None).contains("both diagonals"));
         assert!(why(&[], None).contains("no bar"));
-        // Three places for four unknowns.
+        // Three positions for four unknowns.
         let three = [[1.0, 1.0, 1.0], [1.0, 1.0, -1.0], [1.0, -1.0, 1.0]];
         assert!(why(&three, None).contains("do not determine the angles"));
         let ends = [

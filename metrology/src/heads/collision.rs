@@ -3,8 +3,8 @@
 use super::head::{Head, is_done};
 use super::port::Port;
 use super::search::{Search, searches};
+use super::straight_move::FinishedMove;
 use super::touching::is_closed;
-use super::way::Way;
 use crate::trouble::Trouble;
 use husillo_transports::nmc::{Homing, Reply, StopWay};
 use std::collections::VecDeque;
@@ -49,10 +49,10 @@ impl Watch {
     fn rate(&self) -> Option<f64> {
         let ((before_us, before), (last_us, last)) =
             self.readings.front().zip(self.readings.back())?;
-        let way = distance(before, last);
+        let length = distance(before, last);
         // Below 2^53 us.
         let seconds = last_us.saturating_sub(*before_us) as f64 * 1e-6;
-        (way > 0.0 && seconds > 0.0).then(|| way / seconds)
+        (length > 0.0 && seconds > 0.0).then(|| length / seconds)
     }
 }
 
@@ -63,7 +63,11 @@ impl<P: Port> Head<P> {
     }
 
     /// Moves outside of a search. A pressed probe first leaves the contact slowly.
-    pub(super) fn go_clear(&mut self, goal: &[i32], rate: Option<u32>) -> Result<Way, Trouble> {
+    pub(super) fn go_clear(
+        &mut self,
+        goal: &[i32],
+        rate: Option<u32>,
+    ) -> Result<FinishedMove, Trouble> {
         if !self.is_touching()? {
             return Ok(self.go_free(goal, rate, false)?.0);
         }
@@ -74,9 +78,9 @@ impl<P: Port> Head<P> {
             self.beginning_of(goal)
         };
         let slow = rate.map_or(slow, |rate| rate.min(slow));
-        let (way, watch) = self.go_free(&clear, Some(slow), true)?;
+        let (finished, watch) = self.go_free(&clear, Some(slow), true)?;
         if clear == goal {
-            return Ok(way);
+            return Ok(finished);
         }
         if self.is_touching()? {
             return Err(self.collision(&watch));
@@ -85,7 +89,7 @@ impl<P: Port> Head<P> {
     }
 
     /// Retracts after a touch, which may have ended in contact or just before it.
-    pub(super) fn retract(&mut self, goal: &[i32], rate: u32) -> Result<Way, Trouble> {
+    pub(super) fn retract(&mut self, goal: &[i32], rate: u32) -> Result<FinishedMove, Trouble> {
         self.guarded(|head| Ok(head.go_free(goal, Some(rate), true)?.0))
     }
 
@@ -96,9 +100,9 @@ impl<P: Port> Head<P> {
         goal: &[i32],
         rate: Option<u32>,
         is_touching: bool,
-    ) -> Result<(Way, Watch), Trouble> {
+    ) -> Result<(FinishedMove, Watch), Trouble> {
         let mut watch = self.watch(goal);
-        let ended = |replies| Way {
+        let ended = |replies| FinishedMove {
             replies,
             is_found: false,
         };
@@ -182,8 +186,8 @@ impl<P: Port> Head<P> {
             }
         } else {
             watch.free_readings += 1;
-            let way = distance(&watch.from, &counts(replies));
-            if watch.free_readings >= FREE_READINGS && way > self.slack_counts() {
+            let length = distance(&watch.from, &counts(replies));
+            if watch.free_readings >= FREE_READINGS && length > self.slack_counts() {
                 self.contact_at = None;
                 self.begin_watch(watch, false)?;
             }
@@ -276,9 +280,9 @@ impl<P: Port> Head<P> {
         let Some(contact) = &self.contact_at else {
             return false;
         };
-        let way = distance(&counts(replies), contact);
-        way > f64::from(self.probe.over_travel)
-            && way > distance(&watch.from, contact) + self.slack_counts()
+        let length = distance(&counts(replies), contact);
+        length > f64::from(self.probe.over_travel)
+            && length > distance(&watch.from, contact) + self.slack_counts()
     }
 
     /// A pressed probe is free after this distance off the surface, counts.
@@ -292,7 +296,7 @@ impl<P: Port> Head<P> {
         4.0 * f64::from(most.unwrap_or_default())
     }
 
-    /// The point on the way to the goal at which a pressed probe is free.
+    /// The point before the goal at which a pressed probe is free.
     fn beginning_of(&self, goal: &[i32]) -> Vec<i32> {
         let from: Vec<i32> = self.axes.iter().map(|axis| axis.held).collect();
         let part = self.leaving_counts() / distance(&from, goal);
@@ -301,9 +305,9 @@ impl<P: Port> Head<P> {
         }
         let pairs = from.iter().zip(goal);
         let between = |(from, goal): (&i32, &i32)| {
-            let way = f64::from(*goal) - f64::from(*from);
+            let delta = f64::from(*goal) - f64::from(*from);
             // Between two counts.
-            (f64::from(*from) + way * part).round() as i32
+            (f64::from(*from) + delta * part).round() as i32
         };
         pairs.map(between).collect()
     }

@@ -160,8 +160,8 @@ impl<P: Port> Head<P> {
         let meant = goal;
         let goal = self.counts(goal)?;
         self.check_travel(&goal, meant)?;
-        let way = self.travel(&goal, rate, None)?;
-        Ok(self.place_of(&way.replies))
+        let finished = self.travel(&goal, rate, None)?;
+        Ok(self.place_of(&finished.replies))
     }
 
     /// A speed in amounts of the scale per minute as counts/s, rounded down, at least 1.

@@ -3,8 +3,8 @@
 use super::head::Head;
 use super::port::Port;
 use super::search::Search;
+use super::straight_move::FinishedMove;
 use super::touching::is_closed;
-use super::way::Way;
 use crate::trouble::Trouble;
 use husillo_probe::Failure;
 use husillo_transports::nmc::{Auxiliary, Homing};
@@ -54,9 +54,9 @@ impl<P: Port> Head<P> {
             stop: Homing::ABRUPT,
             only: Some(index),
         };
-        let way = self.only(index, high, Some(search), rate)?;
-        if way.is_found {
-            Ok(way.replies[index].readings.home)
+        let finished = self.only(index, high, Some(search), rate)?;
+        if finished.is_found {
+            Ok(finished.replies[index].readings.home)
         } else {
             Err(Trouble::NoIndex { axis: letter })
         }
@@ -69,7 +69,7 @@ impl<P: Port> Head<P> {
         count: i32,
         search: Option<Search>,
         rate: u32,
-    ) -> Result<Way, Trouble> {
+    ) -> Result<FinishedMove, Trouble> {
         let mut goal: Vec<i32> = self.axes.iter().map(|axis| axis.held).collect();
         goal[index] = count;
         self.travel(&goal, Some(rate), search)

@@ -2,8 +2,8 @@
 
 use super::head::{Head, is_done, stop};
 use super::port::Port;
+use super::straight_move::per_period;
 use super::touching::is_closed;
-use super::way::per_period;
 use crate::trouble::Trouble;
 use husillo_transports::nmc::{Command, Mode, StopWay, Trajectory};
 

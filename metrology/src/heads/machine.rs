@@ -7,10 +7,10 @@ use husillo_sim::DcMotorModel;
 use husillo_transports::nmc::{Baud, Gains};
 
 /// Largest number of entries of a table of pre-travel.
-pub const PLACES: usize = 64;
+pub const PRE_TRAVEL_ENTRIES: usize = 64;
 
 /// Radius and pre-travel of a probe, in amounts of the scale.
-pub type Stylus = Tip<PLACES>;
+pub type Stylus = Tip<PRE_TRAVEL_ENTRIES>;
 
 /// A measuring machine: its axes, its probe and its line.
 #[derive(Clone, Debug, PartialEq)]
@@ -114,10 +114,10 @@ impl Machine {
 /// The same pre-travel on all axes: in positive direction, and in negative direction. In amounts of
 /// the scale.
 #[must_use]
-pub fn both_ways([positive, negative]: [i32; 2]) -> PreTravel<PLACES> {
+pub fn pre_travel_by_sign([positive, negative]: [i32; 2]) -> PreTravel<PRE_TRAVEL_ENTRIES> {
     let axes = [UnitVector::X, UnitVector::Y, UnitVector::Z];
     let entries = axes.map(|axis| [(axis, positive), (axis.reversed(), negative)]);
     // Six entries of 64.
     PreTravel::of(entries.as_flattened())
-        .unwrap_or_else(|| PreTravel::new([(UnitVector::X, 0); PLACES]))
+        .unwrap_or_else(|| PreTravel::new([(UnitVector::X, 0); PRE_TRAVEL_ENTRIES]))
 }

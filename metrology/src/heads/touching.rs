@@ -4,7 +4,7 @@ use super::head::Head;
 use super::port::Port;
 use super::prober::Probed;
 use super::search::Search;
-use super::way::Way;
+use super::straight_move::FinishedMove;
 use crate::trouble::Trouble;
 use husillo_probe::{Cycle, Edge, Failure, Input, Measurement, Plan, Request, UnitVector};
 use husillo_transports::nmc::{Homing, Reply, Status};
@@ -35,10 +35,10 @@ impl<P: Port> Head<P> {
             stop: Homing::SMOOTH,
             only: None,
         };
-        let way = self.travel(&goal, Some(rate.min(self.probe.rate)), Some(search))?;
-        let at_nm = self.place_of(&way.replies);
-        if !way.is_found {
-            if way.replies.iter().any(is_closed) == until.level() {
+        let finished = self.travel(&goal, Some(rate.min(self.probe.rate)), Some(search))?;
+        let at_nm = self.place_of(&finished.replies);
+        if !finished.is_found {
+            if finished.replies.iter().any(is_closed) == until.level() {
                 return Err(Trouble::NotLatched {
                     at: self.text(at_nm),
                 });
@@ -48,9 +48,13 @@ impl<P: Port> Head<P> {
                 at_nm,
             });
         }
-        let changed_nm = self.latched(&way.replies);
+        let changed_nm = self.latched(&finished.replies);
         let beyond = [0, 1, 2].map(|axis: usize| (at_nm[axis] - changed_nm[axis]) as f64);
-        let beyond = beyond.iter().map(|way| way * way).sum::<f64>().sqrt();
+        let beyond = beyond
+            .iter()
+            .map(|length| length * length)
+            .sum::<f64>()
+            .sqrt();
         let over_travel = self.scale.of_counts(self.probe.over_travel.into());
         if until == Edge::Made && beyond > over_travel as f64 {
             return Err(Trouble::Probe(Failure::OverTravel));
@@ -75,7 +79,7 @@ impl<P: Port> Head<P> {
         // Limited to 32 bits above.
         let plan = self.plan(from, direction, search as u32);
         let mut cycle = Cycle::new(&plan).map_err(Trouble::Plan)?;
-        let mut way = Way {
+        let mut finished = FinishedMove {
             replies: self.read()?,
             is_found: false,
         };
@@ -85,8 +89,8 @@ impl<P: Port> Head<P> {
         // The goal of a move of the cycle that is outside of the travel.
         let mut beyond: Option<(Vec<i32>, [i64; 3])> = None;
         loop {
-            let position = self.place_of(&way.replies);
-            let is_closed = way.replies.iter().any(is_closed);
+            let position = self.place_of(&finished.replies);
+            let is_closed = finished.replies.iter().any(is_closed);
             if is_in_vain && is_closed {
                 // The modules have latched the position of an earlier contact.
                 unlatched = Some(position);
@@ -94,12 +98,12 @@ impl<P: Port> Head<P> {
             let input = Input {
                 position,
                 // The latch reports a contact once. The level shows whether it lasts.
-                contact: way.is_found || (is_closed && !is_in_vain),
-                latched: self.latched(&way.replies),
-                // Each request is carried out before the next one is asked for.
+                contact: finished.is_found || (is_closed && !is_in_vain),
+                latched: self.latched(&finished.replies),
+                // Each request is carried out before the next one.
                 still: true,
             };
-            way.is_found = false;
+            finished.is_found = false;
             is_in_vain = false;
             match cycle.tick(&input) {
                 Request::Move { target, speed } => {
@@ -115,11 +119,11 @@ impl<P: Port> Head<P> {
                     if goal != wanted {
                         beyond = Some((wanted, target));
                     }
-                    way = match search {
+                    finished = match search {
                         Some(search) => self.travel(&goal, Some(speed), Some(search))?,
                         None => self.retract(&goal, speed)?,
                     };
-                    is_in_vain = is_search && !way.is_found;
+                    is_in_vain = is_search && !finished.is_found;
                 }
                 // The modules stop on their own.
                 Request::Stop | Request::Wait => {}
@@ -181,7 +185,7 @@ impl<P: Port> Head<P> {
 }
 
 impl<P: Port> Head<P> {
-    /// The goal, or the point on the way to it at which the travel ends.
+    /// The goal, or the point before it at which the travel ends.
     fn within_travel(&self, goal: &[i32]) -> Vec<i32> {
         let parts = self.axes.iter().zip(goal).map(|(axis, goal)| {
             let [low, high] = axis.settings.travel;
@@ -198,10 +202,10 @@ impl<P: Port> Head<P> {
         let pairs = self.axes.iter().zip(goal);
         pairs
             .map(|(axis, goal)| {
-                let way = (f64::from(*goal) - f64::from(axis.held)) * part;
+                let delta = (f64::from(*goal) - f64::from(axis.held)) * part;
                 let [low, high] = axis.settings.travel;
                 // Rounding may lead beyond the travel by half a count.
-                (f64::from(axis.held) + way.round()).clamp(low.into(), high.into()) as i32
+                (f64::from(axis.held) + delta.round()).clamp(low.into(), high.into()) as i32
             })
             .collect()
     }

@@ -3,10 +3,10 @@
 use super::dimension::{Figure, Wanted};
 use super::jobs::Needs;
 use super::line_reader::{LineReader, Value, twice};
+use super::mistake::{Wrong, code};
 use super::parser::Parser;
 use super::statement::{Fit, Job, Place};
 use super::vector::{Vector, nearest_axis};
-use super::wrong::{Wrong, code};
 use std::ops::Range;
 
 /// A value and its bytes in the line.
@@ -234,7 +234,7 @@ impl Clauses {
             let value = reader.toleranced_length("at")?;
             if value.1.is_some() {
                 let wanted = Wanted {
-                    figure: Figure::PLACES[axis],
+                    figure: Figure::COORDINATES[axis],
                     nominal_micro: value.0,
                     tolerance_micro: value.1,
                 };
@@ -254,7 +254,7 @@ impl Clauses {
         Ok(())
     }
 
-    /// The only place.
+    /// The only position.
     pub fn one_place(&self, needs: &Needs<'_, '_>) -> Result<Place, Wrong> {
         match self.at.as_slice() {
             [] => Err(needs.missing("at", "its coordinates, as in `at x 10 y 20 z 0`")),
@@ -263,7 +263,7 @@ impl Clauses {
         }
     }
 
-    /// At least `least` places.
+    /// At least `least` positions.
     pub fn places(&self, least: usize, needs: &Needs<'_, '_>) -> Result<Vec<Place>, Wrong> {
         if self.at.len() >= least {
             return Ok(self.at.iter().map(plain).collect());
@@ -368,7 +368,7 @@ impl Clauses {
         let mut wanted = self.figures.clone();
         if let [place] = self.at.as_slice() {
             for ((figure, value), is_measured) in
-                Figure::PLACES.into_iter().zip(place).zip(measured)
+                Figure::COORDINATES.into_iter().zip(place).zip(measured)
             {
                 let is_said = wanted.iter().any(|wanted| wanted.figure == figure);
                 if let (Some((nominal_micro, None)), true, false) = (*value, is_measured, is_said) {

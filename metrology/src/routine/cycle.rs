@@ -16,8 +16,8 @@ impl Site<'_> {
     pub(super) fn contacts(&mut self, job: &Job) -> Result<Vec<Contact>, Failure> {
         match job {
             Job::Touch { towards, within_nm } => {
-                let way_nm = within_nm.unwrap_or(self.way_nm());
-                Ok(vec![self.touch(*towards, way_nm)?])
+                let reach_nm = within_nm.unwrap_or(self.reach_nm());
+                Ok(vec![self.touch(*towards, reach_nm)?])
             }
             Job::Point { at, towards } => self.face(&[*at], *towards),
             Job::Plane { at, towards } | Job::Line { at, towards } => self.face(at, *towards),
@@ -75,7 +75,7 @@ impl Site<'_> {
         } else {
             self.travel_to(before)?;
         }
-        let contact = self.touch(towards, self.way_nm())?;
+        let contact = self.touch(towards, self.reach_nm())?;
         self.go_to(before)?;
         Ok(contact)
     }
@@ -187,7 +187,7 @@ impl Site<'_> {
         for spoke in hemisphere(points) {
             let before = beyond(centre, spoke, radius_nm + self.standoff_nm());
             self.travel_over(before, height_nm)?;
-            contacts.push(self.touch(scaled(spoke, -1.0), self.way_nm())?);
+            contacts.push(self.touch(scaled(spoke, -1.0), self.reach_nm())?);
             self.go_to(before)?;
         }
         Ok(contacts)

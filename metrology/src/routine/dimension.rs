@@ -27,7 +27,7 @@ pub enum Figure {
 
 impl Figure {
     /// Positions on X, Y, Z.
-    pub const PLACES: [Self; 3] = [Self::X, Self::Y, Self::Z];
+    pub const COORDINATES: [Self; 3] = [Self::X, Self::Y, Self::Z];
 
     /// Its name in routines and in results.
     pub const fn name(self) -> &'static str {

@@ -88,9 +88,9 @@ pub enum Shape {
     Circle(Circle),
     /// A sphere.
     Sphere(Sphere),
-    /// A distance between two places.
+    /// A distance between two positions.
     Distance {
-        /// The two places, nm.
+        /// The two positions, nm.
         ends_nm: [[i64; 3]; 2],
         /// Their distance, nm.
         length_nm: i64,
@@ -160,7 +160,7 @@ impl Feature {
         let frame = &self.frame;
         let mut figures: Vec<(Figure, i64)> = Vec::new();
         if let Some(at_nm) = self.shape.point_nm() {
-            figures.extend(Figure::PLACES.into_iter().zip(frame.to_part(at_nm)));
+            figures.extend(Figure::COORDINATES.into_iter().zip(frame.to_part(at_nm)));
         }
         match &self.shape {
             Shape::Corner { angle_micro, .. } | Shape::Angle { angle_micro } => {

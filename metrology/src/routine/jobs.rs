@@ -4,10 +4,10 @@ use super::clauses::{Clauses, Spanned};
 use super::dimension::Figure::{Angle, Form};
 use super::dimension::Wanted;
 use super::line_reader::LineReader;
+use super::mistake::{Wrong, code};
 use super::parser::{Offer, Parser};
 use super::statement::{Fit, Job};
 use super::vector::{Vector, nearest_axis};
-use super::wrong::{Wrong, code};
 
 impl Parser {
     /// The job and the wanted figures of a feature, from its clauses.

@@ -1,8 +1,8 @@
 //! A reader that takes the words of a line one after another.
 
+use super::mistake::{Wrong, code};
 use super::vector::Vector;
 use super::words::{Word, is_number, words};
-use super::wrong::{Wrong, code};
 use crate::quantity::{self, Quantity};
 use std::ops::Range;
 

@@ -3,9 +3,9 @@
 use super::clauses::Clauses;
 use super::jobs::offer;
 use super::line_reader::{LineReader, axis_of, twice};
+use super::mistake::{Mistake, Wrong, code};
 use super::statement::{Order, Place, Statement, Task};
 use super::vocabulary::{FEATURES, Feature, ORDERS, RESERVED};
-use super::wrong::{Mistake, Wrong, code};
 use std::collections::HashMap;
 
 /// The uses of a named feature.

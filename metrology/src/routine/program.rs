@@ -6,7 +6,7 @@ mod state;
 
 pub use error::{ProgramError, ProgramFault};
 
-use super::called::{self, CYCLES};
+use super::called_cycle::{self, CYCLES};
 use super::failure::Failure;
 use super::feature::Feature;
 use super::frame::Frame;
@@ -150,7 +150,7 @@ fn call<'r>(
     at: &At<'_>,
 ) -> Result<&'r Feature, Box<ProgramError>> {
     let wrong = |message, expected| Box::new(at.error(ProgramFault::Call { message, expected }));
-    let cycle = called::by_name(name).ok_or_else(|| wrong("no such cycle", None))?;
+    let cycle = called_cycle::by_name(name).ok_or_else(|| wrong("no such cycle", None))?;
     let lengths: Option<Vec<i64>> = values.iter().map(|value| state.nm(*value)).collect();
     let lengths = lengths.filter(|all| all.iter().all(|nm| nm.abs() <= 10_000_000_000));
     let lengths = lengths.ok_or_else(|| wrong("a length of more than 10 m", None))?;
@@ -198,7 +198,7 @@ fn carry_out(
             let goal = to.map(|nm| nm.0);
             let from = prober.position();
             let from = from.map_err(|trouble| at.failed(trouble))?;
-            let speed = nm_per_min(feed, way(from, goal)).ok_or_else(|| at.foreign())?;
+            let speed = nm_per_min(feed, displacement(from, goal)).ok_or_else(|| at.foreign())?;
             let reached = prober.feed_to(goal, speed);
             reached.map_err(|trouble| at.failed(trouble))?;
         }
@@ -210,9 +210,10 @@ fn carry_out(
         } => {
             let goal = to.map(|nm| nm.0);
             let from = prober.position().map_err(|trouble| at.failed(trouble))?;
-            let way = way(from, goal);
-            let travel = UnitVector::new(way).ok_or_else(|| at.failed(Failure::NoDirection))?;
-            let speed = nm_per_min(feed, way).ok_or_else(|| at.foreign())?;
+            let displacement = displacement(from, goal);
+            let travel =
+                UnitVector::new(displacement).ok_or_else(|| at.failed(Failure::NoDirection))?;
+            let speed = nm_per_min(feed, displacement).ok_or_else(|| at.foreign())?;
             // At the end of the contact the stylus is still bent by the travel towards the surface.
             let (until, approach) = if away {
                 (Edge::Broken, travel.reversed())
@@ -258,16 +259,16 @@ fn carry_out(
     Ok(())
 }
 
-fn way(from: [i64; 3], to: [i64; 3]) -> [i64; 3] {
+fn displacement(from: [i64; 3], to: [i64; 3]) -> [i64; 3] {
     std::array::from_fn(|axis| to[axis].saturating_sub(from[axis]))
 }
 
 /// The speed of a move over this distance, nm per minute. `None`: it depends on a spindle.
-fn nm_per_min(feed: Feed, way: [i64; 3]) -> Option<u64> {
+fn nm_per_min(feed: Feed, displacement: [i64; 3]) -> Option<u64> {
     match feed {
         Feed::PerMinute(nm) => Some(nm.0.unsigned_abs()),
         Feed::InverseTime { micro_per_minute } => {
-            let length = length(floats(way));
+            let length = length(floats(displacement));
             // The cast saturates, which is faster than any machine.
             Some((length * micro_per_minute as f64 / 1e6) as u64)
         }

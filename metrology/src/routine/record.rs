@@ -2,11 +2,11 @@
 
 use super::failure::Failure;
 use super::feature::Feature;
+use super::mistake::Wrong;
 use super::parser::Parser;
 use super::runner::Runner;
 use super::statement::{Order, Statement};
 use super::words::words;
-use super::wrong::Wrong;
 use std::io::{self, BufRead, Write};
 
 /// A line that is not part of the recording.
@@ -48,7 +48,7 @@ pub fn record(
     let mut parser = Parser::new();
     let mut refused = 0;
     let mut text = String::new();
-    let mut ways = Ways::default();
+    let mut pending = PendingMoves::default();
     for number in 1.. {
         text.clear();
         if input.read_line(&mut text)? == 0 {
@@ -64,9 +64,9 @@ pub fn record(
                     each(feature)?;
                 }
                 match done.moved {
-                    Some([from, to]) => ways.push(from, to, routine)?,
+                    Some([from, to]) => pending.push(from, to, routine)?,
                     None => {
-                        ways.flush(routine)?;
+                        pending.flush(routine)?;
                         writeln!(routine, "{}", done.text)?;
                     }
                 }
@@ -82,7 +82,7 @@ pub fn record(
         }
         routine.flush()?;
     }
-    ways.flush(routine)?;
+    pending.flush(routine)?;
     routine.flush()?;
     Ok(refused)
 }
@@ -162,11 +162,11 @@ fn named(line: &str, name: &str) -> String {
 
 /// Moves that are not written yet. Moves in the same direction become one.
 #[derive(Default)]
-struct Ways {
+struct PendingMoves {
     last: Option<[[i64; 3]; 2]>,
 }
 
-impl Ways {
+impl PendingMoves {
     fn push(&mut self, from: [i64; 3], to: [i64; 3], routine: &mut dyn Write) -> io::Result<()> {
         match self.last {
             Some([start, end]) if is_onward(start, end, to) => self.last = Some([start, to]),

@@ -87,7 +87,7 @@ impl<'a> Site<'a> {
     }
 
     /// Longest distance of a touch, nm.
-    pub(super) fn way_nm(&self) -> i64 {
+    pub(super) fn reach_nm(&self) -> i64 {
         self.clearance_nm + self.search_nm
     }
 
@@ -109,7 +109,7 @@ impl<'a> Site<'a> {
         Ok(self.frame.to_part(self.prober.position()?))
     }
 
-    /// Completes a place: missing coordinates are those of the tip.
+    /// Completes a position: missing coordinates are those of the tip.
     ///
     /// # Errors
     ///
@@ -228,7 +228,7 @@ impl<'a> Site<'a> {
     }
 }
 
-/// In moves between features, places within this distance are the same, nm.
+/// In moves between features, positions within this distance are the same, nm.
 const NEAR_NM: i64 = 10_000;
 
 /// The point at the distance `by_nm` from another along a direction, whose length is not 0.

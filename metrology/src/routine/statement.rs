@@ -24,7 +24,7 @@ pub enum Order {
     Search(i64),
     /// Safe height for the moves between features, nm. `None`: the moves are direct.
     Safe(Option<i64>),
-    /// A straight move to a place.
+    /// A straight move to a position.
     GoTo(Place),
     /// A straight move by these distances, nm.
     Jog([i64; 3]),

@@ -1,6 +1,6 @@
 //! Settings of machines that suit the simulated motors.
 
-use crate::heads::{AxisSettings, Errors, Machine, ProbeSettings, Stylus, both_ways};
+use crate::heads::{AxisSettings, Errors, Machine, ProbeSettings, Stylus, pre_travel_by_sign};
 use crate::quantity::Fraction;
 use crate::scale::Scale;
 use husillo_sim::DcMotorModel;
@@ -41,7 +41,7 @@ fn probe(radius_nm: i32) -> ProbeSettings {
         over_travel: 100,
         stylus: Stylus {
             radius_nm,
-            pre_travel: both_ways([0; 2]),
+            pre_travel: pre_travel_by_sign([0; 2]),
         },
     }
 }

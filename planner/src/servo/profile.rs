@@ -55,7 +55,7 @@ enum Mode {
 /// Size: 32 bytes.
 ///
 /// # Cost
-/// A period on the way to a goal takes 143 instructions on a Cortex-M4F and 380 on a Cortex-M0; on
+/// A period of a move to a goal takes 143 instructions on a Cortex-M4F and 380 on a Cortex-M0; on
 /// ramps it takes 176 and 637, with up to three divisions.
 ///
 /// # Examples
@@ -272,7 +272,7 @@ impl ServoProfile {
         now.wrapping_add(change) as i32
     }
 
-    /// Sets the velocity of a period on the way to a goal.
+    /// Sets the velocity of a period of a move to a goal.
     fn approach(&mut self, goal: i32, top: u32) {
         if self.acceleration == 0 {
             return;
@@ -314,8 +314,8 @@ impl ServoProfile {
         }
     }
 
-    /// Distance from the commanded position to a goal in counts, in 2^-16 counts, the shorter way
-    /// modulo 2^48.
+    /// Distance from the commanded position to a goal in counts, in 2^-16 counts, in the shorter
+    /// direction modulo 2^48.
     const fn way_to(&self, goal: i32) -> i64 {
         wrapped(((goal as i64) << 16).wrapping_sub(self.position))
     }

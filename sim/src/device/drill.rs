@@ -5,7 +5,7 @@ use crate::{DrillRig, DrilledHole, Emulated};
 use husillo_controllers::{Drill, DrillConfig, DrillEvent, DrillFault, DrillReport};
 use husillo_transports::drill::MEMORY_BYTES;
 
-/// Where X, Y and Z stand at first, in steps from their switches.
+/// First positions of X, Y and Z, in steps from their switches.
 const BEGIN: [i32; 3] = [500, 250, 60];
 /// 35 mm from one sensor of Z to the other, and 30 mm to the board, in steps.
 pub const STROKE_STEPS: u16 = 3745;

@@ -9,9 +9,9 @@ use husillo_transports::microfactory::{ByteTable, Device as LinkDevice};
 
 /// Moves of a figure that a device has room for.
 pub const ROOM: u16 = 1000;
-/// Ticks after which a jog that is not renewed ends, on devices that answer.
+/// Ticks after which a jog that is not repeated ends, on devices that answer.
 const DEAD_MAN_TICKS: u32 = 500_000;
-/// Where the axes stand above their home switches at first, and the work piece before the tool.
+/// First positions: of the axes above their home switches, and of the work piece before the tool.
 const ABOVE_SWITCHES: [u16; 3] = [420, 380, 900];
 const FACE_STEPS: i32 = 1200;
 
@@ -29,12 +29,12 @@ pub struct EmulatedMicrofactory {
 }
 
 impl Device {
-    /// Switched on, with a figure. A device that answers also has a dead-man's time; one that does
-    /// not is the original. Of two machines the second is like the first.
+    /// A device that is switched on, with a figure. A device that answers also has a dead-man's
+    /// time; one without answers is the original. Of two machines the second is like the first.
     ///
     /// # Errors
     ///
-    /// The figure has more moves than there is room for.
+    /// The figure has too many moves.
     pub fn new(
         config: MicrofactoryConfig,
         table: ByteTable,

@@ -5,7 +5,7 @@ use crate::{Emulated, MicromillRig};
 use husillo_controllers::{Micromill, MicromillConfig, MicromillEvent};
 use husillo_gcode::SpindleDirection;
 
-/// Where the axes stand above their home switches at first, in load steps.
+/// First positions of the axes above their home switches, in load steps.
 const ABOVE_SWITCHES: [u32; 3] = [90, 70, 50];
 /// Its motors lose steps above 390 Hz.
 const PULL_OUT_TICKS: u32 = 2564;
@@ -73,7 +73,7 @@ impl Machine for EmulatedMicromill {
         match *event {
             MicromillEvent::Step(_) => None,
             MicromillEvent::Spindle { direction, rpm } => Some(spindle(direction, rpm)),
-            MicromillEvent::Tool { number } => Some(format!("tool {number} is asked for")),
+            MicromillEvent::Tool { number } => Some(format!("tool {number} is requested")),
         }
     }
 

@@ -84,7 +84,7 @@ impl core::error::Error for Refused {}
 pub enum Outcome {
     /// Done.
     Done,
-    /// Stopped on request. How far it came is not known.
+    /// Stopped on request. Its progress is not known.
     Stopped,
     /// It failed, and the state of the device is unknown.
     Failed(Failure),

@@ -17,7 +17,7 @@ pub enum Answer {
     Ready,
     /// `89`: homing found no switch, or did not get off it. The positions are unknown.
     NoSwitch,
-    /// `8b`: a correct string that cannot be obeyed. The mill is not homed, the target is beyond
+    /// `8b`: a correct string that cannot be executed. The mill is not homed, the target is beyond
     /// the travel, the arc is impossible, or the mill is moving.
     Refused,
     /// `8c`: the line is in the queue, or one of our modes is confirmed.

@@ -14,7 +14,7 @@ const RESERVE: usize = 8;
 /// | a byte arrives | [`push`](Device::push), which may return an order |
 /// | a motion begins or ends | [`set_motion`](Device::set_motion) |
 /// | a motor step was made | [`step`](Device::step), if it [`has_room`](Device::has_room) |
-/// | an order was obeyed, or refused | [`answer`](Device::answer) |
+/// | an order was executed, or refused | [`answer`](Device::answer) |
 /// | the transmitter is free | [`transmit`](Device::transmit) |
 ///
 /// The link itself confirms [`Order::Stream`] and [`Order::Every`]. Memory: `OUT` and about 100

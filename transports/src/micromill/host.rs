@@ -45,19 +45,19 @@ impl HostTiming {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Outcome {
-    /// It was obeyed. A streamed line is in the queue.
+    /// It was executed. A streamed line is in the queue.
     Done,
     /// It was stopped before its end.
     Stopped,
-    /// It cannot be obeyed now. Nothing has changed.
+    /// It cannot be executed now. Nothing has changed.
     Refused,
     /// The controller knows no such string. Nothing has changed.
     Wrong,
     /// Homing found no switch.
     NoSwitch,
-    /// Its echo was wrong several times. It was not obeyed.
+    /// Its echo was wrong several times. It was not executed.
     Garbled,
-    /// No answer arrived in time. Whether it was obeyed is unknown.
+    /// No answer arrived in time. Whether it was executed is unknown.
     Silent,
     /// The controller was reset.
     Restarted,
@@ -143,7 +143,7 @@ pub struct Host {
 enum Phase {
     /// The string, then its answer.
     String,
-    /// The echo of the `;` was wrong or is missing. The string may have been obeyed.
+    /// The echo of the `;` was wrong or is missing. The string may have been executed.
     Unsure,
     /// `!;`, then the answer that there is no such string.
     Spoil,

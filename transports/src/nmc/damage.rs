@@ -1,5 +1,5 @@
-//! The commands that damage could make of a packet: another one, or half of one when the line is
-//! flushed.
+//! Commands into which damage could change a packet: another command, or half of one when the line
+//! is flushed.
 
 use super::frame::HEADER;
 use super::{Command, Frame, Receiver, Verdict};

@@ -20,11 +20,11 @@ pub enum Order {
     Reset(Option<u8>),
 }
 
-/// What waits for the end of the servo cycle.
+/// The order that waits for the end of the servo cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Pending {
     Nothing,
-    /// A damaged packet, or a command that this module does not know.
+    /// A damaged packet, or an unknown command.
     Reply,
     Command(Command),
 }
@@ -55,7 +55,7 @@ pub struct Module {
     /// Of every reply.
     items: Items,
     pending: Pending,
-    /// The items of the reply that is due, and whether the packet was sound.
+    /// The items of the reply that is due, and whether the packet was valid.
     due: Option<(Items, bool)>,
     sending: Buffer<LONGEST_REPLY>,
     /// How many of them are sent.
@@ -81,7 +81,7 @@ impl Module {
         }
     }
 
-    /// ADDR_IN: enabled while it is low. A module that is not hears nothing and says nothing.
+    /// ADDR_IN: enabled while it is low. A disabled module neither receives nor answers.
     pub fn set_enabled(&mut self, is_enabled: bool) {
         self.is_enabled = is_enabled;
         if !is_enabled {
@@ -131,7 +131,7 @@ impl Module {
         self.receiver.reset();
     }
 
-    /// What is to be done, at the end of a servo cycle; the reply's turn is after it is done.
+    /// The order at the end of a servo cycle. The reply follows after the order.
     pub fn take(&mut self) -> Option<Order> {
         let pending = core::mem::replace(&mut self.pending, Pending::Nothing);
         let Pending::Command(command) = pending else {
@@ -165,7 +165,7 @@ impl Module {
         }
     }
 
-    /// Whether a reply is due as soon as what was taken is done.
+    /// Whether a reply is due as soon as the order is carried out.
     pub fn owes_reply(&self) -> bool {
         self.pending == Pending::Nothing && self.due.is_some()
     }
@@ -239,7 +239,7 @@ impl Module {
         }
     }
 
-    /// The rule of collisions: whoever hears a byte stops talking.
+    /// The rule of collisions: a module that receives a byte stops its reply.
     fn cancel(&mut self) {
         self.due = None;
         self.cancel_sending();

@@ -1,4 +1,4 @@
-//! What the host is asked to do, and what came of it.
+//! The steps of the host, and their outcomes.
 
 use core::fmt;
 
@@ -27,14 +27,14 @@ pub enum Step {
         /// are not compared.
         jitter_counts: u32,
     },
-    /// Fill half-received packets and throw away what comes of it.
+    /// Complete half-received packets, and drop the answers to them.
     Flush,
     /// Keep silent, in microseconds.
     Wait {
         /// At most 2^31 - 1.
         us: u32,
     },
-    /// Go on at another rate. The port is the caller's.
+    /// Continue at another rate. The caller owns the port.
     Switch(Baud),
 }
 
@@ -44,7 +44,7 @@ pub enum Step {
 pub enum Refused {
     /// The step before is not done.
     Busy,
-    /// A number is not one that the module may get.
+    /// A number is not permitted for the module.
     OutOfRange,
     /// Individual addresses end at 32 here.
     NoSuchAddress,
@@ -74,11 +74,11 @@ impl core::error::Error for Refused {}
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Outcome {
-    /// Executed once; for a group: by its leader, the others have to be asked.
+    /// Executed once. In a group: by its leader; the other members must be queried.
     Answered(Reply),
     /// No reply came, but a reading shows that it was executed once: this reading.
     Confirmed(Reply),
-    /// Sent, flushed, waited or switched; nobody answers that.
+    /// Sent, flushed, waited or switched: steps without an answer.
     Sent,
     /// It did not go well.
     Failed(Failure),
@@ -107,7 +107,7 @@ pub enum Failure {
     /// The module received the command damaged each time, or readings show that nothing happened.
     /// The command was certainly not executed.
     NotExecuted,
-    /// Executed once or not at all, and the readings do not tell; it was not sent again.
+    /// Executed once or not at all, which the readings do not show. It was not sent again.
     Uncertain,
     /// No two readings agreed.
     Unsteady,

@@ -7,7 +7,7 @@
 
 use super::{Auxiliary, Command, Items, Mode, Reply, Reset, Status, Trajectory};
 
-/// A standing axis is never this far from where it stood: servo jitter and settling stay below.
+/// A standing axis moves by less than this: servo jitter and settling stay below.
 const STILL_COUNTS: u32 = 64;
 
 /// When a command may be repeated.
@@ -145,7 +145,7 @@ pub(super) fn agreement(first: &Reply, second: &Reply) -> Option<Reply> {
         && a.home == b.home
         && (is_moving || is_near(a.position, b.position))
         && (leaves || a.path_points == b.path_points);
-    // Of an axis that has a speed in one of them, that one: less follows from it.
+    // The reading of the two in which the axis has a speed: it gives fewer conclusions.
     agrees.then_some(if stands(second) { *first } else { *second })
 }
 
@@ -154,7 +154,7 @@ fn is_near(a: i32, b: i32) -> bool {
     a.wrapping_sub(b).unsigned_abs() <= STILL_COUNTS
 }
 
-/// Whether nothing happened that an operator or a host must know before anything moves.
+/// Whether no event happened that an operator or a host must know before anything moves.
 fn is_undisturbed(before: &Reply, after: &Reply) -> bool {
     const WATCHED: u8 = Status::HOME_IN_PROGRESS.0
         | Status::POSITION_ERROR.0

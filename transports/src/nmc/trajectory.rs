@@ -84,7 +84,7 @@ impl Trajectory {
         }
     }
 
-    /// `None` if the length is not the one that the control byte announces.
+    /// `None` if the length differs from that of the control byte.
     pub(super) fn read(data: &[u8]) -> Option<Trajectory> {
         let mut fields = Fields(data);
         let control = fields.u8()?;

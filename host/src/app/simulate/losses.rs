@@ -1,4 +1,4 @@
-//! What is said about steps that the motors did not follow.
+//! The messages about steps that the motors did not follow.
 
 use crate::app::job::Job;
 use crate::simulation::run::Run;
@@ -6,8 +6,7 @@ use crate::text::duration::duration;
 use crate::text::length::millimetres;
 use husillo_machine::OnLoss;
 
-/// A sentence for each axis that lost steps which nothing made good: how many, where first, and
-/// what to do.
+/// A sentence for each axis that lost steps without correction: number, first position, remedy.
 pub fn sentences(job: &Job, run: &Run) -> Vec<String> {
     let mut sentences = Vec::new();
     let axes = job.machine.axes.iter().zip(run.mechanics.losses().lost());

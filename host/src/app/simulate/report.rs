@@ -1,4 +1,4 @@
-//! The report of a run: what its page shows.
+//! The contents of the report of a run.
 
 use super::results::Results;
 use crate::app::job::Job;
@@ -9,7 +9,7 @@ use crate::simulation::run::Run;
 use crate::text::duration::duration;
 use crate::text::length::length;
 
-/// The table of figures; no time of take-ups where the lash is not compensated.
+/// The table of figures. It has no time of take-ups if the backlash is not compensated.
 pub fn figures(
     results: &Results,
     facts: &Facts,

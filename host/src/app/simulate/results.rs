@@ -47,7 +47,7 @@ pub struct Order {
 }
 
 impl Results {
-    /// Of a program with errors: nothing moved.
+    /// The results of a program with errors: nothing moved.
     pub fn refused(findings: &Findings) -> Self {
         Self {
             errors: findings.errors,
@@ -56,7 +56,7 @@ impl Results {
         }
     }
 
-    /// Of a run that has ended with its work zero at `offset_nm` of the machine.
+    /// The results of a completed run with its work zero at `offset_nm` of the machine.
     pub fn new(job: &Job, run: &Run, facts: &Facts, offset_nm: [i64; 3]) -> Self {
         let nm =
             |steps: [i32; 3]| [0, 1, 2].map(|axis| in_nm(job, axis, steps[axis]) - offset_nm[axis]);

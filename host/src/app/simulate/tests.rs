@@ -4,8 +4,8 @@ use super::*;
 use crate::cli::{Cli, Command};
 use clap::Parser;
 
-/// Simulates a program whose report goes to a folder of its own: how often the program was opened,
-/// and the page.
+/// Simulates a program and writes its report to a separate folder. Returns how often the program
+/// was opened, and the page.
 fn simulated(program: &str, more: &[&str]) -> (u32, String) {
     let folder = std::env::temp_dir().join(format!(
         "husillo-once-{}-{}",
@@ -49,7 +49,7 @@ fn a_program_with_warnings_is_checked_once() {
     assert!(listed.eq(expected.iter().map(String::as_str)), "{page}");
 }
 
-/// Another order is another program: it is written from the first, and checked too.
+/// The mirrored order is a new program: it is made from the first one, and checked too.
 #[test]
 fn a_program_in_another_order_is_checked_again() {
     let (opened, _) = simulated("../examples/circles.nc", &["--order", "mirrored"]);

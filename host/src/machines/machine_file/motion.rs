@@ -12,7 +12,7 @@ pub struct Motion {
     pub top_feed: Option<i64>,
     /// Largest difference of the two radii of an arc, nm.
     pub arc_tolerance: Option<i64>,
-    /// Largest distance of the path from a corner, nm.
+    /// Largest distance from a corner to the circle that limits the speed there, nm.
     pub corner_deviation: Option<i64>,
     /// Axes that may move at once.
     pub simultaneous_axes: Option<u32>,

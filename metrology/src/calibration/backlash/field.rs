@@ -31,7 +31,8 @@ impl Field {
     }
 
     /// The error that a map leaves of measured pairs. `lash` has the pairs with the play that each
-    /// shows, nm. A cell has the largest error at its place and reaches halfway to the next place.
+    /// shows, nm. A cell has the largest error at its position and reaches halfway to the next
+    /// position.
     #[must_use]
     pub fn measured(
         axis: usize,

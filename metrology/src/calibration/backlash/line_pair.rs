@@ -5,7 +5,7 @@ use super::place_table::{Map, PlaceTable};
 /// Largest error of reading a mark, um. Play down to this much below zero counts as none.
 const NOISE_UM: f64 = 10.0;
 
-/// Places with a smaller distance than this are the same place, mm.
+/// Positions with a smaller distance than this are the same position, mm.
 const SAME_MM: f64 = 0.001;
 
 /// Two lines of the two-line test, and the measured distance between them.
@@ -23,13 +23,13 @@ pub struct LinePair {
 }
 
 impl LinePair {
-    /// Play at the place, nm. `taken_up_nm` of it were compensated during the test.
+    /// Play at the position, nm. `taken_up_nm` of it were compensated during the test.
     #[must_use]
     pub fn lash_nm(&self, taken_up_nm: f64) -> f64 {
         taken_up_nm + self.measured_nm - self.programmed_nm
     }
 
-    /// Take-up of a map at the place of the pair, nm. For bands it is taken in the middle of the
+    /// Take-up of a map at the position of the pair, nm. For bands it is taken in the middle of the
     /// travel along them.
     #[must_use]
     pub fn taken_up_nm(&self, map: &Map, step_nm: [f64; 3], travel_mm: [[f64; 2]; 2]) -> f64 {
@@ -47,7 +47,7 @@ impl LinePair {
     ///
     /// # Errors
     ///
-    /// A sentence with the place and the travel.
+    /// A sentence with the position and the travel.
     pub fn within(&self, travel_mm: [[f64; 2]; 2]) -> Result<(), String> {
         for ((place, [low, high]), letter) in self.place_mm.iter().zip(travel_mm).zip(["X", "Y"]) {
             if place.is_some_and(|mm| !(low..=high).contains(&mm)) {
@@ -62,11 +62,12 @@ impl LinePair {
 }
 
 /// Makes the table of an axis from its readings, each with the play that it shows, in nm. Several
-/// readings at a place are averaged. `None` without readings.
+/// readings at a position are averaged. `None` without readings.
 ///
 /// # Errors
 ///
-/// A sentence: a place of the grid has no reading, or there are readings of both bands and places.
+/// A sentence: a position of the grid has no reading, or there are readings of both bands and
+/// positions.
 pub fn place_table(axis: usize, pairs: &[(LinePair, f64)]) -> Result<Option<PlaceTable>, String> {
     let own: Vec<_> = pairs.iter().filter(|(pair, _)| pair.axis == axis).collect();
     let Some((first, _)) = own.first() else {

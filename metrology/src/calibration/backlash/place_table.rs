@@ -7,14 +7,14 @@ use std::sync::Arc;
 /// A map of backlash in whole steps.
 pub type Map = LashMap<Arc<[i32]>, Arc<[u32]>>;
 
-/// Backlash by position: places along one or two axes in mm, and the backlash there in um.
+/// Backlash by position: positions along one or two axes in mm, and the backlash there in um.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlaceTable {
     /// Numbers of the axes in rising order. A table along one axis has it twice.
     pub axes: [usize; 2],
-    /// Places along these axes. An axis without influence has one place.
+    /// Positions along these axes. An axis without influence has one position.
     pub places_mm: [Vec<f64>; 2],
-    /// Backlash of all places of the first axis at the first place of the second, and so on.
+    /// Backlash of all positions of the first axis at the first position of the second, and so on.
     pub lash_um: Vec<f64>,
 }
 

@@ -14,7 +14,7 @@ const LINE_MM: f64 = 0.02;
 /// Distance from one line to the other, mm.
 const APART_MM: f64 = 0.3;
 
-/// Cuts the two lines of an axis (0 or 1) near a place and measures their distance.
+/// Cuts the two lines of an axis (0 or 1) near a position and measures their distance.
 ///
 /// # Errors
 ///

@@ -53,11 +53,11 @@ impl<P: Port> Head<P> {
         if let Err(trouble) = &result {
             self.is_astray = true;
             self.line.operator().stop_is_seen_to();
-            let way = match trouble {
+            let stop = match trouble {
                 Trouble::Interrupted => StopWay::Smooth,
                 _ => StopWay::Abrupt,
             };
-            if self.stop(way).is_err() {
+            if self.stop(stop).is_err() {
                 self.line.operator().stop_is_unanswered();
             }
         }

@@ -1,6 +1,6 @@
 //! The values that the expressions of a measuring program can use.
 
-use crate::routine::called;
+use crate::routine::called_cycle;
 use husillo_gcode::parameters::{System, Value};
 use husillo_gcode::{Modal, Nm, Units};
 use std::collections::HashMap;
@@ -45,7 +45,7 @@ impl System for State {
     }
 
     fn has_subroutine(&self, name: &[u8]) -> bool {
-        called::by_name(name).is_some()
+        called_cycle::by_name(name).is_some()
     }
 }
 

@@ -1,4 +1,4 @@
-//! The phases of an exchange: reading, command, answer, and what is done about none.
+//! The phases of an exchange: reading, command, answer, and the reaction to a missing answer.
 
 use super::{Bad, Host, LAST_ADDRESS, Next, Phase};
 use crate::nmc::command::is_group;
@@ -122,7 +122,7 @@ impl Host {
         self.deadline_us = None;
     }
 
-    /// The items of a sound reply to what was sent.
+    /// The items of a valid reply to the last request.
     pub(super) fn expected(&self) -> Items {
         let repeat = self.command.repeat(self.address);
         match (self.phase, self.command, repeat) {
@@ -134,7 +134,7 @@ impl Host {
         }
     }
 
-    /// The items in force where the reply comes from.
+    /// The items in force in the module that replies.
     fn in_force(&self) -> Items {
         let from = self.answerer().unwrap_or_default();
         self.member(from)
@@ -142,7 +142,7 @@ impl Host {
             .unwrap_or_default()
     }
 
-    /// The reply once it is long enough, sound or not.
+    /// The reply when it is long enough, valid or not.
     pub(super) fn whole(&self) -> Option<Result<Reply, Bad>> {
         let status = Status(*self.input.bytes().first()?);
         let is_rejected = status.contains(Status::CHECKSUM_ERROR);
@@ -207,9 +207,9 @@ impl Host {
             (Repeat::Free, Bad::Rejected) => self.give_up(bad),
             (Repeat::Free, _) if self.tries > 0 => self.flush_then(Next::Command),
             (Repeat::Free, _) => self.give_up(bad),
-            // One reading cannot speak for all of a group.
+            // One reading does not show the state of all members of a group.
             _ if is_group(self.address) => self.fail_after_flush(Failure::Uncertain),
-            // Even a reply that says "damaged" may itself be damaged.
+            // Even a reply that reports "damaged" may itself be damaged.
             (_, Bad::Rejected) => self.read_after(),
             _ => self.flush_then(Next::After),
         }
@@ -255,7 +255,7 @@ impl Host {
         }
     }
 
-    /// What this reading and the one before say of the module, where they agree.
+    /// The conclusion from this reading and the one before, if they agree.
     fn agreed(&mut self, reply: &Reply) -> Option<Reply> {
         let first = self.first.replace(*reply)?;
         agreement(&first, reply)

@@ -1,4 +1,4 @@
-//! What the host knows of the modules, and what an executed command changes of it.
+//! The state of the modules as the host knows it, and its change by an executed command.
 
 use super::{Host, LAST_ADDRESS};
 use crate::nmc::command::is_group;
@@ -11,7 +11,7 @@ pub(super) struct Member {
     pub(super) items: Items,
     pub(super) group: Group,
     pub(super) version: u8,
-    /// What was loaded last and waits for Start Motion.
+    /// The motion that was loaded last and waits for Start Motion.
     pub(super) loaded: Option<Trajectory>,
 }
 
@@ -26,7 +26,7 @@ impl Member {
 }
 
 impl Host {
-    /// What an executed command changes of what the host knows.
+    /// The change of this state by an executed command.
     pub(super) fn learn(&mut self, reply: Option<&Reply>) {
         let (address, command) = (self.address, self.command);
         match command {
@@ -51,7 +51,7 @@ impl Host {
                 member.items = items.of_version(member.version);
             }),
             Command::LoadTrajectory(trajectory) => self.change(|member| {
-                // Of a group only the leader has answered.
+                // In a group only the leader has answered.
                 let is_known = !is_group(address) && !trajectory.start_now;
                 member.loaded = is_known.then_some(trajectory);
             }),

@@ -5,33 +5,35 @@ use husillo_transports::micromill::Axis;
 
 /// Axes that step, and those of them that step backwards. Bit 0 is X. The two bytes fit a register.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
-pub(super) struct Ways {
+pub(super) struct Directions {
     pub(super) axes: u8,
     pub(super) negative: u8,
 }
 
-impl Ways {
-    pub(super) const NONE: Ways = Ways {
+impl Directions {
+    pub(super) const NONE: Directions = Directions {
         axes: 0,
         negative: 0,
     };
 
     /// Returns one axis in one direction.
-    pub(super) const fn one(axis: Axis, is_forward: bool) -> Ways {
-        Ways::NONE.with(axis as u8, if is_forward { 1 } else { -1 })
+    pub(super) const fn one(axis: Axis, is_forward: bool) -> Directions {
+        Directions::NONE.with(axis as u8, if is_forward { 1 } else { -1 })
     }
 
     /// Converts -1, 0 or +1 of every axis.
-    pub(super) fn of(deltas: [i8; 3]) -> Ways {
+    pub(super) fn of(deltas: [i8; 3]) -> Directions {
         (0..)
             .zip(deltas)
-            .fold(Ways::NONE, |ways, (axis, delta)| ways.with(axis, delta))
+            .fold(Directions::NONE, |directions, (axis, delta)| {
+                directions.with(axis, delta)
+            })
     }
 
     /// Adds another axis, 0 to 2.
-    pub(super) const fn with(self, axis: u8, delta: i8) -> Ways {
+    pub(super) const fn with(self, axis: u8, delta: i8) -> Directions {
         let bit = 1_u8.wrapping_shl(axis as u32);
-        Ways {
+        Directions {
             axes: self.axes | if delta != 0 { bit } else { 0 },
             negative: self.negative | if delta < 0 { bit } else { 0 },
         }
@@ -57,9 +59,9 @@ impl Ways {
     }
 }
 
-impl From<Step> for Ways {
-    fn from(step: Step) -> Ways {
-        Ways {
+impl From<Step> for Directions {
+    fn from(step: Step) -> Directions {
+        Directions {
             axes: step.axes,
             negative: step.negative,
         }

@@ -5,7 +5,9 @@ use crate::diagnostics::Finding;
 use crate::machines::machine_file::{LoadError, MEASURING, read_text};
 use crate::machines::table::{Table, document};
 use husillo_metrology::Scale;
-use husillo_metrology::heads::{AxisSettings, Errors, Machine, PLACES, ProbeSettings, both_ways};
+use husillo_metrology::heads::{
+    AxisSettings, Errors, Machine, PRE_TRAVEL_ENTRIES, ProbeSettings, pre_travel_by_sign,
+};
 use husillo_metrology::quantity::{self, Quantity};
 use husillo_probe::{PreTravel, Tip, UnitVector};
 use husillo_transports::nmc::{Baud, Gains, LAST_ADDRESS};
@@ -158,7 +160,7 @@ fn check_braking(
 
 /// Reads the pre-travel: one length for the positive and one for the negative direction of every
 /// axis, or a list by direction.
-fn read_pre_travel(table: &mut Table<'_, '_>, scale: Scale) -> PreTravel<PLACES> {
+fn read_pre_travel(table: &mut Table<'_, '_>, scale: Scale) -> PreTravel<PRE_TRAVEL_ENTRIES> {
     let is_list = |table: &mut Table<'_, '_>| {
         let value = table.value("pre_travel");
         value.is_some_and(|(value, _)| value.as_array().is_some())
@@ -170,7 +172,7 @@ fn read_pre_travel(table: &mut Table<'_, '_>, scale: Scale) -> PreTravel<PLACES>
                 short(table, "negative", scale),
             ]
         });
-        return both_ways(both.unwrap_or_default());
+        return pre_travel_by_sign(both.unwrap_or_default());
     }
     let entries = table.optional_tables("pre_travel", |entry| {
         let direction = entry.value("direction").and_then(|(value, span)| {
@@ -198,9 +200,13 @@ fn read_pre_travel(table: &mut Table<'_, '_>, scale: Scale) -> PreTravel<PLACES>
     let entries: Vec<_> = entries.into_iter().flatten().flatten().collect();
     PreTravel::of(&entries).unwrap_or_else(|| {
         if let Some((_, span)) = table.value("pre_travel") {
-            table.wrong(span, "too many entries", &format!("at most {PLACES}"));
+            table.wrong(
+                span,
+                "too many entries",
+                &format!("at most {PRE_TRAVEL_ENTRIES}"),
+            );
         }
-        both_ways([0; 2])
+        pre_travel_by_sign([0; 2])
     })
 }
 

@@ -171,7 +171,7 @@ fn wanted(job: &Job) -> Vec<Wanted> {
         tolerance_micro: None,
     };
     let places = |at: &Place, axes: [bool; 3]| -> Vec<Wanted> {
-        let given = Figure::PLACES.into_iter().zip(at).zip(axes);
+        let given = Figure::COORDINATES.into_iter().zip(at).zip(axes);
         given
             .filter_map(|((figure, nm), is_measured)| {
                 nm.filter(|_| is_measured).map(|nm| of(figure, nm))

@@ -1,6 +1,4 @@
-//! `husillo calibrate`: turns measurements on a machine into lines for its file.
-
-pub mod columns;
+//! `husillo calibrate`: its arguments.
 
 use clap::{Args, Subcommand};
 

@@ -14,7 +14,7 @@ const STARTS: u32 = 3;
 
 /// A finished move of the axes.
 #[derive(Debug)]
-pub struct Way {
+pub struct FinishedMove {
     /// The last reading of each axis.
     pub replies: Vec<Reply>,
     /// An event has ended the move.
@@ -47,7 +47,7 @@ impl<P: Port> Head<P> {
         goal: &[i32],
         rate: Option<u32>,
         search: Option<Search>,
-    ) -> Result<Way, Trouble> {
+    ) -> Result<FinishedMove, Trouble> {
         self.guarded(|head| match search {
             Some(search) => head.go_along(goal, rate, search),
             None => head.go_clear(goal, rate),
@@ -59,11 +59,11 @@ impl<P: Port> Head<P> {
         goal: &[i32],
         rate: Option<u32>,
         search: Search,
-    ) -> Result<Way, Trouble> {
+    ) -> Result<FinishedMove, Trouble> {
         let mut watch = (!search.is_touch()).then(|| self.watch(goal));
         let Some(line) = self.line_to(goal, rate) else {
             let replies = self.stand(Some(goal))?;
-            return Ok(Way {
+            return Ok(FinishedMove {
                 replies,
                 is_found: false,
             });
@@ -94,7 +94,7 @@ impl<P: Port> Head<P> {
                 if let Some(watch) = &mut watch {
                     self.look_in_search(watch, &replies)?;
                 }
-                return Ok(Way {
+                return Ok(FinishedMove {
                     replies,
                     is_found: true,
                 });
@@ -103,7 +103,7 @@ impl<P: Port> Head<P> {
                 // An event while the axes settle does not count: the search ends here.
                 self.disarm(search)?;
                 let replies = self.stand(Some(goal))?;
-                return Ok(Way {
+                return Ok(FinishedMove {
                     replies,
                     is_found: false,
                 });
