@@ -7,7 +7,7 @@ mod task;
 pub use config::DrillConfig;
 pub use event::{DrillEvent, DrillFault, DrillInputs, DrillReport};
 
-use husillo_transports::drill::{Axis, Device, Order};
+use husillo_transports::drill::{Axis, Device, MachineState, Order};
 
 use husillo_machine::StepEvent;
 
@@ -24,6 +24,7 @@ const Z: usize = 2;
 /// | --- | --- |
 /// | a byte arrives | [`push`](Drill::push) |
 /// | the last event is carried out | [`next_event`](Drill::next_event), with the present switches |
+/// | no byte has arrived for [`lease_us`](Drill::lease_us) | [`expire`](Drill::expire) |
 /// | the transmitter is free | [`transmit`](Drill::transmit) |
 /// | the button R is pressed, or power returns | [`reset`](Drill::reset) |
 ///
@@ -70,6 +71,8 @@ pub struct Drill<const N: usize> {
     /// The actual and the requested state of the spindle.
     spindle: [bool; 2],
     report: Option<DrillReport>,
+    /// The sensors of Z at the last event: up, down.
+    sees_z: [bool; 2],
 }
 
 impl<const N: usize> Controller for Drill<N> {
@@ -84,6 +87,16 @@ impl<const N: usize> Controller for Drill<N> {
     }
 
     fn stops(&self) {}
+
+    fn lease_us(&self) -> Option<u32> {
+        Drill::lease_us(self)
+    }
+
+    /// The event that was given is made: its step is the last one of X and Y.
+    fn expire(&mut self) -> bool {
+        Drill::expire(self);
+        false
+    }
 
     fn next_event(&mut self, machine: u8, inputs: &DrillInputs) -> Option<DrillEvent> {
         if machine > 0 {
@@ -128,6 +141,7 @@ impl<const N: usize> Drill<N> {
             // The spindle may be on, so it is switched off first.
             spindle: [true, false],
             report: None,
+            sees_z: [false; 2],
         }
     }
 
@@ -143,7 +157,61 @@ impl<const N: usize> Drill<N> {
 
     /// Takes a byte from the line.
     pub fn push(&mut self, byte: u8) {
+        self.link.set_machine(self.state());
         self.link.push(byte);
+    }
+
+    /// Returns the positions, the spindle and the sensors of Z.
+    pub const fn state(&self) -> MachineState {
+        let [is_up, is_down] = self.sees_z;
+        MachineState {
+            place_steps: self.place,
+            zero_steps: self.zero,
+            is_homed: self.is_homed,
+            spindle_turns: self.spindle_turns(),
+            is_up,
+            is_down,
+        }
+    }
+
+    /// Returns the longest silence of the line during the present work, us. `None`: there is no
+    /// work, or the host has not requested a lease.
+    pub fn lease_us(&self) -> Option<u32> {
+        self.link.lease_us()
+    }
+
+    /// Ends the work, because no byte has arrived for [`lease_us`](Drill::lease_us).
+    ///
+    /// X and Y, and Z in a jog, stop: their motors start and stop at their rate, so no step is lost
+    /// and the positions stay known. Those of an axis that was homing are not. A drill that goes
+    /// down goes up at once, and one that goes up continues to its sensor. The spindle stops then.
+    pub fn expire(&mut self) {
+        if self.link.lease_us().is_none() {
+            return;
+        }
+        self.link.expire();
+        self.report = Some(DrillReport::Expired);
+        self.task = match self.task {
+            Task::Leave { .. }
+            | Task::Search { .. }
+            | Task::Go { .. }
+            | Task::JogZ { .. }
+            | Task::Settle => Task::Settle,
+            // Up to three steps.
+            Task::Beyond { axis, gone } => Task::Return { axis, left: gone },
+            Task::Down { .. } => {
+                self.link.discard_drilling();
+                self.raise(Next::Rest)
+            }
+            Task::Up { left, next } => Task::Up {
+                left,
+                next: match next {
+                    Next::Drilled => next,
+                    Next::Home | Next::Go { .. } | Next::Rest => Next::Rest,
+                },
+            },
+            Task::Idle | Task::Return { .. } | Task::Fault => self.task,
+        };
     }
 
     /// Returns the next byte for the line.
@@ -179,6 +247,7 @@ impl<const N: usize> Drill<N> {
 
     /// Returns the next event for the present switches.
     pub fn next_event(&mut self, inputs: &DrillInputs) -> DrillEvent {
+        self.sees_z = [inputs.is_up, inputs.is_down];
         if let Some(report) = self.report.take() {
             return DrillEvent::Report(report);
         }
@@ -456,6 +525,7 @@ impl<const N: usize> Drill<N> {
             match next {
                 Next::Home => self.begin_search(1, inputs),
                 Next::Go { axis, to } => self.task = Task::Go { axis, to },
+                Next::Rest => self.task = Task::Settle,
                 Next::Drilled => {
                     self.switch_by_hole(false);
                     self.report = Some(DrillReport::Drilled { at: self.place });

@@ -137,6 +137,7 @@ fn text(report: DrillReport) -> String {
         DrillReport::Homed => "homed".into(),
         DrillReport::Drilled { at: [x, y] } => format!("drilled at {x},{y}"),
         DrillReport::Taught { at: [x, y] } => format!("taught {x},{y}"),
+        DrillReport::Expired => "the host is silent: its lease is over, and the work ends".into(),
         DrillReport::Fault(fault) => {
             let why = match fault {
                 DrillFault::NoSwitch { axis } => {

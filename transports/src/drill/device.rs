@@ -3,7 +3,7 @@
 use crate::buffer::Buffer;
 
 use super::{
-    AT_WORK, Axis, EMPTY, ENDING, END_OF_TEXT, EXPIRED, FAULT, KEPT, LEASE, LEASE_UNIT_MS,
+    AT_WORK, Axis, EMPTY, END_OF_TEXT, ENDING, EXPIRED, FAULT, KEPT, LEASE, LEASE_UNIT_MS,
     MachineState, NOT_ALL, Order, Reading, Rules,
 };
 
@@ -265,7 +265,8 @@ impl<const N: usize> Device<N> {
     }
 
     fn say_at_work(&mut self) {
-        self.out.push(if self.is_expired { ENDING } else { AT_WORK });
+        self.out
+            .push(if self.is_expired { ENDING } else { AT_WORK });
     }
 
     /// Whether the program runs, or an order given by hand.

@@ -2,7 +2,7 @@
 
 use super::device::check;
 use super::{
-    AT_WORK, EMPTY, ENDING, END_OF_TEXT, EXPIRED, FAULT, Failure, KEPT, LEASE, NOT_ALL, Outcome,
+    AT_WORK, EMPTY, END_OF_TEXT, ENDING, EXPIRED, FAULT, Failure, KEPT, LEASE, NOT_ALL, Outcome,
     Progress, Refused, Step, Timing,
 };
 
