@@ -25,3 +25,5 @@ pub use sender::{End, Failed, Operator, Sender, left, sentence};
 
 /// Rate of the original's link, bits/s.
 pub const BAUD: u32 = 2400;
+/// The usual lease: the longest silence of a client while the drill moves, ms.
+pub const LEASE_MS: u16 = 250;

@@ -26,8 +26,12 @@ enum Mode {
         homes: bool,
     },
     Manual,
-    /// The number of a record is being received: its low byte, once that has arrived.
-    Asked(Option<u8>),
+    /// The number of a record is being received: its low byte, once that has arrived. The manual
+    /// mode goes on after it.
+    Asked {
+        low: Option<u8>,
+        is_manual: bool,
+    },
     /// The next byte is the lease.
     Lease,
 }
@@ -311,18 +315,25 @@ impl<const N: usize> Device<N> {
                 }
             }
             Mode::Manual => self.key(byte),
-            Mode::Asked(None) => {
+            Mode::Asked {
+                low: None,
+                is_manual,
+            } => {
                 self.out.push(byte);
-                self.mode = Mode::Asked(Some(byte));
+                let low = Some(byte);
+                self.mode = Mode::Asked { low, is_manual };
             }
             Mode::Lease => {
                 self.lease = byte;
                 self.out.push(byte);
                 self.mode = Mode::Idle;
             }
-            Mode::Asked(Some(low)) => {
+            Mode::Asked {
+                low: Some(low),
+                is_manual,
+            } => {
                 self.out.push(byte);
-                self.mode = Mode::Idle;
+                self.mode = if is_manual { Mode::Manual } else { Mode::Idle };
                 self.read_back(u16::from_le_bytes([low, byte]));
             }
         }
@@ -360,8 +371,7 @@ impl<const N: usize> Device<N> {
                 self.work = Work::Orders([Some(Order::Spindle(byte == b'O')), None], Some(byte));
             }
             b'n' if self.rules.has_extras => {
-                self.mode = Mode::Asked(None);
-                self.out.push(byte);
+                self.ask(false);
             }
             LEASE if self.rules.has_extras => {
                 self.mode = Mode::Lease;
@@ -377,6 +387,14 @@ impl<const N: usize> Device<N> {
             }
             _ => {} // no answer
         }
+    }
+
+    fn ask(&mut self, is_manual: bool) {
+        self.mode = Mode::Asked {
+            low: None,
+            is_manual,
+        };
+        self.out.push(b'n');
     }
 
     /// Sends the record of this number, or a [`Reading`], with the complement of its sum.
@@ -464,6 +482,7 @@ impl<const N: usize> Device<N> {
                 self.mode = Mode::Idle;
                 return self.out.push(b'm');
             }
+            b'n' if self.rules.has_extras => return self.ask(true),
             // A question that has come too late.
             AT_WORK if self.rules.has_extras => return,
             _ => return self.out.push(byte),

@@ -375,6 +375,7 @@ impl Host {
             Step::Teach => (b'T', Mode::Manual),
             Step::Quit => (b'Q', Mode::Manual),
             Step::Spindle(on) => (if on { b'O' } else { b'S' }, Mode::Idle),
+            Step::Read(_) if self.mode == Mode::Manual => (b'n', Mode::Manual),
             Step::Read(_) => (b'n', Mode::Idle),
             Step::Help => (b'?', Mode::Idle),
             Step::Store(byte) => (byte, self.download()?),
@@ -387,7 +388,7 @@ impl Host {
         match step {
             _ if mode != self.mode => Err(Refused::Mode),
             // These are steps of their own.
-            Step::Key(b'a' | b'Q' | b'T') => Err(Refused::Mode),
+            Step::Key(b'a' | b'Q' | b'T' | b'n') => Err(Refused::Mode),
             // One wrong bit turns `m` into `e`.
             Step::Begin | Step::Manual(_) if !self.is_clear => Err(Refused::NotCleared),
             Step::End if !is_at_end => Err(Refused::Incomplete),
