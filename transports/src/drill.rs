@@ -25,7 +25,7 @@
 //! | `0` | `0` | the program becomes empty, the zero stays |
 //! | `?` | `?`, text, 04 | help |
 //! | `M` | `M`, an advance, `m` when home | as `m`, but no single wrong bit turns it into `e`: the program may be kept |
-//! | `p`, while `e` is carried out, or anything with a lease | `p` | it is at work; `;` after the end of a lease, until it rests; `!` after a fault |
+//! | `p`, while `e` is carried out, or anything with a lease | `*` | it is at work; `;` after the end of a lease, until it rests; `!` after a fault |
 //! | a key of the manual mode | `w` | not all of its steps were made: the axis is at its end |
 //! | | `>` | instead of any pending answer: the lease was over before the work was done |
 //! | | `!` | instead of any pending answer: the device has stopped with a fault until a reset |
@@ -64,8 +64,8 @@
 //! One error is not detected by echoes: `m` with one wrong bit is `e`, so the host empties the
 //! program first. One wrong bit in the other letters is harmless: it turns `B`, `c` or `r` into
 //! `b`, and `b` into `c`, `r` or `B`. `t` and `0` differ from every other command by two bits or
-//! more, and `>` from every other answer by three or more. A `p` with one wrong bit is ignored by a
-//! device at work, and counts as `p` for the host.
+//! more, `*`, `;` and `>` from the answers to commands by three or more. A device at work ignores a
+//! `p` with one wrong bit, and the host takes a `*` or `;` with one wrong bit.
 
 mod device;
 mod host;
@@ -90,8 +90,10 @@ pub use timing::Timing;
 
 /// The number in [`Step::Read`] of [`Reading::Drillings`].
 pub const COUNT: u16 = u16::MAX;
-/// Asks whether the device is at work; also the answer that it is.
+/// Asks a device with extras whether it is at work.
 pub const AT_WORK: u8 = b'p';
+/// The answer to [`AT_WORK`] of a device that is.
+pub const WORKING: u8 = b'*';
 /// The answer to [`AT_WORK`] of a device whose lease is over, until it rests.
 pub const ENDING: u8 = b';';
 /// Sent by a device whose lease was over before its work was done.

@@ -5,7 +5,7 @@ use crate::{StopRequests, Wire};
 use husillo_sim::device::drill::Device;
 use husillo_transports::drill::{
     AT_WORK, COUNT, ENDING, FAULT, Failure, Host, LEASE_UNIT_MS, MEMORY_BYTES, Outcome, Progress,
-    Reading, Refused, Step, Timing,
+    Reading, Refused, Step, Timing, WORKING,
 };
 use std::time::Duration;
 
@@ -232,7 +232,7 @@ impl Client {
                     result => return result,
                 },
                 Err(Trouble::Link(Failure::Silent)) => match self.says()? {
-                    Some(AT_WORK) => return Err(Trouble::AtWork),
+                    Some(WORKING) => return Err(Trouble::AtWork),
                     Some(FAULT) => return Err(Trouble::Link(Failure::Fault)),
                     // The drill comes up, because another client has gone.
                     Some(ENDING) if self.elapsed() < rest_by => attempts = 0,
@@ -299,7 +299,7 @@ impl Client {
                 return self.reach();
             }
             match self.says()? {
-                Some(AT_WORK) => self.put(b'E')?,
+                Some(WORKING) => self.put(b'E')?,
                 Some(FAULT) => return Err(Trouble::Link(Failure::Fault)),
                 _ => {}
             }
@@ -309,14 +309,14 @@ impl Client {
     }
 
     /// What a device answers that is at work or has stopped, after a silent [`Step::Resync`]:
-    /// [`AT_WORK`], [`ENDING`] or [`FAULT`]. An original never answers.
+    /// [`WORKING`], [`ENDING`] or [`FAULT`]. An original never answers.
     fn says(&mut self) -> Result<Option<u8>, Trouble> {
         self.put(AT_WORK)?;
         let end = self.elapsed() + AT_WORK_ANSWER;
         while self.elapsed() < end {
             let byte = self.wire.receive(end - self.elapsed());
             match byte.map_err(|error| Trouble::Port(error.to_string()))? {
-                Some(byte @ (AT_WORK | ENDING | FAULT)) => return Ok(Some(byte)),
+                Some(byte @ (WORKING | ENDING | FAULT)) => return Ok(Some(byte)),
                 // A test follows that finds out more.
                 Some(_) => {}
                 None => break,

@@ -4,7 +4,7 @@ use crate::buffer::Buffer;
 
 use super::{
     AT_WORK, Axis, EMPTY, END_OF_TEXT, ENDING, EXPIRED, FAULT, KEPT, LEASE, LEASE_UNIT_MS,
-    MachineState, NOT_ALL, Order, Reading, Rules,
+    MachineState, NOT_ALL, Order, Reading, Rules, WORKING,
 };
 
 /// The answer to `?`.
@@ -270,7 +270,7 @@ impl<const N: usize> Device<N> {
 
     fn say_at_work(&mut self) {
         self.out
-            .push(if self.is_expired { ENDING } else { AT_WORK });
+            .push(if self.is_expired { ENDING } else { WORKING });
     }
 
     /// Whether the program runs, or an order given by hand.

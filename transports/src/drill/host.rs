@@ -3,7 +3,7 @@
 use super::device::check;
 use super::{
     AT_WORK, EMPTY, END_OF_TEXT, ENDING, EXPIRED, FAULT, Failure, KEPT, LEASE, NOT_ALL, Outcome,
-    Progress, Refused, Step, Timing,
+    Progress, Refused, Step, Timing, WORKING,
 };
 
 /// Bytes that bring any device to rest. Four `f` complete any record and reach the position where
@@ -434,7 +434,7 @@ impl Host {
             self.fail(Failure::Restarted);
         } else if byte == EXPIRED && self.moves() {
             self.expire();
-        } else if self.asks_at_work && (is_like(AT_WORK) || is_like(ENDING)) {
+        } else if self.asks_at_work && (is_like(WORKING) || is_like(ENDING)) {
             self.is_at_work = true;
         } else if byte == FAULT && self.moves() {
             self.fail(Failure::Fault);
