@@ -210,12 +210,12 @@ fn jog(args: &Jog) -> Result<u8, Failure> {
     Ok(if is_well { OK } else { ERRORS })
 }
 
-/// Only the micro mill has a lease.
+/// Only the micro mill and the drill have a lease.
 fn expect_no_lease(lease: Option<u16>, machine: &str) -> Result<(), String> {
     match lease {
-        Some(_) if machine != "micromill" => {
-            Err(format!("--lease is for the micro mill: {machine} has none"))
-        }
+        Some(_) if !matches!(machine, "micromill" | "drill") => Err(format!(
+            "--lease is for the micro mill and the drill: {machine} has none"
+        )),
         _ => Ok(()),
     }
 }
@@ -254,7 +254,6 @@ fn send(args: &Send) -> Result<u8, Failure> {
     if milling::is_for(&args.target, file) {
         milling::send(args)
     } else {
-        expect_no_lease(args.lease, "drill")?;
         expect_no_single_block(args, "drill")?;
         drilling::send(args)
     }

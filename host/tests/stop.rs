@@ -285,14 +285,20 @@ fn a_drill_left_alone_is_stopped() {
 
 /// A lease that a machine does not have is not silently left out.
 #[test]
-fn only_the_micro_mill_has_a_lease() {
-    for machine in ["drill", "microfactory"] {
-        let jog = ["jog", "-m", machine, "--lease", "100", "home"];
-        let output = husillo().args(jog).output().unwrap();
-        assert_eq!(output.status.code(), Some(2));
-        let why = format!("--lease is for the micro mill: {machine} has none");
-        assert!(text(&output).contains(&why), "{}", text(&output));
-    }
+fn a_lease_that_a_machine_does_not_have_is_refused() {
+    let jog = ["jog", "-m", "microfactory", "--lease", "100", "home"];
+    let output = husillo().args(jog).output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    let why = "--lease is for the micro mill and the drill: microfactory has none";
+    assert!(text(&output).contains(why), "{}", text(&output));
+    let send = ["send", "p.nc", "-m", "drill", "--lease", "100", "--detach"];
+    let output = husillo().args(send).output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert!(
+        text(&output).contains("cannot be used with"),
+        "{}",
+        text(&output)
+    );
 }
 
 #[test]

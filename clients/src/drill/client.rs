@@ -125,6 +125,8 @@ pub struct Client {
     has_extras: bool,
     /// The wanted lease; 0 is none.
     lease_ms: u16,
+    /// A device without a lease is no device for this client.
+    needs_lease: bool,
 }
 
 impl Client {
@@ -157,14 +159,17 @@ impl Client {
             text: Vec::new(),
             has_extras: false,
             lease_ms: LEASE_MS,
+            needs_lease: false,
         }
     }
 
     /// All motion ends this many milliseconds after the last byte of this client, in units of 50 ms
-    /// and at most 12.75 s; 0: it needs no client. An original has no lease. Without this call it is
-    /// [`LEASE_MS`].
+    /// and at most 12.75 s; 0: it needs no client. [`reach`](Self::reach) fails at an original, which
+    /// has no lease, unless this is 0. Without this call the lease is [`LEASE_MS`], and an original
+    /// does without.
     pub const fn with_lease(mut self, lease_ms: u16) -> Self {
         self.lease_ms = lease_ms;
+        self.needs_lease = lease_ms > 0;
         self
     }
 
@@ -212,7 +217,7 @@ impl Client {
     /// # Errors
     ///
     /// [`Trouble::AtWork`]: it runs a program, and says so. [`Failure::Fault`]: it has stopped with
-    /// a fault, and says so. Another: it does not answer within about seven seconds. It is off or
+    /// a fault, and says so. [`Trouble::NoLease`]: it has none. Another: it does not answer within about seven seconds. It is off or
     /// absent, it homes, or it is an original at work.
     pub fn reach(&mut self) -> Result<(), Trouble> {
         let mut last = Trouble::Link(Failure::Silent);
@@ -226,7 +231,9 @@ impl Client {
                 Ok(()) => match self.introduce() {
                     // A byte may be lost: an original does not answer the second time either.
                     Err(Trouble::Link(_)) if !is_second => is_second = true,
-                    Err(Trouble::Link(_)) if !self.has_extras => return self.run(Step::Resync),
+                    Err(Trouble::Link(_)) if !self.has_extras && !self.needs_lease => {
+                        return self.run(Step::Resync);
+                    }
                     Err(Trouble::Link(_)) if self.lease_ms == 0 => return self.run(Step::Resync),
                     Err(Trouble::Link(_)) => return Err(Trouble::NoLease),
                     result => return result,

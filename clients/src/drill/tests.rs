@@ -577,6 +577,20 @@ fn a_drill_without_a_lease_goes_on_alone() {
     assert_eq!(device(&mut client).rig(0).unwrap().holes().len(), 2);
 }
 
+/// An original has no lease: where one is asked for, nothing moves.
+#[test]
+fn an_original_is_not_driven_with_a_lease() {
+    let parts = [part(1, &[[20, 10]])];
+    for (lease_ms, drills) in [(250, false), (0, true)] {
+        let client = client(true).with_lease(lease_ms);
+        let (end, mut client) = send(client, &parts, 0, false, &mut Script::default());
+        assert_eq!(end == Ok(End::Drilled), drills, "{end:?}");
+        assert_eq!(drilled(&mut client).len(), usize::from(drills));
+        let told = sentence(&end.unwrap(), "", 1);
+        assert_eq!(told.contains("does not confirm a lease"), !drills, "{told}");
+    }
+}
+
 /// A host that was late, not gone: the end of the lease is no end of the program.
 #[test]
 fn a_late_host_is_told_and_knows_the_holes() {

@@ -148,8 +148,8 @@ pub struct Send {
         value_parser = clap::value_parser!(u32).range(1..),
     )]
     pub from: u32,
-    /// End when the start is confirmed, and let the drill continue alone: one tool, up to 8192
-    /// bytes
+    /// End when the start is confirmed, and let the drill continue alone, without a lease: one
+    /// tool, up to 8192 bytes
     #[arg(long)]
     pub detach: bool,
     /// Do not ask for tools
@@ -169,12 +169,17 @@ pub struct Send {
         value_parser = clap::value_parser!(u16).range(0..=999),
     )]
     pub every: u16,
-    /// Micro mill: a motion ends this many milliseconds after the last byte of this program; 0: it
-    /// needs no host [default: 250]
-    #[arg(long, value_name = "MS", value_parser = clap::value_parser!(u16).range(0..=9999))]
+    /// Micro mill, drill: a motion ends this many milliseconds after the last byte of this program;
+    /// 0: it needs no host [default: 250]
+    #[arg(
+        long,
+        value_name = "MS",
+        value_parser = clap::value_parser!(u16).range(0..=9999),
+        conflicts_with = "detach",
+    )]
     pub lease: Option<u16>,
-    /// Micro mill: it is homed, and stands at machine zero; microfactory: figures begin at the
-    /// present positions
+    /// Micro mill: it is homed, and stands at machine zero; drill: it is homed, which it is asked;
+    /// microfactory: figures begin at the present positions
     #[arg(long)]
     pub no_home: bool,
     /// Microfactory: the device does not answer; what is sent is not confirmed

@@ -22,8 +22,8 @@ pub struct Jog {
     /// Bits a second of the link [default: 9600, of a drill 2400]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(300..=115_200))]
     pub baud: Option<u32>,
-    /// Micro mill: a motion ends this many milliseconds after the last byte of this program; 0: it
-    /// needs no host [default: 250]
+    /// Micro mill, drill: a motion ends this many milliseconds after the last byte of this program;
+    /// 0: it needs no host [default: 250]
     #[arg(long, value_name = "MS", value_parser = clap::value_parser!(u16).range(0..=9999))]
     pub lease: Option<u16>,
     /// The device does not answer, as the original did not: wait as long as it may take
