@@ -175,6 +175,8 @@ fn a_port_is_found_from_another_folder_and_by_another_name() {
             "drill",
             "--port",
             name.to_str().unwrap(),
+            "--lease",
+            "9999",
             "x+",
             "60s",
         ])
@@ -242,18 +244,21 @@ impl Drop for Drill {
 }
 
 const SEND_TO_DRILL: [&str; 7] = ["send", "p.nc", "-m", "drill", "--yes", "--port", "./drill"];
+/// 1.25 s at the speed of that drill.
+const LEASE: [&str; 2] = ["--lease", "9999"];
 
 /// A device beside the program may have the name of its machine, as in the README's example.
 #[test]
 fn a_link_may_be_called_as_its_machine() {
     let drill = Drill::start("stop-same-name");
     drill.write("%\nG21\nG90\nX1 Y0.5\n%\n");
-    let (_, sent) = drill.told(&SEND_TO_DRILL);
+    let (_, sent) = drill.told(&[&SEND_TO_DRILL[..], &LEASE].concat());
     assert!(sent.contains("1 hole drilled"), "{sent}");
     let mut jog = Command::new(env!("CARGO_BIN_EXE_husillo"))
         .current_dir(&drill.folder)
         .env("XDG_RUNTIME_DIR", &drill.folder)
         .args(["jog", "-m", "drill", "--port", "./drill", "x+", "60s"])
+        .args(LEASE)
         .stderr(Stdio::null())
         .spawn()
         .unwrap();
