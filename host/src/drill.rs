@@ -128,7 +128,9 @@ fn open(port: &str, baud: u32, lease_ms: Option<u16>) -> Result<Client, String> 
 pub fn send(args: &crate::cli::Send, parts: &[Part], out: &mut dyn Write) -> Result<bool, String> {
     let (_, port) = args.alone()?;
     let baud = args.baud.unwrap_or(BAUD);
-    let client = open(port, baud, args.lease)?;
+    // A drill that is to work alone has no lease.
+    let lease_ms = if args.detach { Some(0) } else { args.lease };
+    let client = open(port, baud, lease_ms)?;
     share(
         args.target.machine.as_deref().unwrap_or("drill"),
         port,

@@ -412,6 +412,13 @@ fn a_program_over_a_pseudo_terminal() {
     );
     // By itself, and from the second hole on.
     device.type_line("board", "without holes");
+    // The drill cannot see that the board is another one.
+    send(&device, &file, &["--from", "2", "--detach"])
+        .code(1)
+        .stderr(contains(
+            "For another board: `husillo jog -m drill --port PORT clear`",
+        ));
+    jog(&device, &["clear"]).success();
     send(&device, &file, &["--from", "2", "--detach"])
         .success()
         .stdout(contains("runs the program alone"));
