@@ -2,10 +2,12 @@
 
 mod config;
 mod event;
+mod lights;
 mod task;
 
 pub use config::DrillConfig;
 pub use event::{DrillEvent, DrillFault, DrillInputs, DrillReport};
+pub use lights::DrillLights;
 
 use husillo_transports::drill::{Axis, Device, MachineState, Order};
 
@@ -73,6 +75,10 @@ pub struct Drill<const N: usize> {
     report: Option<DrillReport>,
     /// The sensors of Z at the last event: up, down.
     sees_z: [bool; 2],
+    is_homing: bool,
+    /// Whether the lamp of the heartbeat is lit, and whether a wait for its change was given.
+    heartbeat: bool,
+    waits_for_heartbeat: bool,
 }
 
 impl<const N: usize> Controller for Drill<N> {
@@ -80,10 +86,19 @@ impl<const N: usize> Controller for Drill<N> {
     type Event = DrillEvent;
     type Stops = ();
 
-    /// Takes a byte from the line. Only the button R stops this machine.
+    /// Takes a byte from the line. Only the button R stops this machine. A byte ends the wait of a
+    /// heartbeat.
     fn receive(&mut self, byte: u8) -> bool {
         self.push(byte);
-        false
+        self.waits_for_heartbeat
+    }
+
+    fn halted(&mut self) {
+        self.waits_for_heartbeat = false;
+    }
+
+    fn made(&mut self, _: u8, _: usize) {
+        self.heartbeat ^= core::mem::take(&mut self.waits_for_heartbeat);
     }
 
     fn stops(&self) {}
@@ -102,8 +117,19 @@ impl<const N: usize> Controller for Drill<N> {
         if machine > 0 {
             return None;
         }
-        let event = Drill::next_event(self, inputs);
-        (event != DrillEvent::Idle).then_some(event)
+        match Drill::next_event(self, inputs) {
+            DrillEvent::Idle if self.config.blinks && self.lights().is_ready => {
+                if self.waits_for_heartbeat {
+                    return None;
+                }
+                self.waits_for_heartbeat = true;
+                Some(DrillEvent::Dwell {
+                    wait_ticks: DrillConfig::HEARTBEAT_US,
+                })
+            }
+            DrillEvent::Idle => None,
+            event => Some(event),
+        }
     }
 
     fn transmit(&mut self) -> Option<u8> {
@@ -142,6 +168,9 @@ impl<const N: usize> Drill<N> {
             spindle: [true, false],
             report: None,
             sees_z: [false; 2],
+            is_homing: false,
+            heartbeat: false,
+            waits_for_heartbeat: false,
         }
     }
 
@@ -153,6 +182,8 @@ impl<const N: usize> Drill<N> {
         self.is_homed = false;
         self.spindle = [true, false];
         self.report = None;
+        self.is_homing = false;
+        self.waits_for_heartbeat = false;
     }
 
     /// Takes a byte from the line.
@@ -245,6 +276,37 @@ impl<const N: usize> Drill<N> {
         is_on
     }
 
+    /// Returns the lamps of the panel.
+    pub fn lights(&self) -> DrillLights {
+        let axis_of = |task: &Task| match *task {
+            Task::Leave { axis, .. }
+            | Task::Search { axis, .. }
+            | Task::Go { axis, .. }
+            | Task::Beyond { axis, .. }
+            | Task::Return { axis, .. } => Some(axis),
+            _ => None,
+        };
+        let axis = axis_of(&self.task);
+        let z_moves = matches!(
+            self.task,
+            Task::Down { .. } | Task::Up { .. } | Task::JogZ { .. }
+        );
+        DrillLights {
+            moves: [axis == Some(0), axis == Some(1)],
+            homes: self.is_homing,
+            drills: self.spindle_turns() || z_moves && !self.config.spindle_by_hole,
+            is_manual: self.link.is_manual(),
+            is_ready: !self.is_working(),
+            receives: self.link.is_receiving(),
+            is_full: self.link.is_full(),
+        }
+    }
+
+    /// Whether the lamp of the heartbeat is lit, with [`DrillConfig::blinks`].
+    pub const fn heartbeat(&self) -> bool {
+        self.heartbeat
+    }
+
     /// Returns the next event for the present switches.
     pub fn next_event(&mut self, inputs: &DrillInputs) -> DrillEvent {
         self.sees_z = [inputs.is_up, inputs.is_down];
@@ -275,7 +337,7 @@ impl<const N: usize> Drill<N> {
     fn begin(&mut self, order: Order) {
         self.task = match order {
             Order::Home => {
-                self.is_homed = false;
+                (self.is_homed, self.is_homing) = (false, true);
                 self.raise(Next::Home)
             }
             Order::Zero => {
@@ -359,6 +421,7 @@ impl<const N: usize> Drill<N> {
             Task::Fault => Some(DrillEvent::Idle),
             Task::Settle => {
                 self.task = Task::Idle;
+                self.is_homing = false;
                 self.link.done();
                 Some(DrillEvent::Dwell {
                     wait_ticks: self.config.settle_ticks,
@@ -589,7 +652,7 @@ impl<const N: usize> Drill<N> {
         let [is_on, _] = self.spindle;
         self.spindle = [is_on, false];
         // The position of the axes is not certain any more.
-        self.is_homed = false;
+        (self.is_homed, self.is_homing) = (false, false);
         self.link.fail();
         Task::Fault
     }

@@ -297,6 +297,24 @@ impl<const N: usize> Device<N> {
         Some(*byte)
     }
 
+    /// Whether the device is in the manual mode.
+    pub const fn is_manual(&self) -> bool {
+        matches!(
+            self.mode,
+            Mode::Manual
+                | Mode::Advance { .. }
+                | Mode::Asked {
+                    is_manual: true,
+                    ..
+                }
+        )
+    }
+
+    /// Whether the device receives a program.
+    pub const fn is_receiving(&self) -> bool {
+        matches!(self.mode, Mode::Download(_))
+    }
+
     /// Returns the bytes in the memory.
     pub fn stored(&self) -> &[u8] {
         self.memory.bytes()
@@ -508,7 +526,8 @@ impl<const N: usize> Device<N> {
         self.work = Work::Program(0, after);
     }
 
-    fn is_full(&self) -> bool {
+    /// Whether the memory is full.
+    pub fn is_full(&self) -> bool {
         self.memory.bytes().len() >= N
     }
 
