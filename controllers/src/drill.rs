@@ -2,12 +2,14 @@
 
 mod config;
 mod event;
+mod lights;
 mod task;
 
 pub use config::DrillConfig;
 pub use event::{DrillEvent, DrillFault, DrillInputs, DrillReport};
+pub use lights::DrillLights;
 
-use husillo_transports::drill::{Axis, Device, Order};
+use husillo_transports::drill::{Axis, Device, MachineState, Order};
 
 use husillo_machine::StepEvent;
 
@@ -24,6 +26,7 @@ const Z: usize = 2;
 /// | --- | --- |
 /// | a byte arrives | [`push`](Drill::push) |
 /// | the last event is carried out | [`next_event`](Drill::next_event), with the present switches |
+/// | no byte has arrived for [`lease_us`](Drill::lease_us) | [`expire`](Drill::expire) |
 /// | the transmitter is free | [`transmit`](Drill::transmit) |
 /// | the button R is pressed, or power returns | [`reset`](Drill::reset) |
 ///
@@ -70,6 +73,12 @@ pub struct Drill<const N: usize> {
     /// The actual and the requested state of the spindle.
     spindle: [bool; 2],
     report: Option<DrillReport>,
+    /// The sensors of Z at the last event: up, down.
+    sees_z: [bool; 2],
+    is_homing: bool,
+    /// Whether the lamp of the heartbeat is lit, and whether a wait for its change was given.
+    heartbeat: bool,
+    waits_for_heartbeat: bool,
 }
 
 impl<const N: usize> Controller for Drill<N> {
@@ -77,20 +86,50 @@ impl<const N: usize> Controller for Drill<N> {
     type Event = DrillEvent;
     type Stops = ();
 
-    /// Takes a byte from the line. Only the button R stops this machine.
+    /// Takes a byte from the line. Only the button R stops this machine. A byte ends the wait of a
+    /// heartbeat.
     fn receive(&mut self, byte: u8) -> bool {
         self.push(byte);
-        false
+        self.waits_for_heartbeat
+    }
+
+    fn halted(&mut self) {
+        self.waits_for_heartbeat = false;
+    }
+
+    fn made(&mut self, _: u8, _: usize) {
+        self.heartbeat ^= core::mem::take(&mut self.waits_for_heartbeat);
     }
 
     fn stops(&self) {}
+
+    fn lease_us(&self) -> Option<u32> {
+        Drill::lease_us(self)
+    }
+
+    /// The event that was given is made: its step is the last one of X and Y.
+    fn expire(&mut self) -> bool {
+        Drill::expire(self);
+        false
+    }
 
     fn next_event(&mut self, machine: u8, inputs: &DrillInputs) -> Option<DrillEvent> {
         if machine > 0 {
             return None;
         }
-        let event = Drill::next_event(self, inputs);
-        (event != DrillEvent::Idle).then_some(event)
+        match Drill::next_event(self, inputs) {
+            DrillEvent::Idle if self.config.blinks && self.lights().is_ready => {
+                if self.waits_for_heartbeat {
+                    return None;
+                }
+                self.waits_for_heartbeat = true;
+                Some(DrillEvent::Dwell {
+                    wait_ticks: DrillConfig::HEARTBEAT_US,
+                })
+            }
+            DrillEvent::Idle => None,
+            event => Some(event),
+        }
     }
 
     fn transmit(&mut self) -> Option<u8> {
@@ -128,6 +167,10 @@ impl<const N: usize> Drill<N> {
             // The spindle may be on, so it is switched off first.
             spindle: [true, false],
             report: None,
+            sees_z: [false; 2],
+            is_homing: false,
+            heartbeat: false,
+            waits_for_heartbeat: false,
         }
     }
 
@@ -139,11 +182,67 @@ impl<const N: usize> Drill<N> {
         self.is_homed = false;
         self.spindle = [true, false];
         self.report = None;
+        self.is_homing = false;
+        self.waits_for_heartbeat = false;
     }
 
     /// Takes a byte from the line.
     pub fn push(&mut self, byte: u8) {
+        self.link.set_machine(self.state());
         self.link.push(byte);
+    }
+
+    /// Returns the positions, the spindle and the sensors of Z.
+    pub const fn state(&self) -> MachineState {
+        let [is_up, is_down] = self.sees_z;
+        MachineState {
+            place_steps: self.place,
+            zero_steps: self.zero,
+            is_homed: self.is_homed,
+            spindle_turns: self.spindle_turns(),
+            is_up,
+            is_down,
+        }
+    }
+
+    /// Returns the longest silence of the line during the present work, us. `None`: there is no
+    /// work, or the host has not requested a lease.
+    pub fn lease_us(&self) -> Option<u32> {
+        self.link.lease_us()
+    }
+
+    /// Ends the work, because no byte has arrived for [`lease_us`](Drill::lease_us).
+    ///
+    /// X and Y, and Z in a jog, stop: their motors start and stop at their rate, so no step is lost
+    /// and the positions stay known. Those of an axis that was homing are not. A drill that goes
+    /// down goes up at once, and one that goes up continues to its sensor. The spindle stops then.
+    pub fn expire(&mut self) {
+        if self.link.lease_us().is_none() {
+            return;
+        }
+        self.link.expire();
+        self.report = Some(DrillReport::Expired);
+        self.task = match self.task {
+            Task::Leave { .. }
+            | Task::Search { .. }
+            | Task::Go { .. }
+            | Task::JogZ { .. }
+            | Task::Settle => Task::Settle,
+            // Up to three steps.
+            Task::Beyond { axis, gone } => Task::Return { axis, left: gone },
+            Task::Down { .. } => {
+                self.link.discard_drilling();
+                self.raise(Next::Rest)
+            }
+            Task::Up { left, next } => Task::Up {
+                left,
+                next: match next {
+                    Next::Drilled => next,
+                    Next::Home | Next::Go { .. } | Next::Rest => Next::Rest,
+                },
+            },
+            Task::Idle | Task::Return { .. } | Task::Fault => self.task,
+        };
     }
 
     /// Returns the next byte for the line.
@@ -177,8 +276,40 @@ impl<const N: usize> Drill<N> {
         is_on
     }
 
+    /// Returns the lamps of the panel.
+    pub fn lights(&self) -> DrillLights {
+        let axis_of = |task: &Task| match *task {
+            Task::Leave { axis, .. }
+            | Task::Search { axis, .. }
+            | Task::Go { axis, .. }
+            | Task::Beyond { axis, .. }
+            | Task::Return { axis, .. } => Some(axis),
+            _ => None,
+        };
+        let axis = axis_of(&self.task);
+        let z_moves = matches!(
+            self.task,
+            Task::Down { .. } | Task::Up { .. } | Task::JogZ { .. }
+        );
+        DrillLights {
+            moves: [axis == Some(0), axis == Some(1)],
+            homes: self.is_homing,
+            drills: self.spindle_turns() || z_moves && !self.config.spindle_by_hole,
+            is_manual: self.link.is_manual(),
+            is_ready: !self.is_working(),
+            receives: self.link.is_receiving(),
+            is_full: self.link.is_full(),
+        }
+    }
+
+    /// Whether the lamp of the heartbeat is lit, with [`DrillConfig::blinks`].
+    pub const fn heartbeat(&self) -> bool {
+        self.heartbeat
+    }
+
     /// Returns the next event for the present switches.
     pub fn next_event(&mut self, inputs: &DrillInputs) -> DrillEvent {
+        self.sees_z = [inputs.is_up, inputs.is_down];
         if let Some(report) = self.report.take() {
             return DrillEvent::Report(report);
         }
@@ -206,7 +337,7 @@ impl<const N: usize> Drill<N> {
     fn begin(&mut self, order: Order) {
         self.task = match order {
             Order::Home => {
-                self.is_homed = false;
+                (self.is_homed, self.is_homing) = (false, true);
                 self.raise(Next::Home)
             }
             Order::Zero => {
@@ -290,6 +421,7 @@ impl<const N: usize> Drill<N> {
             Task::Fault => Some(DrillEvent::Idle),
             Task::Settle => {
                 self.task = Task::Idle;
+                self.is_homing = false;
                 self.link.done();
                 Some(DrillEvent::Dwell {
                     wait_ticks: self.config.settle_ticks,
@@ -456,6 +588,7 @@ impl<const N: usize> Drill<N> {
             match next {
                 Next::Home => self.begin_search(1, inputs),
                 Next::Go { axis, to } => self.task = Task::Go { axis, to },
+                Next::Rest => self.task = Task::Settle,
                 Next::Drilled => {
                     self.switch_by_hole(false);
                     self.report = Some(DrillReport::Drilled { at: self.place });
@@ -519,7 +652,7 @@ impl<const N: usize> Drill<N> {
         let [is_on, _] = self.spindle;
         self.spindle = [is_on, false];
         // The position of the axes is not certain any more.
-        self.is_homed = false;
+        (self.is_homed, self.is_homing) = (false, false);
         self.link.fail();
         Task::Fault
     }

@@ -11,7 +11,9 @@ mod ring;
 mod servo_module;
 
 pub use controller::{Controller, StopBytes, Timed};
-pub use drill::{Drill, DrillConfig, DrillEvent, DrillFault, DrillInputs, DrillReport};
+pub use drill::{
+    Drill, DrillConfig, DrillEvent, DrillFault, DrillInputs, DrillLights, DrillReport,
+};
 pub use husillo_transports::microfactory::Report as MicrofactoryReport;
 pub use husillo_transports::micromill::Stops as MicromillStops;
 pub use microfactory::{

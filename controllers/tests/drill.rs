@@ -1,6 +1,6 @@
 //! Properties of the drill's controller for any bytes of its link and any levels of its switches.
 
-use husillo_controllers::{Drill, DrillConfig, DrillEvent, DrillInputs};
+use husillo_controllers::{Controller, Drill, DrillConfig, DrillEvent, DrillInputs, DrillReport};
 use husillo_transports::drill::Rules;
 use proptest::prelude::*;
 
@@ -115,5 +115,189 @@ proptest! {
         prop_assert!(drill.is_homed() && !drill.spindle_turns());
         prop_assert_eq!(drill.transmit(), Some(b'B'));
         prop_assert_eq!(drill.transmit(), None);
+    }
+}
+
+/// A machine of a few steps, with the time of its events.
+struct Bench {
+    drill: Drill<64>,
+    place: [i32; 3],
+    now_us: u64,
+    heard_us: u64,
+    answers: Vec<u8>,
+    drilled: usize,
+    deepest: i32,
+}
+
+impl Bench {
+    const STROKE: i32 = 400;
+
+    fn homed() -> Self {
+        let config = DrillConfig {
+            stroke_steps: 1000,
+            ..DrillConfig::FIXED
+        };
+        let mut bench = Bench {
+            drill: Drill::new(config),
+            place: [30, 20, 10],
+            now_us: 0,
+            heard_us: 0,
+            answers: Vec::new(),
+            drilled: 0,
+            deepest: 0,
+        };
+        while bench.go() {}
+        assert_eq!(bench.answers, b"B");
+        bench.answers.clear();
+        bench
+    }
+
+    fn inputs(&self) -> DrillInputs {
+        let [x, y, z] = self.place;
+        DrillInputs {
+            home: [x <= 0, y <= 0],
+            is_up: z <= 0,
+            is_down: z >= Self::STROKE,
+        }
+    }
+
+    fn hear(&mut self, byte: u8) {
+        self.heard_us = self.now_us;
+        self.drill.push(byte);
+        self.answers
+            .extend(std::iter::from_fn(|| self.drill.transmit()));
+    }
+
+    /// Each byte is sent when the drill is done with the last one. Meanwhile the lease is renewed.
+    fn say(&mut self, bytes: &[u8]) {
+        for byte in bytes {
+            self.hear(*byte);
+            while self.go() {
+                self.renew();
+            }
+        }
+    }
+
+    fn renew(&mut self) {
+        if self.now_us > self.heard_us + 60_000 && self.drill.is_working() {
+            self.hear(b'p');
+        }
+    }
+
+    /// The next event, or the end of the lease before it. `false`: the drill is idle.
+    fn go(&mut self) -> bool {
+        let event = self.drill.next_event(&self.inputs());
+        let wait_us = match event {
+            DrillEvent::Step(step) => u64::from(step.wait_ticks),
+            DrillEvent::Dwell { wait_ticks } => u64::from(wait_ticks),
+            _ => 0,
+        };
+        let over_us = (self.drill.lease_us()).map(|lease_us| self.heard_us + u64::from(lease_us));
+        if over_us.is_some_and(|over_us| over_us <= self.now_us + wait_us) {
+            // The event that was given is made.
+            assert!(!Controller::expire(&mut self.drill));
+        }
+        self.now_us += wait_us;
+        if let DrillEvent::Step(step) = event {
+            for (place, delta) in self.place.iter_mut().zip(step.delta) {
+                *place += i32::from(delta);
+            }
+        }
+        self.deepest = self.deepest.max(self.place[2]);
+        self.drilled += usize::from(matches!(
+            event,
+            DrillEvent::Report(DrillReport::Drilled { .. })
+        ));
+        self.answers
+            .extend(std::iter::from_fn(|| self.drill.transmit()));
+        event != DrillEvent::Idle
+    }
+}
+
+/// With a lease everything that moves ends when the host is silent: X and Y within the lease and a
+/// step, Z above the board. Until then `p` continues each motion. The positions stay known, a hole
+/// counts only if it is whole, and the lease has ended.
+#[test]
+fn every_motion_has_a_lease() {
+    const LEASE_US: u64 = 250_000;
+    const STEP_US: u64 = 1_000_000 / 247 + 1;
+    const LIFT_US: u64 = (Bench::STROKE as u64 + 3) * STEP_US;
+    const PROGRAM: &[u8] = b"bX\x00\x04Y\x00\x02Z\0\0X\0\x08Z\0\0f";
+    // What is sent before, and what moves.
+    let cases: [(&[u8], &[u8]); 7] = [
+        (PROGRAM, b"e"),
+        (b"", b"r"),
+        (b"", b"M\xff"),
+        (b"M\xff", b"D"),
+        (b"M\xff", b"L"),
+        (b"M\xffDFT", b"r"),
+        (b"M\xffDFTL", b"e"),
+    ];
+    for (before, begins) in cases {
+        let context = format!("{before:x?} {begins:x?}");
+        let (mut ended, mut done) = (0, 0);
+        for renewed_us in (0..30_000_000).step_by(70_001) {
+            let mut bench = Bench::homed();
+            bench.say(b"Ot\x05");
+            bench.say(before);
+            bench.answers.clear();
+            let (last, first) = begins.split_last().unwrap();
+            bench.say(first);
+            bench.hear(*last);
+            let silent_at = bench.now_us + renewed_us;
+            while bench.now_us < silent_at && bench.go() {
+                bench.renew();
+            }
+            if !bench.drill.is_working() {
+                // Done, with a lease all the time.
+                assert!(!bench.answers.contains(&b'>'), "{context}");
+                done += 1;
+                break;
+            }
+            ended += 1;
+            bench.hear(b'p');
+            assert_eq!(bench.answers.last(), Some(&b'*'), "{context}");
+            let (heard_us, mut moved_us) = (bench.now_us, 0);
+            let (mut place, mut is_down) = (bench.place, false);
+            while bench.go() {
+                if bench.place[..2] != place[..2] {
+                    moved_us = bench.now_us;
+                }
+                is_down |= bench.place[2] > 0;
+                place = bench.place;
+            }
+            let silent_us = bench.now_us - heard_us;
+            if bench.answers.last() != Some(&b'>') {
+                assert!(silent_us <= LEASE_US, "{context}: done before its end");
+                continue;
+            }
+            assert!(moved_us <= heard_us + LEASE_US + STEP_US, "{context}");
+            let longest_us = LEASE_US + 3 * STEP_US + if is_down { LIFT_US } else { 0 };
+            assert!(silent_us <= longest_us, "{context}: {silent_us}");
+            assert!(!bench.drill.spindle_turns(), "{context}");
+            let is_jog = begins == b"L";
+            assert!(
+                is_jog || bench.place[2] == 0,
+                "{context}: {:?}",
+                bench.place
+            );
+            let [x, y] = bench.drill.position_steps().map(i32::from);
+            assert!(bench.drill.is_homed() || matches!(begins, b"r" | b"M\xff"));
+            assert!(
+                !bench.drill.is_homed() || [x, y] == bench.place[..2],
+                "{context}"
+            );
+            // It rests; the next work needs no host, and is done.
+            bench.say(b"Q");
+            bench.answers.clear();
+            bench.say(b"n\xff\xff");
+            assert_eq!(usize::from(bench.answers[4]), bench.drilled, "{context}");
+            bench.answers.clear();
+            bench.hear(b'r');
+            assert_eq!(bench.drill.lease_us(), None);
+            while bench.go() {}
+            assert_eq!(bench.answers, b"r", "{context}");
+        }
+        assert!(ended > 1 && done == 1, "{context}: {ended} {done}");
     }
 }

@@ -84,6 +84,10 @@ fn run(
             if order == Order::Teach {
                 device.teach([1, 2]);
             }
+            // The host is silent in the middle of some work.
+            if device.lease_us().is_some_and(|us| us < 1_000_000) {
+                device.expire();
+            }
             device.done();
         }
         // Two bytes of the last record may be left over from the previous part.
@@ -100,7 +104,7 @@ fn run(
 }
 
 fn step(bytes: &mut Bytes<'_>) -> Step {
-    match bytes.byte() % 21 {
+    match bytes.byte() % 23 {
         0 => Step::Resync,
         1 => Step::Test,
         2 => Step::Clear,
@@ -117,6 +121,8 @@ fn step(bytes: &mut Bytes<'_>) -> Step {
         17 => Step::Read(u16::from_le_bytes([bytes.byte(), bytes.byte()])),
         18 => Step::Help,
         19 => Step::ManualKept(bytes.byte()),
+        20 => Step::Lease(bytes.byte()),
+        21 => Step::Empty,
         _ => Step::Quit,
     }
 }

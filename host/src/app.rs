@@ -189,7 +189,6 @@ fn write_machine(machine: &str, file: &Option<String>) -> Result<u8, Failure> {
 
 fn jog(args: &Jog) -> Result<u8, Failure> {
     let out = &mut console::stdout();
-    expect_no_lease(args.lease, &args.machine)?;
     let is_well = match args.machine.as_str() {
         "drill" => drill::jog(args, out)?,
         "micromill" => {
@@ -207,16 +206,6 @@ fn jog(args: &Jog) -> Result<u8, Failure> {
         }
     };
     Ok(if is_well { OK } else { ERRORS })
-}
-
-/// The drill has no lease.
-fn expect_no_lease(lease: Option<u16>, machine: &str) -> Result<(), String> {
-    match lease {
-        Some(_) if machine == "drill" => {
-            Err("--lease is for the micro mill and the microfactory: the drill has none".into())
-        }
-        _ => Ok(()),
-    }
 }
 
 fn expect_no_single_block(args: &Send, machine: &str) -> Result<(), String> {
@@ -252,7 +241,6 @@ fn send(args: &Send) -> Result<u8, Failure> {
     if milling::is_for(&args.target, file) {
         milling::send(args)
     } else {
-        expect_no_lease(args.lease, "drill")?;
         expect_no_single_block(args, "drill")?;
         drilling::send(args)
     }

@@ -24,8 +24,11 @@ use crate::console::sharing::share;
 use crate::console::stop::stop_requests;
 use crate::holes;
 use crate::output::Outputs;
-use husillo_clients::drill::{Action, BAUD, Client, End, Hand, Operator, Part, Sender, sentence};
+use husillo_clients::drill::{
+    Action, BAUD, Client, End, Hand, Operator, Part, Place, Sender, Trouble, sentence,
+};
 use husillo_sim::device::drill::Device;
+use husillo_transports::drill::Failure as LinkFailure;
 use std::io::{self, Write};
 
 /// Writes what `save` read back.
@@ -52,7 +55,7 @@ pub fn jog(args: &Jog, out: &mut dyn Write) -> Result<bool, String> {
         return Err("--without-answers is for the microfactory: a drill answers every byte".into());
     }
     let baud = args.baud.unwrap_or(BAUD);
-    let mut client = Client::open(port, baud, stop_requests()?)?;
+    let mut client = open(port, baud, args.lease)?;
     share(&args.machine, port, baud);
     let tell = |line: &str, out: &mut dyn Write| {
         // A reader that has gone away does not stop a machine.
@@ -68,6 +71,14 @@ pub fn jog(args: &Jog, out: &mut dyn Write) -> Result<bool, String> {
         }),
         _ => client.reach(),
     };
+    if let (Err(trouble), [Action::Where]) = (&reached, &actions[..]) {
+        let is_answer =
+            *trouble == Trouble::AtWork || *trouble == Trouble::Link(LinkFailure::Fault);
+        tell(&Place::unknown(trouble), out);
+        if is_answer {
+            return Ok(true);
+        }
+    }
     if let Err(trouble) = reached {
         eprintln!("error: {port}: {}", trouble.unreached());
         return Ok(false);
@@ -100,6 +111,15 @@ pub fn jog(args: &Jog, out: &mut dyn Write) -> Result<bool, String> {
     Ok(true)
 }
 
+/// Opens a port, with a lease where one is asked for.
+fn open(port: &str, baud: u32, lease_ms: Option<u16>) -> Result<Client, String> {
+    let client = Client::open(port, baud, stop_requests()?)?;
+    Ok(match lease_ms {
+        Some(lease_ms) => client.with_lease(lease_ms),
+        None => client,
+    })
+}
+
 /// `husillo send`.
 ///
 /// # Errors
@@ -108,7 +128,9 @@ pub fn jog(args: &Jog, out: &mut dyn Write) -> Result<bool, String> {
 pub fn send(args: &crate::cli::Send, parts: &[Part], out: &mut dyn Write) -> Result<bool, String> {
     let (_, port) = args.alone()?;
     let baud = args.baud.unwrap_or(BAUD);
-    let client = Client::open(port, baud, stop_requests()?)?;
+    // A drill that is to work alone has no lease.
+    let lease_ms = if args.detach { Some(0) } else { args.lease };
+    let client = open(port, baud, lease_ms)?;
     share(
         args.target.machine.as_deref().unwrap_or("drill"),
         port,
@@ -122,6 +144,7 @@ pub fn send(args: &crate::cli::Send, parts: &[Part], out: &mut dyn Write) -> Res
         from: args.from as usize - 1,
         // There and back, and what a computer takes between.
         byte_s: 20.0 / f64::from(baud) + 0.001,
+        is_homed: args.no_home,
         is_sure: args.yes,
         diameter: holes::length,
     };
@@ -131,7 +154,7 @@ pub fn send(args: &crate::cli::Send, parts: &[Part], out: &mut dyn Write) -> Res
     let text = sentence(&end, &again, all);
     operator.close();
     match end {
-        End::Failed(_) => {
+        End::Failed(_) | End::Unreached(_) => {
             eprintln!("error: {port}: {text}");
             Ok(false)
         }

@@ -83,7 +83,7 @@ fn a_session_with_the_drill() {
         speed: "8",
         moves: &["home", "y", "30"],
         place: "y 30 steps from home",
-        patience: &[],
+        patience: &["--lease", "9999"],
         jog: ["x+", "60s"],
         job: Job {
             file: "clients.nc",
@@ -246,7 +246,7 @@ fn the_next_client_takes_over_from_a_killed_one(session: &Session, device: &mut 
     let mut child = begin(session, device);
     child.kill().unwrap();
     child.wait().unwrap();
-    // A drill carries out the words that it has; the others have a lease.
+    // A microfactory carries out the words that it has; the others have a lease.
     stands(device, Duration::from_secs(20));
     well(session, device, &["home"]);
     is_moved(session, device);

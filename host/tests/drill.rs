@@ -22,8 +22,11 @@ fn device(name: &str, args: &[&str]) -> Option<Emulated> {
 
 fn jog(device: &Emulated, actions: &[&str]) -> assert_cmd::assert::Assert {
     let port = ["jog", "-m", "drill", "--port", device.port()];
-    husillo().args(port).args(actions).assert()
+    husillo().args(port).args(NO_LEASE).args(actions).assert()
 }
+
+/// A lease of a drill 100 times as fast would be 2.5 ms.
+const NO_LEASE: [&str; 2] = ["--lease", "0"];
 
 /// A name in the folder for passing files that is this test's alone.
 fn passing(name: &str) -> std::path::PathBuf {
@@ -105,6 +108,7 @@ fn faults_at_the_panel() {
 fn drilling(file: &str, device: &mut Emulated) -> std::process::Child {
     let child = std::process::Command::new(env!("CARGO_BIN_EXE_husillo"))
         .args(["send", file, "-m", "drill", "--port", device.port()])
+        .args(NO_LEASE)
         .stderr(std::process::Stdio::piped())
         .spawn()
         .unwrap();
@@ -387,7 +391,11 @@ fn a_board_is_placed_and_has_a_depth() {
 
 fn send(device: &Emulated, file: &str, args: &[&str]) -> assert_cmd::assert::Assert {
     let port = ["send", file, "-m", "drill", "--port", device.port()];
-    husillo().args(port).args(args).assert()
+    let lease = match args.contains(&"--detach") || args.contains(&"--lease") {
+        true => &[][..],
+        false => &NO_LEASE,
+    };
+    husillo().args(port).args(lease).args(args).assert()
 }
 
 #[test]
@@ -405,6 +413,13 @@ fn a_program_over_a_pseudo_terminal() {
     );
     // By itself, and from the second hole on.
     device.type_line("board", "without holes");
+    // The drill cannot see that the board is another one.
+    send(&device, &file, &["--from", "2", "--detach"])
+        .code(1)
+        .stderr(contains(
+            "For another board: `husillo jog -m drill --port PORT clear`",
+        ));
+    jog(&device, &["clear"]).success();
     send(&device, &file, &["--from", "2", "--detach"])
         .success()
         .stdout(contains("runs the program alone"));
@@ -504,22 +519,14 @@ fn a_tool_change_is_interrupted() {
     );
 }
 
-/// The button, and the cable, in the middle of a run.
+/// The button in the middle of a run.
 #[test]
-fn an_emergency_stop_and_a_pulled_cable() {
+fn an_emergency_stop() {
     let Some(mut device) = device("drill-emergency", &[]) else {
         return;
     };
     let file = program("emergency.nc", THREE);
-    let begin = |device: &Emulated| {
-        std::process::Command::new(env!("CARGO_BIN_EXE_husillo"))
-            .args(["send", &file, "-m", "drill", "--port", device.port()])
-            .stderr(std::process::Stdio::piped())
-            .spawn()
-            .unwrap()
-    };
-    let child = begin(&device);
-    device.read_until("drilled at 1070,535");
+    let child = drilling(&file, &mut device);
     device.type_line("reset", "reset");
     device.read_until("homed");
     let output = child.wait_with_output().unwrap();
@@ -527,23 +534,181 @@ fn an_emergency_stop_and_a_pulled_cable() {
     assert_eq!(output.status.code(), Some(1), "{told}");
     assert!(told.contains("the drill was reset"), "{told}");
     assert!(told.contains("look at the board"), "{told}");
-    device.type_line("board", "without holes");
-    // The cable: the drill continues to the end of its memory, and its answers are lost.
-    let child = begin(&device);
-    device.read_until("spindle on");
-    device.type_line("unplug", "unplugged");
-    let output = child.wait_with_output().unwrap();
-    let told = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(1), "{told}");
-    assert!(told.contains("no answer"), "{told}");
-    assert!(
-        told.contains("0 of 3 holes are drilled; begin again with"),
-        "{told}"
-    );
-    device.type_line("plug", "plugged");
-    send(&device, &file, &[]).success();
-    device.type_line("holes", "3 holes: 1070,535");
     let _ = std::fs::remove_file(file);
+}
+
+/// The host is killed, or its cable is pulled, behind the first hole: the drill stops in the second
+/// one with its lease, comes up, and is not on its own. `--from` goes on without homing.
+#[test]
+fn a_drill_without_its_host_stops() {
+    let file = program("alone.nc", THREE);
+    for is_killed in [true, false] {
+        // 10 s of the drill, in which it would not complete the hole, are 1.25 s here.
+        let Some(mut device) = Emulated::new("drill", "drill-alone", &["--speed", "8"]) else {
+            return;
+        };
+        let lease = ["--lease", "9999"];
+        let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_husillo"))
+            .args(["send", &file, "-m", "drill", "--port", device.port()])
+            .args(lease)
+            .stderr(std::process::Stdio::piped())
+            .spawn()
+            .unwrap();
+        device.read_until("drilled at 1070,535");
+        if is_killed {
+            child.kill().unwrap();
+        } else {
+            device.type_line("unplug", "unplugged");
+        }
+        let output = child.wait_with_output().unwrap();
+        let told = String::from_utf8_lossy(&output.stderr);
+        assert!(is_killed || told.contains("no answer"), "{told}");
+        device.read_until("the host is silent: its lease is over");
+        device.read_until("spindle off");
+        let place = device.type_line("where", "lost");
+        let stands = "x 1342 y 535 steps from home, z 0 below its sensor, spindle off; 1 holes";
+        assert!(place.contains(stands), "{place}");
+        device.type_line("plug", "plugged");
+        let port = ["jog", "-m", "drill", "--port", device.port(), "where"];
+        husillo().args(port).assert().success().stdout(
+            contains("state    at rest, homed")
+                .and(contains("x        1342 steps, 12.542 mm, 0.4938 in"))
+                .and(contains("y        535 steps, 5.000 mm, 0.1969 in"))
+                .and(contains("z        up, at its sensor"))
+                .and(contains("spindle  off"))
+                .and(contains("1 drillings done since")),
+        );
+        assert_eq!(device.type_line("where", "lost"), place, "it goes on");
+        let rest = ["--from", "2", "--no-home"];
+        send(&device, &file, &[&lease[..], &rest].concat()).success();
+        let holes = device.type_line("holes", "3 holes:");
+        assert_eq!(
+            holes.trim(),
+            "3 holes: 1070,535 depth 3745; 1342,535 depth 3745; 1342,807 depth 3745"
+        );
+    }
+    let _ = std::fs::remove_file(file);
+}
+
+/// A drill that works alone: its holes are counted by itself. `--from` with the number that was
+/// right before is not repeated, and drills no hole twice.
+#[test]
+fn a_drill_that_worked_alone_is_asked_for_its_holes() {
+    let Some(mut device) = device("drill-left", &[]) else {
+        return;
+    };
+    let holes: String = (0..30)
+        .map(|hole| format!("X{} Y1\n", 1 + hole % 2 * 60))
+        .collect();
+    let file = program("left.nc", &format!("%\nG21\nG90\n{holes}%\n"));
+    send(&device, &file, &["--detach"])
+        .success()
+        .stdout(contains("has no lease"));
+    device.read_until("drilled at");
+    let at_work = send(&device, &file, &["--from", "2"]).code(1);
+    let told = String::from_utf8_lossy(&at_work.get_output().stderr).into_owned();
+    assert!(told.contains("runs its program"), "{told}");
+    assert!(told.contains("nothing was sent"), "{told}");
+    assert!(!told.contains("go on with"), "{told}");
+    jog(&device, &["where"])
+        .success()
+        .stdout(contains("runs a program alone").and(contains("x        unknown")));
+    device.read_until("spindle off");
+    send(&device, &file, &["--from", "2"])
+        .code(1)
+        .stderr(contains("by its own count").and(contains("30 of 30 holes are drilled")));
+    device.type_line("holes", "30 holes");
+    // Stopped on its way: the number that it says goes on.
+    jog(&device, &["clear"]).success();
+    device.type_line("board", "without holes");
+    send(&device, &file, &["--detach"]).success();
+    device.read_until("drilled at");
+    device.read_until("drilled at");
+    jog(&device, &["stop"]).success();
+    let place = device.type_line("where", "lost");
+    let drilled = place
+        .split(" holes")
+        .next()
+        .unwrap()
+        .rsplit(' ')
+        .next()
+        .unwrap()
+        .to_owned();
+    let next = (drilled.parse::<u32>().unwrap() + 1).to_string();
+    send(&device, &file, &["--from", "2"])
+        .code(1)
+        .stderr(contains(format!(
+            "{drilled} of 30 holes are drilled; go on with"
+        )))
+        .stderr(contains(format!("--from {next}")));
+    send(&device, &file, &["--from", &next]).success();
+    device.type_line("holes", "30 holes");
+    let _ = std::fs::remove_file(file);
+}
+
+/// What a drill says of itself in each state, and that the rest is unknown.
+#[test]
+fn where_is_answered_in_every_state() {
+    let Some(mut device) = device("drill-where", &[]) else {
+        return;
+    };
+    // In the manual mode it goes on from there: it homes once.
+    jog(
+        &device,
+        &[
+            "x", "10mm", "where", "y", "0.5in", "spindle", "on", "where", "clear", "where",
+        ],
+    )
+    .success()
+    .stdout(contains(
+        "x        1070 steps, 10.000 mm, 0.3937 in\ny        0 steps",
+    ))
+    .stdout(contains("y        1359 steps, 12.701 mm, 0.5000 in"))
+    .stdout(contains(
+        "z        up, at its sensor\nspindle  on\nprogram  none",
+    ))
+    .stdout(contains(
+        "from a zero at 1070 and 1359 steps from the switches\nx        0 steps",
+    ));
+    jog(&device, &["z", "25", "where"])
+        .success()
+        .stdout(contains("z        between its sensors"));
+    device.type_line("close x", "held closed");
+    device.type_line("reset", "reset");
+    device.read_until("fault: home switch x");
+    let unknown = "x        unknown\ny        unknown\nz        unknown";
+    jog(&device, &["where"])
+        .success()
+        .stdout(contains("stopped with a fault").and(contains(unknown)));
+    jog(&device, &["home"])
+        .code(1)
+        .stderr(contains("stopped for a fault"));
+    device.type_line("unplug", "unplugged");
+    jog(&device, &["where"])
+        .code(1)
+        .stdout(contains("does not answer").and(contains(unknown)));
+    let Some(original) = self::device("drill-where-original", &["--faithful"]) else {
+        return;
+    };
+    jog(&original, &["where"])
+        .success()
+        .stdout(contains("an original drill, which says nothing else").and(contains(unknown)));
+    // A drill that is asked for a lease which it does not have is not driven.
+    let port = [
+        "jog",
+        "-m",
+        "drill",
+        "--port",
+        original.port(),
+        "--lease",
+        "250",
+        "home",
+    ];
+    husillo()
+        .args(port)
+        .assert()
+        .code(1)
+        .stderr(contains("does not confirm a lease"));
 }
 
 /// Z has no coordinate, so its travel is not checked.

@@ -186,6 +186,8 @@ fn a_port_is_found_from_another_folder_and_by_another_name() {
             "drill",
             "--port",
             name.to_str().unwrap(),
+            "--lease",
+            "9999",
             "x+",
             "60s",
         ])
@@ -253,18 +255,21 @@ impl Drop for Drill {
 }
 
 const SEND_TO_DRILL: [&str; 7] = ["send", "p.nc", "-m", "drill", "--yes", "--port", "./drill"];
+/// 1.25 s at the speed of that drill.
+const LEASE: [&str; 2] = ["--lease", "9999"];
 
 /// A device beside the program may have the name of its machine, as in the README's example.
 #[test]
 fn a_link_may_be_called_as_its_machine() {
     let drill = Drill::start("stop-same-name");
     drill.write("%\nG21\nG90\nX1 Y0.5\n%\n");
-    let (_, sent) = drill.told(&SEND_TO_DRILL);
+    let (_, sent) = drill.told(&[&SEND_TO_DRILL[..], &LEASE].concat());
     assert!(sent.contains("1 hole drilled"), "{sent}");
     let mut jog = Command::new(env!("CARGO_BIN_EXE_husillo"))
         .current_dir(&drill.folder)
         .env("XDG_RUNTIME_DIR", &drill.folder)
         .args(["jog", "-m", "drill", "--port", "./drill", "x+", "60s"])
+        .args(LEASE)
         .stderr(Stdio::null())
         .spawn()
         .unwrap();
@@ -297,12 +302,10 @@ fn a_drill_left_alone_is_stopped() {
 /// A lease that a machine does not have is not silently left out.
 #[test]
 fn a_lease_that_a_machine_lacks_is_refused() {
-    let none = "--lease is for the micro mill and the microfactory: the drill has none";
     let long = "--lease 2560: the lease of a microfactory is at most 2550 ms";
     let mute = "--lease needs a device that answers";
     for (machine, ms, more, why) in [
-        ("drill", "100", &[][..], none),
-        ("microfactory", "2560", &[], long),
+        ("microfactory", "2560", &[][..], long),
         ("microfactory", "250", &["--without-answers"], mute),
     ] {
         let jog = ["jog", "-m", machine, "--lease", ms, "home"];
@@ -310,6 +313,14 @@ fn a_lease_that_a_machine_lacks_is_refused() {
         assert_eq!(output.status.code(), Some(2));
         assert!(text(&output).contains(why), "{}", text(&output));
     }
+    let send = ["send", "p.nc", "-m", "drill", "--lease", "100", "--detach"];
+    let output = husillo().args(send).output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert!(
+        text(&output).contains("cannot be used with"),
+        "{}",
+        text(&output)
+    );
 }
 
 #[test]

@@ -41,6 +41,13 @@ pub trait Machine {
     /// Describes the position of a machine of the controller.
     fn place(&self, emulated: &Pair<Self>, machine: u8) -> String;
 
+    /// Carries out a line of its own panel that shows the controller. `None` if there is no such
+    /// line.
+    fn shown(&self, emulated: &Pair<Self>, words: &[&str]) -> Option<String> {
+        let _ = (emulated, words);
+        None
+    }
+
     /// Carries out a line of its own panel. `None` if there is no such line.
     fn control(&self, plant: &mut Self::Plant, words: &[&str]) -> Option<String>;
 
@@ -195,6 +202,9 @@ impl<M: Machine> Device<M> {
         }
         if words == ["where"] {
             return self.machine.place(&self.emulated, machine);
+        }
+        if let Some(text) = self.machine.shown(&self.emulated, words) {
+            return text;
         }
         let plant = self.emulated.plant_mut(machine);
         plant

@@ -3,8 +3,10 @@
 mod drilling;
 
 use drilling::{BOARD, Bench, events, quick, records};
-use husillo_controllers::{DrillConfig, DrillFault, DrillReport};
-use husillo_sim::{DrilledHole, Random};
+use husillo_controllers::{Drill, DrillConfig, DrillFault, DrillReport};
+use husillo_sim::device::Emulation;
+use husillo_sim::device::drill::Device;
+use husillo_sim::{DrillRig, DrilledHole, Emulated, Random};
 use husillo_transports::drill::{COUNT, Failure, Outcome, Rules, Step};
 
 /// The original controller, of a fast and small machine.
@@ -533,4 +535,108 @@ fn survives<const N: usize>(
     assert_eq!(bench.drilled(), expected, "{context}");
     assert_eq!(bench.rig.dragged_steps(), 0, "{context}");
     false
+}
+
+/// The lamps of the panel in each state, of both kinds of drill.
+#[test]
+fn lamps_show_what_the_drill_does() {
+    for is_original in [false, true] {
+        let mut device = Device::new(2400, is_original);
+        let lit = |device: &mut Device, bytes: &[u8], ms: u32| -> Vec<String> {
+            for byte in bytes {
+                device.send(*byte);
+                (0..20).for_each(|_| drop(device.tick()));
+            }
+            (0..ms).for_each(|_| drop(device.tick()));
+            let lights = device.control("lights");
+            let lamps = lights.split(", ");
+            let lamps = lamps.filter_map(|lamp| lamp.strip_suffix(" on"));
+            // The heartbeat has its own test.
+            let lamps = lamps.filter(|lamp| *lamp != "ready");
+            lamps.map(str::to_owned).collect()
+        };
+        let z: &[&str] = if is_original {
+            &["home"]
+        } else {
+            &["home", "drill"]
+        };
+        assert_eq!(lit(&mut device, b"", 100), z, "Z homes first");
+        assert_eq!(lit(&mut device, b"", 500), ["y", "home"]);
+        assert_eq!(lit(&mut device, b"", 1500), ["x", "home"]);
+        assert!(lit(&mut device, b"", 2000).is_empty());
+        assert_eq!(lit(&mut device, b"m", 0), ["manual"]);
+        let homes = lit(&mut device, b"\xff", 100);
+        assert!(homes.contains(&"home".to_owned()) && homes.contains(&"manual".to_owned()));
+        assert_eq!(lit(&mut device, b"", 20_000), ["manual"]);
+        assert_eq!(lit(&mut device, b"D", 100), ["x", "manual"]);
+        assert_eq!(lit(&mut device, b"", 1000), ["manual"]);
+        assert_eq!(lit(&mut device, b"O", 10), ["drill", "manual"]);
+        assert_eq!(lit(&mut device, b"SQ", 10), [""; 0]);
+        assert_eq!(lit(&mut device, b"c", 10), [""; 0]);
+        assert_eq!(lit(&mut device, b"bY\x10\0", 10), ["receive"]);
+        assert_eq!(lit(&mut device, b"Z\0\0f", 10), [""; 0]);
+        assert_eq!(lit(&mut device, b"e", 20), ["y"]);
+        assert_eq!(lit(&mut device, b"", 1000), ["drill"]);
+        // Z is up, the memory is filled.
+        assert_eq!(lit(&mut device, b"", 40_000), [""; 0]);
+        let rest: Vec<u8> = (0..8186).map(|place| b"X\0\0"[place % 3]).collect();
+        assert_eq!(lit(&mut device, b"b", 10), ["receive"]);
+        assert_eq!(lit(&mut device, &rest, 10), ["receive", "full"]);
+    }
+}
+
+/// The lamp that shows that the drill is ready for commands blinks: with the clock of an emulator,
+/// and as events of a controller whose firmware has none. A byte is obeyed at once all the same.
+#[test]
+fn the_heartbeat_blinks_while_the_drill_is_ready() {
+    let period_us = u64::from(DrillConfig::HEARTBEAT_US);
+    let mut device = Device::new(2400, true);
+    let is_lit = |device: &mut Device| {
+        let lights = device.control("lights");
+        lights.contains("ready on")
+    };
+    let mut changes = Vec::new();
+    let mut before = false;
+    for ms in 0..20_000_u64 {
+        device.tick();
+        if is_lit(&mut device) != before {
+            before = !before;
+            changes.push(ms);
+        }
+    }
+    let waits = changes.windows(2).skip(1).map(|pair| pair[1] - pair[0]);
+    assert!(changes.len() > 20 && waits.clone().all(|ms| ms.abs_diff(period_us / 1000) < 2));
+    assert!(changes[0] > 3000, "it homes before: {changes:?}");
+    device.send(b'r');
+    (0..1000).for_each(|_| {
+        device.tick();
+        assert!(!is_lit(&mut device) || device.control("lights").contains("home off"));
+    });
+
+    let config = DrillConfig {
+        blinks: true,
+        ..quick(Rules::FIXED)
+    };
+    let rig = DrillRig::new([3, 0, 2], 6, 3, 0);
+    let mut emulated = Emulated::new(Drill::<64>::new(config), vec![rig]);
+    emulated.pass(100_000, |_, _, _, _| {});
+    assert_eq!(emulated.transmit(), Some(b'B'));
+    let mut lit = Vec::new();
+    for _ in 0..4 {
+        emulated.pass(period_us, |_, _, _, _| {});
+        lit.push(emulated.controller().heartbeat());
+    }
+    assert_eq!(lit, [true, false, true, false]);
+    emulated.pass(period_us / 2, |_, _, _, _| {});
+    emulated.receive(b'r');
+    let mut first_us = None;
+    let begin_us = emulated.now_us();
+    emulated.pass(100_000, |_, at_us, _, _| {
+        first_us.get_or_insert(at_us);
+    });
+    assert!(
+        first_us.is_some_and(|us| us - begin_us < 2000),
+        "{first_us:?}"
+    );
+    assert_eq!(emulated.transmit(), Some(b'r'));
 }

@@ -20,16 +20,30 @@
 //! | --- | --- | --- |
 //! | `T`, manual | `T`, or `w` if the memory is full | the present position becomes a hole at the end of the program |
 //! | `O`, `S` | the same | spindle on, off |
-//! | `n` lo hi | the same, then three bytes and the complement of their sum | the record of that number; after the last one `f` 00 00. For ff ff, the number of drillings of programs done since `c` instead: `c` lo hi, or `B` lo hi if there was no `c` since the reset |
+//! | `n` lo hi, also manual | the same, then three bytes and the complement of their sum | the record of that number; after the last one `f` 00 00. The highest numbers read a [`Reading`] instead |
+//! | `t` number | the same | a lease of number x 50 ms, until it is over, a reset, or `t` 00, which is none: see below |
+//! | `0` | `0` | the program becomes empty, the zero stays |
 //! | `?` | `?`, text, 04 | help |
 //! | `M` | `M`, an advance, `m` when home | as `m`, but no single wrong bit turns it into `e`: the program may be kept |
-//! | `p`, while `e` is carried out | `p` | the program runs |
+//! | `p`, while `e` is carried out, or anything with a lease | `*` | it is at work; `;` after the end of a lease, until it rests; `!` after a fault |
 //! | a key of the manual mode | `w` | not all of its steps were made: the axis is at its end |
+//! | | `>` | instead of any pending answer: the lease was over before the work was done |
 //! | | `!` | instead of any pending answer: the device has stopped with a fault until a reset |
 //!
 //! The device holds 8192 bytes. The next byte (except `f` at the end) gets `w` instead of its echo:
 //! the device does what it holds, starts with an empty memory, stores the byte and then echoes it.
 //! A record may lie across that border. The host has to be silent meanwhile.
+//!
+//! # Lease
+//!
+//! With a lease every motion needs its host. Each byte on the line renews it; a host that waits for
+//! an answer sends `p`. After a silence of the whole lease the device takes no further record. X and
+//! Y stop with the present step, and their positions stay known. A hole that is being drilled ends
+//! upwards and is not counted. Then the spindle stops, and `>` is sent instead of the answer, unless
+//! it differs from the expected echo by less than two bits. The lease has ended with that.
+//!
+//! A host with a lease does not store beyond the memory of the device ([`Refused::Leased`]): it has
+//! to be silent while a full memory is run. The original has no lease.
 //!
 //! [`Device`] is the end of the controller, either as the original or with its flaws corrected;
 //! [`Rules`] has a name for each flaw. [`Host`] is the other end. Its waits and retries are those
@@ -49,11 +63,14 @@
 //!
 //! One error is not detected by echoes: `m` with one wrong bit is `e`, so the host empties the
 //! program first. One wrong bit in the other letters is harmless: it turns `B`, `c` or `r` into
-//! `b`, and `b` into `c`, `r` or `B`.
+//! `b`, and `b` into `c`, `r` or `B`. `t` and `0` differ from every other command by two bits or
+//! more, `*`, `;` and `>` from the answers to commands by three or more. A device at work ignores a
+//! `p` with one wrong bit, and the host takes a `*` or `;` with one wrong bit.
 
 mod device;
 mod host;
 mod order;
+mod reading;
 mod record;
 mod rules;
 mod step;
@@ -62,6 +79,7 @@ mod timing;
 pub use device::Device;
 pub use host::Host;
 pub use order::{Axis, Order};
+pub use reading::{MachineState, Reading};
 pub use record::{
     END_OF_PROGRAM, OffTable, Record, RecordBytes, RecordError, RecordErrorKind, Records,
     STEPS_PER_MM, Table, record_bytes, records,
@@ -70,15 +88,26 @@ pub use rules::Rules;
 pub use step::{Failure, Outcome, Progress, Refused, Step};
 pub use timing::Timing;
 
-/// The number in [`Step::Read`] that requests the number of drillings of programs done since `c`,
-/// modulo 2^16.
+/// The number in [`Step::Read`] of [`Reading::Drillings`].
 pub const COUNT: u16 = u16::MAX;
-/// Asks whether a program runs; also the answer that it does.
+/// Asks a device with extras whether it is at work.
 pub const AT_WORK: u8 = b'p';
+/// The answer to [`AT_WORK`] of a device that is.
+pub const WORKING: u8 = b'*';
+/// The answer to [`AT_WORK`] of a device whose lease is over, until it rests.
+pub const ENDING: u8 = b';';
+/// Sent by a device whose lease was over before its work was done.
+pub const EXPIRED: u8 = b'>';
+/// Unit of a lease, ms.
+pub const LEASE_UNIT_MS: u16 = 50;
 /// Sent once by a device that has stopped with a fault.
 pub const FAULT: u8 = b'!';
 /// The manual mode that keeps the program.
 const KEPT: u8 = b'M';
+/// Asks for a lease.
+const LEASE: u8 = b't';
+/// Empties the program and keeps the zero.
+const EMPTY: u8 = b'0';
 /// The answer to a key, or to teach-in, that was not carried out completely.
 const NOT_ALL: u8 = b'w';
 /// Ends the help text.

@@ -1,8 +1,8 @@
 //! The drill's link, both ends in virtual time, on good lines and bad ones.
 
 use husillo_transports::drill::{
-    Axis, COUNT, Device, Failure, Host, MEMORY_BYTES, Order, Outcome, Progress, Refused, Rules,
-    Step, Timing,
+    AT_WORK, Axis, COUNT, Device, ENDING, EXPIRED, FAULT, Failure, Host, MEMORY_BYTES,
+    MachineState, Order, Outcome, Progress, Reading, Refused, Rules, Step, Timing, WORKING,
 };
 use oorandom::Rand64;
 
@@ -45,6 +45,7 @@ struct Bench<const N: usize> {
     event: Option<(u64, Event)>,
     is_unplugged: bool,
     busy_until_us: u32,
+    order_us: u32,
     is_busy: bool,
     free_us: [u32; 2],
     position: [u16; 2],
@@ -65,6 +66,7 @@ impl<const N: usize> Bench<N> {
             event: None,
             is_unplugged: false,
             busy_until_us: 0,
+            order_us: ORDER_US,
             is_busy: false,
             free_us: [0; 2],
             position: [0; 2],
@@ -141,7 +143,7 @@ impl<const N: usize> Bench<N> {
         }
         if !self.is_busy {
             if let Some(order) = self.device.take() {
-                (self.is_busy, self.busy_until_us) = (true, now_us + ORDER_US);
+                (self.is_busy, self.busy_until_us) = (true, now_us + self.order_us);
                 self.orders.push(order);
                 match order {
                     Order::Home | Order::Zero => self.position = [0; 2],
@@ -672,4 +674,228 @@ fn echoes_do_not_pile_up() {
     }
     assert_eq!(device.transmit(), None);
     assert_eq!(device.stored().len(), 18);
+}
+
+/// One wrong bit makes no other command of the lease, and no other answer of its end.
+#[test]
+fn no_wrong_bit_is_a_lease_or_its_end() {
+    let distance = |one: u8, other: u8| (one ^ other).count_ones();
+    for byte in [b't', b'0'] {
+        for other in *b"BcrbemMOSn?E" {
+            assert!(distance(byte, other) >= 2, "{byte} {other}");
+        }
+    }
+    assert!(distance(b't', b'0') >= 2);
+    for answer in [WORKING, ENDING, EXPIRED] {
+        for other in *b"ermBEwDIFRULOSTca!" {
+            assert!(distance(answer, other) >= 3, "{answer} {other}");
+        }
+    }
+    // A host takes the first two with one wrong bit.
+    assert!(distance(WORKING, EXPIRED) >= 2 && distance(ENDING, EXPIRED) >= 2);
+    assert!(distance(AT_WORK, b'E') >= 2);
+}
+
+/// A device that was asked for a lease of 250 ms, and begins this.
+fn leased(rules: Rules, begins: &[u8]) -> Device<64> {
+    let mut device = idle(rules);
+    let answer = said(&mut device, b"t\x05");
+    assert_eq!(answer, if rules.has_extras { &b"t\x05"[..] } else { b"" });
+    let (last, first) = begins.split_last().unwrap();
+    said(&mut device, first);
+    assert_eq!(device.lease_us(), None, "nothing moves");
+    device.push(*last);
+    device
+}
+
+#[test]
+fn all_work_of_the_device_has_a_lease() {
+    let program = b"bX\x01\0Z\0\0X\x02\0Z\0\0fe";
+    let home: &[u8] = b"M\x03";
+    for begins in [&program[..], b"r", home, b"M\x03D", b"M\x03r"] {
+        let mut device = leased(Rules::FIXED, begins);
+        assert_eq!(device.lease_us(), Some(250_000), "{begins:?}");
+        assert!(device.take().is_some());
+        let drain = |device: &mut Device<64>| -> Vec<u8> {
+            std::iter::from_fn(|| device.transmit()).collect()
+        };
+        drain(&mut device);
+        device.push(AT_WORK);
+        assert_eq!(drain(&mut device), [WORKING], "{begins:?}");
+        device.expire();
+        assert_eq!(device.lease_us(), None);
+        device.push(AT_WORK);
+        assert_eq!(drain(&mut device), [ENDING], "{begins:?}");
+        device.done();
+        // No further record: the spindle stops.
+        assert_eq!(device.take(), Some(Order::Spindle(false)), "{begins:?}");
+        device.done();
+        assert_eq!(device.take(), None);
+        assert_eq!(drain(&mut device), [EXPIRED], "{begins:?}");
+        // The lease has ended, and the next work needs no host.
+        said(&mut device, b"Q");
+        device.push(b'r');
+        assert_eq!(
+            (device.take(), device.lease_us()),
+            (Some(Order::Home), None)
+        );
+    }
+    // The original has none.
+    let mut device = leased(Rules::FAITHFUL, program);
+    assert_eq!(
+        (device.take(), device.lease_us()),
+        (Some(Order::Move(Axis::X, 1)), None)
+    );
+}
+
+/// The end of a lease while a full memory is run is not said where the host could take it for the
+/// echo that it waits for.
+#[test]
+fn the_end_of_a_lease_is_no_echo() {
+    for (waits, answer) in [(b'X', &[EXPIRED][..]), (EXPIRED, &[]), (EXPIRED ^ 4, &[])] {
+        let mut device = idle::<6>(Rules::FIXED);
+        said(&mut device, b"t\x01bX\x01\0Y\x02\0");
+        device.push(waits);
+        assert_eq!(device.transmit(), Some(b'w'));
+        assert_eq!(device.take(), Some(Order::Move(Axis::X, 1)));
+        assert_eq!(device.lease_us(), Some(50_000));
+        device.expire();
+        assert_eq!(said(&mut device, b""), answer, "{waits}");
+        assert_eq!(said(&mut device, b"B"), b"B", "it is idle");
+    }
+}
+
+/// A device that has stopped with a fault does not say that it is at work.
+#[test]
+fn a_fault_is_said_again() {
+    let mut device = leased(Rules::FIXED, b"bX\x01\0fe");
+    assert!(device.take().is_some());
+    device.fail();
+    assert_eq!((device.transmit(), device.lease_us()), (Some(FAULT), None));
+    device.push(AT_WORK);
+    assert_eq!((device.transmit(), device.transmit()), (Some(FAULT), None));
+}
+
+/// Both ends: the host asks while it waits, and hears that the device was not in time.
+#[test]
+fn a_host_hears_the_end_of_its_lease() {
+    for step in [
+        Step::Home,
+        Step::Execute,
+        Step::ManualKept(3),
+        Step::Key(b'D'),
+    ] {
+        let mut bench = Bench::<64>::fixed();
+        let is_manual = matches!(step, Step::Key(_));
+        let mut before = vec![Step::Clear, Step::Begin];
+        before.extend(drill(&[[1, 2], [3, 4]]).into_iter().map(Step::Store));
+        before.extend([Step::End, Step::Lease(5)]);
+        before.extend(is_manual.then_some(Step::ManualKept(3)));
+        for step in before {
+            assert_eq!(bench.run(step), Ok(Outcome::Done), "{step:?}");
+        }
+        bench.order_us = 100_000;
+        bench.host.start(step, bench.now_us).unwrap();
+        let (mut asked, mut answered, mut outcome) = (0, 0, None);
+        for round in 0..1000 {
+            if let Some(byte) = bench.host.transmit(bench.now_us) {
+                bench.send(false, byte);
+            }
+            if round % 25 == 24 && asked < 3 {
+                if let Some(byte) = bench.host.ask_at_work() {
+                    asked += 1;
+                    // One wrong bit in each direction harms nothing.
+                    bench.event = Some((bench.carried + asked % 2, Event::Byte(Fault::Flipped(1))));
+                    bench.send(false, byte);
+                }
+            }
+            if bench.device.lease_us().is_some() && asked == 3 {
+                bench.device.expire();
+            }
+            answered += u32::from(bench.host.is_at_work());
+            if let Progress::Done(done) = bench.host.poll(bench.now_us) {
+                outcome = Some(done);
+                break;
+            }
+            bench.tick();
+        }
+        assert_eq!(outcome, Some(Outcome::Failed(Failure::Expired)), "{step:?}");
+        assert!(answered > 0, "{step:?}");
+        assert!(bench.host.done_bytes() == 0 && bench.holes.len() < 2);
+        assert_eq!(bench.run(Step::Test), Err(Refused::Mode));
+        assert_eq!(bench.run(Step::Resync), Ok(Outcome::Done));
+        assert_eq!(bench.run(Step::Home), Ok(Outcome::Done), "without a lease");
+    }
+}
+
+/// With a lease the host is never silent, as it would have to be while a full memory is run.
+#[test]
+fn a_lease_ends_at_the_border_of_the_memory() {
+    let mut bench = Bench::<6>::fixed();
+    for step in [Step::Clear, Step::Lease(5), Step::Begin] {
+        assert_eq!(bench.run(step), Ok(Outcome::Done));
+    }
+    for byte in *b"X\x01\0Y\x02\0" {
+        assert_eq!(bench.run(Step::Store(byte)), Ok(Outcome::Done));
+    }
+    assert_eq!(bench.run(Step::Store(b'Z')), Err(Refused::Leased));
+    assert_eq!(bench.run(Step::End), Ok(Outcome::Done));
+    assert_eq!(bench.run(Step::Execute), Ok(Outcome::Done));
+}
+
+/// What a device says of itself, idle and in the manual mode; its program goes, its zero stays.
+#[test]
+fn a_device_says_where_it_is() {
+    let mut bench = Bench::<64>::fixed();
+    let state = MachineState {
+        place_steps: [0x6262, 0x4272],
+        zero_steps: [7, 9],
+        is_homed: true,
+        is_up: true,
+        ..MachineState::UNKNOWN
+    };
+    bench.device.set_machine(state);
+    for step in [Step::Clear, Step::Begin] {
+        assert_eq!(bench.run(step), Ok(Outcome::Done));
+    }
+    for byte in drill(&[[1, 2]]) {
+        assert_eq!(bench.run(Step::Store(byte)), Ok(Outcome::Done));
+    }
+    assert_eq!(bench.run(Step::End), Ok(Outcome::Done));
+    for is_manual in [false, true] {
+        if is_manual {
+            assert_eq!(bench.run(Step::ManualKept(1)), Ok(Outcome::Done));
+        }
+        let values = Reading::ALL.map(|reading| {
+            assert_eq!(bench.run(Step::Read(reading.number())), Ok(Outcome::Done));
+            let [letter, low, high] = bench.host.record();
+            (char::from(letter), u16::from_le_bytes([low, high]))
+        });
+        let expected = [
+            ('c', 0),
+            ('X', 0x6262),
+            ('Y', 0x4272),
+            ('x', 7),
+            ('y', 9),
+            ('s', 0b101),
+            ('n', 3),
+        ];
+        assert_eq!(values, expected);
+    }
+    assert_eq!(
+        bench.run(Step::Key(b'D')),
+        Ok(Outcome::Done),
+        "it is manual still"
+    );
+    assert_eq!(bench.run(Step::Quit), Ok(Outcome::Done));
+    bench.orders.clear();
+    assert_eq!(bench.run(Step::Empty), Ok(Outcome::Done));
+    assert_eq!(bench.run(Step::Begin), Ok(Outcome::Done), "it is empty");
+    assert_eq!((bench.device.stored(), bench.orders.len()), (&b""[..], 0));
+    let mut back = MachineState::UNKNOWN;
+    back.set_bits(state.bits());
+    assert_eq!(
+        (back.is_homed, back.spindle_turns, back.is_up),
+        (true, false, true)
+    );
 }

@@ -1,5 +1,6 @@
 //! Actions of a drill that is moved by hand.
 
+use husillo_transports::drill::STEPS_PER_MM;
 use std::fmt;
 use std::time::Duration;
 
@@ -28,6 +29,8 @@ pub enum Action {
     Test,
     /// Print the device's help.
     Help,
+    /// Print the positions, and what the drill says of itself.
+    Where,
 }
 
 /// An axis, with the keys of the manual mode for both directions.
@@ -79,6 +82,7 @@ impl Action {
                 "clear" => Self::Clear,
                 "test" => Self::Test,
                 "help" => Self::Help,
+                "where" => Self::Where,
                 "spindle" => match words.next().map(String::as_str) {
                     Some("on") => Self::Spindle(true),
                     Some("off") => Self::Spindle(false),
@@ -96,9 +100,9 @@ impl Action {
     fn axis(word: &str, amount: Option<&String>) -> Result<Self, String> {
         let unknown = || {
             format!(
-                "unknown action `{word}`: a drill has home, steps as in `x -25`, a jog as in `x+ \
-                 2s`, spindle on, spindle off, stop, teach, \
-                 save FILE, run, clear, test, help"
+                "unknown action `{word}`: a drill has home, steps as in `x -25`, a length as in \
+                 `x 2.5mm` or `x 0.1in`, a jog as in `x+ 2s`, spindle on, spindle off, stop, where, \
+                 teach, save FILE, run, clear, test, help"
             )
         };
         let letter = word.trim_end_matches(['+', '-']);
@@ -111,9 +115,12 @@ impl Action {
         let amount = amount.map(String::as_str).unwrap_or_default();
         match &word[letter.len()..] {
             "" => {
-                let steps = amount.parse().ok().filter(|steps| *steps != 0);
+                let steps = steps(amount).filter(|steps| *steps != 0);
                 let steps = steps.ok_or_else(|| {
-                    format!("`{word}` by how many steps? As in `{word} 25` or `{word} -25`")
+                    format!(
+                        "`{word}` by how many steps? As in `{word} 25`, `{word} -2.5mm` or \
+                         `{word} 0.1in`"
+                    )
                 })?;
                 Ok(Self::Steps(axis, steps))
             }
@@ -132,6 +139,18 @@ impl Action {
     }
 }
 
+/// Steps, or a length with its unit, to the nearest step. At most 1 m.
+fn steps(amount: &str) -> Option<i32> {
+    let (number, mm) = match (amount.strip_suffix("mm"), amount.strip_suffix("in")) {
+        (Some(number), _) => (number, 1.0),
+        (_, Some(number)) => (number, 25.4),
+        _ => return amount.parse().ok(),
+    };
+    let length: f64 = number.parse().ok()?;
+    let mm = length * mm;
+    (mm.abs() <= 1000.0).then(|| (mm * f64::from(STEPS_PER_MM)).round() as i32)
+}
+
 impl fmt::Display for Action {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -148,6 +167,7 @@ impl fmt::Display for Action {
             Self::Clear => f.write_str("clear"),
             Self::Test => f.write_str("test"),
             Self::Help => f.write_str("help"),
+            Self::Where => f.write_str("where"),
         }
     }
 }
@@ -163,6 +183,9 @@ mod tests {
 
     #[test]
     fn words_are_actions() {
+        for (text, steps) in [("x 1mm", 107), ("x -2.5mm", -268), ("x 0.1in", 272)] {
+            assert_eq!(parse(text), Ok(vec![Action::Steps(Axis::X, steps)]));
+        }
         let actions = parse("home x -300 y+ 0.5s teach save a.cod spindle on run").unwrap();
         let expected = [
             Action::Home,
@@ -175,7 +198,19 @@ mod tests {
         ];
         assert_eq!(actions, expected);
         for text in [
-            "fly", "x", "x 0", "x+ 3", "x++ 3s", "c 3", "x+ -1s", "save", "spindle",
+            "fly",
+            "x",
+            "x 0",
+            "x 0.001mm",
+            "x 1cm",
+            "x nanmm",
+            "x 2000mm",
+            "x+ 3",
+            "x++ 3s",
+            "c 3",
+            "x+ -1s",
+            "save",
+            "spindle",
         ] {
             assert!(parse(text).is_err(), "{text}");
         }

@@ -1,9 +1,11 @@
 //! The host's side of the drill's link: one step after another, on a wire.
 
+use super::LEASE_MS;
 use crate::{StopRequests, Wire};
 use husillo_sim::device::drill::Device;
 use husillo_transports::drill::{
-    AT_WORK, COUNT, Failure, Host, MEMORY_BYTES, Outcome, Progress, Refused, Step, Timing,
+    AT_WORK, COUNT, ENDING, FAULT, Failure, Host, LEASE_UNIT_MS, MEMORY_BYTES, Outcome, Progress,
+    Reading, Refused, Step, Timing, WORKING,
 };
 use std::time::Duration;
 
@@ -18,8 +20,12 @@ const AT_WORK_ANSWER: Duration = Duration::from_millis(400);
 const ASKED: usize = 4;
 /// Period of the queries to a drill that runs a program.
 const ASK: Duration = Duration::from_secs(1);
-/// After this number of queries without an answer the drill counts as absent.
-const UNANSWERED: u32 = 5;
+/// The longest period with a lease, which the question renews.
+const RENEW: Duration = Duration::from_millis(100);
+/// A drill that answers no question for this time counts as gone.
+const GONE: Duration = Duration::from_millis(5500);
+/// A drill whose lease was over comes up within this time.
+const REST: Duration = Duration::from_secs(25);
 /// A drill that is stopped completes its record first: a move of the table, or a drilling.
 const RECORD: Duration = Duration::from_secs(180);
 
@@ -32,6 +38,8 @@ pub enum Trouble {
     Stopped,
     /// The device runs a program without a host.
     AtWork,
+    /// The device does not confirm a lease.
+    NoLease,
     /// The port failed, for this reason.
     Port(String),
     /// The device cannot do this now.
@@ -65,6 +73,11 @@ impl Trouble {
                  then press its button R"
                     .into()
             }
+            Trouble::Link(Failure::Expired) => {
+                "the drill has stopped, because it heard nothing for the time of its lease \
+                 (--lease): this computer was too busy, or the line was interrupted"
+                    .into()
+            }
             Trouble::Link(Failure::NotAll) => {
                 "the axis reached its end before all steps were made".into()
             }
@@ -73,6 +86,11 @@ impl Trouble {
             }
             Trouble::Stopped => "stopped".into(),
             Trouble::AtWork => "the drill runs its program".into(),
+            Trouble::NoLease => {
+                "the drill does not confirm a lease; without one (--lease 0) it continues when \
+                 this program is gone"
+                    .into()
+            }
             Trouble::Port(why) => format!("the port failed: {why}"),
             Trouble::Refused(refused) => format!("not done: {refused}"),
         }
@@ -106,6 +124,10 @@ pub struct Client {
     /// The answer of the device in a step whose answer is a text.
     text: Vec<u8>,
     has_extras: bool,
+    /// The wanted lease; 0 is none.
+    lease_ms: u16,
+    /// A device without a lease is no device for this client.
+    needs_lease: bool,
 }
 
 impl Client {
@@ -137,7 +159,24 @@ impl Client {
             stop,
             text: Vec::new(),
             has_extras: false,
+            lease_ms: LEASE_MS,
+            needs_lease: false,
         }
+    }
+
+    /// All motion ends this many milliseconds after the last byte of this client, in units of 50 ms
+    /// and at most 12.75 s; 0: it needs no client. [`reach`](Self::reach) fails at an original, which
+    /// has no lease, unless this is 0. Without this call the lease is [`LEASE_MS`], and an original
+    /// does without.
+    pub const fn with_lease(mut self, lease_ms: u16) -> Self {
+        self.lease_ms = lease_ms;
+        self.needs_lease = lease_ms > 0;
+        self
+    }
+
+    /// Whether the motion of this device needs the client.
+    pub const fn has_lease(&self) -> bool {
+        self.has_extras && self.lease_ms > 0
     }
 
     /// Time on the wire since it was opened.
@@ -178,29 +217,54 @@ impl Client {
     ///
     /// # Errors
     ///
-    /// [`Trouble::AtWork`]: it runs a program, and says so. Another: it does not answer within
-    /// about seven seconds. It is off or absent, it homes, or it is an original at work.
+    /// [`Trouble::AtWork`]: it runs a program, and says so. [`Failure::Fault`]: it has stopped with
+    /// a fault, and says so. [`Trouble::NoLease`]: it has none. Another: it does not answer within about seven seconds. It is off or
+    /// absent, it homes, or it is an original at work.
     pub fn reach(&mut self) -> Result<(), Trouble> {
         let mut last = Trouble::Link(Failure::Silent);
+        let mut is_second = false;
+        let rest_by = self.elapsed() + REST;
+        let mut attempts = 0;
         // A byte of the manual mode may make it home first.
-        for _ in 0..10 {
+        while attempts < 10 {
+            attempts += 1;
             match self.run(Step::Resync) {
-                Ok(()) => {
-                    self.has_extras = self.run(Step::Read(COUNT)).is_ok();
-                    if self.has_extras {
-                        return Ok(());
+                Ok(()) => match self.introduce() {
+                    // A byte may be lost: an original does not answer the second time either.
+                    Err(Trouble::Link(_)) if !is_second => is_second = true,
+                    Err(Trouble::Link(_)) if !self.has_extras && !self.needs_lease => {
+                        return self.run(Step::Resync);
                     }
-                    // The original does not answer that.
-                    return self.run(Step::Resync);
-                }
-                Err(Trouble::Link(Failure::Silent)) if self.says_at_work()? => {
-                    return Err(Trouble::AtWork);
-                }
+                    Err(Trouble::Link(_)) if self.lease_ms == 0 => return self.run(Step::Resync),
+                    Err(Trouble::Link(_)) => return Err(Trouble::NoLease),
+                    result => return result,
+                },
+                Err(Trouble::Link(Failure::Silent)) => match self.says()? {
+                    Some(WORKING) => return Err(Trouble::AtWork),
+                    Some(FAULT) => return Err(Trouble::Link(Failure::Fault)),
+                    // The drill comes up, because another client has gone.
+                    Some(ENDING) if self.elapsed() < rest_by => attempts = 0,
+                    _ => last = Trouble::Link(Failure::Silent),
+                },
                 Err(Trouble::Link(failure)) => last = Trouble::Link(failure),
                 Err(trouble) => return Err(trouble),
             }
         }
         Err(last)
+    }
+
+    /// Finds out whether a device at rest has extras, and requests its lease.
+    fn introduce(&mut self) -> Result<(), Trouble> {
+        self.has_extras = false;
+        self.run(Step::Read(COUNT))?;
+        self.has_extras = true;
+        self.request_lease(self.lease_ms)
+    }
+
+    /// Requests a lease. With 0 the device needs no client.
+    fn request_lease(&mut self, lease_ms: u16) -> Result<(), Trouble> {
+        let units = lease_ms.div_ceil(LEASE_UNIT_MS);
+        self.run(Step::Lease(u8::try_from(units).unwrap_or(u8::MAX)))
     }
 
     /// Ends a program that the device runs alone, and brings the device to rest. The spindle of a
@@ -242,29 +306,31 @@ impl Client {
             if self.run(Step::Resync).is_ok() {
                 return self.reach();
             }
-            if self.says_at_work()? {
-                self.put(b'E')?;
+            match self.says()? {
+                Some(WORKING) => self.put(b'E')?,
+                Some(FAULT) => return Err(Trouble::Link(Failure::Fault)),
+                _ => {}
             }
             ask_at = self.elapsed() + 5 * ASK;
         }
         Err(Trouble::Link(Failure::Silent))
     }
 
-    /// Whether the device answers that it runs a program, after a silent [`Step::Resync`]: in the
-    /// manual mode it would echo the question. An original never says it.
-    fn says_at_work(&mut self) -> Result<bool, Trouble> {
+    /// What a device answers that is at work or has stopped, after a silent [`Step::Resync`]:
+    /// [`WORKING`], [`ENDING`] or [`FAULT`]. An original never answers.
+    fn says(&mut self) -> Result<Option<u8>, Trouble> {
         self.put(AT_WORK)?;
         let end = self.elapsed() + AT_WORK_ANSWER;
         while self.elapsed() < end {
             let byte = self.wire.receive(end - self.elapsed());
             match byte.map_err(|error| Trouble::Port(error.to_string()))? {
-                Some(AT_WORK) => return Ok(true),
+                Some(byte @ (WORKING | ENDING | FAULT)) => return Ok(Some(byte)),
                 // A test follows that finds out more.
                 Some(_) => {}
                 None => break,
             }
         }
-        Ok(false)
+        Ok(None)
     }
 
     /// Brings the device to rest after a failure. Waits less than [`reach`](Self::reach), as the
@@ -279,6 +345,9 @@ impl Client {
         let mut last = Ok(());
         for _ in 0..4 {
             last = self.run(Step::Resync);
+            if last.is_ok() && self.has_lease() {
+                last = self.request_lease(self.lease_ms);
+            }
             if last.is_ok() {
                 break;
             }
@@ -296,9 +365,28 @@ impl Client {
         if !self.has_extras {
             return Ok(None);
         }
-        self.run(Step::Read(COUNT))?;
-        let [letter, low, high] = self.host.record();
-        Ok((letter == b'c').then(|| u16::from_le_bytes([low, high])))
+        let (letter, count) = self.read(Reading::Drillings)?;
+        Ok((letter == b'c').then_some(count))
+    }
+
+    /// A reading of a device with extras: its letter and its value.
+    ///
+    /// # Errors
+    ///
+    /// The link failed.
+    pub fn read(&mut self, reading: Reading) -> Result<(u8, u16), Trouble> {
+        let [letter, low, high] = self.record(reading.number())?;
+        Ok((letter, u16::from_le_bytes([low, high])))
+    }
+
+    /// The record of a device with extras that has this number, from 0.
+    ///
+    /// # Errors
+    ///
+    /// The link failed.
+    pub fn record(&mut self, number: u16) -> Result<[u8; 3], Trouble> {
+        self.run(Step::Read(number))?;
+        Ok(self.host.record())
     }
 
     /// The program in the device's memory, record by record.
@@ -309,8 +397,7 @@ impl Client {
     pub fn program(&mut self) -> Result<Vec<[u8; 3]>, Trouble> {
         let mut records = Vec::new();
         for number in 0..COUNT {
-            self.run(Step::Read(number))?;
-            let record = self.host.record();
+            let record = self.record(number)?;
             if record == [b'f', 0, 0] {
                 break;
             }
@@ -356,7 +443,8 @@ impl Client {
         let now = self.now_us();
         self.host.start(step, now).map_err(Trouble::Refused)?;
         let mut has_stopped = false;
-        let (mut ask_at, mut unanswered) = (start + ASK, 0);
+        let period = self.question_period();
+        let (mut ask_at, mut answered_at) = (start + period, start);
         loop {
             self.transmit()?;
             match self.host.poll(self.now_us()) {
@@ -380,19 +468,18 @@ impl Client {
                             longest = longest.min(passed + RECORD);
                         }
                     }
-                    if step == Step::Execute && self.has_extras && self.elapsed() >= ask_at {
-                        if self.host.is_at_work() {
-                            unanswered = 0;
-                        }
-                        if unanswered == UNANSWERED {
-                            self.host.give_up();
-                            return Err(Trouble::Link(Failure::Silent));
-                        }
+                    if self.host.is_at_work() {
+                        answered_at = self.elapsed();
+                    }
+                    if self.has_extras && self.elapsed() >= ask_at {
                         if let Some(byte) = self.host.ask_at_work() {
+                            if self.elapsed() - answered_at > GONE {
+                                self.host.give_up();
+                                return Err(Trouble::Link(Failure::Silent));
+                            }
                             self.put(byte)?;
-                            unanswered += 1;
                         }
-                        ask_at = self.elapsed() + ASK;
+                        ask_at = self.elapsed() + period;
                     }
                     self.listen(Duration::from_micros(u64::from(us)).min(LOOK))?;
                     progress(passed);
@@ -401,13 +488,23 @@ impl Client {
         }
     }
 
-    /// Starts the program and checks that it runs, without waiting for its end. `false`: the
-    /// program has ended already.
+    /// How often the device is asked whether it is at work: at least four times in a lease.
+    fn question_period(&self) -> Duration {
+        if self.has_lease() {
+            RENEW.min(Duration::from_millis(self.lease_ms.into()) / 4)
+        } else {
+            ASK
+        }
+    }
+
+    /// Starts the program and checks that it runs, without waiting for its end. It needs no client
+    /// from then on. `false`: the program has ended already.
     ///
     /// # Errors
     ///
     /// The program did not start, or the device does not confirm its start.
     pub fn start(&mut self) -> Result<bool, Trouble> {
+        self.request_lease(0)?;
         let now = self.now_us();
         self.host
             .start(Step::Execute, now)

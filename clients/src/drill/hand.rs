@@ -2,6 +2,7 @@
 
 use super::action::{Action, Axis};
 use super::client::{Client, Trouble};
+use super::place::Place;
 use husillo_controllers::DrillConfig;
 use husillo_sim::device::drill::STROKE_STEPS;
 use husillo_transports::drill::{Failure, Record, Step, record_bytes};
@@ -138,6 +139,8 @@ impl Hand {
                 self.idle()?;
                 self.client.run(Step::Test)?;
             }
+            Action::Where if !self.client.has_extras() => return Ok(Place::of_original()),
+            Action::Where => return Ok(Place::read(&mut self.client)?.to_string()),
             Action::Help => {
                 self.idle()?;
                 return Ok(self.client.help()?.trim_end().to_owned());

@@ -94,6 +94,27 @@ impl Part {
         }
     }
 
+    /// The first holes, as many as this number of records holds, and their number. At least one.
+    pub fn first_holes(&self, most_records: usize) -> (Part, usize) {
+        let mut pecks = self.pecks().skip(1);
+        let (mut end, mut holes) = (self.records.len(), self.holes());
+        let mut found = 0;
+        for (place, record) in self.records.iter().enumerate() {
+            // A hole ends at its last drilling.
+            let is_end = matches!(record, Record::Drill(_)) && pecks.next() != Some(true);
+            if !is_end {
+                continue;
+            }
+            if found > 0 && place >= most_records {
+                break;
+            }
+            found += 1;
+            (end, holes) = (place + 1, found);
+        }
+        let records = self.records.get(..end).unwrap_or_default().to_vec();
+        (Part { records, ..*self }, holes)
+    }
+
     /// The bytes of its file.
     pub fn bytes(&self) -> Vec<u8> {
         record_bytes(self.records.iter().copied()).collect()
@@ -157,6 +178,45 @@ mod tests {
         }
         let places: Vec<_> = part.places().collect();
         assert_eq!(places, [all[0], all[2], all[3]]);
+    }
+
+    /// The holes of the pieces together are those of the part, with all their drillings.
+    #[test]
+    fn a_part_is_cut_between_holes() {
+        let depths = |place: u16| {
+            if place.is_multiple_of(3) {
+                vec![4, 9, 0]
+            } else {
+                vec![0]
+            }
+        };
+        let records = (0..50).flat_map(|place| {
+            let drillings = depths(place).into_iter().map(Record::Drill);
+            [Record::X(place), Record::Y(place)]
+                .into_iter()
+                .chain(drillings)
+        });
+        let part = Part {
+            tool: 1,
+            diameter: None,
+            records: records.collect(),
+        };
+        for most in [0, 1, 4, 5, 6, 17, 100, 1000] {
+            let (mut done, mut stops) = (0, Vec::new());
+            while done < part.holes() {
+                let rest = part.rest_behind(done);
+                let (piece, holes) = rest.first_holes(most);
+                assert!(holes > 0 && piece.holes() == holes);
+                assert!(piece.records.len() <= most || holes == 1, "{most}");
+                stops.extend(piece.stops());
+                done += holes;
+            }
+            assert_eq!(
+                (done, stops),
+                (part.holes(), part.stops().collect()),
+                "{most}"
+            );
+        }
     }
 
     #[test]

@@ -3,8 +3,9 @@
 use super::client::{Client, Trouble};
 use super::duration::{seconds, spoken, travel_s};
 use super::part::Part;
+use super::place::Place;
 use husillo_gcode::Nm;
-use husillo_transports::drill::{MEMORY_BYTES, Record, Step};
+use husillo_transports::drill::{Failure, MEMORY_BYTES, Reading, Record, Step};
 use std::time::Duration;
 
 /// The operator of the drill.
@@ -29,6 +30,9 @@ pub enum End {
     Detached,
     /// The job has failed.
     Failed(Failed),
+    /// The drill was not reached, for this reason. Nothing was sent, and how many holes are drilled
+    /// is not known.
+    Unreached(String),
 }
 
 /// Progress of a failed job.
@@ -55,6 +59,8 @@ pub struct Sender<'a, O> {
     pub from: usize,
     /// Seconds of a byte and its echo.
     pub byte_s: f64,
+    /// Do not home: the drill says that it is homed.
+    pub is_homed: bool,
     /// Do not ask for tools.
     pub is_sure: bool,
     /// Reads a diameter that the operator typed.
@@ -88,6 +94,10 @@ struct Load {
     pecks: Vec<bool>,
     /// The number of holes before its first one, in all parts.
     before: usize,
+    /// The number of its part, and whether it is the first or the last of it.
+    part: usize,
+    is_first: bool,
+    is_last: bool,
 }
 
 impl Load {
@@ -120,7 +130,7 @@ impl<O: Operator> Sender<'_, O> {
     ///
     /// The job is impossible. Nothing has moved.
     pub fn send(&mut self, detach: bool) -> Result<End, String> {
-        let loads = self.loads()?;
+        let mut loads = self.loads(usize::MAX)?;
         if detach {
             let [load] = &loads[..] else {
                 return Err(format!(
@@ -137,22 +147,17 @@ impl<O: Operator> Sender<'_, O> {
                 ));
             }
         }
-        let all_s: f64 = (loads.iter())
-            .map(|load| {
-                load.seconds.iter().sum::<f64>()
-                    + load.back_s
-                    + self.byte_s * load.bytes.len() as f64
-            })
-            .sum();
-        let mut estimate = Estimate {
-            behind_s: 0.0,
-            all_s,
-            pace: 1.0,
-        };
         if let Err(trouble) = self.client.reach() {
-            let why = trouble.unreached();
-            return Ok(self.failed(why, self.from, self.from));
+            return Ok(End::Unreached(trouble.unreached()));
         }
+        if let Some(end) = self.already_drilled() {
+            return Ok(end);
+        }
+        if self.client.has_lease() && !detach {
+            // A host with a lease is never silent, as it would have to be while a full memory runs.
+            loads = self.loads(MEMORY_RECORDS)?;
+        }
+        let mut estimate = self.estimate(&loads);
         if !self.client.has_extras() {
             if detach {
                 return Err(
@@ -167,18 +172,22 @@ impl<O: Operator> Sender<'_, O> {
                 );
             }
             self.operator.show(
-                "this is an original drill: it switches its spindle for each hole, and does not \
-                 report its progress",
+                "this is an original drill: it switches its spindle for each hole, does not \
+                 report its progress, and continues when this program is gone",
             );
         }
-        if let Err(trouble) = self.client.run_for(Step::Home, HOMING, |_| {}) {
+        if self.is_homed {
+            self.expect_homed()?;
+        } else if let Err(trouble) = self.client.run_for(Step::Home, HOMING, |_| {}) {
             return Ok(self.failed(trouble.text(), self.from, self.from));
         }
-        let several = loads.len() > 1;
-        let parts: Vec<&Part> = self.parts.iter().collect();
-        let skipped = parts.len() - loads.len();
-        for (load, part) in loads.iter().zip(&parts[skipped..]) {
-            if several && !self.is_sure && !self.changed(part) {
+        let several = loads.iter().filter(|load| load.is_first).count() > 1;
+        let parts = self.parts;
+        for (load, part) in loads
+            .iter()
+            .filter_map(|load| Some((load, parts.get(load.part)?)))
+        {
+            if several && load.is_first && !self.is_sure && !self.changed(part) {
                 let why = format!("{} was not put in", part.name());
                 return Ok(self.failed(why, load.before, load.before));
             }
@@ -190,45 +199,138 @@ impl<O: Operator> Sender<'_, O> {
                 }
                 Ended::After(trouble) => return Ok(self.stopped(load, trouble)),
             }
-            self.operator.show(&format!(
-                "{}: {} drilled",
-                part.name(),
-                count(load.holes([load.seconds.len(); 2])[0], "hole")
-            ));
+            if load.is_last {
+                let first = loads.iter().find(|first| first.part == load.part);
+                let before = first.map_or(0, |first| first.before);
+                let [holes, _] = load.holes([load.seconds.len(); 2]);
+                let holes = count(load.before + holes - before, "hole");
+                self.operator
+                    .show(&format!("{}: {holes} drilled", part.name()));
+            }
         }
         Ok(End::Drilled)
     }
 
-    /// The parts that remain. Each ends at home, so that `c` keeps the zero, and the switches
-    /// reveal lost steps.
-    fn loads(&self) -> Result<Vec<Load>, String> {
+    fn estimate(&self, loads: &[Load]) -> Estimate {
+        let load_s = |load: &Load| {
+            let drilling_s: f64 = load.seconds.iter().sum();
+            drilling_s + load.back_s + self.byte_s * load.bytes.len() as f64
+        };
+        Estimate {
+            behind_s: 0.0,
+            all_s: loads.iter().map(load_s).sum(),
+            pace: 1.0,
+        }
+    }
+
+    /// The drill confirms that it is homed, and that its zero is at the switches.
+    ///
+    /// # Errors
+    ///
+    /// It does not. Nothing has moved.
+    fn expect_homed(&mut self) -> Result<(), String> {
+        match Place::read(&mut self.client) {
+            Ok(place) if place.machine.is_homed && place.machine.zero_steps == [0; 2] => Ok(()),
+            Ok(_) => Err("the drill is not homed with its zero there: leave --no-home out".into()),
+            Err(trouble) => Err(format!(
+                "the drill does not say that it is homed: leave --no-home out ({})",
+                trouble.text()
+            )),
+        }
+    }
+
+    /// The end, if the drill itself has drilled holes from [`from`](Self::from) on: another program
+    /// has left it alone with this job. `None`: it has not, or holds another program.
+    fn already_drilled(&mut self) -> Option<End> {
+        if self.from == 0 || !self.client.has_extras() {
+            return None;
+        }
+        let count = usize::from(self.client.drillings().ok()??);
+        let (letter, records) = self.client.read(Reading::Records).ok()?;
+        if count == 0 || letter != b'n' {
+            return None;
+        }
+        let load = self.load_held(usize::from(records))?;
+        let drillings = count.min(load.seconds.len());
+        let [holes, _] = load.holes([drillings; 2]);
+        let done = load.before + holes;
+        (done > self.from).then(|| {
+            let why = format!(
+                "the drill has drilled holes up to {done} of this program, by its own count. For \
+                 another board: `husillo jog -m drill --port PORT clear` first"
+            );
+            self.failed(why, done, done)
+        })
+    }
+
+    /// The load of so many records that the drill holds.
+    fn load_held(&mut self, records: usize) -> Option<Load> {
+        let all: usize = self.parts.iter().map(Part::holes).sum();
+        for from in 0..all {
+            for most in [usize::MAX, MEMORY_RECORDS] {
+                let load = self.loads_from(from, most).into_iter().next()?;
+                if load.bytes.len() / 3 == records && self.is_held(&load.bytes) {
+                    return Some(load);
+                }
+            }
+        }
+        None
+    }
+
+    /// Whether the drill holds this program, by up to 16 of its records.
+    fn is_held(&mut self, bytes: &[u8]) -> bool {
+        let records: Vec<&[u8]> = bytes.chunks_exact(3).collect();
+        let step = records.len().div_ceil(16).max(1);
+        // The first two are the place of the first hole.
+        let looked_at = [1].into_iter().chain((0..records.len()).step_by(step));
+        looked_at.into_iter().all(|number| {
+            let record = self.client.record(number as u16);
+            record.is_ok_and(|record| records.get(number) == Some(&&record[..]))
+        })
+    }
+
+    /// The parts that remain, in pieces of so many records.
+    fn loads(&self, most_records: usize) -> Result<Vec<Load>, String> {
         let all: usize = self.parts.iter().map(Part::holes).sum();
         if self.from >= all {
             let all = count(all, "hole");
             return Err(format!("--from {}: the program has {all}", self.from + 1));
         }
+        Ok(self.loads_from(self.from, most_records))
+    }
+
+    /// The holes from this one on. Each piece ends at home, so that `c` keeps the zero, and the
+    /// switches reveal lost steps.
+    fn loads_from(&self, from: usize, most_records: usize) -> Vec<Load> {
         let mut before = 0;
         let mut loads = Vec::new();
-        for part in self.parts {
-            let behind = before + part.holes();
-            if self.from < behind {
-                let skipped = self.from.saturating_sub(before);
-                let mut rest = part.rest_behind(skipped);
-                let seconds = seconds(&rest, [0; 2]);
-                let pecks = rest.pecks().collect();
-                let last = rest.stops().last().map_or([0; 2], |stop| stop.at);
-                rest.records.extend([Record::X(0), Record::Y(0)]);
+        for (number, part) in self.parts.iter().enumerate() {
+            let all = part.holes();
+            let skipped = from.saturating_sub(before);
+            let mut done = skipped;
+            while done < all {
+                // Two records lead home.
+                let most = most_records.saturating_sub(2);
+                let (mut piece, holes) = part.rest_behind(done).first_holes(most);
+                let seconds = seconds(&piece, [0; 2]);
+                let pecks = piece.pecks().collect();
+                let last = piece.stops().last().map_or([0; 2], |stop| stop.at);
+                piece.records.extend([Record::X(0), Record::Y(0)]);
                 loads.push(Load {
-                    bytes: rest.bytes(),
+                    bytes: piece.bytes(),
                     seconds,
                     back_s: travel_s(last, [0; 2]),
                     pecks,
-                    before: before + skipped,
+                    before: before + done,
+                    part: number,
+                    is_first: done == skipped,
+                    is_last: done + holes == all,
                 });
+                done += holes;
             }
-            before = behind;
+            before += all;
         }
-        Ok(loads)
+        loads
     }
 
     /// Asks until the right tool is in the spindle. `false`: the operator ends the job.
@@ -254,7 +356,13 @@ impl<O: Operator> Sender<'_, O> {
 
     /// A part: cleared, stored, run.
     fn one(&mut self, load: &Load, detach: bool, estimate: &mut Estimate) -> Ended {
-        if let Err(trouble) = self.client.run(Step::Clear) {
+        // Where it does not home, it may stand anywhere: its zero stays.
+        let clear = if self.is_homed {
+            Step::Empty
+        } else {
+            Step::Clear
+        };
+        if let Err(trouble) = self.client.run(clear) {
             return Ended::Before(trouble);
         }
         match self.store_and_run(load, detach, estimate) {
@@ -270,7 +378,11 @@ impl<O: Operator> Sender<'_, O> {
         detach: bool,
         estimate: &mut Estimate,
     ) -> Result<bool, Trouble> {
-        self.spindle(true)?;
+        // It drills meanwhile where the memory is too small. Otherwise it stands as long as it can.
+        let drills_meanwhile = load.bytes.len() > MEMORY_BYTES;
+        if drills_meanwhile {
+            self.spindle(true)?;
+        }
         self.client.run(Step::Begin)?;
         // All but the `f`, which is a step of its own.
         let body = load.bytes.split_last().map_or(&[][..], |(_, body)| body);
@@ -294,6 +406,9 @@ impl<O: Operator> Sender<'_, O> {
             }
         }
         self.client.run(Step::End)?;
+        if !drills_meanwhile {
+            self.spindle(true)?;
+        }
         if detach {
             return self.client.start();
         }
@@ -364,9 +479,11 @@ impl<O: Operator> Sender<'_, O> {
             .map(|bytes| drillings(&load.bytes, bytes as usize));
         let all = load.seconds.len();
         let (mut done, mut begun) = (done.min(all), begun.min(all));
-        let is_reset = trouble == Trouble::Link(husillo_transports::drill::Failure::Restarted);
+        let is_reset = trouble == Trouble::Link(Failure::Restarted);
+        let is_expired = trouble == Trouble::Link(Failure::Expired);
         let is_reached = !matches!(trouble, Trouble::Port(_)) && self.client.find_out().is_ok();
-        let stands = trouble == Trouble::Link(husillo_transports::drill::Failure::Fault);
+        let stands = trouble == Trouble::Link(Failure::Fault);
+        let mut why = trouble.text();
         if is_reached {
             // A reset clears the count.
             if let (Ok(Some(count)), false) = (self.client.drillings(), is_reset) {
@@ -380,12 +497,15 @@ impl<O: Operator> Sender<'_, O> {
             }
             // The device stands. Its answer here is not the reason of the failure.
             let _ = self.spindle(false);
+            if is_expired && self.expect_homed().is_ok() {
+                why.push_str(". Its position is known: --no-home goes on without homing");
+            }
         } else if !stands && !is_reset {
             self.operator
                 .show("the drill is not reached: it may be at work, and its spindle may turn");
         }
         let [done, begun] = load.holes([done, begun]);
-        self.failed(trouble.text(), load.before + done, load.before + begun)
+        self.failed(why, load.before + done, load.before + begun)
     }
 
     fn has_depths(&self) -> bool {
@@ -402,6 +522,9 @@ impl<O: Operator> Sender<'_, O> {
 
 /// Home from anywhere on the table.
 const HOMING: Duration = Duration::from_secs(180);
+
+/// Records that the memory of the drill holds.
+const MEMORY_RECORDS: usize = MEMORY_BYTES / 3;
 
 /// Drillings whose records are complete in the first bytes of a program.
 fn drillings(bytes: &[u8], length: usize) -> usize {
@@ -427,7 +550,14 @@ impl Estimate {
 pub fn sentence(end: &End, again: &str, all: usize) -> String {
     match end {
         End::Drilled => format!("{} drilled", count(all, "hole")),
-        End::Detached => "the drill has started, and runs the program alone from here".into(),
+        End::Detached => "the drill has started, and runs the program alone from here: it has no \
+            lease, and does not stop when the cable is pulled"
+            .into(),
+        End::Unreached(why) => format!(
+            "{why}\nnothing was sent. How many holes it has drilled since is not known here: a \
+             drill of ours is asked when this command reaches it; for an original count them in \
+             the board before you use --from"
+        ),
         End::Failed(Failed { why, done, begun }) => {
             let next = done + 1;
             let known = if done == begun {

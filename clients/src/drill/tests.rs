@@ -3,7 +3,7 @@
 use super::client::{Client, Trouble};
 use super::duration::seconds;
 use super::part::Part;
-use super::sender::{End, Failed, Operator, Sender};
+use super::sender::{End, Failed, Operator, Sender, sentence};
 use crate::{StopRequests, Wire};
 use husillo_gcode::Nm;
 use husillo_sim::Random;
@@ -79,6 +79,7 @@ fn send(
         parts,
         from,
         byte_s: 0.0085,
+        is_homed: false,
         is_sure: true,
         diameter,
     };
@@ -169,7 +170,8 @@ fn the_spindle_stands_between_tools() {
 fn the_remaining_time_is_honest() {
     let parts = [part(1, &[[100, 50], [900, 400], [2000, 10]])];
     let mut operator = Script::default();
-    let client = client_of(Device::new(2400, false), StopRequests::default());
+    // Without the questions of a lease, each look takes 20 ms.
+    let client = client_of(Device::new(2400, false), StopRequests::default()).with_lease(0);
     let (end, _) = send(client, &parts, 0, false, &mut operator);
     assert_eq!(end, Ok(End::Drilled));
     let looks = operator.shares.len();
@@ -247,6 +249,7 @@ fn it_asks_for_each_tool() {
         parts: &parts,
         from: 0,
         byte_s: 0.0085,
+        is_homed: false,
         is_sure: false,
         diameter,
     };
@@ -264,6 +267,7 @@ fn it_asks_for_each_tool() {
         parts: &parts,
         from: 0,
         byte_s: 0.0085,
+        is_homed: false,
         is_sure: false,
         diameter,
     };
@@ -284,6 +288,7 @@ fn nobody_is_asked_to_switch_the_spindle_of_an_original() {
         parts: &parts,
         from: 0,
         byte_s: 0.0085,
+        is_homed: false,
         is_sure: false,
         diameter,
     };
@@ -479,6 +484,178 @@ fn a_pulled_cable_is_noticed_soon() {
     );
 }
 
+/// The rates of the machine itself.
+fn real(lease_ms: u16) -> Client {
+    client_of(Device::new(2400, false), StopRequests::default()).with_lease(lease_ms)
+}
+
+/// Sends a board, pulls the cable so long after the start of the run, and lets a time pass.
+/// Returns the client.
+fn pulled(parts: &[Part], lease_ms: u16, after_s: u64, passes_s: u64) -> (End, Client) {
+    let mut client = real(lease_ms);
+    // The bytes up to the start, then two for each question.
+    let (_, mut good) = send(real(lease_ms), parts, 0, true, &mut Script::default());
+    let start = device(&mut good).line().carried;
+    let questions = after_s * 1000 / 62;
+    device(&mut client).line().fault = Some((start + 2 * questions, Fault::Unplugged));
+    let (end, mut client) = send(client, parts, 0, false, &mut Script::default());
+    for _ in 0..passes_s * 1000 {
+        device(&mut client).tick();
+    }
+    (end.unwrap(), client)
+}
+
+/// At the rates of the machine: the cable is pulled at different times of a run. The drill does not
+/// go on alone. It comes up and stands, its spindle too; then `--from` goes on without homing.
+#[test]
+fn a_drill_without_its_host_stops_and_goes_on_without_homing() {
+    let parts = [part(1, &[[300, 100], [500, 100], [500, 300], [400, 90]])];
+    let all = places(&parts);
+    let mut seen = Vec::new();
+    for after_s in [1, 9, 20, 33, 36, 45, 70, 90] {
+        let (end, mut client) = pulled(&parts, 250, after_s, 20);
+        let End::Failed(Failed { why, done, begun }) = end else {
+            panic!("{after_s} s: {end:?}")
+        };
+        assert!(why.contains("no answer"), "{why}");
+        let holes = |client: &mut Client| -> Vec<[i32; 2]> {
+            let holes = device(client).rig(0).unwrap().holes().iter();
+            let whole = holes.filter(|hole| hole.depth == 3745);
+            whole.map(|hole| hole.at).collect()
+        };
+        let drilled = holes(&mut client).len();
+        assert!((done..=begun).contains(&drilled), "{after_s} s");
+        assert!(drilled < all.len(), "{after_s} s: it went on");
+        let place = device(&mut client).control("where");
+        assert!(
+            place.contains("from home, z 0 below"),
+            "{after_s} s: {place}"
+        );
+        assert!(place.contains("spindle off"), "{after_s} s: {place}");
+        let [x, y, _] = device(&mut client).rig(0).unwrap().place();
+        assert!(place.contains(&format!("x {x} y {y} steps")), "{place}");
+        // Nothing moves any more.
+        (0..5000).for_each(|_| drop(device(&mut client).tick()));
+        assert_eq!(device(&mut client).control("where"), place);
+        device(&mut client).line().plug(true);
+        device(&mut client).take_reports();
+        let mut operator = Script::default();
+        let mut sender = Sender {
+            client,
+            operator: &mut operator,
+            parts: &parts,
+            from: drilled,
+            byte_s: 0.0085,
+            is_homed: true,
+            is_sure: true,
+            diameter,
+        };
+        assert_eq!(sender.send(false), Ok(End::Drilled), "{after_s} s");
+        let mut client = sender.client;
+        assert_eq!(holes(&mut client), all, "{after_s} s");
+        let told = device(&mut client).take_reports();
+        assert!(!told.contains(&"homed".into()), "{told:?}");
+        assert_eq!(device(&mut client).rig(0).unwrap().lost_steps(), [0; 3]);
+        seen.push(drilled);
+    }
+    seen.dedup();
+    assert!(seen.len() > 2, "{seen:?}");
+}
+
+/// Without a lease it goes on to the end of its program.
+#[test]
+fn a_drill_without_a_lease_goes_on_alone() {
+    let parts = [part(1, &[[300, 100], [320, 100]])];
+    let mut client = real(0);
+    let (_, mut good) = send(real(0), &parts, 0, true, &mut Script::default());
+    let start = device(&mut good).line().carried;
+    device(&mut client).line().fault = Some((start + 4, Fault::Unplugged));
+    let (end, mut client) = send(client, &parts, 0, false, &mut Script::default());
+    assert!(matches!(end, Ok(End::Failed(_))), "{end:?}");
+    (0..120_000).for_each(|_| drop(device(&mut client).tick()));
+    assert_eq!(device(&mut client).rig(0).unwrap().holes().len(), 2);
+}
+
+/// An original has no lease: where one is asked for, nothing moves.
+#[test]
+fn an_original_is_not_driven_with_a_lease() {
+    let parts = [part(1, &[[20, 10]])];
+    for (lease_ms, drills) in [(250, false), (0, true)] {
+        let client = client(true).with_lease(lease_ms);
+        let (end, mut client) = send(client, &parts, 0, false, &mut Script::default());
+        assert_eq!(end == Ok(End::Drilled), drills, "{end:?}");
+        assert_eq!(drilled(&mut client).len(), usize::from(drills));
+        let told = sentence(&end.unwrap(), "", 1);
+        assert_eq!(told.contains("does not confirm a lease"), !drills, "{told}");
+    }
+}
+
+/// A host that was late, not gone: the end of the lease is no end of the program.
+#[test]
+fn a_late_host_is_told_and_knows_the_holes() {
+    let parts = [part(1, &[[300, 100], [500, 100], [500, 300]])];
+    let (_, mut good) = send(real(250), &parts, 0, true, &mut Script::default());
+    let start = device(&mut good).line().carried;
+    for after_s in [2, 33, 36, 45] {
+        let mut client = real(250);
+        let place = start + 2 * (after_s * 1000 / 62);
+        device(&mut client).line().fault = Some((place, Fault::Late(300_000)));
+        let (end, mut client) = send(client, &parts, 0, false, &mut Script::default());
+        let Ok(End::Failed(Failed { why, done, begun })) = end else {
+            panic!("{end:?}")
+        };
+        assert!(why.contains("for the time of its lease"), "{why}");
+        assert!(why.contains("--no-home goes on"), "{why}");
+        let holes = device(&mut client).rig(0).unwrap().holes().iter();
+        let whole = holes.filter(|hole| hole.depth == 3745).count();
+        assert_eq!((done, begun), (whole, whole), "{after_s} s");
+        assert!(!device(&mut client).rig(0).unwrap().spindle_turns());
+    }
+}
+
+/// A drill that was left alone with a board is at work, then done: `--from` of the hole where its
+/// host was lost drills no hole twice.
+#[test]
+fn a_hole_that_was_drilled_alone_is_not_drilled_again() {
+    let parts = [
+        part(1, &[[7, 3]]),
+        part(2, &[[300, 100], [500, 100], [500, 300], [600, 300]]),
+    ];
+    let alone = [parts[1].clone()];
+    let (end, mut first) = send(client(false), &alone, 1, true, &mut Script::default());
+    assert_eq!(end, Ok(End::Detached));
+    let running = std::mem::replace(device(&mut first), Device::quick(false));
+    let second = client_of(running, StopRequests::default());
+    let again = |client, from| {
+        let (end, client) = send(client, &parts, from, false, &mut Script::default());
+        let end = end.unwrap();
+        (sentence(&end, "husillo send b.drl", 5), end, client)
+    };
+    // At work: nothing is known, and no number is repeated.
+    let (told, end, mut second) = again(second, 2);
+    assert!(matches!(end, End::Unreached(_)), "{told}");
+    assert!(
+        told.contains("runs its program") && told.contains("nothing was sent"),
+        "{told}"
+    );
+    assert!(!told.contains("--from 3"), "{told}");
+    rest(&mut second);
+    assert_eq!(drilled(&mut second).len(), 3, "it has ended");
+    // At rest: its count says what is drilled.
+    let (told, _, mut second) = again(second, 2);
+    assert!(told.contains("by its own count"), "{told}");
+    assert!(
+        told.contains("5 of 5 holes are drilled; nothing is left to do"),
+        "{told}"
+    );
+    assert_eq!(drilled(&mut second).len(), 3, "nothing was drilled again");
+    // Another program, or a memory that was cleared, says nothing of this board.
+    second.reach().unwrap();
+    second.run(Step::Clear).unwrap();
+    let (told, end, _) = again(second, 3);
+    assert_eq!(end, End::Drilled, "{told}");
+}
+
 /// Holes drilled in pecks: each counts once, and a resumed job begins with a whole hole.
 #[test]
 fn pecks_are_one_hole() {
@@ -536,6 +713,8 @@ fn faults() -> impl Iterator<Item = Fault> {
         Fault::Doubled,
         Fault::Late(30_000),
         Fault::Late(200_000),
+        // Longer than the lease.
+        Fault::Late(400_000),
         Fault::Unplugged,
         Fault::Reset,
     ])
@@ -562,6 +741,13 @@ fn goes_on(client: Client, parts: &[Part], fault: Fault, context: &str) -> bool 
                 return round > 0;
             }
             End::Detached => panic!("{context}"),
+            // Nothing was sent: not one hole is more than before.
+            End::Unreached(_) => {
+                rest(&mut client);
+                let count = drilled(&mut client).len();
+                assert_eq!(count, from, "{context}");
+                device(&mut client).line().plug(true);
+            }
             End::Failed(Failed { why, done, begun }) => {
                 rest(&mut client);
                 let count = drilled(&mut client).len();

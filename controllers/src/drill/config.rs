@@ -32,11 +32,17 @@ pub struct DrillConfig {
     pub spindle_by_hole: bool,
     /// Rest in ticks after each move, so that an axis stands before the next one moves.
     pub settle_ticks: u32,
+    /// Whether the controller waits for the lamp of the heartbeat while it is idle, so that a
+    /// firmware without a clock of its own shows it.
+    pub blinks: bool,
     /// The rules of the link.
     pub rules: Rules,
 }
 
 impl DrillConfig {
+    /// The lamp of the heartbeat changes after this time, us: 15 periods of 2^18 clocks of 8 MHz.
+    pub const HEARTBEAT_US: u32 = 491_520;
+
     /// The rate (about 247 Hz), back-off and link of the original, on a timer of 1 MHz. Searches
     /// end at twice the table or the stroke; those of the original do not end. The rest of 2 ms is
     /// chosen by this project.
@@ -51,6 +57,7 @@ impl DrillConfig {
         raises_first: false,
         spindle_by_hole: true,
         settle_ticks: 2000,
+        blinks: false,
         rules: Rules::FAITHFUL,
     };
 

@@ -46,6 +46,8 @@ pub enum DrillReport {
         /// Steps of X and Y from zero.
         at: [u16; 2],
     },
+    /// The host was silent for longer than its lease: the work ends.
+    Expired,
     /// A fault: the spindle is off, and nothing moves or answers until a reset.
     Fault(DrillFault),
 }

@@ -62,8 +62,8 @@ fn confirm(place: Place, args: &Stop) -> Result<bool, Failure> {
     };
     let done = jog(&Jog {
         actions: vec![action.into()],
-        // What stands needs no lease. A drill has none.
-        lease: (machine != "drill").then_some(0),
+        // A machine that stands needs no lease.
+        lease: Some(0),
         machine,
         port: vec![port],
         figure: None,

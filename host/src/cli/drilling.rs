@@ -148,8 +148,8 @@ pub struct Send {
         value_parser = clap::value_parser!(u32).range(1..),
     )]
     pub from: u32,
-    /// End when the start is confirmed, and let the drill continue alone: one tool, up to 8192
-    /// bytes
+    /// End when the start is confirmed, and let the drill continue alone, without a lease: one
+    /// tool, up to 8192 bytes
     #[arg(long)]
     pub detach: bool,
     /// Do not ask for tools
@@ -169,12 +169,17 @@ pub struct Send {
         value_parser = clap::value_parser!(u16).range(0..=999),
     )]
     pub every: u16,
-    /// Micro mill, microfactory: milliseconds after the last byte of this program at which a motion
-    /// ends; 0: a motion needs no host [default: 250]
-    #[arg(long, value_name = "MS", value_parser = clap::value_parser!(u16).range(0..=9999))]
+    /// Milliseconds after the last byte of this program at which a motion of the machine ends; 0: a
+    /// motion needs no host [default: 250]
+    #[arg(
+        long,
+        value_name = "MS",
+        value_parser = clap::value_parser!(u16).range(0..=9999),
+        conflicts_with = "detach",
+    )]
     pub lease: Option<u16>,
-    /// Micro mill: do not home, it is homed and at machine zero; microfactory: begin figures at the
-    /// present positions
+    /// Micro mill: do not home, it is homed and at machine zero; drill: do not home, it is asked
+    /// whether it is homed; microfactory: begin figures at the present positions
     #[arg(long)]
     pub no_home: bool,
     /// Microfactory: the device does not answer, so nothing is confirmed

@@ -22,8 +22,8 @@ pub struct Jog {
     /// Bits per second of the link [default: 2400 for a drill, otherwise 9600]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(300..=115_200))]
     pub baud: Option<u32>,
-    /// Micro mill, microfactory: milliseconds after the last byte of this program at which a motion
-    /// ends; 0: a motion needs no host [default: 250]
+    /// Milliseconds after the last byte of this program at which a motion of the machine ends; 0: a
+    /// motion needs no host [default: 250]
     #[arg(long, value_name = "MS", value_parser = clap::value_parser!(u16).range(0..=9999))]
     pub lease: Option<u16>,
     /// The device does not answer, as the original: wait the longest time of each action

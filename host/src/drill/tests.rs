@@ -47,6 +47,7 @@ fn holes_of_a_drill_file_are_drilled_within_half_a_step() {
         parts: &[part],
         from: 0,
         byte_s: 0.0085,
+        is_homed: false,
         is_sure: true,
         diameter: |_| None,
     };

@@ -2,7 +2,7 @@
 
 use super::{Event, Machine, Pair, block, hold, push};
 use crate::{DrillRig, DrilledHole, Emulated};
-use husillo_controllers::{Drill, DrillConfig, DrillEvent, DrillFault, DrillReport};
+use husillo_controllers::{Drill, DrillConfig, DrillEvent, DrillFault, DrillLights, DrillReport};
 use husillo_transports::drill::MEMORY_BYTES;
 
 /// First positions of X, Y and Z, in steps from their switches.
@@ -57,9 +57,8 @@ impl Machine for EmulatedDrill {
 
     /// The states are the wires of each motor, bit 0 for the first one, and the spindle.
     const COLUMNS: &'static str = "dx,dy,dz,lx,ly,lz,spindle";
-    const PANEL: &'static str = "holes, board, close x|y|up|down, open x|y|up|down, \
-                                 free x|y|up|down, push x|y N, \
-                                 block x|y|z, unblock x|y|z";
+    const PANEL: &'static str = "lights, holes, board, close x|y|up|down, open x|y|up|down, \
+                                 free x|y|up|down, push x|y N, block x|y|z, unblock x|y|z";
     /// The spindle stops with the supply of its relay.
     const AT_RESET: DrillEvent = DrillEvent::Spindle(false);
 
@@ -81,6 +80,21 @@ impl Machine for EmulatedDrill {
             "x {x} y {y} steps {frame}, z {z} below its sensor, spindle {spindle}; \
              {holes} holes, program of {bytes} bytes; {lost} steps lost"
         )
+    }
+
+    fn shown(&self, emulated: &Pair<Self>, words: &[&str]) -> Option<String> {
+        (words == ["lights"]).then(|| {
+            let heartbeats = emulated.now_us() / u64::from(DrillConfig::HEARTBEAT_US);
+            let bits = emulated.controller().lights().bits(heartbeats % 2 == 1);
+            let lamps = DrillLights::NAMES.iter().enumerate();
+            let lamp = |(number, name): (usize, &&str)| {
+                format!(
+                    "{name} {}",
+                    if bits >> number & 1 == 1 { "on" } else { "off" }
+                )
+            };
+            lamps.map(lamp).collect::<Vec<_>>().join(", ")
+        })
     }
 
     fn control(&self, rig: &mut DrillRig, words: &[&str]) -> Option<String> {
@@ -139,6 +153,7 @@ fn text(report: DrillReport) -> String {
         DrillReport::Homed => "homed".into(),
         DrillReport::Drilled { at: [x, y] } => format!("drilled at {x},{y}"),
         DrillReport::Taught { at: [x, y] } => format!("taught {x},{y}"),
+        DrillReport::Expired => "the host is silent: its lease is over, and the work ends".into(),
         DrillReport::Fault(fault) => {
             let why = match fault {
                 DrillFault::NoSwitch { axis } => {

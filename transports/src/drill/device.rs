@@ -2,13 +2,17 @@
 
 use crate::buffer::Buffer;
 
-use super::{AT_WORK, Axis, COUNT, END_OF_TEXT, FAULT, KEPT, NOT_ALL, Order, Rules};
+use super::{
+    AT_WORK, Axis, EMPTY, END_OF_TEXT, ENDING, EXPIRED, FAULT, KEPT, LEASE, LEASE_UNIT_MS,
+    MachineState, NOT_ALL, Order, Reading, Rules, WORKING,
+};
 
 /// The answer to `?`.
 const HELP: &[u8] =
     b"B test  c clear  r home  b program  e run  m manual  n record  O S spindle  ? help\r\n\
     M manual, the program kept. program: X lo hi, Y lo hi, Z lo hi; f ends it. p at work?  E stops \
     a run\r\n\
+    t lease x 50 ms, 0 none  0 clear, the zero kept\r\n\
     manual: D I x+ x-  F R y+ y-  U L up down  O S spindle  a advance  T teach  r c B e  Q \
     quit\r\n";
 
@@ -22,8 +26,14 @@ enum Mode {
         homes: bool,
     },
     Manual,
-    /// The number of a record is being received: its low byte, once that has arrived.
-    Asked(Option<u8>),
+    /// The number of a record is being received: its low byte, once that has arrived. The manual
+    /// mode goes on after it.
+    Asked {
+        low: Option<u8>,
+        is_manual: bool,
+    },
+    /// The next byte is the lease.
+    Lease,
 }
 
 /// The work during which the controller does not obey bytes.
@@ -82,6 +92,13 @@ pub struct Device<const N: usize> {
     /// Number of drillings since `c`, modulo 2^16, and whether a `c` has arrived since the reset.
     drillings: u16,
     was_cleared: bool,
+    /// The longest silence of the host during work, in units of 50 ms; 0 is any.
+    lease: u8,
+    /// The present work ends, because its lease is over.
+    is_expired: bool,
+    /// A fault has stopped the machine.
+    has_failed: bool,
+    machine: MachineState,
 }
 
 impl<const N: usize> Device<N> {
@@ -104,15 +121,31 @@ impl<const N: usize> Device<N> {
             is_tail: false,
             drillings: 0,
             was_cleared: false,
+            lease: 0,
+            is_expired: false,
+            has_failed: false,
+            machine: MachineState::UNKNOWN,
         }
     }
 
     /// Takes a byte from the line.
     pub fn push(&mut self, byte: u8) {
+        let is_leased = self.lease > 0 || self.is_expired;
         match self.work {
             Work::None => self.hear(byte),
+            _ if self.has_failed && self.rules.has_extras => {
+                if byte == AT_WORK {
+                    self.out.push(FAULT);
+                }
+            }
             Work::Program(_, After::Answer(_)) if byte == AT_WORK && self.rules.has_extras => {
-                self.out.push(AT_WORK);
+                self.say_at_work();
+            }
+            // With a lease the host asks while it waits. A wrong bit in such a byte is no command.
+            Work::Orders(..) if is_leased => {
+                if byte == AT_WORK {
+                    self.say_at_work();
+                }
             }
             Work::Program(_, After::Answer(_)) => self.stops |= byte == b'E',
             Work::Program(..) if self.rules.stops_at_border => self.stops |= byte == b'E',
@@ -120,6 +153,38 @@ impl<const N: usize> Device<N> {
                 self.unheard.get_or_insert(byte);
             }
         }
+    }
+
+    /// The longest silence of the line during the present work, us. `None`: there is no work, or it
+    /// needs no host.
+    pub fn lease_us(&self) -> Option<u32> {
+        let is_needed = self.is_working() && !self.is_expired && !self.has_failed;
+        let unit_us = u32::from(LEASE_UNIT_MS).wrapping_mul(1000); // 50 000
+        let us = u32::from(self.lease).wrapping_mul(unit_us); // 13 s at most
+        (is_needed && us > 0).then_some(us)
+    }
+
+    /// Ends the present work, because no byte has arrived for [`lease_us`](Device::lease_us). The
+    /// caller ends the present order and confirms it with [`done`](Device::done). The spindle stops
+    /// after it.
+    pub fn expire(&mut self) {
+        self.lease = 0;
+        self.is_expired = true;
+    }
+
+    /// Takes the present drilling of a program out of the count: its hole is not whole.
+    pub const fn discard_drilling(&mut self) {
+        self.is_drilling = false;
+    }
+
+    /// Whether the present work ends, because its lease is over.
+    pub const fn is_expired(&self) -> bool {
+        self.is_expired
+    }
+
+    /// Sets the state that the host may read. The caller does this before [`push`](Device::push).
+    pub const fn set_machine(&mut self, state: MachineState) {
+        self.machine = state;
     }
 
     /// Returns the next order for the machine. `None` while the last one is not
@@ -133,12 +198,16 @@ impl<const N: usize> Device<N> {
                 Work::None => return None,
                 Work::Orders([first, second], answer) => {
                     self.work = Work::Orders([second, None], answer);
-                    first
+                    if self.is_expired { None } else { first }
                 }
                 Work::Program(at, after) => {
                     // Below N + 2 as long as there is a record.
                     self.work = Work::Program(at.wrapping_add(3), after);
-                    if self.stops { None } else { self.record(at) }
+                    if self.stops || self.is_expired {
+                        None
+                    } else {
+                        self.record(at)
+                    }
                 }
             };
             if order.is_some() {
@@ -183,15 +252,25 @@ impl<const N: usize> Device<N> {
     /// Reports that a fault has stopped the machine. The present order is never answered. A device
     /// with extras sends [`FAULT`] once, unless a host would take it for an echo.
     pub fn fail(&mut self) {
-        let answer = match self.work {
+        self.has_failed = true;
+        if self.rules.has_extras && self.awaited() != Some(FAULT) {
+            self.out.push(FAULT);
+        }
+    }
+
+    /// Returns the byte that the host waits for.
+    const fn awaited(&self) -> Option<u8> {
+        match self.work {
             Work::None => None,
             Work::Orders(_, answer) => answer,
             Work::Program(_, After::Answer(byte) | After::Store(byte)) => Some(byte),
             Work::Program(_, After::Begin) => Some(b'b'),
-        };
-        if self.rules.has_extras && answer != Some(FAULT) {
-            self.out.push(FAULT);
         }
+    }
+
+    fn say_at_work(&mut self) {
+        self.out
+            .push(if self.is_expired { ENDING } else { WORKING });
     }
 
     /// Whether the program runs, or an order given by hand.
@@ -218,6 +297,24 @@ impl<const N: usize> Device<N> {
         Some(*byte)
     }
 
+    /// Whether the device is in the manual mode.
+    pub const fn is_manual(&self) -> bool {
+        matches!(
+            self.mode,
+            Mode::Manual
+                | Mode::Advance { .. }
+                | Mode::Asked {
+                    is_manual: true,
+                    ..
+                }
+        )
+    }
+
+    /// Whether the device receives a program.
+    pub const fn is_receiving(&self) -> bool {
+        matches!(self.mode, Mode::Download(_))
+    }
+
     /// Returns the bytes in the memory.
     pub fn stored(&self) -> &[u8] {
         self.memory.bytes()
@@ -236,13 +333,25 @@ impl<const N: usize> Device<N> {
                 }
             }
             Mode::Manual => self.key(byte),
-            Mode::Asked(None) => {
+            Mode::Asked {
+                low: None,
+                is_manual,
+            } => {
                 self.out.push(byte);
-                self.mode = Mode::Asked(Some(byte));
+                let low = Some(byte);
+                self.mode = Mode::Asked { low, is_manual };
             }
-            Mode::Asked(Some(low)) => {
+            Mode::Lease => {
+                self.lease = byte;
                 self.out.push(byte);
                 self.mode = Mode::Idle;
+            }
+            Mode::Asked {
+                low: Some(low),
+                is_manual,
+            } => {
+                self.out.push(byte);
+                self.mode = if is_manual { Mode::Manual } else { Mode::Idle };
                 self.read_back(u16::from_le_bytes([low, byte]));
             }
         }
@@ -280,7 +389,14 @@ impl<const N: usize> Device<N> {
                 self.work = Work::Orders([Some(Order::Spindle(byte == b'O')), None], Some(byte));
             }
             b'n' if self.rules.has_extras => {
-                self.mode = Mode::Asked(None);
+                self.ask(false);
+            }
+            LEASE if self.rules.has_extras => {
+                self.mode = Mode::Lease;
+                self.out.push(byte);
+            }
+            EMPTY if self.rules.has_extras => {
+                self.empty();
                 self.out.push(byte);
             }
             b'?' if self.rules.has_extras => {
@@ -291,21 +407,49 @@ impl<const N: usize> Device<N> {
         }
     }
 
-    /// Sends the record of this number with the complement of its sum; see [`COUNT`].
+    fn ask(&mut self, is_manual: bool) {
+        self.mode = Mode::Asked {
+            low: None,
+            is_manual,
+        };
+        self.out.push(b'n');
+    }
+
+    /// Sends the record of this number, or a [`Reading`], with the complement of its sum.
     fn read_back(&mut self, number: u16) {
-        let [low, high] = self.drillings.to_le_bytes();
-        let letter = if self.was_cleared { b'c' } else { b'B' };
         let at = usize::from(number).wrapping_mul(3); // below 2^18
         let stored = self.memory.bytes().get(at..).unwrap_or_default();
-        let record = match stored.first_chunk() {
-            _ if number == COUNT => [letter, low, high],
+        let record = match (Reading::of(number), stored.first_chunk()) {
+            (Some(reading), _) => self.reading(reading),
             // Records without those before them are no program.
-            _ if self.is_tail => [b'f', 0, 0],
-            Some(record) => *record,
-            None => [b'f', 0, 0],
+            (None, Some(record)) if !self.is_tail => *record,
+            (None, _) => [b'f', 0, 0],
         };
         self.out.extend(&record);
         self.out.push(check(record));
+    }
+
+    fn reading(&self, reading: Reading) -> [u8; 3] {
+        let MachineState {
+            place_steps: [x, y],
+            zero_steps: [zero_x, zero_y],
+            ..
+        } = self.machine;
+        let records = self.memory.bytes().len() / 3;
+        let (letter, value) = match reading {
+            Reading::Drillings => (if self.was_cleared { b'c' } else { b'B' }, self.drillings),
+            Reading::X => (b'X', x),
+            Reading::Y => (b'Y', y),
+            Reading::ZeroX => (b'x', zero_x),
+            Reading::ZeroY => (b'y', zero_y),
+            Reading::State => (b's', self.machine.bits()),
+            Reading::Records => (
+                if self.is_tail { b't' } else { b'n' },
+                u16::try_from(records).unwrap_or(u16::MAX),
+            ),
+        };
+        let [low, high] = value.to_le_bytes();
+        [letter, low, high]
     }
 
     /// Takes a byte of a program. The end needs no room. Any other byte waits until there is room.
@@ -356,17 +500,24 @@ impl<const N: usize> Device<N> {
                 self.mode = Mode::Idle;
                 return self.out.push(b'm');
             }
+            b'n' if self.rules.has_extras => return self.ask(true),
+            // A question that has come too late.
+            AT_WORK if self.rules.has_extras => return,
             _ => return self.out.push(byte),
         };
         let is_move = !matches!(order, Order::Jog(_, 0));
         self.work = Work::Orders([is_move.then_some(order), None], Some(byte));
     }
 
-    fn clear(&mut self) {
+    fn empty(&mut self) {
         self.memory.clear();
         self.carried.clear();
         self.is_tail = false;
         (self.drillings, self.was_cleared) = (0, true);
+    }
+
+    fn clear(&mut self) {
+        self.empty();
         self.work = Work::Orders([Some(Order::Zero), None], Some(b'c'));
     }
 
@@ -375,7 +526,8 @@ impl<const N: usize> Device<N> {
         self.work = Work::Program(0, after);
     }
 
-    fn is_full(&self) -> bool {
+    /// Whether the memory is full.
+    pub fn is_full(&self) -> bool {
         self.memory.bytes().len() >= N
     }
 
@@ -405,9 +557,20 @@ impl<const N: usize> Device<N> {
 
     /// Ends the present work.
     fn finish(&mut self) {
+        let awaited = self.awaited();
         let work = core::mem::replace(&mut self.work, Work::None);
         match work {
             Work::None => {}
+            _ if core::mem::take(&mut self.is_expired) => {
+                if let Work::Program(_, After::Store(_)) = work {
+                    self.memory.clear();
+                    self.carried.clear();
+                    self.mode = Mode::Idle;
+                }
+                let is_clear = |byte: u8| (byte ^ EXPIRED).count_ones() > 1;
+                let answer = awaited.filter(|byte| is_clear(*byte)).map(|_| EXPIRED);
+                self.work = Work::Orders([Some(Order::Spindle(false)), None], answer);
+            }
             Work::Program(_, After::Answer(byte)) if self.rules.stops_spindle => {
                 self.work = Work::Orders([Some(Order::Spindle(false)), None], Some(byte));
             }

@@ -2,7 +2,8 @@
 
 use super::device::check;
 use super::{
-    AT_WORK, END_OF_TEXT, FAULT, Failure, KEPT, NOT_ALL, Outcome, Progress, Refused, Step, Timing,
+    AT_WORK, EMPTY, END_OF_TEXT, ENDING, EXPIRED, FAULT, Failure, KEPT, LEASE, NOT_ALL, Outcome,
+    Progress, Refused, Step, Timing, WORKING,
 };
 
 /// Bytes that bring any device to rest. Four `f` complete any record and reach the position where
@@ -92,6 +93,8 @@ pub struct Host {
     /// Whether the device was asked if a program runs, and whether it has confirmed it.
     asks_at_work: bool,
     is_at_work: bool,
+    /// The lease that the device has confirmed; 0 is none.
+    lease: u8,
     /// A byte that arrived while the host waited for none.
     unasked: Option<u8>,
     heard: Option<u8>,
@@ -123,6 +126,7 @@ impl Host {
             stops: false,
             asks_at_work: false,
             is_at_work: false,
+            lease: 0,
             unasked: None,
             heard: None,
         }
@@ -146,10 +150,11 @@ impl Host {
                 ([Some(advance), None], Some(b'm'))
             }
             Step::Advance(advance) => ([Some(advance), None], None),
+            Step::Lease(units) => ([Some(units), None], None),
             Step::Read(number) => (number.to_le_bytes().map(Some), None),
             _ => ([None; 2], None),
         };
-        let is_harmless = matches!(step, Step::Test | Step::Clear);
+        let is_harmless = matches!(step, Step::Test | Step::Clear | Step::Empty);
         self.tries = if self.timing.resends_anything || is_harmless {
             self.timing.tries.max(1)
         } else {
@@ -188,12 +193,14 @@ impl Host {
         runs.then_some(b'E')
     }
 
-    /// Returns the byte that asks a device with extras whether the program runs. The device answers
-    /// at once: see [`is_at_work`](Self::is_at_work). `None` if no program was begun, or it has
-    /// ended.
+    /// Returns the byte that asks a device with extras whether the program runs, or with a lease
+    /// whether anything moves. The device answers at once: see [`is_at_work`](Self::is_at_work).
+    /// `None` if nothing moves by this step, or it has ended.
     pub fn ask_at_work(&mut self) -> Option<u8> {
         let waits = matches!(self.phase, Phase::Answer(_) | Phase::Late);
-        self.asks_at_work = waits && self.step == Step::Execute;
+        let is_last = self.then == [None; 2] && self.last.is_none();
+        let is_heard = self.step == Step::Execute || self.lease > 0 && self.moves();
+        self.asks_at_work = waits && is_last && is_heard;
         self.is_at_work = false;
         self.asks_at_work.then_some(AT_WORK)
     }
@@ -254,6 +261,7 @@ impl Host {
                 self.lose();
                 self.phase = Phase::Over(Outcome::Stopped);
             }
+            Phase::Border if byte == EXPIRED && byte != self.answer => self.expire(),
             Phase::Border if byte == self.answer => {
                 self.done = self.begun;
                 self.settle(now_us);
@@ -269,7 +277,7 @@ impl Host {
             Phase::Border => self.fail(Failure::Wrong(byte)),
             Phase::Guard => self.fail(Failure::Unasked(byte)),
             Phase::Boot if byte == b'B' => {
-                self.stored = 0;
+                (self.stored, self.lease) = (0, 0);
                 self.mode = Mode::Idle;
                 self.phase = Phase::Over(Outcome::Done);
             }
@@ -354,6 +362,8 @@ impl Host {
         let (byte, mode) = match step {
             Step::Resync | Step::AwaitBoot => return Ok(0),
             Step::Test => (b'B', Mode::Idle),
+            Step::Lease(_) => (LEASE, Mode::Idle),
+            Step::Empty => (EMPTY, Mode::Idle),
             Step::Clear => (b'c', Mode::Idle),
             Step::Home => (b'r', Mode::Idle),
             Step::Begin => (b'b', Mode::Idle),
@@ -365,6 +375,7 @@ impl Host {
             Step::Teach => (b'T', Mode::Manual),
             Step::Quit => (b'Q', Mode::Manual),
             Step::Spindle(on) => (if on { b'O' } else { b'S' }, Mode::Idle),
+            Step::Read(_) if self.mode == Mode::Manual => (b'n', Mode::Manual),
             Step::Read(_) => (b'n', Mode::Idle),
             Step::Help => (b'?', Mode::Idle),
             Step::Store(byte) => (byte, self.download()?),
@@ -377,15 +388,21 @@ impl Host {
         match step {
             _ if mode != self.mode => Err(Refused::Mode),
             // These are steps of their own.
-            Step::Key(b'a' | b'Q' | b'T') => Err(Refused::Mode),
+            Step::Key(b'a' | b'Q' | b'T' | b'n') => Err(Refused::Mode),
             // One wrong bit turns `m` into `e`.
             Step::Begin | Step::Manual(_) if !self.is_clear => Err(Refused::NotCleared),
             Step::End if !is_at_end => Err(Refused::Incomplete),
+            Step::Store(_) if self.lease > 0 && self.is_at_border() => Err(Refused::Leased),
             // It would end the program here.
             Step::Store(b'f') if is_at_end => Err(Refused::Incomplete),
             Step::Execute if !self.is_whole => Err(Refused::Incomplete),
             _ => Ok(byte),
         }
+    }
+
+    /// Whether the memory of the device is full.
+    fn is_at_border(&self) -> bool {
+        self.stored > 0 && self.stored.checked_rem(self.memory_bytes) == Some(0)
     }
 
     fn download(&self) -> Result<Mode, Refused> {
@@ -405,9 +422,9 @@ impl Host {
     }
 
     fn hear(&mut self, byte: u8, now_us: u32) {
-        let is_border = matches!(self.step, Step::Store(_))
-            && self.stored > 0
-            && self.stored.checked_rem(self.memory_bytes) == Some(0);
+        let is_border = matches!(self.step, Step::Store(_)) && self.is_at_border();
+        // One wrong bit in the answer to a question changes nothing.
+        let is_like = |answer: u8| (byte ^ answer).count_ones() <= 1;
         if is_border && byte == b'w' {
             self.begun = whole(self.stored);
             self.wait(Phase::Border, self.timing.run_us, now_us);
@@ -415,7 +432,9 @@ impl Host {
             self.settle(now_us);
         } else if byte == b'B' {
             self.fail(Failure::Restarted);
-        } else if byte == AT_WORK && self.asks_at_work {
+        } else if byte == EXPIRED && self.moves() {
+            self.expire();
+        } else if self.asks_at_work && (is_like(WORKING) || is_like(ENDING)) {
             self.is_at_work = true;
         } else if byte == FAULT && self.moves() {
             self.fail(Failure::Fault);
@@ -426,6 +445,11 @@ impl Host {
         } else {
             self.fail(Failure::Wrong(byte));
         }
+    }
+
+    fn expire(&mut self) {
+        self.lease = 0;
+        self.fail(Failure::Expired);
     }
 
     /// Whether the step moves the machine, so that the machine may report a fault.
@@ -483,7 +507,8 @@ impl Host {
                 self.stored = self.stored.saturating_add(9);
                 (self.is_clear, self.is_whole) = (false, true);
             }
-            Step::Clear | Step::Key(b'c') => {
+            Step::Lease(units) => self.lease = units,
+            Step::Clear | Step::Empty | Step::Key(b'c') => {
                 (self.stored, self.done, self.begun) = (0, 0, 0);
                 (self.is_clear, self.is_whole) = (true, false);
             }
@@ -536,6 +561,9 @@ impl Host {
     }
 
     fn fail(&mut self, failure: Failure) {
+        if failure == Failure::Restarted {
+            self.lease = 0;
+        }
         self.lose();
         self.phase = Phase::Over(Outcome::Failed(failure));
     }
@@ -549,9 +577,7 @@ impl Host {
                 .unwrap_or_default()
                 .saturating_add(1)
                 .saturating_mul(self.memory_bytes);
-            let at_border =
-                self.stored > 0 && self.stored.checked_rem(self.memory_bytes) == Some(0);
-            if at_border {
+            if self.is_at_border() {
                 self.begun = self.begun.max(whole(self.stored));
             }
             if self.stored.saturating_add(BEYOND) > border {

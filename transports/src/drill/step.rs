@@ -12,6 +12,13 @@ pub enum Step {
     Resync,
     /// Tests the link.
     Test,
+    /// Requests a lease of so many [`LEASE_UNIT_MS`](super::LEASE_UNIT_MS) for all that the device
+    /// does from now on, or none with 0; on a device with extras. While a step lasts,
+    /// [`Host::ask_at_work`](super::Host::ask_at_work) renews it. It ends with
+    /// [`Failure::Expired`].
+    Lease(u8),
+    /// Empties the program of a device with extras. The zero stays.
+    Empty,
     /// Empties the program. The present position becomes X 0, Y 0.
     Clear,
     /// Homes all axes.
@@ -40,8 +47,8 @@ pub enum Step {
     /// Switches the spindle outside of the manual mode, on a device with extras.
     Spindle(bool),
     /// Reads the record with this number, from 0, of the program in a device with extras:
-    /// [`Host::record`](super::Host::record). [`COUNT`](super::COUNT) asks how many holes were
-    /// drilled.
+    /// [`Host::record`](super::Host::record). The numbers of a [`Reading`](super::Reading) ask for
+    /// something else, as [`COUNT`](super::COUNT) for the number of holes that were drilled.
     Read(u16),
     /// Reads the text of a device with extras, up to [`END_OF_TEXT`](super::END_OF_TEXT). The
     /// caller keeps it.
@@ -63,6 +70,9 @@ pub enum Refused {
     Incomplete,
     /// An earlier program was not cleared. It would run again before this one.
     NotCleared,
+    /// The memory is full. With a lease the device cannot run it before it takes the next byte,
+    /// because the host would have to be silent meanwhile.
+    Leased,
 }
 
 impl fmt::Display for Refused {
@@ -72,6 +82,7 @@ impl fmt::Display for Refused {
             Refused::Mode => "the device is in another mode, or in an unknown one",
             Refused::Incomplete => "the program has no record, or part of one",
             Refused::NotCleared => "the device still holds a program",
+            Refused::Leased => "the memory is full, and a lease does not allow a wait in silence",
         })
     }
 }
@@ -105,6 +116,10 @@ pub enum Failure {
     /// The device has stopped because of a fault: a switch, a sensor, lost steps, or a position off
     /// the table. It does nothing until a reset.
     Fault,
+    /// The lease was over before the work was done: the device heard nothing for that time. X and Y
+    /// stopped, and their positions are known if they were. Z is up if it drilled, and the spindle
+    /// stands.
+    Expired,
     /// The memory of the device has no room for another hole. Only this outcome and the next one
     /// leave the device in a known state.
     Full,
@@ -120,6 +135,7 @@ impl fmt::Display for Failure {
             Failure::Unasked(byte) => write!(out, "a byte that nothing was sent for, {byte:02x}"),
             Failure::Restarted => out.write_str("the device was reset"),
             Failure::Fault => out.write_str("the device stands for a fault"),
+            Failure::Expired => out.write_str("the lease was over"),
             Failure::NotAll => out.write_str("the axis came to its end"),
             Failure::Full => out.write_str("the device's memory is full"),
         }

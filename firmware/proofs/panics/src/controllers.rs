@@ -3,7 +3,7 @@
 use core::hint::black_box;
 
 use husillo_controllers::{
-    Controller, Drill as AnyDrill, DrillEvent, Microfactory as AnyMicrofactory, MicrofactoryEvent,
+    Controller, Drill as AnyDrill, DrillEvent, DrillLights, Microfactory as AnyMicrofactory, MicrofactoryEvent,
     MicrofactoryStation as AnyMicrofactoryStation, Micromill as AnyMicromill, MicromillEvent,
     MicromillStep, MicromillStops as Stops, ServoModule, ServoModuleOutput, StopBytes, Timed,
     servo_law,
@@ -75,6 +75,12 @@ pub fn keep() {
         Drill::new as *const (),
         Drill::reset as *const (),
         Drill::push as *const (),
+        Drill::state as *const (),
+        Drill::lights as *const (),
+        Drill::heartbeat as *const (),
+        DrillLights::bits as *const (),
+        Drill::lease_us as *const (),
+        Drill::expire as *const (),
         Drill::transmit as *const (),
         Drill::stored as *const (),
         Drill::position_steps as *const (),

@@ -218,17 +218,26 @@ mod drill {
     use core::hint::black_box;
 
     use husillo_transports::drill::{
-        Device, Host, Record, RecordBytes, Records, Table, Timing, record_bytes, records,
+        Device, Host, MachineState, Reading, Record, RecordBytes, Records, Table, Timing,
+        record_bytes, records,
     };
 
     pub fn keep() {
         black_box([
             Device::<64>::cut_short as *const (),
+            Device::<64>::discard_drilling as *const (),
             Device::<64>::done as *const (),
+            Device::<64>::expire as *const (),
             Device::<64>::fail as *const (),
+            Device::<64>::is_expired as *const (),
+            Device::<64>::is_full as *const (),
+            Device::<64>::is_manual as *const (),
+            Device::<64>::is_receiving as *const (),
             Device::<64>::is_working as *const (),
+            Device::<64>::lease_us as *const (),
             Device::<64>::new as *const (),
             Device::<64>::push as *const (),
+            Device::<64>::set_machine as *const (),
             Device::<64>::stored as *const (),
             Device::<64>::take as *const (),
             Device::<64>::teach as *const (),
@@ -247,6 +256,9 @@ mod drill {
             Host::stored_bytes as *const (),
             Host::transmit as *const (),
             Host::wait_on as *const (),
+            MachineState::bits as *const (),
+            MachineState::set_bits as *const (),
+            Reading::number as *const (),
             Timing::of as *const (),
             Timing::original as *const (),
             Record::to_bytes as *const (),
