@@ -2,7 +2,9 @@
 
 use crate::{StopRequests, Wire};
 use husillo_sim::device::micromill::Device;
-use husillo_transports::micromill::{Host, HostTiming, Order, Outcome, Progress, Report};
+use husillo_transports::micromill::{
+    Host, HostTiming, Order, Outcome, Progress, Report, State, StateDigits,
+};
 use std::collections::VecDeque;
 use std::time::Duration;
 
@@ -14,6 +16,8 @@ const LOOK_US: u32 = 20_000;
 /// The report of a controller that was just switched on, or reset by the opened port, arrives
 /// within this time.
 const GREETING: Duration = Duration::from_millis(20);
+/// Reports of the state until two agree.
+const MOST_REPORTS: u8 = 6;
 /// A controller that has not confirmed a stop within this time does not answer, us.
 const HALT_US: u32 = 3_000_000;
 
@@ -36,6 +40,8 @@ pub struct Session {
     pub steps: Vec<(u8, bool)>,
     /// Streamed lines that were made.
     pub lines: usize,
+    /// Digits of the last report of the state.
+    digits: StateDigits,
 }
 
 impl Session {
@@ -56,6 +62,7 @@ impl Session {
             renewed_us: 0,
             steps: Vec::new(),
             lines: 0,
+            digits: StateDigits::new(),
         }
     }
 
@@ -117,6 +124,30 @@ impl Session {
                 return Ok(outcome);
             }
         }
+    }
+
+    /// Asks a controller at rest for its state. Two equal reports in succession count, because a
+    /// wrong bit on the line would be a wrong position. `None`: the controller has no such string.
+    ///
+    /// # Errors
+    ///
+    /// No two reports agree, the controller does not answer, or the port failed.
+    pub fn state(&mut self) -> Result<Option<State>, String> {
+        let mut before = None;
+        for _ in 0..MOST_REPORTS {
+            self.digits = StateDigits::new();
+            match self.outcome(Order::Report, "state")? {
+                Outcome::Done => {}
+                Outcome::Wrong => return Ok(None),
+                outcome => return Err(format!("state: {}", why(outcome))),
+            }
+            let now = self.digits.state();
+            if now.is_some() && now == before {
+                return Ok(now);
+            }
+            before = now;
+        }
+        Err("the reports of the position differ: check the cable".into())
     }
 
     /// Waits until all streamed lines are made.
@@ -226,6 +257,7 @@ impl Session {
             match self.host.push(byte, now) {
                 Some(Report::Step { axis, forward }) => self.steps.push((axis as u8, forward)),
                 Some(Report::LineDone) => self.lines += 1,
+                Some(Report::Digit(digit)) => self.digits.push(digit),
                 Some(Report::Restarted) => return Err("the controller was reset".into()),
                 Some(Report::Stopped | Report::Noise(_)) | None => {}
             }

@@ -141,9 +141,9 @@ pub struct Arc<const N: usize> {
 }
 
 impl<const N: usize> Arc<N> {
-    /// Creates a flat arc around a centre, all in the machine frame, as a line with `I` and `J`
-    /// does, including its checks. Returns `None` where such a line is refused: the end is not on
-    /// the circle, or the start is the centre. Equal start and end give one full turn.
+    /// Creates a flat arc around a centre, all in the machine frame, as a line with `I` and `J` in
+    /// micrometres does, including its checks. Returns `None` where such a line is refused: the end
+    /// is not on the circle, or the start is the centre. Equal start and end give one full turn.
     pub fn around(
         from: &[Nm; N],
         to: [Nm; N],
@@ -152,7 +152,15 @@ impl<const N: usize> Arc<N> {
         direction: Direction,
     ) -> Option<Arc<N>> {
         let mut mismatch = Nm(0);
-        with_centre(from, &to, &centre, plane.axes(), SLACK_MM, &mut mismatch).ok()?;
+        with_centre(
+            from,
+            &to,
+            &centre,
+            plane.axes(),
+            SLACK_NARROW,
+            &mut mismatch,
+        )
+        .ok()?;
         Some(Arc {
             to,
             centre,

@@ -267,7 +267,7 @@ mod micromill {
     use core::hint::black_box;
 
     use husillo_transports::micromill::{
-        Answer, Axis, Device, Host, HostTiming, Line, Order, Stops, Text,
+        Answer, Axis, AxisState, Device, Host, HostTiming, Line, Order, StateDigits, Stops, Text,
     };
 
     pub fn keep() {
@@ -275,6 +275,7 @@ mod micromill {
             Answer::byte as *const (),
             Answer::of as *const (),
             Axis::letter as *const (),
+            AxisState::motor_steps as *const (),
             Device::<64>::answer as *const (),
             Device::<64>::default as *const (),
             Device::<64>::has_room as *const (),
@@ -283,6 +284,7 @@ mod micromill {
             Device::<64>::is_streaming as *const (),
             Device::<64>::new as *const (),
             Device::<64>::push as *const (),
+            Device::<64>::report as *const (),
             Device::<64>::set_motion as *const (),
             Device::<64>::step as *const (),
             Device::<64>::stops as *const (),
@@ -299,6 +301,9 @@ mod micromill {
             Order::is_answered as *const (),
             Order::read as *const (),
             Order::text as *const (),
+            StateDigits::new as *const (),
+            StateDigits::push as *const (),
+            StateDigits::state as *const (),
             Stops::takes as *const (),
             Text::bytes as *const (),
         ]);
