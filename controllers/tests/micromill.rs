@@ -139,7 +139,7 @@ impl Bench {
     /// Asks for the state.
     fn state(&mut self) -> State {
         self.digits = StateDigits::new();
-        assert_eq!(self.does("I;"), [0x8f]);
+        assert_eq!(self.does("I;"), [0x8c]);
         self.digits.state().unwrap()
     }
 
@@ -471,7 +471,7 @@ fn position_backlash_zero_and_homing_are_reported() {
     bench.say("PX+0100;");
     assert!(bench.go());
     bench.digits = StateDigits::new();
-    assert_eq!(bench.does("I;"), [0x8d, 0x8f]);
+    assert_eq!(bench.does("I;"), [0x8d, 0x8c]);
     assert_eq!(bench.digits.state().unwrap().axes[0].load_steps, 701);
     // Between streamed lines it is refused, and nothing stops.
     assert_eq!(bench.does("S1;"), [0x8c]);

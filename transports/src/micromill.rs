@@ -24,7 +24,7 @@
 //! | `L0250;` | ours: a lease. Every motion ends after this silence of the host, in milliseconds, four digits; `L0000;`: a motion needs no host | `Taken` |
 //! | `L;` | ours: the motion continues | none |
 //! | `R010;` | ours: report one step in this many, three digits; `R000;` none | `Taken` |
-//! | `I;` | ours: report position, backlash, zero and whether it is homed: [`State`] | 73 times [`Answer::Digit`], then `Done` |
+//! | `I;` | ours: report position, backlash, zero and whether it is homed: [`State`] | 73 times [`Answer::Digit`], then `Taken` |
 //!
 //! Any string may be answered by [`Answer::Wrong`] (unknown string) or [`Answer::Refused`] (not
 //! possible now, or not to that position). Then nothing has changed. Blanks and ends of lines are

@@ -645,6 +645,16 @@ fn the_state_is_reported() {
         digits.push(0);
         assert_eq!(digits.state(), None);
     }
+    let homed = state().homed();
+    assert_eq!(homed.motor_steps(), [0; 3]);
+    assert_eq!(
+        homed.axes.map(|axis| axis.ahead_steps),
+        [1457, u16::MAX, u16::MAX]
+    );
+    assert_eq!(
+        homed.axes.map(|axis| axis.zero_nm),
+        state().axes.map(|axis| axis.zero_nm)
+    );
     let [x, _, z] = state().axes;
     assert_eq!(x.motor_steps(true), i32::MIN.wrapping_sub(1));
     assert_eq!(z.motor_steps(true), 71_429);

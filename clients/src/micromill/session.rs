@@ -32,6 +32,8 @@ pub struct Session {
     stop: StopRequests,
     /// The stop was carried out.
     is_halted: bool,
+    /// The controller has not answered, or the port has failed.
+    is_lost: bool,
     /// Period of the strings that continue a motion, us. `None`: a motion needs no host.
     renewal_us: Option<u32>,
     /// When the last one of them was sent, us.
@@ -58,6 +60,7 @@ impl Session {
             waiting: VecDeque::new(),
             stop,
             is_halted: false,
+            is_lost: false,
             renewal_us: None,
             renewed_us: 0,
             steps: Vec::new(),
@@ -121,6 +124,7 @@ impl Session {
         }
         loop {
             if let Some(outcome) = self.turn(TURN_US)? {
+                self.is_lost |= outcome == Outcome::Silent;
                 return Ok(outcome);
             }
         }
@@ -148,6 +152,18 @@ impl Session {
             before = now;
         }
         Err("the reports of the position differ: check the cable".into())
+    }
+
+    /// The state after a failure, where the controller still answers.
+    pub(super) fn state_after(&mut self) -> Option<State> {
+        if self.is_lost {
+            return None;
+        }
+        // The string that failed may not have ended.
+        self.host = Host::new(self.timing);
+        self.digits = StateDigits::new();
+        let is_at_rest = matches!(self.outcome(Order::Stop, "stop"), Ok(Outcome::Done));
+        self.state().ok().flatten().filter(|_| is_at_rest)
     }
 
     /// Waits until all streamed lines are made.
@@ -180,7 +196,9 @@ impl Session {
                 let now = self.now();
                 let bytes: Vec<u8> = std::iter::from_fn(|| self.host.transmit(now)).collect();
                 if !bytes.is_empty() {
-                    self.wire.send_all(&bytes).map_err(gone)?;
+                    let sent = self.wire.send_all(&bytes);
+                    self.is_lost |= sent.is_err();
+                    sent.map_err(gone)?;
                     return Ok(None);
                 }
                 // The guard before a `;` has begun.
@@ -191,7 +209,9 @@ impl Session {
         };
         let wait_us = wait_us.min(longest_us).min(LOOK_US);
         let wait = Duration::from_micros(wait_us.into());
-        let bytes = self.wire.receive_all(wait).map_err(gone)?;
+        let received = self.wire.receive_all(wait);
+        self.is_lost |= received.is_err();
+        let bytes = received.map_err(gone)?;
         self.waiting.extend(bytes);
         self.hear()?;
         Ok(None)
@@ -235,20 +255,22 @@ impl Session {
         self.host = Host::new(self.timing);
         let start = self.now();
         self.host.start(Order::Stop, start);
-        loop {
+        let why = loop {
             match self.turn(LOOK_US) {
                 Ok(None) => {}
                 Ok(Some(Outcome::Done)) => return "interrupted: the controller has stopped".into(),
-                Ok(Some(outcome)) => return unconfirmed(why(outcome)),
-                Err(sentence) => return unconfirmed(&sentence),
+                Ok(Some(outcome)) => break why(outcome).to_owned(),
+                Err(sentence) => break sentence,
             }
             if self.stop.count() > 1 {
-                return unconfirmed("the wait was ended");
+                break "the wait was ended".into();
             }
             if self.now().wrapping_sub(start) > HALT_US {
-                return unconfirmed(why(Outcome::Silent));
+                break why(Outcome::Silent).into();
             }
-        }
+        };
+        self.is_lost = true;
+        unconfirmed(&why)
     }
 
     fn hear(&mut self) -> Result<(), String> {

@@ -66,6 +66,7 @@ fn confirm(place: Place, args: &Stop) -> Result<bool, Failure> {
         figure: None,
         baud: args.baud.or(baud),
         lease: None,
+        inch: false,
         without_answers: args.without_answers,
     });
     match done {

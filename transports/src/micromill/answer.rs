@@ -20,7 +20,7 @@ pub enum Answer {
     /// `8b`: a correct string that cannot be obeyed. The mill is not homed, the target is beyond
     /// the travel, the arc is impossible, or the mill is moving.
     Refused,
-    /// `8c`: the line is in the queue, or one of our modes is confirmed.
+    /// `8c`: the line is in the queue, one of our modes is confirmed, or the state is reported.
     Taken,
     /// `8d`: a motion ended before it was done.
     Stopped,

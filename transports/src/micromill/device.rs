@@ -203,7 +203,7 @@ impl<const OUT: usize> Device<OUT> {
         self.send(answer.byte());
     }
 
-    /// Sends the state, then [`Answer::Done`]: 74 bytes. Without room for all of them some are
+    /// Sends the state, then [`Answer::Taken`]: 74 bytes. Without room for all of them some are
     /// dropped, and the host asks again.
     #[inline(never)]
     pub fn report(&mut self, state: &State) {
@@ -216,7 +216,7 @@ impl<const OUT: usize> Device<OUT> {
             }
         }
         self.answer(Answer::Digit(state.is_homed.into()));
-        self.answer(Answer::Done);
+        self.answer(Answer::Taken);
     }
 
     /// Returns the next byte for the line.

@@ -59,6 +59,25 @@ pub struct State {
     pub is_homed: bool,
 }
 
+impl State {
+    /// Returns the state after homing: at machine zero, with the positive flanks engaged.
+    pub fn homed(self) -> State {
+        State {
+            axes: self.axes.map(|axis| AxisState {
+                load_steps: 0,
+                ahead_steps: axis.lash_steps,
+                ..axis
+            }),
+            is_homed: true,
+        }
+    }
+
+    /// Returns the positions of the motors: [`AxisState::motor_steps`].
+    pub fn motor_steps(&self) -> [i32; 3] {
+        self.axes.map(|axis| axis.motor_steps(self.is_homed))
+    }
+}
+
 /// The digits of a [`State`] as they arrive.
 ///
 /// ```

@@ -267,7 +267,8 @@ mod micromill {
     use core::hint::black_box;
 
     use husillo_transports::micromill::{
-        Answer, Axis, AxisState, Device, Host, HostTiming, Line, Order, StateDigits, Stops, Text,
+        Answer, Axis, AxisState, Device, Host, HostTiming, Line, Order, State, StateDigits,
+        Stops, Text,
     };
 
     pub fn keep() {
@@ -301,6 +302,8 @@ mod micromill {
             Order::is_answered as *const (),
             Order::read as *const (),
             Order::text as *const (),
+            State::homed as *const (),
+            State::motor_steps as *const (),
             StateDigits::new as *const (),
             StateDigits::push as *const (),
             StateDigits::state as *const (),
