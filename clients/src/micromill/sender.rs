@@ -141,6 +141,11 @@ impl Sender {
         Ok(())
     }
 
+    /// What the controller has echoed of the last line, and how many steps it has reported in all.
+    pub fn echo(&self) -> (String, usize) {
+        (self.session.echo(), self.session.steps.len())
+    }
+
     /// Keeps the session alive for a time while no line is sent: at most one tenth of a second.
     ///
     /// # Errors

@@ -44,6 +44,8 @@ pub struct Session {
     pub lines: usize,
     /// Digits of the last report of the state.
     digits: StateDigits,
+    /// What the controller has echoed since the last order began.
+    echo: Vec<u8>,
 }
 
 impl Session {
@@ -66,6 +68,7 @@ impl Session {
             steps: Vec::new(),
             lines: 0,
             digits: StateDigits::new(),
+            echo: Vec::new(),
         }
     }
 
@@ -119,6 +122,7 @@ impl Session {
 
     /// Sends an order and waits for its outcome.
     fn outcome(&mut self, order: Order, name: &str) -> Result<Outcome, String> {
+        self.echo.clear();
         if !self.start(order) {
             return Err(format!("{name}: the previous string has not ended"));
         }
@@ -128,6 +132,15 @@ impl Session {
                 return Ok(outcome);
             }
         }
+    }
+
+    /// What the controller has echoed of the last order.
+    pub fn echo(&self) -> String {
+        let echo = String::from_utf8_lossy(&self.echo);
+        // Strings that continue the motion came after it.
+        let renewal = Order::Renew.text();
+        let renewal = String::from_utf8_lossy(renewal.bytes()).into_owned();
+        echo.trim_end_matches(&renewal[..]).to_owned()
     }
 
     /// Asks a controller at rest for its state. Two equal reports in succession count, because a
@@ -276,6 +289,9 @@ impl Session {
     fn hear(&mut self) -> Result<(), String> {
         while let Some(byte) = self.waiting.pop_front() {
             let now = self.now();
+            if byte < 0x80 {
+                self.echo.push(byte);
+            }
             match self.host.push(byte, now) {
                 Some(Report::Step { axis, forward }) => self.steps.push((axis as u8, forward)),
                 Some(Report::LineDone) => self.lines += 1,

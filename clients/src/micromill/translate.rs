@@ -15,7 +15,7 @@ const MOST: i64 = 9_999_999;
 const PART: f64 = 0.02;
 
 /// A program for the mill.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Translated {
     /// Number of commands that were translated.
     pub commands: usize,
@@ -41,7 +41,7 @@ pub fn translate(
 }
 
 /// Translates one command after the other.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Translator<'a> {
     config: &'a Config<3>,
     made: Translated,

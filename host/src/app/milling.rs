@@ -1,5 +1,6 @@
 //! `compile` and `send` for the micro mill.
 
+mod by_line;
 mod comparison;
 
 use super::job::Job;
@@ -53,6 +54,9 @@ fn expect_a_command(made: &Translated, job: &Job) -> Result<(), String> {
 
 pub(super) fn send(args: &Send) -> Result<u8, Failure> {
     let (file, port) = args.alone()?;
+    if by_line::is_for(file) {
+        return by_line::send(args);
+    }
     let mut job = Job::new(file, &args.target, "micromill")?;
     let mut sender = match connected(args, port)? {
         Ok(sender) => sender,
