@@ -126,7 +126,8 @@ pub struct Compile {
 #[derive(Debug, Args)]
 pub struct Send {
     /// Program, drill file, records (NAME.cod), a manifest of them (NAME.toml), or a figure
-    /// (NAME.fig); of figures one per port
+    /// (NAME.fig); of figures one per port; - for standard input, of which the micro mill makes each
+    /// line when it arrives
     #[arg(value_name = "FILE", required = true)]
     pub files: Vec<String>,
     /// Machine and language.
@@ -173,8 +174,8 @@ pub struct Send {
     /// needs no host [default: 250]
     #[arg(long, value_name = "MS", value_parser = clap::value_parser!(u16).range(0..=9999))]
     pub lease: Option<u16>,
-    /// Micro mill: it is homed, and stands at machine zero; microfactory: figures begin at the
-    /// present positions
+    /// Micro mill: it is homed, and the program begins where it stands; microfactory: figures begin
+    /// at the present positions
     #[arg(long)]
     pub no_home: bool,
     /// Microfactory: the device does not answer; what is sent is not confirmed

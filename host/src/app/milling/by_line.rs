@@ -1,7 +1,7 @@
 //! `send -` from a terminal or a pipe: each line is made when it arrives.
 
 use super::comparison::compared;
-use super::{connected, stand, told, unhomed};
+use super::{connected, expect_a_command, stand, told, unhomed};
 use crate::app::job::Job;
 use crate::app::reporting::with_findings;
 use crate::app::{ERRORS, Failure};
@@ -112,6 +112,9 @@ pub(super) fn send(args: &Send) -> Result<u8, Failure> {
         Err(message) => return Ok(told(&job, &message)),
     };
     let Session { sender, sent, .. } = session;
+    if is_well && !is_terminal {
+        expect_a_command(&sent, &job)?;
+    }
     match sender.finish() {
         Ok(made) => {
             let status = compared(&job, args.every, &sent, start, &made)?;
@@ -196,6 +199,7 @@ impl Session<'_> {
             return Ok(Fate::Failed(message.into()));
         }
         self.program = program;
+        self.sent.commands += made.commands;
         self.translator = translator;
         for (number, line) in made.lines {
             if let Err(message) = self.string(number, line)? {

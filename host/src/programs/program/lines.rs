@@ -111,7 +111,7 @@ impl<'a> Lines<'a> {
             dialect: self.walker.dialect,
         };
         let message = "this line needs the rest of its program";
-        Finding::error("E0639", message, at.whole())
+        Finding::error("E0640", message, at.whole())
             .label("a parameter, an expression, an O-word or a contour")
             .note("lines are made as they arrive; a program in a file may have such lines")
     }
@@ -184,7 +184,7 @@ mod tests {
         assert_eq!((&made[0][..], &made[2][..]), ("1 0 0;", "2 0 0;"));
         assert!(made[1].starts_with("p:2:"), "{made:?}");
         for (place, line) in made.iter().enumerate().skip(3) {
-            let error = format!("p:{}:1: error[E0639]", place + 1);
+            let error = format!("p:{}:1: error[E0640]", place + 1);
             assert!(line.starts_with(&error), "{line}");
         }
     }
