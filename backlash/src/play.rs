@@ -1,5 +1,7 @@
 //! An axis whose nut has play on its screw.
 
+use crate::Lash;
+
 /// Motor and load of one axis in steps.
 ///
 /// The load is between `motor - lash` (its positive flank engaged) and `motor` (its negative flank
@@ -21,6 +23,12 @@ impl Play {
             ahead: lash,
             load: 0,
         }
+    }
+
+    /// Creates an axis in a known state: `ahead` motor steps ahead of the load, at most `lash`.
+    pub const fn at(lash: u16, ahead: u16, load: i32) -> Self {
+        let ahead = if ahead > lash { lash } else { ahead };
+        Self { lash, ahead, load }
     }
 
     /// Returns the number of steps in that direction that move the motor only.
@@ -97,5 +105,22 @@ impl Play {
         if is_positive || self.ahead > lash {
             self.ahead = lash;
         }
+    }
+}
+
+/// The same lash everywhere, also if the axis begins within its play. The position of the load is
+/// that of the machine.
+impl<const N: usize> Lash<N> for Play {
+    fn take_up(&mut self, _: usize, direction: i8, _: &[i32; N]) -> u32 {
+        if direction == 0 {
+            return 0;
+        }
+        let owed = self.owed(direction > 0);
+        self.ahead = if direction > 0 { self.lash } else { 0 };
+        owed.into()
+    }
+
+    fn is_free(&self) -> bool {
+        self.lash == 0
     }
 }

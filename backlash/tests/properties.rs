@@ -1,6 +1,6 @@
 //! What holds for every lash and every walk.
 
-use husillo_backlash::{Backlash, Compensator, Flank, Lash};
+use husillo_backlash::{Backlash, Compensator, Flank, Lash, Play};
 use proptest::prelude::*;
 
 fn flank() -> impl Strategy<Value = Flank> {
@@ -36,6 +36,20 @@ impl Lash<2> for Regions {
         }
         if turned { Self::lash(load) } else { 0 }
     }
+}
+
+/// An axis may begin within its play: the rest is taken up, in either direction.
+#[test]
+fn an_axis_begins_within_its_play() {
+    let owed = |ahead, directions: [i8; 4]| {
+        let mut play = Play::at(10, ahead, -7);
+        directions.map(|direction| Lash::<1>::take_up(&mut play, 0, direction, &[0]))
+    };
+    assert_eq!(owed(3, [0, 1, 1, -1]), [0, 7, 0, 10]);
+    assert_eq!(owed(3, [-1, -1, 0, 1]), [3, 0, 0, 10]);
+    // Not more ahead than the lash.
+    assert_eq!(owed(12, [1, -1, 1, 0]), [0, 10, 10, 0]);
+    assert_eq!(Play::at(10, 3, -7).load(), -7);
 }
 
 proptest! {

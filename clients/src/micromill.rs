@@ -7,15 +7,17 @@
 
 mod action;
 mod hand;
+mod position;
 mod sender;
 mod session;
 mod translate;
 
 pub use action::{Action, Leg, Pace};
 pub use hand::Hand;
-pub use sender::{Sending, Sent, send};
+pub use position::{LengthUnit, position, work_zero};
+pub use sender::{Sender, Sending, Sent};
 pub use session::Session;
-pub use translate::{Translated, translate};
+pub use translate::{Translated, Translator, translate};
 
 use crate::Wire;
 use husillo_sim::device::micromill::Device;

@@ -76,7 +76,7 @@ struct Given {
 /// assert_eq!(said, b"\x88PY+0003;\x83\x83\x83\x8f"); // ready, echo, three steps, done
 /// ```
 #[derive(Clone, Debug)]
-pub struct Micromill<'a, const QUEUE: usize = 16, const AHEAD: usize = 8, const OUT: usize = 64> {
+pub struct Micromill<'a, const QUEUE: usize = 16, const AHEAD: usize = 8, const OUT: usize = 80> {
     config: &'a MicromillConfig,
     link: Device<OUT>,
     queue: Ring<Entry, QUEUE>,
@@ -129,6 +129,7 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
     /// Creates a controller in its state after a reset: at rest, not homed.
     pub fn new(config: &'a MicromillConfig) -> Self {
         const { assert!(OUT >= 3 * AHEAD + 32, "room to report the given steps") };
+        const { assert!(OUT >= 80, "room to report the state") };
         Micromill {
             config,
             link: Device::new(),

@@ -1,9 +1,12 @@
 //! Tests of the micro mill's controller: its modes, and the steps of a program compared with those
 //! of `Machine`.
 
+use husillo_backlash::{Backlash, Lash, Play};
 use husillo_controllers::{Micromill, MicromillConfig, MicromillEvent, MicromillInputs};
-use husillo_gcode::SpindleDirection;
+use husillo_gcode::{Nm, SpindleDirection};
+use husillo_interp::Path;
 use husillo_machine::{Event, Machine, Output};
+use husillo_transports::micromill::{AxisState, State, StateDigits};
 use proptest::prelude::*;
 
 const CONFIG: MicromillConfig = MicromillConfig::MICROMILL;
@@ -27,6 +30,8 @@ struct Bench {
     /// Answers without steps and echoes.
     answers: Vec<u8>,
     reported: [i32; 3],
+    /// Digits of the state since it was asked for.
+    digits: StateDigits,
 }
 
 static STATIC: MicromillConfig = CONFIG;
@@ -45,6 +50,7 @@ impl Bench {
             spindle: Vec::new(),
             answers: Vec::new(),
             reported: [0; 3],
+            digits: StateDigits::new(),
         }
     }
 
@@ -64,6 +70,7 @@ impl Bench {
                 0x80..=0x85 => {
                     self.reported[usize::from(byte & 6) / 2] += i32::from(byte & 1) * 2 - 1;
                 }
+                0x90..=0x9f => self.digits.push(byte & 15),
                 0x86.. => self.answers.push(byte),
                 _ => {}
             }
@@ -127,6 +134,13 @@ impl Bench {
 
     fn run(&mut self) {
         while self.go() {}
+    }
+
+    /// Asks for the state.
+    fn state(&mut self) -> State {
+        self.digits = StateDigits::new();
+        assert_eq!(self.does("I;"), [0x8c]);
+        self.digits.state().unwrap()
     }
 
     /// Sends a string and makes all events. Returns the answers since.
@@ -418,10 +432,73 @@ fn any_byte_stops_a_line_within_a_take_up() {
     assert_eq!(bench.loads, [0; 3]);
 }
 
-/// The steps of `Machine` for the same strings, each with its time.
-struct Peer(Machine<3>, u64, Vec<(u64, [i8; 3])>);
+/// What only the controller knows.
+#[test]
+fn position_backlash_zero_and_homing_are_reported() {
+    let mut bench = Bench::new(Micromill::new(&STATIC));
+    bench.switches = [-30, -20, -10];
+    bench.hear();
+    let lash = [1457, 1271, 0];
+    let before = bench.state();
+    assert!(!before.is_homed);
+    assert_eq!(before.axes.map(|axis| axis.lash_steps), lash);
+    bench.does("PX-0025;");
+    let moved = bench.state().axes;
+    assert_eq!(moved.map(|axis| axis.load_steps), [-25, 0, 0]);
+    assert_eq!(moved.map(|axis| axis.ahead_steps), [0; 3]);
+    assert_eq!(bench.does("Q;"), [0x8b]);
+    assert_eq!(bench.does("H;").last(), Some(&0x8f));
+    let homed = bench.state();
+    assert!(homed.is_homed);
+    assert_eq!(homed.axes.map(|axis| axis.load_steps), [0; 3]);
+    assert_eq!(homed.axes.map(|axis| axis.ahead_steps), lash);
+    for string in ["PX+0700;", "PY+0300;", "PY-0001;", "Q;", "BX200;"] {
+        assert_eq!(bench.does(string), [0x8f], "{string}");
+    }
+    let [x, y, z] = bench.state().axes;
+    assert_eq!(
+        (x.load_steps, x.zero_nm, x.lash_steps, x.ahead_steps),
+        (700, 98_000, 1429, 1429)
+    );
+    assert_eq!(
+        (y.load_steps, y.zero_nm, y.lash_steps, y.ahead_steps),
+        (299, 41_860, 1271, 0)
+    );
+    assert_eq!(z, AxisState::default());
+    assert_eq!(x.motor_steps(true), 700);
+    assert_eq!(y.motor_steps(true), 299 - 1271);
+    // While it moves nothing is reported: the string stops the motion, as any other.
+    bench.say("PX+0100;");
+    assert!(bench.go());
+    bench.digits = StateDigits::new();
+    assert_eq!(bench.does("I;"), [0x8d, 0x8c]);
+    assert_eq!(bench.digits.state().unwrap().axes[0].load_steps, 701);
+    // Between streamed lines it is refused, and nothing stops.
+    assert_eq!(bench.does("S1;"), [0x8c]);
+    bench.say("G00X00001.00;");
+    bench.answers.clear();
+    bench.say("I;");
+    assert_eq!(bench.answers, [0x8b]);
+}
 
-impl Peer {
+/// The steps of `Machine` for the same strings, each with its time.
+struct Peer<L: Lash<3> = Backlash>(Machine<3, Path<3>, L>, u64, Vec<(u64, [i8; 3])>);
+
+impl Peer<Play> {
+    /// A machine in the state that a controller reports.
+    fn of(state: &State) -> Self {
+        let plays = state
+            .axes
+            .map(|axis| Play::at(axis.lash_steps, axis.ahead_steps, axis.load_steps));
+        let mut machine = Machine::with_lash(CONFIG.machine, plays);
+        let at = state.axes.map(|axis| Nm(140 * i64::from(axis.load_steps)));
+        let zero = state.axes.map(|axis| Nm(axis.zero_nm.into()));
+        machine.place(zero, at).unwrap();
+        Peer(machine, 0, Vec::new())
+    }
+}
+
+impl<L: Lash<3>> Peer<L> {
     fn does(&mut self, string: &str) -> bool {
         if self
             .0
@@ -561,6 +638,45 @@ proptest! {
             prop_assert_eq!(differs, None, "{}", line);
         }
         prop_assert_eq!(bench.loads, peer.0.position_steps());
+    }
+
+    /// A controller that is stopped anywhere, with any zero and backlash, reports all that its next
+    /// steps depend on: `Machine` in that state makes the same ones.
+    #[test]
+    fn the_reported_state_decides_the_next_steps(
+        before in prop::collection::vec(any_line(), 1..3),
+        events in 0..4000_usize,
+        lash_um in 0..=300_u16,
+        is_zeroed: bool,
+        lines in prop::collection::vec(any_line(), 1..3),
+    ) {
+        let mut bench = Bench::homed();
+        bench.hear();
+        prop_assert_eq!(bench.does(&format!("BX{lash_um:03};")), [0x8f]);
+        let (last, whole) = before.split_last().unwrap();
+        for line in whole.iter().flatten() {
+            bench.does(line);
+        }
+        bench.say(&last[0]);
+        (0..events).all(|_| bench.go());
+        bench.does("A;");
+        if is_zeroed {
+            prop_assert_eq!(bench.does("Q;"), [0x8f]);
+        }
+        let state = bench.state();
+        prop_assert!(state.is_homed);
+        bench.does("A;");
+        let mut peer = Peer::of(&state);
+        (bench.now_ticks, bench.steps) = (0, Vec::new());
+        for line in lines.into_iter().flatten() {
+            let is_taken = bench.does(&line).last() == Some(&0x8f);
+            prop_assert_eq!(peer.does(&line), is_taken, "{}", line);
+            prop_assert_eq!(bench.steps.len(), peer.2.len());
+            let differs = bench.steps.iter().zip(&peer.2).find(|(ours, theirs)| ours != theirs);
+            prop_assert_eq!(differs, None, "{}", line);
+        }
+        let position = bench.state().axes.map(|axis| axis.load_steps);
+        prop_assert_eq!(position, peer.0.position_steps());
     }
 
     /// For any bytes the loads stay within their travel, and homing finds the same zero afterwards.

@@ -11,7 +11,7 @@
 use crate::cli::Jog;
 use crate::console::sharing::share;
 use crate::console::stop::stop_requests;
-use husillo_clients::micromill::{Action, BAUD, Hand, LEASE_MS, open};
+use husillo_clients::micromill::{Action, BAUD, Hand, LEASE_MS, LengthUnit, open};
 use husillo_sim::device::micromill::Device;
 use husillo_transports::micromill::{Line, Order};
 use std::fmt::Write as _;
@@ -72,7 +72,12 @@ pub fn jog(args: &Jog, out: &mut dyn io::Write) -> Result<bool, String> {
     let stop = stop_requests()?;
     let wire = open(name, baud)?;
     share(&args.machine, name, baud);
-    let mut hand = match Hand::new(wire, baud, args.lease.unwrap_or(LEASE_MS), stop) {
+    let unit = match args.inch {
+        true => LengthUnit::Inches,
+        false => LengthUnit::Millimetres,
+    };
+    let lease_ms = args.lease.unwrap_or(LEASE_MS);
+    let mut hand = match Hand::new(wire, baud, lease_ms, unit, stop) {
         Ok(hand) => hand,
         Err(sentence) => {
             // A closed terminal does not matter.

@@ -5,7 +5,7 @@
 mod common;
 
 use common::signal;
-use husillo_transports::micromill::{Answer, Axis, Device, Order};
+use husillo_transports::micromill::{Answer, Axis, Device, Order, State};
 use std::io::{ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::process::{Child, Command, Output, Stdio};
@@ -132,6 +132,14 @@ fn obey(device: &mut Device<256>, seen: &mut Seen, order: Order) {
             }
         }
         Order::Faster | Order::Slower | Order::Renew => {}
+        Order::Report => {
+            let mut state = State {
+                is_homed: true,
+                ..State::default()
+            };
+            state.axes[0].load_steps = seen.steps as i32;
+            device.report(&state);
+        }
         _ => device.answer(Answer::Done),
     }
 }

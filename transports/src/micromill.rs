@@ -24,6 +24,7 @@
 //! | `L0250;` | ours: a lease. Every motion ends after this silence of the host, in milliseconds, four digits; `L0000;`: a motion needs no host | `Taken` |
 //! | `L;` | ours: the motion continues | none |
 //! | `R010;` | ours: report one step in this many, three digits; `R000;` none | `Taken` |
+//! | `I;` | ours: report position, backlash, zero and whether it is homed: [`State`] | 73 times [`Answer::Digit`], then `Taken` |
 //!
 //! Any string may be answered by [`Answer::Wrong`] (unknown string) or [`Answer::Refused`] (not
 //! possible now, or not to that position). Then nothing has changed. Blanks and ends of lines are
@@ -54,6 +55,7 @@ mod host;
 mod line;
 mod order;
 mod reader;
+mod state;
 mod stops;
 mod text;
 
@@ -62,6 +64,7 @@ pub use device::Device;
 pub use host::{Host, HostTiming, Outcome, Progress, Report};
 pub use line::{Line, Point, XyPoint};
 pub use order::{Axis, Order};
+pub use state::{AxisState, State, StateDigits};
 pub use stops::Stops;
 pub use text::Text;
 

@@ -2,7 +2,8 @@
 //! faults.
 
 use husillo_transports::micromill::{
-    Answer, Axis, Device, Host, HostTiming, Line, Order, Outcome, Point, Progress, Report,
+    Answer, Axis, AxisState, Device, Host, HostTiming, Line, Order, Outcome, Point, Progress,
+    Report, State, StateDigits,
 };
 use proptest::prelude::*;
 
@@ -30,7 +31,7 @@ fn ready() -> Device<64> {
 #[test]
 fn examples_of_the_description() {
     use Axis::{X, Y, Z};
-    let examples: [(&str, Order); 22] = [
+    let examples: [(&str, Order); 23] = [
         ("JX+;", Order::Jog([1, 0, 0])),
         ("JZ-;", Order::Jog([0, 0, -1])),
         ("&X+Y-Z+;", Order::Jog([1, -1, 1])),
@@ -73,6 +74,7 @@ fn examples_of_the_description() {
             }),
         ),
         ("M06T02;", Order::Line(Line::Tool(2))),
+        ("I;", Order::Report),
     ];
     for (string, order) in examples {
         let mut device = ready();
@@ -135,6 +137,7 @@ fn wrong_strings_ask_for_nothing() {
         "S2;",
         "L5;",
         "R10;",
+        "I1;",
         "G00X123456;",
         "G00X1.234;",
         "G00X.5;",
@@ -580,5 +583,92 @@ proptest! {
         let own = matches!(order, Order::Stream(_) | Order::Every(_));
         let expected = if own { vec![] } else { vec![order] };
         prop_assert_eq!(orders, expected);
+    }
+}
+
+/// A state of extreme numbers.
+fn state() -> State {
+    let axis = |load_steps, ahead_steps, lash_steps, zero_nm| AxisState {
+        load_steps,
+        ahead_steps,
+        lash_steps,
+        zero_nm,
+    };
+    State {
+        axes: [
+            axis(i32::MIN, 1456, 1457, 2_147_000_000),
+            axis(-1, 0, u16::MAX, i32::MIN),
+            axis(71_429, u16::MAX, u16::MAX, -1),
+        ],
+        is_homed: true,
+    }
+}
+
+/// A host that asks gets the state. Digits that nobody asked for are noise.
+#[test]
+fn the_state_is_reported() {
+    for is_homed in [false, true] {
+        let state = State {
+            is_homed,
+            ..state()
+        };
+        let mut device = Device::<80>::new();
+        let timing = HostTiming::of(9600);
+        let mut host = Host::new(timing);
+        assert_eq!(device.transmit(), Some(0x88));
+        assert_eq!(host.push(0x95, 0), Some(Report::Noise(0x95)));
+        assert!(host.start(Order::Report, 0));
+        let (mut digits, mut now_us, mut bytes) = (StateDigits::new(), 0, 0);
+        let outcome = loop {
+            if let Progress::Over(outcome) = host.poll(now_us) {
+                break outcome;
+            }
+            now_us += 1000;
+            if let Some(byte) = host.transmit(now_us) {
+                if device.push(byte) == Some(Order::Report) {
+                    device.report(&state);
+                }
+            }
+            while let Some(byte) = device.transmit() {
+                bytes += 1;
+                assert_eq!(digits.state().is_some(), bytes == 76, "after {bytes} bytes");
+                match host.push(byte, now_us) {
+                    Some(Report::Digit(digit)) => digits.push(digit),
+                    None => {}
+                    other => panic!("{other:?}"),
+                }
+            }
+        };
+        assert_eq!((outcome, bytes), (Outcome::Done, 76));
+        assert_eq!(digits.state(), Some(state));
+        // One more than all.
+        digits.push(0);
+        assert_eq!(digits.state(), None);
+    }
+    let homed = state().homed();
+    assert_eq!(homed.motor_steps(), [0; 3]);
+    assert_eq!(
+        homed.axes.map(|axis| axis.ahead_steps),
+        [1457, u16::MAX, u16::MAX]
+    );
+    assert_eq!(
+        homed.axes.map(|axis| axis.zero_nm),
+        state().axes.map(|axis| axis.zero_nm)
+    );
+    let [x, _, z] = state().axes;
+    assert_eq!(x.motor_steps(true), i32::MIN.wrapping_sub(1));
+    assert_eq!(z.motor_steps(true), 71_429);
+    assert_eq!(z.motor_steps(false), 71_429 + 65_535);
+}
+
+/// More ahead than the backlash, and a sixteenth of an answer to whether it is homed.
+#[test]
+fn impossible_states_are_none() {
+    for (place, digit) in [(11, 1), (72, 2)] {
+        let mut digits = StateDigits::new();
+        for count in 0..73 {
+            digits.push(if count == place { digit } else { 0 });
+        }
+        assert_eq!(digits.state(), None, "{place}");
     }
 }

@@ -1,27 +1,34 @@
 //! A mill moved by hand.
 
 use super::action::{Action, Leg, Pace};
+use super::position::{self, LengthUnit};
 use super::session::{Session, why};
 use crate::{StopRequests, Wire};
+use husillo_controllers::MicromillConfig;
 use husillo_sim::device::micromill::Device;
-use husillo_transports::micromill::{Axis, Order, Outcome};
+use husillo_transports::micromill::{Axis, Order, Outcome, State};
 use std::time::Duration;
 
 /// The longest wait in one turn, us.
 const TURN_US: u32 = 50_000;
 /// Largest number of steps of one string.
 const MOST_STEPS: i32 = 9999;
+/// Why a position is not known.
+const UNREPORTED: &str = "the controller does not report where it is";
 
-/// A session, and the positions of the motors by the reported steps.
+/// A session, and what the controller has reported of itself.
 #[derive(Debug)]
 pub struct Hand {
     session: Session,
-    place: [i64; 3],
+    /// `None`: the controller does not report its state.
+    state: Option<State>,
+    unit: LengthUnit,
 }
 
 impl Hand {
-    /// Stops any motion. From now on every motion ends `lease_ms` after the last byte of the host;
-    /// with 0 it needs no host.
+    /// Stops any motion, and asks for the state of the controller. From now on every motion ends
+    /// `lease_ms` after the last byte of the host; with 0 it needs no host. Positions are reported
+    /// in `unit`.
     ///
     /// # Errors
     ///
@@ -30,25 +37,70 @@ impl Hand {
         wire: Wire<Device>,
         bits_per_s: u32,
         lease_ms: u16,
+        unit: LengthUnit,
         stop: StopRequests,
     ) -> Result<Self, String> {
         let mut session = Session::new(wire, bits_per_s, stop);
         session.begin(lease_ms)?;
         session.order(Order::Every(1), "report of steps")?;
+        let state = session.state()?;
         session.steps.clear();
         Ok(Self {
             session,
-            place: [0; 3],
+            state,
+            unit,
         })
     }
 
-    /// Carries out an action. Returns a text about the result.
+    /// Carries out an action. Returns a text about the result, with the position that the
+    /// controller reports after it.
     ///
     /// # Errors
     ///
-    /// A sentence about the failure.
+    /// A sentence about the failure. If the controller has stopped, it has the position.
     pub fn carry_out(&mut self, action: &Action) -> Result<String, String> {
-        let made = match action {
+        let made = self.made(action);
+        let (steps, net) = (self.session.steps.len(), self.session.net_steps());
+        self.session.steps.clear();
+        let before = self.state;
+        let asked = match &made {
+            Ok(()) if before.is_some() => self.session.state(),
+            // After each failure the position may be another one.
+            Err(_) if before.is_some() => Ok(self.session.state_after()),
+            _ => Ok(None),
+        };
+        let (made, state) = match (made, asked) {
+            (made, Ok(state)) => (made, state),
+            (Ok(()), Err(sentence)) => (Err(sentence), self.session.state_after()),
+            (made, Err(_)) => (made, None),
+        };
+        self.state = state;
+        // Homing and another backlash count from elsewhere.
+        let is_same = !matches!(action, Action::Home | Action::Backlash(..));
+        let uncounted = before
+            .zip(state)
+            .filter(|(before, now)| is_same && before.is_homed == now.is_homed)
+            .and_then(|(before, now)| position::uncounted(&before, &net, &now));
+        let stands = match (&state, before) {
+            (Some(state), _) => position::motors(state),
+            (None, Some(_)) => "the position is unknown".into(),
+            (None, None) => {
+                let [x, y, z] = net;
+                format!("motors moved by x {x} y {y} z {z}, {UNREPORTED}")
+            }
+        };
+        match (made, uncounted) {
+            (Err(sentence), None) => Err(format!("{sentence}; {steps} steps; {stands}")),
+            (Err(sentence), Some(other)) => {
+                Err(format!("{sentence}; {steps} steps; {stands}; {other}"))
+            }
+            (Ok(()), Some(other)) => Err(format!("{steps} steps; {stands}; {other}")),
+            (Ok(()), None) => Ok(self.done(action, steps, &stands)),
+        }
+    }
+
+    fn made(&mut self, action: &Action) -> Result<(), String> {
+        match action {
             Action::Home => self.ordered(Order::Home),
             Action::Steps(axis, steps) => self.steps(*axis, *steps),
             Action::Jog(ways, legs) => self.moves(Order::Jog(*ways), legs),
@@ -61,25 +113,26 @@ impl Hand {
             // Repeated, because the first string of the session may be lost.
             Action::Stop => self.ordered(Order::Stop),
             Action::Where => Ok(()),
-        };
-        let steps = self.session.steps.len();
-        for (place, steps) in self.place.iter_mut().zip(self.session.net_steps()) {
-            *place += steps;
         }
-        self.session.steps.clear();
-        if let Err(sentence) = made {
-            let [x, y, z] = self.place;
-            return Err(match self.session.is_halted() {
-                true => format!("{sentence}; {steps} steps; motors at x {x} y {y} z {z}"),
-                false => sentence,
-            });
+    }
+
+    /// The text about an action that was carried out.
+    fn done(&self, action: &Action, steps: usize, stands: &str) -> String {
+        let config = &MicromillConfig::MICROMILL.machine;
+        match (action, &self.state) {
+            (Action::Home, _) => "homed".into(),
+            (Action::Where, Some(state)) => {
+                let homed = match state.is_homed {
+                    true => "homed",
+                    false => "not homed",
+                };
+                format!("{homed}\n{}", position::report(state, config, self.unit))
+            }
+            (Action::Where, None) => {
+                format!("position, work zero and backlash are unknown: {UNREPORTED}")
+            }
+            _ => format!("{steps} steps; {stands}"),
         }
-        if *action == Action::Home {
-            self.place = [0; 3];
-            return Ok("homed".into());
-        }
-        let [x, y, z] = self.place;
-        Ok(format!("{steps} steps; motors at x {x} y {y} z {z}"))
     }
 
     /// Time since the port was opened.

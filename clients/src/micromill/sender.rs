@@ -1,9 +1,10 @@
 //! Lines to a controller, and the steps that it reports.
 
+use super::position;
 use super::session::Session;
 use crate::{StopRequests, Wire};
 use husillo_sim::device::micromill::Device;
-use husillo_transports::micromill::{Line, Order};
+use husillo_transports::micromill::{Line, Order, State};
 
 /// Settings of a transmission.
 #[derive(Clone, Copy, Debug)]
@@ -27,78 +28,99 @@ pub struct Sent {
     pub steps: Vec<(u8, bool)>,
     /// Lines that were made.
     pub lines: usize,
+    /// What the controller reports at the end. `None`: it has no such report.
+    pub state: Option<State>,
 }
 
-/// Sends lines and waits until they are made. Before each line, `operator` gets the line and its
-/// string, and returns whether to continue.
-///
-/// # Errors
-///
-/// A line of the file is refused, the port fails, or `stop` is set. The message about a stop has
-/// the position of the motors.
-pub fn send(
-    wire: Wire<Device>,
-    sending: &Sending,
-    lines: &[(usize, Line)],
-    stop: StopRequests,
-    progress: impl FnMut(usize),
-    operator: impl FnMut(&Line, &str) -> bool,
-) -> Result<Sent, String> {
-    let mut session = Session::new(wire, sending.bits_per_s, stop);
-    let mut is_counted = false;
-    let made = made(
-        &mut session,
-        sending,
-        lines,
-        &mut is_counted,
-        progress,
-        operator,
-    );
-    match made {
-        Err(sentence) if session.is_halted() && sending.every > 0 && is_counted => {
-            let [x, y, z] = session
-                .net_steps()
-                .map(|steps| steps * i64::from(sending.every));
-            let from = if sending.homes {
-                "machine zero"
-            } else {
-                "its beginning"
-            };
-            let about = if sending.every > 1 { "about " } else { "" };
-            let lines = session.lines;
-            Err(format!(
-                "{sentence}; {lines} lines made; motors at {about}x {x} y {y} z {z} steps from \
-                 {from}"
-            ))
+/// A controller that gets lines, one after the other.
+#[derive(Debug)]
+pub struct Sender {
+    session: Session,
+    sending: Sending,
+    /// In this state the first line begins. `None`: the controller does not report its state.
+    start: Option<State>,
+    /// The reported steps give the position.
+    is_counted: bool,
+}
+
+impl Sender {
+    /// Stops any motion, and asks for the state of the controller. Nothing moves.
+    ///
+    /// # Errors
+    ///
+    /// A sentence about the port or the controller.
+    pub fn new(wire: Wire<Device>, sending: Sending, stop: StopRequests) -> Result<Self, String> {
+        let mut session = Session::new(wire, sending.bits_per_s, stop);
+        session.begin(sending.lease_ms)?;
+        let state = session.state()?;
+        Ok(Self {
+            session,
+            sending,
+            start: match sending.homes {
+                true => state.map(State::homed),
+                false => state,
+            },
+            is_counted: false,
+        })
+    }
+
+    /// The state in which the first line begins, after homing where that is asked for. `None`: the
+    /// controller does not report its state.
+    pub const fn start(&self) -> Option<State> {
+        self.start
+    }
+
+    /// Homes where that is asked for. Call it before the first line.
+    ///
+    /// # Errors
+    ///
+    /// A sentence about the failure. That about a stop has the position of the motors.
+    pub fn begin(&mut self) -> Result<(), String> {
+        let begun = self.try_begin();
+        begun.map_err(|sentence| self.failed(sentence))
+    }
+
+    fn try_begin(&mut self) -> Result<(), String> {
+        let (session, sending) = (&mut self.session, &self.sending);
+        session.order(Order::Every(sending.every), "report of steps")?;
+        if sending.homes {
+            session.order(Order::Home, "homing")?;
+            if session.state()? != self.start {
+                return Err("homing: the controller is not where homing ends".into());
+            }
         }
-        Err(sentence) => Err(sentence),
-        Ok(()) => Ok(Sent {
-            steps: session.steps,
-            lines: session.lines,
-        }),
+        session.steps.clear();
+        self.is_counted = true;
+        if sending.streams {
+            session.order(Order::Stream(true), "streaming")?;
+        }
+        Ok(())
     }
-}
 
-/// Sends everything. Sets `is_counted` when the reported steps begin to give the position.
-fn made(
-    session: &mut Session,
-    sending: &Sending,
-    lines: &[(usize, Line)],
-    is_counted: &mut bool,
-    mut progress: impl FnMut(usize),
-    mut operator: impl FnMut(&Line, &str) -> bool,
-) -> Result<(), String> {
-    session.begin(sending.lease_ms)?;
-    session.order(Order::Every(sending.every), "report of steps")?;
-    if sending.homes {
-        session.order(Order::Home, "homing")?;
+    /// Sends a line of the file and waits until it is made, or queued if lines are streamed. Before
+    /// it is sent, `operator` gets the line and its string, and returns whether to continue.
+    ///
+    /// # Errors
+    ///
+    /// The line is refused, the port fails, or a stop is asked for. The message has the position of
+    /// the motors.
+    pub fn send(
+        &mut self,
+        number: usize,
+        line: &Line,
+        operator: impl FnMut(&Line, &str) -> bool,
+    ) -> Result<(), String> {
+        let sent = self.try_send(number, line, operator);
+        sent.map_err(|sentence| self.failed(sentence))
     }
-    session.steps.clear();
-    *is_counted = true;
-    if sending.streams {
-        session.order(Order::Stream(true), "streaming")?;
-    }
-    for (done, (number, line)) in lines.iter().enumerate() {
+
+    fn try_send(
+        &mut self,
+        number: usize,
+        line: &Line,
+        mut operator: impl FnMut(&Line, &str) -> bool,
+    ) -> Result<(), String> {
+        let session = &mut self.session;
         let text = Order::Line(*line).text();
         let string = String::from_utf8_lossy(text.bytes());
         if matches!(line, Line::Tool(_)) {
@@ -112,16 +134,82 @@ fn made(
                 _ => format!("line {number}: stopped before {string}"),
             });
         }
-        let name = format!("line {number}, {string}");
-        session.order(Order::Line(*line), &name)?;
-        if !sending.streams {
+        session.order(Order::Line(*line), &format!("line {number}, {string}"))?;
+        if !self.sending.streams {
             session.lines += 1;
         }
-        progress(done + 1);
+        Ok(())
     }
-    session.finish()?;
-    if sending.streams {
-        session.order(Order::Stream(false), "no streaming")?;
+
+    /// What the controller has echoed of the last line, and how many steps it has reported in all.
+    pub fn echo(&self) -> (String, usize) {
+        (self.session.echo(), self.session.steps.len())
     }
-    Ok(())
+
+    /// Keeps the session alive for a time while no line is sent: at most one tenth of a second.
+    ///
+    /// # Errors
+    ///
+    /// The port fails, the controller was reset, or a stop is asked for.
+    pub fn idle(&mut self, longest_us: u32) -> Result<(), String> {
+        let turned = self.session.turn(longest_us);
+        turned.map(|_| ()).map_err(|sentence| self.failed(sentence))
+    }
+
+    /// Waits until all lines are made, and asks for the state at the end.
+    ///
+    /// # Errors
+    ///
+    /// As [`send`](Self::send), and a controller whose position is not that of the steps that it
+    /// reported.
+    pub fn finish(mut self) -> Result<Sent, String> {
+        let finished = self.try_finish();
+        let state = finished.map_err(|sentence| self.failed(sentence))?;
+        Ok(Sent {
+            steps: self.session.steps,
+            lines: self.session.lines,
+            state,
+        })
+    }
+
+    fn try_finish(&mut self) -> Result<Option<State>, String> {
+        self.session.finish()?;
+        if self.sending.streams {
+            self.session.order(Order::Stream(false), "no streaming")?;
+        }
+        let state = self.session.state()?;
+        match state.and_then(|state| self.uncounted(&state)) {
+            Some(uncounted) => Err(uncounted),
+            None => Ok(state),
+        }
+    }
+
+    /// The message about a failure, with the position that the controller reports.
+    fn failed(&mut self, sentence: String) -> String {
+        if !self.is_counted || self.start.is_none() {
+            return sentence;
+        }
+        let lines = self.session.lines;
+        // Whoever does not answer is not asked again.
+        let Some(state) = self.session.state_after() else {
+            return format!("{sentence}; {lines} lines made; the position is unknown");
+        };
+        let motors = position::motors(&state);
+        let uncounted = match self.uncounted(&state) {
+            Some(uncounted) => format!("; {uncounted}"),
+            None => String::new(),
+        };
+        format!("{sentence}; {lines} lines made; {motors}{uncounted}")
+    }
+
+    /// What the controller counts beyond the steps that it reported.
+    fn uncounted(&self, state: &State) -> Option<String> {
+        let start = self
+            .start
+            .filter(|start| start.is_homed == state.is_homed)?;
+        if self.sending.every != 1 || !self.is_counted {
+            return None;
+        }
+        position::uncounted(&start, &self.session.net_steps(), state)
+    }
 }

@@ -2,7 +2,9 @@
 
 use crate::{StopRequests, Wire};
 use husillo_sim::device::micromill::Device;
-use husillo_transports::micromill::{Host, HostTiming, Order, Outcome, Progress, Report};
+use husillo_transports::micromill::{
+    Host, HostTiming, Order, Outcome, Progress, Report, State, StateDigits,
+};
 use std::collections::VecDeque;
 use std::time::Duration;
 
@@ -14,6 +16,8 @@ const LOOK_US: u32 = 20_000;
 /// The report of a controller that was just switched on, or reset by the opened port, arrives
 /// within this time.
 const GREETING: Duration = Duration::from_millis(20);
+/// Reports of the state until two agree.
+const MOST_REPORTS: u8 = 6;
 /// A controller that has not confirmed a stop within this time does not answer, us.
 const HALT_US: u32 = 3_000_000;
 
@@ -28,6 +32,8 @@ pub struct Session {
     stop: StopRequests,
     /// The stop was carried out.
     is_halted: bool,
+    /// The controller has not answered, or the port has failed.
+    is_lost: bool,
     /// Period of the strings that continue a motion, us. `None`: a motion needs no host.
     renewal_us: Option<u32>,
     /// When the last one of them was sent, us.
@@ -36,6 +42,10 @@ pub struct Session {
     pub steps: Vec<(u8, bool)>,
     /// Streamed lines that were made.
     pub lines: usize,
+    /// Digits of the last report of the state.
+    digits: StateDigits,
+    /// What the controller has echoed since the last order began.
+    echo: Vec<u8>,
 }
 
 impl Session {
@@ -52,10 +62,13 @@ impl Session {
             waiting: VecDeque::new(),
             stop,
             is_halted: false,
+            is_lost: false,
             renewal_us: None,
             renewed_us: 0,
             steps: Vec::new(),
             lines: 0,
+            digits: StateDigits::new(),
+            echo: Vec::new(),
         }
     }
 
@@ -109,14 +122,61 @@ impl Session {
 
     /// Sends an order and waits for its outcome.
     fn outcome(&mut self, order: Order, name: &str) -> Result<Outcome, String> {
+        self.echo.clear();
         if !self.start(order) {
             return Err(format!("{name}: the previous string has not ended"));
         }
         loop {
             if let Some(outcome) = self.turn(TURN_US)? {
+                self.is_lost |= outcome == Outcome::Silent;
                 return Ok(outcome);
             }
         }
+    }
+
+    /// What the controller has echoed of the last order.
+    pub fn echo(&self) -> String {
+        let echo = String::from_utf8_lossy(&self.echo);
+        // Strings that continue the motion came after it.
+        let renewal = Order::Renew.text();
+        let renewal = String::from_utf8_lossy(renewal.bytes()).into_owned();
+        echo.trim_end_matches(&renewal[..]).to_owned()
+    }
+
+    /// Asks a controller at rest for its state. Two equal reports in succession count, because a
+    /// wrong bit on the line would be a wrong position. `None`: the controller has no such string.
+    ///
+    /// # Errors
+    ///
+    /// No two reports agree, the controller does not answer, or the port failed.
+    pub fn state(&mut self) -> Result<Option<State>, String> {
+        let mut before = None;
+        for _ in 0..MOST_REPORTS {
+            self.digits = StateDigits::new();
+            match self.outcome(Order::Report, "state")? {
+                Outcome::Done => {}
+                Outcome::Wrong => return Ok(None),
+                outcome => return Err(format!("state: {}", why(outcome))),
+            }
+            let now = self.digits.state();
+            if now.is_some() && now == before {
+                return Ok(now);
+            }
+            before = now;
+        }
+        Err("the reports of the position differ: check the cable".into())
+    }
+
+    /// The state after a failure, where the controller still answers.
+    pub(super) fn state_after(&mut self) -> Option<State> {
+        if self.is_lost {
+            return None;
+        }
+        // The string that failed may not have ended.
+        self.host = Host::new(self.timing);
+        self.digits = StateDigits::new();
+        let is_at_rest = matches!(self.outcome(Order::Stop, "stop"), Ok(Outcome::Done));
+        self.state().ok().flatten().filter(|_| is_at_rest)
     }
 
     /// Waits until all streamed lines are made.
@@ -149,7 +209,9 @@ impl Session {
                 let now = self.now();
                 let bytes: Vec<u8> = std::iter::from_fn(|| self.host.transmit(now)).collect();
                 if !bytes.is_empty() {
-                    self.wire.send_all(&bytes).map_err(gone)?;
+                    let sent = self.wire.send_all(&bytes);
+                    self.is_lost |= sent.is_err();
+                    sent.map_err(gone)?;
                     return Ok(None);
                 }
                 // The guard before a `;` has begun.
@@ -160,7 +222,9 @@ impl Session {
         };
         let wait_us = wait_us.min(longest_us).min(LOOK_US);
         let wait = Duration::from_micros(wait_us.into());
-        let bytes = self.wire.receive_all(wait).map_err(gone)?;
+        let received = self.wire.receive_all(wait);
+        self.is_lost |= received.is_err();
+        let bytes = received.map_err(gone)?;
         self.waiting.extend(bytes);
         self.hear()?;
         Ok(None)
@@ -204,28 +268,34 @@ impl Session {
         self.host = Host::new(self.timing);
         let start = self.now();
         self.host.start(Order::Stop, start);
-        loop {
+        let why = loop {
             match self.turn(LOOK_US) {
                 Ok(None) => {}
                 Ok(Some(Outcome::Done)) => return "interrupted: the controller has stopped".into(),
-                Ok(Some(outcome)) => return unconfirmed(why(outcome)),
-                Err(sentence) => return unconfirmed(&sentence),
+                Ok(Some(outcome)) => break why(outcome).to_owned(),
+                Err(sentence) => break sentence,
             }
             if self.stop.count() > 1 {
-                return unconfirmed("the wait was ended");
+                break "the wait was ended".into();
             }
             if self.now().wrapping_sub(start) > HALT_US {
-                return unconfirmed(why(Outcome::Silent));
+                break why(Outcome::Silent).into();
             }
-        }
+        };
+        self.is_lost = true;
+        unconfirmed(&why)
     }
 
     fn hear(&mut self) -> Result<(), String> {
         while let Some(byte) = self.waiting.pop_front() {
             let now = self.now();
+            if byte < 0x80 {
+                self.echo.push(byte);
+            }
             match self.host.push(byte, now) {
                 Some(Report::Step { axis, forward }) => self.steps.push((axis as u8, forward)),
                 Some(Report::LineDone) => self.lines += 1,
+                Some(Report::Digit(digit)) => self.digits.push(digit),
                 Some(Report::Restarted) => return Err("the controller was reset".into()),
                 Some(Report::Stopped | Report::Noise(_)) | None => {}
             }

@@ -15,8 +15,10 @@ const MOST: i64 = 9_999_999;
 const PART: f64 = 0.02;
 
 /// A program for the mill.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Translated {
+    /// Number of commands that were translated.
+    pub commands: usize,
     /// Each line, with the number of its line in the program.
     pub lines: Vec<(usize, Line)>,
     /// Words that were dropped or changed: line and sentence.
@@ -25,36 +27,64 @@ pub struct Translated {
     pub errors: Vec<(usize, String)>,
 }
 
-/// Translates commands, each with the number of its line and its start position.
+/// Translates commands, each with the number of its line. The mill is at machine zero, and the
+/// zero of the part is there, too.
 pub fn translate(
     commands: impl IntoIterator<Item = (usize, Command<3>)>,
     config: &Config<3>,
 ) -> Translated {
-    let mut translator = Translator {
-        config,
-        made: Translated::default(),
-        noted: BTreeSet::new(),
-        line: 0,
-        at: [0; 3],
-        from: [Nm(0); 3],
-    };
+    let mut translator = Translator::new(config, [Nm(0); 3], [Nm(0); 3]);
     for (line, command) in commands {
-        translator.line = line;
-        translator.command(&command);
-        translator.from = command.end().unwrap_or(translator.from);
+        translator.push_command(line, &command);
     }
-    translator.made
+    translator.take()
 }
 
-struct Translator<'a> {
+/// Translates one command after the other.
+#[derive(Clone, Debug)]
+pub struct Translator<'a> {
     config: &'a Config<3>,
     made: Translated,
     /// Notes of a line are made once.
     noted: BTreeSet<(usize, String)>,
     line: usize,
-    /// Where the last line ends, units.
+    /// The part's zero in machine coordinates.
+    zero: [Nm; 3],
+    /// Where the last line ends, in units from the part's zero.
     at: [i64; 3],
+    /// Where the last command ends, in machine coordinates.
     from: [Nm; 3],
+}
+
+impl<'a> Translator<'a> {
+    /// The mill is `at` this position, and its part's zero is at `zero`, both in machine
+    /// coordinates, as the commands are. The strings count from the part's zero.
+    pub fn new(config: &'a Config<3>, zero: [Nm; 3], at: [Nm; 3]) -> Self {
+        let mut translator = Self {
+            config,
+            made: Translated::default(),
+            noted: BTreeSet::new(),
+            line: 0,
+            zero,
+            at: [0; 3],
+            from: at,
+        };
+        translator.at = translator.place(&at);
+        translator
+    }
+
+    /// Translates a command of a line.
+    pub fn push_command(&mut self, line: usize, command: &Command<3>) {
+        self.line = line;
+        self.made.commands += 1;
+        self.command(command);
+        self.from = command.end().unwrap_or(self.from);
+    }
+
+    /// Takes what was translated since the last call.
+    pub fn take(&mut self) -> Translated {
+        std::mem::take(&mut self.made)
+    }
 }
 
 impl Translator<'_> {
@@ -279,7 +309,7 @@ impl Translator<'_> {
     }
 
     fn centre(&self, arc: &Arc<3>) -> [i64; 2] {
-        [0, 1].map(|axis: usize| nearest(arc.centre[axis].0, UNIT_NM))
+        [0, 1].map(|axis: usize| nearest(arc.centre[axis].0 - self.zero[axis].0, UNIT_NM))
     }
 
     fn spindle(&mut self, direction: SpindleDirection, milli_rpm: u64) {
@@ -341,12 +371,13 @@ impl Translator<'_> {
 
     /// A coordinate in units: the nearest one within the same step.
     fn rounded(&self, axis: usize, at: Nm) -> i64 {
-        let unit = nearest(at.0, UNIT_NM);
+        let zero = self.zero[axis].0;
+        let unit = nearest(at.0 - zero, UNIT_NM);
         let scale = self.config.axes[axis].scale;
         let step = scale.nearest(at.0);
         [unit, unit - 1, unit + 1]
             .into_iter()
-            .find(|unit| scale.nearest(unit * UNIT_NM) == step)
+            .find(|unit| scale.nearest(unit * UNIT_NM + zero) == step)
             .unwrap_or(unit)
     }
 

@@ -1,6 +1,6 @@
 //! Execution of strings: refuses or queues a line, begins a mode.
 
-use husillo_transports::micromill::{Answer, Axis, Line, Order};
+use husillo_transports::micromill::{Answer, Axis, AxisState, Line, Order, State};
 
 use super::{
     Lease, Micromill,
@@ -73,8 +73,28 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
                 }
                 self.answer(self.is_homed, Answer::Done);
             }
+            Order::Report => self.send_state(),
             Order::Stop | Order::Stream(_) | Order::Every(_) => {}
         }
+    }
+
+    /// Sends the state.
+    fn send_state(&mut self) {
+        let mut state = State {
+            is_homed: self.is_homed,
+            ..State::default()
+        };
+        let zeros = self.lash.iter().zip(&self.zero);
+        let axes = state.axes.iter_mut().zip(&self.plays);
+        for ((axis, play), (lash, zero)) in axes.zip(zeros) {
+            *axis = AxisState {
+                load_steps: play.load(),
+                ahead_steps: play.owed(false),
+                lash_steps: *lash,
+                zero_nm: *zero,
+            };
+        }
+        self.link.report(&state);
     }
 
     /// Takes a line: refuses it or appends it to the queue.
@@ -133,16 +153,15 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
     }
 
     fn set_lash(&mut self, axis: Axis, um: u16) {
-        let axes = Axis::ALL.into_iter().zip(&self.config.machine.axes);
-        let axes = axes.zip(self.lash.iter_mut().zip(&mut self.plays));
-        for ((other, config), (lash, play)) in axes {
-            if other == axis {
-                let distance_nm = i64::from(um).wrapping_mul(1000);
-                let steps = config.scale.nearest(distance_nm).unwrap_or(0);
-                *lash = steps.clamp(0, u16::MAX.into()) as u16;
-                if self.is_homed {
-                    play.set_lash(*lash);
-                }
+        let axis = axis as usize;
+        let config = self.config.machine.axes.get(axis);
+        let state = self.lash.get_mut(axis).zip(self.plays.get_mut(axis));
+        if let Some((config, (lash, play))) = config.zip(state) {
+            let distance_nm = i64::from(um).wrapping_mul(1000);
+            let steps = config.scale.nearest(distance_nm).unwrap_or(0);
+            *lash = steps.clamp(0, u16::MAX.into()) as u16;
+            if self.is_homed {
+                play.set_lash(*lash);
             }
         }
         self.link.answer(Answer::Done);
@@ -150,18 +169,10 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
 
     /// Whether an axis may move by this number of steps.
     fn reaches(&self, axis: Axis, steps: i16) -> bool {
-        let axes = Axis::ALL.into_iter().zip(&self.config.machine.axes);
-        axes.zip(&self.plays).all(|((other, config), play)| {
-            let travel = if self.is_homed { config.travel } else { None };
-            match travel {
-                Some([low, high]) if other == axis => {
-                    let to = config
-                        .scale
-                        .position(play.load().saturating_add(steps.into()));
-                    (low.0..=high.0).contains(&to)
-                }
-                _ => true,
-            }
-        })
+        let axis = axis as usize;
+        match self.config.machine.axes.get(axis).zip(self.plays.get(axis)) {
+            Some((config, play)) => self.is_within(config, play, steps),
+            None => false, // there is no other axis
+        }
     }
 }

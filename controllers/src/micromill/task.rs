@@ -1,5 +1,6 @@
 //! Tasks: a line, or a mode that decides each step separately.
 
+use husillo_backlash::Play;
 use husillo_transports::micromill::{Answer, Axis};
 
 use super::{Micromill, MicromillInputs, Next, directions::Directions, first_owed};
@@ -105,14 +106,10 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
     fn search(&mut self, axis: Axis, left: u32, inputs: &MicromillInputs) -> Next {
         if is_closed(axis, inputs) {
             // Moving towards the switch has engaged the negative flank.
-            let axes = Axis::ALL
-                .into_iter()
-                .zip(self.plays.iter_mut().zip(self.lash));
-            for (other, (play, lash)) in axes {
-                if other == axis {
-                    play.set_lash(lash);
-                    play.set_behind();
-                }
+            let index = axis as usize;
+            if let Some((play, lash)) = self.plays.get_mut(index).zip(self.lash.get(index)) {
+                play.set_lash(*lash);
+                play.set_behind();
             }
             self.task = Task::BackOff {
                 axis,
@@ -145,10 +142,8 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
         if is_closed(axis, inputs) {
             return self.end(Answer::NoSwitch);
         }
-        for (other, play) in Axis::ALL.into_iter().zip(&mut self.plays) {
-            if other == axis {
-                play.set_zero();
-            }
+        if let Some(play) = self.plays.get_mut(axis as usize) {
+            play.set_zero();
         }
         let next = match axis {
             Axis::Z => Axis::X,
@@ -182,14 +177,24 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
         }
         let axes = self.config.machine.axes.iter().zip(&self.plays);
         let mut axes = axes.zip(directions.deltas());
-        axes.any(|((axis, play), direction)| match axis.travel {
-            Some([low, high]) if self.is_homed && direction != 0 && !play.owes(direction > 0) => {
-                let to = play.load().saturating_add(direction.into());
-                let to = axis.scale.position(to);
-                to < low.0 || to > high.0
-            }
-            _ => false,
+        axes.any(|((axis, play), direction)| {
+            let moves = direction != 0 && !play.owes(direction > 0);
+            moves && !self.is_within(axis, play, direction.into())
         })
+    }
+
+    /// Whether this many steps end within the travel of an axis. Before homing it is unknown.
+    #[inline(never)]
+    pub(super) fn is_within(&self, axis: &husillo_machine::Axis, play: &Play, steps: i16) -> bool {
+        match axis.travel {
+            Some([low, high]) if self.is_homed => {
+                let to = axis
+                    .scale
+                    .position(play.load().saturating_add(steps.into()));
+                (low.0..=high.0).contains(&to)
+            }
+            _ => true,
+        }
     }
 
     /// Ends a task that decides each step separately.

@@ -130,6 +130,16 @@ impl Job {
         )?)
     }
 
+    /// The tool stands `at` this position, and work zero is at `zero`.
+    pub(super) fn stand(&mut self, zero: [Nm; 3], at: [Nm; 3]) {
+        self.start = Start {
+            zero,
+            at,
+            ..self.start
+        };
+        self.is_placed = true;
+    }
+
     /// Puts work zero here.
     fn put(&mut self, zero: [Nm; 3]) {
         let mut at = zero;

@@ -1,23 +1,21 @@
 //! `compile` and `send` for the micro mill.
 
+mod by_line;
+mod comparison;
+
 use super::job::Job;
 use super::reporting::{verdict, with_findings};
 use super::{ERRORS, Failure, OK, write};
 use crate::cli::{Compile, Send, Target};
-use crate::console;
 use crate::console::sharing::share;
 use crate::console::stop::{INTERRUPTED, stop_requests, stops_asked};
 use crate::console::typed::typed_line;
 use crate::diagnostics::Findings;
 use crate::micromill;
-use crate::programs::feeder;
 use crate::programs::program;
-use crate::programs::setup;
-use crate::programs::source::Source;
-use husillo_clients::micromill::{self as client, Translated};
-use husillo_gcode::Dialect;
-use husillo_machine::{Config, Event};
-use husillo_transports::micromill::Line;
+use comparison::compared;
+use husillo_clients::micromill::{self as client, Sender, Translated, Translator};
+use husillo_transports::micromill::{Line, State};
 use std::io::{self, Write};
 
 /// Whether the machine is the micro mill.
@@ -33,7 +31,10 @@ pub(super) fn compile(args: &Compile) -> Result<u8, Failure> {
     let Some(made) = translated(&mut job)? else {
         return Ok(ERRORS);
     };
-    expect_a_command(&made, &job)?;
+    // An empty file of strings would not show that the program does nothing.
+    if made.lines.is_empty() {
+        return Err(format!("{}: no command for the mill", job.name()).into());
+    }
     let text = micromill::text(&made.lines);
     let path = args.output.as_deref().unwrap_or("-");
     write(path, text.as_bytes())?;
@@ -43,21 +44,41 @@ pub(super) fn compile(args: &Compile) -> Result<u8, Failure> {
     Ok(OK)
 }
 
-/// An empty file of strings would not show that the program does nothing.
+/// A program may begin where it ends. One without commands is a mistake.
 fn expect_a_command(made: &Translated, job: &Job) -> Result<(), String> {
-    match made.lines.is_empty() {
-        true => Err(format!("{}: no command for the mill", job.name())),
-        false => Ok(()),
+    match made.commands {
+        0 => Err(format!("{}: no command for the mill", job.name())),
+        _ => Ok(()),
     }
 }
 
 pub(super) fn send(args: &Send) -> Result<u8, Failure> {
     let (file, port) = args.alone()?;
+    if by_line::is_for(file) {
+        return by_line::send(args);
+    }
     let mut job = Job::new(file, &args.target, "micromill")?;
+    let mut sender = match connected(args, port)? {
+        Ok(sender) => sender,
+        Err(message) => return Ok(told(&job, &message)),
+    };
+    stand(&mut job, sender.start());
     let Some(made) = translated(&mut job)? else {
         return Ok(ERRORS);
     };
     expect_a_command(&made, &job)?;
+    if let Some(message) = unhomed(sender.start(), &made) {
+        return Ok(told(&job, message));
+    }
+    let start = sender.start();
+    match all(args, &mut sender, &made).and_then(|()| sender.finish()) {
+        Ok(sent) => compared(&job, args.every, &made, start, &sent),
+        Err(message) => Ok(told(&job, &message)),
+    }
+}
+
+/// A controller at rest, and its state.
+fn connected(args: &Send, port: &str) -> Result<Result<Sender, String>, Failure> {
     let baud = args.baud.unwrap_or(client::BAUD);
     let stop = stop_requests()?;
     let wire = client::open(port, baud)?;
@@ -73,57 +94,62 @@ pub(super) fn send(args: &Send) -> Result<u8, Failure> {
         every: args.every,
         homes: !args.no_home,
     };
+    Ok(Sender::new(wire, sending, stop))
+}
+
+/// The program begins where the controller says that it is. Without such a report, it begins at
+/// machine zero.
+fn stand(job: &mut Job, start: Option<State>) {
+    let Some(start) = start else { return };
+    if !start.is_homed {
+        // Its moves are refused, wherever they end.
+        for axis in &mut job.config.axes {
+            axis.travel = None;
+        }
+        return;
+    }
+    let at = client::position(&start, &job.config);
+    job.stand(client::work_zero(&start), at);
+}
+
+/// Why a mill that is not homed cannot make these lines.
+fn unhomed(start: Option<State>, made: &Translated) -> Option<&'static str> {
+    let moves = |line: &Line| {
+        matches!(
+            line,
+            Line::Rapid(_) | Line::Linear(..) | Line::Arc { .. } | Line::MachineZero { .. }
+        )
+    };
+    let is_homed = start.is_none_or(|start| start.is_homed);
+    (!is_homed && made.lines.iter().any(|(_, line)| moves(line))).then_some(
+        "the mill is not homed, so its position is unknown: leave out --no-home, or home it first",
+    )
+}
+
+/// Sends all lines.
+fn all(args: &Send, sender: &mut Sender, made: &Translated) -> Result<(), String> {
+    sender.begin()?;
     let count = made.lines.len();
-    let progress = |done: usize| {
+    for (done, (number, line)) in made.lines.iter().enumerate() {
+        sender.send(*number, line, |line, string| match line {
+            Line::Tool(tool) if !args.yes => asks(&format!("Tool {tool}: put it in, then Enter")),
+            _ if args.single_block => asks(&format!("{string} Enter sends it")),
+            _ => true,
+        })?;
+        let done = done + 1;
         if done == count || done.is_multiple_of(100) {
             // A closed terminal does not stop a machine in the middle of a line.
             let _ = writeln!(io::stderr(), "{done} of {count} lines");
         }
-    };
-    let operator = |line: &Line, string: &str| match line {
-        Line::Tool(tool) if !args.yes => asks(&format!("Tool {tool}: put it in, then Enter")),
-        _ if args.single_block => asks(&format!("{string} Enter sends it")),
-        _ => true,
-    };
-    let sent = match client::send(wire, &sending, &made.lines, stop, progress, operator) {
-        Ok(sent) => sent,
-        Err(message) => {
-            let _ = writeln!(io::stderr(), "{}: {message}", job.name());
-            return Ok(failed());
-        }
-    };
-    let expected = steps(&job, micromill::text(&made.lines))?;
-    let mut out = console::stdout();
-    writeln!(out, "Lines      {} made", sent.lines)?;
-    let reported = sent.steps.len() as u64 * u64::from(args.every.max(1));
-    if args.every != 1 {
-        writeln!(
-            out,
-            "Steps      about {reported} reported of {}",
-            expected.len()
-        )?;
-        return Ok(OK);
     }
-    let differs = (sent.steps.iter().zip(&expected)).position(|(ours, theirs)| ours != theirs);
-    if let Some(place) = differs {
-        writeln!(out, "Steps      step {} is not the simulator's", place + 1)?;
-        return Ok(ERRORS);
-    }
-    if sent.steps.len() != expected.len() {
-        writeln!(
-            out,
-            "Steps      {} reported, {} in the simulator",
-            sent.steps.len(),
-            expected.len()
-        )?;
-        return Ok(ERRORS);
-    }
-    writeln!(
-        out,
-        "Steps      {}, each as in the simulator",
-        expected.len()
-    )?;
-    Ok(OK)
+    Ok(())
+}
+
+/// Prints a failure of the controller.
+fn told(job: &Job, message: &str) -> u8 {
+    // A terminal that has gone away does not matter.
+    let _ = writeln!(io::stderr(), "{}: {message}", job.name());
+    failed()
 }
 
 /// The program as lines of the mill. Everything that is dropped or changed is reported. `None` if
@@ -136,7 +162,7 @@ fn translated(job: &mut Job) -> Result<Option<Translated>, Failure> {
         eprintln!("{}: {verdict}; nothing is made", job.name());
         return Ok(None);
     }
-    let mut commands = Vec::new();
+    let mut translator = Translator::new(&job.config, job.start.zero, job.start.at);
     let mut source = job.open()?;
     program::walk(
         &mut source,
@@ -145,11 +171,11 @@ fn translated(job: &mut Job) -> Result<Option<Translated>, Failure> {
         // The check has reported the errors of the program.
         &mut Findings::new(0),
         |meaning, command, _, _| {
-            commands.push((meaning.at.line, *command));
+            translator.push_command(meaning.at.line, command);
             Ok(())
         },
     )?;
-    let made = client::translate(commands, &job.config);
+    let made = translator.take();
     for (line, note) in &made.notes {
         eprintln!("{}:{line}: {note}", job.name());
     }
@@ -157,30 +183,6 @@ fn translated(job: &mut Job) -> Result<Option<Translated>, Failure> {
         eprintln!("{}:{line}: error: {error}", job.name());
     }
     Ok(made.errors.is_empty().then_some(made))
-}
-
-/// The steps of the mill's strings on a simulated machine, in the order in which a controller
-/// reports them: axis, and whether forward.
-fn steps(job: &Job, text: String) -> Result<Vec<(u8, bool)>, Failure> {
-    let config = Config {
-        dialect: Dialect::MICROMILL,
-        ..job.config
-    };
-    // The controller has one backlash value per axis.
-    let mut machine = setup::with_maps(config, setup::maps(&job.machine)?);
-    let mut source = Source::from_reader(Box::new(io::Cursor::new(text.into_bytes())));
-    let mut steps = Vec::new();
-    feeder::feed(&mut source, &mut machine, |_, event| {
-        if let Event::Step(step) = event {
-            for (axis, delta) in (0..3).zip(step.delta) {
-                if delta != 0 {
-                    steps.push((axis, delta > 0));
-                }
-            }
-        }
-        Ok(())
-    })?;
-    Ok(steps)
 }
 
 /// Exit status if the machine did not complete its work.

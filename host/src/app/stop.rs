@@ -68,6 +68,7 @@ fn confirm(place: Place, args: &Stop) -> Result<bool, Failure> {
         port: vec![port],
         figure: None,
         baud: args.baud.or(baud),
+        inch: false,
         without_answers: args.without_answers,
     });
     match done {

@@ -126,7 +126,8 @@ pub struct Compile {
 #[derive(Debug, Args)]
 pub struct Send {
     /// Program, drill file, records (NAME.cod), their manifest (NAME.toml), or a figure (NAME.fig):
-    /// one for all ports, or one per port
+    /// one for all ports, or one per port; - for standard input, of which the micro mill makes each
+    /// line when it arrives
     #[arg(value_name = "FILE", required = true)]
     pub files: Vec<String>,
     /// Machine and language.
@@ -178,7 +179,7 @@ pub struct Send {
         conflicts_with = "detach",
     )]
     pub lease: Option<u16>,
-    /// Micro mill: do not home, it is homed and at machine zero; drill: do not home, it is asked
+    /// Micro mill: do not home, begin at the present position; drill: do not home, it is asked
     /// whether it is homed; microfactory: begin figures at the present positions
     #[arg(long)]
     pub no_home: bool,

@@ -26,6 +26,9 @@ pub struct Jog {
     /// motion needs no host [default: 250]
     #[arg(long, value_name = "MS", value_parser = clap::value_parser!(u16).range(0..=9999))]
     pub lease: Option<u16>,
+    /// Micro mill: `where` reports positions in inches instead of millimetres
+    #[arg(long)]
+    pub inch: bool,
     /// The device does not answer, as the original: wait the longest time of each action
     #[arg(long)]
     pub without_answers: bool,

@@ -15,9 +15,13 @@ pub fn typed_line(before: u32) -> Option<String> {
     static TYPED: Mutex<Option<Receiver<String>>> = Mutex::new(None);
     let mut typed = TYPED.lock().unwrap_or_else(PoisonError::into_inner);
     // Ctrl-C does not interrupt a read of standard input: another thread reads.
-    let typed = typed.get_or_insert_with(typed_lines);
+    next_line(typed.get_or_insert_with(typed_lines), before)
+}
+
+/// The next of these lines, as [`typed_line`].
+pub fn next_line(lines: &Receiver<String>, before: u32) -> Option<String> {
     loop {
-        match typed.recv_timeout(LOOK) {
+        match lines.recv_timeout(LOOK) {
             Ok(line) => return Some(line),
             Err(RecvTimeoutError::Disconnected) => return None,
             Err(RecvTimeoutError::Timeout) if stops_asked() > before => return None,
@@ -28,10 +32,22 @@ pub fn typed_line(before: u32) -> Option<String> {
 
 /// The lines of standard input as they are typed, up to its end.
 pub fn typed_lines() -> Receiver<String> {
+    // A lock cannot be given to another thread.
+    lines_of(io::BufReader::new(io::stdin()))
+}
+
+/// The lines of the terminal, where standard input is something else. `None`: there is no terminal.
+pub fn terminal_lines() -> Option<Receiver<String>> {
+    let terminal = std::fs::File::open("/dev/tty").ok()?;
+    Some(lines_of(io::BufReader::new(terminal)))
+}
+
+fn lines_of(reader: impl BufRead + Send + 'static) -> Receiver<String> {
     let (sender, receiver) = mpsc::channel();
     std::thread::spawn(move || {
-        for line in io::stdin().lock().lines().map_while(Result::ok) {
-            if sender.send(line).is_err() {
+        for line in reader.split(b'\n').map_while(Result::ok) {
+            let line = String::from_utf8_lossy(&line);
+            if sender.send(line.trim_end_matches('\r').to_owned()).is_err() {
                 break;
             }
         }

@@ -30,8 +30,9 @@ pub struct Facts {
     pub beyond: Option<(Place, MoveError)>,
 }
 
-/// Findings that are reported once per program, and sums over its moves.
-struct Checker<'a> {
+/// Checks the commands of a program one after the other: findings that are reported once per
+/// program, and sums over its moves.
+pub struct Checker<'a> {
     machine: &'a MachineFile,
     config: &'a Config<3>,
     turns: Turns,
@@ -58,22 +59,7 @@ pub fn check(
     config: &Config<3>,
     findings: &mut Findings,
 ) -> io::Result<Facts> {
-    let mut checker = Checker {
-        machine,
-        config,
-        turns: Turns::new(
-            // `run` reports a backlash that is out of range.
-            setup::maps(machine).unwrap_or_else(|_| setup::no_lash()),
-            (machine.axes.each_ref()).map(|axis| axis.step.num as f64 / axis.step.den as f64),
-        ),
-        unknown_travel: [false; 3],
-        three_axes: false,
-        warned_feed: None,
-        feed_nm: 0.0,
-        rapid_nm: 0.0,
-        events: 0.0,
-        beyond: None,
-    };
+    let mut checker = Checker::new(machine, config);
     let mut is_empty = true;
     program::walk(
         source,
@@ -104,8 +90,36 @@ pub fn check(
     })
 }
 
+impl<'a> Checker<'a> {
+    /// No command was checked.
+    pub fn new(machine: &'a MachineFile, config: &'a Config<3>) -> Self {
+        Self {
+            machine,
+            config,
+            turns: Turns::new(
+                // `run` reports a backlash that is out of range.
+                setup::maps(machine).unwrap_or_else(|_| setup::no_lash()),
+                (machine.axes.each_ref()).map(|axis| axis.step.num as f64 / axis.step.den as f64),
+            ),
+            unknown_travel: [false; 3],
+            three_axes: false,
+            warned_feed: None,
+            feed_nm: 0.0,
+            rapid_nm: 0.0,
+            events: 0.0,
+            beyond: None,
+        }
+    }
+
+    /// Takes the first move that leaves the travel.
+    pub const fn take_beyond(&mut self) -> Option<(Place, MoveError)> {
+        self.beyond.take()
+    }
+}
+
 impl Checker<'_> {
-    fn command(
+    /// Checks a command that begins at `from`.
+    pub fn command(
         &mut self,
         meaning: &Meaning<'_>,
         command: &Command<3>,

@@ -1,10 +1,12 @@
 //! Feeds the lines of a checked program to the machine, and passes its events on.
 
 use crate::programs::blocks;
-use crate::programs::setup::{ClosedMicromill, Micromill};
+use crate::programs::setup::ClosedMicromill;
 use crate::programs::source::Source;
 use crate::programs::spindle_time::Turning;
-use husillo_machine::{Event, Followed, Pause, Refused};
+use husillo_backlash::Lash;
+use husillo_interp::Path;
+use husillo_machine::{Event, Followed, Machine, Pause, Refused};
 use std::io;
 use std::ops::ControlFlow;
 
@@ -14,17 +16,17 @@ use std::ops::ControlFlow;
 ///
 /// Reading or writing fails, or the machine refuses a line. It refuses no line of a program that
 /// was checked before.
-pub fn feed(
+pub fn feed<L: Lash<3>>(
     source: &mut Source,
-    machine: &mut Micromill,
-    mut each: impl FnMut(&Micromill, &Event<3>) -> io::Result<()>,
+    machine: &mut Machine<3, Path<3>, L>,
+    mut each: impl FnMut(&Machine<3, Path<3>, L>, &Event<3>) -> io::Result<()>,
 ) -> io::Result<()> {
     let config = machine.config();
     let dialect = config.dialect;
     let mut turning = config
         .spindle_counts
         .map(|counts| Turning::new(counts, config.timer_hz));
-    let mut each = |machine: &Micromill, event: &Event<3>| match &mut turning {
+    let mut each = |machine: &Machine<3, Path<3>, L>, event: &Event<3>| match &mut turning {
         None => each(machine, event),
         Some(turning) => each(machine, &turning.timed(event)?),
     };
@@ -138,9 +140,9 @@ enum Pulled {
 }
 
 #[inline]
-fn pull(
-    machine: &mut Micromill,
-    each: &mut impl FnMut(&Micromill, &Event<3>) -> io::Result<()>,
+fn pull<L: Lash<3>>(
+    machine: &mut Machine<3, Path<3>, L>,
+    each: &mut impl FnMut(&Machine<3, Path<3>, L>, &Event<3>) -> io::Result<()>,
 ) -> io::Result<Pulled> {
     // By reference for speed: a move would read the event as a whole right after it was written in
     // parts, and the processor would wait for the writes.

@@ -1,5 +1,7 @@
 //! Walks a program block by block and interprets each block.
 
+mod lines;
+
 use crate::diagnostics::{Finding, Findings};
 use crate::programs::blocks::{self, Given};
 use crate::programs::explain::{self, At};
@@ -9,6 +11,8 @@ use std::collections::VecDeque;
 use std::fmt::Write;
 use std::io;
 use std::ops::ControlFlow;
+
+pub use lines::Lines;
 
 /// Most commands of a program with loops. The parser limits the number of lines, but one line of a
 /// canned cycle can give 2^16 commands.
@@ -59,6 +63,7 @@ pub struct Meaning<'a> {
 }
 
 /// The state between two blocks.
+#[derive(Clone)]
 struct Walker<'a> {
     file: &'a str,
     dialect: Dialect,
@@ -76,6 +81,7 @@ struct Walker<'a> {
 }
 
 /// The place of a command that waits for the corner after it.
+#[derive(Clone)]
 struct Held {
     line: usize,
     bytes: Vec<u8>,

@@ -118,6 +118,12 @@ impl Source {
         }
     }
 
+    /// The same, after this many lines that were read elsewhere.
+    pub const fn after(mut self, lines: usize) -> Self {
+        self.number = lines;
+        self
+    }
+
     /// Returns the next line, or `None` at the end of the file. CR, LF and CR LF end a line. The
     /// last line needs no end.
     ///

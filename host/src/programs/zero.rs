@@ -238,6 +238,16 @@ pub fn report_beyond(
     Ok(())
 }
 
+/// One move beyond the travel, where the rest of the program is not known.
+pub fn move_beyond((place, error): &(Place, MoveError), machine: &MachineFile) -> Finding {
+    let message = "the move ends beyond the travel";
+    placed(
+        Finding::error("E0401", message, place.clone()),
+        error,
+        machine,
+    )
+}
+
 /// Reports the axes whose machine coordinates are beyond the travel.
 fn report_machine_frame(
     reach: &Reach,

@@ -20,7 +20,7 @@ pub enum Answer {
     /// `8b`: a correct string that cannot be executed. The mill is not homed, the target is beyond
     /// the travel, the arc is impossible, or the mill is moving.
     Refused,
-    /// `8c`: the line is in the queue, or one of our modes is confirmed.
+    /// `8c`: the line is in the queue, one of our modes is confirmed, or the state is reported.
     Taken,
     /// `8d`: a motion ended before it was done.
     Stopped,
@@ -28,6 +28,8 @@ pub enum Answer {
     Wrong,
     /// `8f`: done.
     Done,
+    /// `90` to `9f`: a digit of a [`State`](super::State), 0 to 15.
+    Digit(u8),
 }
 
 impl Answer {
@@ -42,6 +44,7 @@ impl Answer {
             Answer::Stopped => 0x8d,
             Answer::Wrong => 0x8e,
             Answer::Done => 0x8f,
+            Answer::Digit(digit) => 0x90 | digit & 0x0f,
         }
     }
 
@@ -66,6 +69,7 @@ impl Answer {
             0x8d => Answer::Stopped,
             0x8e => Answer::Wrong,
             0x8f => Answer::Done,
+            0x90..=0x9f => Answer::Digit(byte & 0x0f),
             _ => return None,
         })
     }

@@ -1,6 +1,6 @@
 //! The controller's end of the line.
 
-use super::{Answer, Axis, Order, STRING_BYTES, Stops};
+use super::{Answer, Axis, Order, STRING_BYTES, State, Stops};
 use crate::buffer::Buffer;
 
 /// Room that is kept for echoes and answers, in bytes.
@@ -15,6 +15,7 @@ const RESERVE: usize = 8;
 /// | a motion begins or ends | [`set_motion`](Device::set_motion) |
 /// | a motor step was made | [`step`](Device::step), if it [`has_room`](Device::has_room) |
 /// | an order was executed, or refused | [`answer`](Device::answer) |
+/// | the state is asked for | [`report`](Device::report) |
 /// | the transmitter is free | [`transmit`](Device::transmit) |
 ///
 /// The link itself confirms [`Order::Stream`] and [`Order::Every`]. Memory: `OUT` and about 100
@@ -200,6 +201,22 @@ impl<const OUT: usize> Device<OUT> {
     /// Sends an answer.
     pub fn answer(&mut self, answer: Answer) {
         self.send(answer.byte());
+    }
+
+    /// Sends the state, then [`Answer::Taken`]: 74 bytes. Without room for all of them some are
+    /// dropped, and the host asks again.
+    #[inline(never)]
+    pub fn report(&mut self, state: &State) {
+        for axis in &state.axes {
+            for mut bits in axis.words() {
+                for _ in 0..8 {
+                    bits = bits.rotate_left(4);
+                    self.answer(Answer::Digit(bits as u8));
+                }
+            }
+        }
+        self.answer(Answer::Digit(state.is_homed.into()));
+        self.answer(Answer::Taken);
     }
 
     /// Returns the next byte for the line.

@@ -80,6 +80,8 @@ pub enum Report {
     Stopped,
     /// It was reset: it is not homed, and its queue is empty.
     Restarted,
+    /// A digit of the state that [`Order::Report`] asks for.
+    Digit(u8),
     /// A byte without a meaning, or one that arrived although nothing was sent.
     Noise(u8),
 }
@@ -234,6 +236,15 @@ impl Host {
                     self.is_obeyed(now_us);
                 }
                 Some(Report::Step { axis, forward })
+            }
+            Some(Answer::Digit(digit)) => {
+                if self.order != Some(Order::Report) {
+                    return Some(Report::Noise(byte));
+                }
+                if self.phase == Phase::Unsure {
+                    self.is_obeyed(now_us);
+                }
+                Some(Report::Digit(digit))
             }
             Some(Answer::Ready) => {
                 self.is_streaming = false;

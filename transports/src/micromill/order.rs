@@ -63,6 +63,8 @@ pub enum Order {
     Renew,
     /// `R010;`: has one step in this many reported, 1 to 999. 0: none.
     Every(u16),
+    /// `I;`: reports the [`State`](super::State).
+    Report,
 }
 
 impl Order {
@@ -110,6 +112,7 @@ impl Order {
             b'L' if reader.is_empty() => Order::Renew,
             b'L' => Order::Lease(reader.digits(4, 4)? as u16),
             b'R' => Order::Every(reader.digits(3, 3)? as u16),
+            b'I' => Order::Report,
             _ => return None,
         };
         reader.is_empty().then_some(order)
@@ -158,6 +161,7 @@ impl Order {
                 text.push(b'R');
                 text.digits(steps.into(), 3);
             }
+            Order::Report => text.push(b'I'),
         }
         text.push(b';');
         text

@@ -279,7 +279,8 @@ mod micromill {
     use core::hint::black_box;
 
     use husillo_transports::micromill::{
-        Answer, Axis, Device, Host, HostTiming, Line, Order, Stops, Text,
+        Answer, Axis, AxisState, Device, Host, HostTiming, Line, Order, State, StateDigits,
+        Stops, Text,
     };
 
     pub fn keep() {
@@ -287,6 +288,7 @@ mod micromill {
             Answer::byte as *const (),
             Answer::of as *const (),
             Axis::letter as *const (),
+            AxisState::motor_steps as *const (),
             Device::<64>::answer as *const (),
             Device::<64>::default as *const (),
             Device::<64>::has_room as *const (),
@@ -295,6 +297,7 @@ mod micromill {
             Device::<64>::is_streaming as *const (),
             Device::<64>::new as *const (),
             Device::<64>::push as *const (),
+            Device::<64>::report as *const (),
             Device::<64>::set_motion as *const (),
             Device::<64>::step as *const (),
             Device::<64>::stops as *const (),
@@ -311,6 +314,11 @@ mod micromill {
             Order::is_answered as *const (),
             Order::read as *const (),
             Order::text as *const (),
+            State::homed as *const (),
+            State::motor_steps as *const (),
+            StateDigits::new as *const (),
+            StateDigits::push as *const (),
+            StateDigits::state as *const (),
             Stops::takes as *const (),
             Text::bytes as *const (),
         ]);

@@ -1,0 +1,160 @@
+//! What the controller reports of itself, as text.
+
+use husillo_gcode::Nm;
+use husillo_machine::Config;
+use husillo_transports::micromill::State;
+use std::fmt::Write as _;
+
+/// Unit of printed positions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LengthUnit {
+    /// Millimetres with six decimals, which show nanometres.
+    Millimetres,
+    /// Inches with seven decimals. The last one is 2.54 nm.
+    Inches,
+}
+
+impl LengthUnit {
+    fn text(self, nm: i64) -> String {
+        // Below 2.2 m, so the quotient is exact to the last printed digit.
+        let (value, decimals) = match self {
+            Self::Millimetres => (nm as f64 / 1e6, 6),
+            Self::Inches => (nm as f64 / 25.4e6, 7),
+        };
+        let text = format!("{value:.decimals$}");
+        let text = text.trim_end_matches('0').trim_end_matches('.');
+        // What is rounded to zero has no sign.
+        match text {
+            "-0" => "0".into(),
+            _ => text.into(),
+        }
+    }
+
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Millimetres => "mm",
+            Self::Inches => "inch",
+        }
+    }
+
+    fn row(self, name: &str, nm: [i64; 3]) -> String {
+        let [x, y, z] = nm.map(|nm| self.text(nm));
+        format!("  {name:<9} X {x} Y {y} Z {z} {}\n", self.name())
+    }
+}
+
+/// Positions of the loads from machine zero, on the grid of the steps of `config`.
+pub fn position(state: &State, config: &Config<3>) -> [Nm; 3] {
+    let mut position = [Nm(0); 3];
+    let axes = state.axes.iter().zip(&config.axes);
+    for (position, (state, axis)) in position.iter_mut().zip(axes) {
+        *position = Nm(axis.scale.position(state.load_steps));
+    }
+    position
+}
+
+/// The zero of the part, from machine zero.
+pub fn work_zero(state: &State) -> [Nm; 3] {
+    state.axes.map(|axis| Nm(axis.zero_nm.into()))
+}
+
+/// Where the motors stand, and from where that counts.
+pub fn motors(state: &State) -> String {
+    let [x, y, z] = state.motor_steps();
+    let from = match state.is_homed {
+        true => "",
+        false => " from the position at power-on",
+    };
+    format!("motors at x {x} y {y} z {z}{from}")
+}
+
+/// Compares the motors with the steps reported since `before`. Returns a sentence if they differ.
+pub fn uncounted(before: &State, steps: &[i64; 3], now: &State) -> Option<String> {
+    let mut differences = [0; 3];
+    let motors = before.motor_steps().into_iter().zip(now.motor_steps());
+    for (difference, ((before, now), steps)) in differences.iter_mut().zip(motors.zip(steps)) {
+        *difference = i64::from(now) - i64::from(before) - steps;
+    }
+    let [x, y, z] = differences;
+    (differences != [0; 3]).then(|| {
+        format!("the controller is x {x:+} y {y:+} z {z:+} steps from where its reported steps end")
+    })
+}
+
+/// Machine and work coordinates, work zero, steps and backlash: a row each.
+pub fn report(state: &State, config: &Config<3>, unit: LengthUnit) -> String {
+    let mut text = String::new();
+    let zero = work_zero(state).map(|nm| nm.0);
+    if state.is_homed {
+        let machine = position(state, config).map(|nm| nm.0);
+        let mut work = machine;
+        for (work, zero) in work.iter_mut().zip(zero) {
+            *work -= zero;
+        }
+        text += &unit.row("machine", machine);
+        text += &unit.row("work", work);
+        text += &unit.row("work zero", zero);
+    } else {
+        text += "  machine   unknown: not homed\n  work      unknown: not homed\n";
+        text += &unit.row("work zero", zero);
+    }
+    let [x, y, z] = state.axes.map(|axis| axis.load_steps);
+    let [lash_x, lash_y, lash_z] = state.axes.map(|axis| axis.lash_steps);
+    // A string takes all that is written.
+    let _ = write!(
+        text,
+        "  steps     x {x} y {y} z {z}, {}\n  backlash  x {lash_x} y {lash_y} z {lash_z} steps",
+        motors(state)
+    );
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use husillo_controllers::MicromillConfig;
+    use husillo_transports::micromill::AxisState;
+
+    #[test]
+    fn a_report_has_all_frames() {
+        let axis = |load_steps, ahead_steps, lash_steps, zero_nm| AxisState {
+            load_steps,
+            ahead_steps,
+            lash_steps,
+            zero_nm,
+        };
+        let state = State {
+            axes: [
+                axis(700, 1429, 1429, 420_000),
+                axis(299, 0, 1271, 0),
+                axis(-1, 0, 0, 0),
+            ],
+            is_homed: true,
+        };
+        let config = &MicromillConfig::MICROMILL.machine;
+        assert_eq!(
+            report(&state, config, LengthUnit::Millimetres),
+            "  machine   X 0.098 Y 0.04186 Z -0.00014 mm\n  work      X -0.322 Y 0.04186 Z \
+             -0.00014 mm\n  work zero X 0.42 Y 0 Z 0 mm\n  steps     x 700 y 299 z -1, motors at x \
+             700 y -972 z -1\n  backlash  x 1429 y 1271 z 0 steps"
+        );
+        let inches = report(&state, config, LengthUnit::Inches);
+        assert!(
+            inches.starts_with("  machine   X 0.0038583 Y 0.001648 Z -0.0000055 inch\n"),
+            "{inches}"
+        );
+        let lost = State {
+            is_homed: false,
+            ..state
+        };
+        let unknown = report(&lost, config, LengthUnit::Millimetres);
+        assert!(
+            unknown.starts_with("  machine   unknown: not homed\n  work      unknown: not homed\n"),
+            "{unknown}"
+        );
+        assert!(
+            unknown.contains("z -1 from the position at power-on\n"),
+            "{unknown}"
+        );
+    }
+}

@@ -1,0 +1,133 @@
+//! The state that only the controller knows.
+
+/// One axis of a [`State`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct AxisState {
+    /// Position of the load in steps: from machine zero, or from the position at power-on if the
+    /// mill is not homed.
+    pub load_steps: i32,
+    /// Motor steps ahead of the load: 0 with the negative flank of the screw engaged, the backlash
+    /// with the positive one. Always 0 before homing.
+    pub ahead_steps: u16,
+    /// The backlash that is taken up after homing, in steps.
+    pub lash_steps: u16,
+    /// The part's zero, in nanometres from machine zero.
+    pub zero_nm: i32,
+}
+
+impl AxisState {
+    /// Returns the position of the motor in steps: that of the load while the positive flank is
+    /// engaged, and less by the backlash with the negative flank.
+    pub const fn motor_steps(&self, is_homed: bool) -> i32 {
+        let lash = if is_homed { self.lash_steps } else { 0 };
+        let ahead = self.load_steps.wrapping_add(self.ahead_steps as i32);
+        ahead.wrapping_sub(lash as i32)
+    }
+
+    /// The digits of the link, eight to a number.
+    pub(super) const fn words(&self) -> [u32; 3] {
+        let lash = (self.ahead_steps as u32) << 16 | self.lash_steps as u32;
+        [self.load_steps as u32, lash, self.zero_nm as u32]
+    }
+
+    const fn of([load, lash, zero]: [u32; 3]) -> AxisState {
+        AxisState {
+            load_steps: load as i32,
+            ahead_steps: (lash >> 16) as u16,
+            lash_steps: lash as u16,
+            zero_nm: zero as i32,
+        }
+    }
+}
+
+/// Position, backlash and zero of all axes, and whether the mill is homed. [`Order::Report`] asks
+/// for it.
+///
+/// The controller sends it in [`Answer::Digit`]s, the highest digit of a number first: for each
+/// axis eight digits of `load_steps`, four of `ahead_steps`, four of `lash_steps` and eight of
+/// `zero_nm`, then 1 if the mill is homed, otherwise 0. [`StateDigits`] collects them.
+///
+/// [`Order::Report`]: super::Order::Report
+/// [`Answer::Digit`]: super::Answer::Digit
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct State {
+    /// X, Y and Z.
+    pub axes: [AxisState; 3],
+    /// Whether positions count from machine zero.
+    pub is_homed: bool,
+}
+
+impl State {
+    /// Returns the state after homing: at machine zero, with the positive flanks engaged.
+    pub fn homed(self) -> State {
+        State {
+            axes: self.axes.map(|axis| AxisState {
+                load_steps: 0,
+                ahead_steps: axis.lash_steps,
+                ..axis
+            }),
+            is_homed: true,
+        }
+    }
+
+    /// Returns the positions of the motors: [`AxisState::motor_steps`].
+    pub fn motor_steps(&self) -> [i32; 3] {
+        self.axes.map(|axis| axis.motor_steps(self.is_homed))
+    }
+}
+
+/// The digits of a [`State`] as they arrive.
+///
+/// ```
+/// use husillo_transports::micromill::StateDigits;
+///
+/// let mut digits = StateDigits::new();
+/// for _ in 0..72 {
+///     digits.push(0);
+/// }
+/// assert_eq!(digits.state(), None); // one is missing
+/// digits.push(1);
+/// assert!(digits.state().is_some_and(|state| state.is_homed));
+/// ```
+#[derive(Debug, Clone, Default)]
+pub struct StateDigits {
+    words: [u32; 9],
+    last: u8,
+    count: u8,
+}
+
+impl StateDigits {
+    /// No digit has arrived.
+    pub const fn new() -> StateDigits {
+        StateDigits {
+            words: [0; 9],
+            last: 0,
+            count: 0,
+        }
+    }
+
+    /// Takes a digit, 0 to 15.
+    pub fn push(&mut self, digit: u8) {
+        match self.words.get_mut(usize::from(self.count >> 3)) {
+            Some(word) => *word = *word << 4 | u32::from(digit & 0x0f),
+            None => self.last = digit,
+        }
+        self.count = self.count.saturating_add(1);
+    }
+
+    /// Returns the state. `None` if the number of digits is wrong, or a number is impossible.
+    pub fn state(&self) -> Option<State> {
+        if self.count != 73 || self.last > 1 {
+            return None;
+        }
+        let [x0, x1, x2, y0, y1, y2, z0, z1, z2] = self.words;
+        let axes = [[x0, x1, x2], [y0, y1, y2], [z0, z1, z2]].map(AxisState::of);
+        let is_possible = axes.iter().all(|axis| axis.ahead_steps <= axis.lash_steps);
+        is_possible.then_some(State {
+            axes,
+            is_homed: self.last == 1,
+        })
+    }
+}
