@@ -3,6 +3,7 @@
 mod drilling;
 mod jog;
 mod moves;
+mod reproduce;
 mod servo;
 mod stop;
 mod zero;
@@ -16,6 +17,8 @@ pub use drilling::{
 pub use jog::Jog;
 use moves::COMPARE_HELP;
 pub use moves::{ArcShape, Compare, Interpolate, LineShape, Shape, Turning};
+use reproduce::REPRODUCE_HELP;
+pub use reproduce::{Original, Reproduce};
 use servo::TUNE_HELP;
 pub use servo::{Emulate, Measure, Tune, TuneMethod, TuneRule, words};
 pub use stop::Stop;
@@ -227,6 +230,9 @@ pub enum Command {
     Tune(Tune),
     /// Find the errors of a machine from measurements, as lines for its file
     Calibrate(crate::calibrating::Calibrate),
+    /// Rebuild the measured tables of the original machines on the simulated ones
+    #[command(after_help = REPRODUCE_HELP)]
+    Reproduce(Reproduce),
 }
 
 /// Which machine and which language.

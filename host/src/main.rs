@@ -39,6 +39,7 @@ mod micromill;
 mod output;
 mod page;
 mod programs;
+mod reproducing;
 mod simulation;
 mod text;
 mod tuning;

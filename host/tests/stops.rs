@@ -190,7 +190,10 @@ fn a_mill_that_does_not_answer_the_stop_is_reported() {
         let start = Instant::now();
         signal(&child, "INT");
         while controller.seen().unheard == 0 {
-            assert!(start.elapsed() < Duration::from_secs(20), "no stop was sent");
+            assert!(
+                start.elapsed() < Duration::from_secs(20),
+                "no stop was sent"
+            );
             std::thread::sleep(Duration::from_millis(1));
         }
         if times > 1 {

@@ -1,0 +1,113 @@
+//! The measured tables of the originals, as a user rebuilds them.
+
+mod common;
+
+use common::husillo;
+use predicates::prelude::PredicateBooleanExt;
+use predicates::str::contains;
+use serde_json::Value;
+
+/// The tables that a command prints as JSON.
+fn tables(args: &[&str]) -> Vec<Value> {
+    let args = [&["reproduce"], args, &["--format", "json"]].concat();
+    let output = husillo().args(args).output().unwrap();
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{errors}");
+    let rebuilt: Value = serde_json::from_slice(&output.stdout).unwrap();
+    rebuilt["tables"].as_array().unwrap().clone()
+}
+
+fn table(machine: &str, number: &str) -> Value {
+    let mut tables = tables(&[machine, number]);
+    assert_eq!(tables.len(), 1);
+    assert_eq!(tables[0]["number"], number);
+    tables.remove(0)
+}
+
+fn rows(table: &Value) -> &[Value] {
+    table["rows"].as_array().unwrap()
+}
+
+fn number(row: &Value, key: &str) -> f64 {
+    row[key].as_f64().unwrap_or_else(|| panic!("{key}: {row}"))
+}
+
+/// Names of the rows whose rebuilt value is not within the spread.
+fn outside(table: &Value) -> Vec<&str> {
+    let is_outside = |row: &&Value| {
+        row["rebuilt"].as_f64().is_some_and(|rebuilt| {
+            (number(row, "measured") - rebuilt).abs() > number(row, "spread")
+        })
+    };
+    let outside = rows(table).iter().filter(is_outside);
+    outside.map(|row| row["name"].as_str().unwrap()).collect()
+}
+
+fn row<'a>(table: &'a Value, name: &str) -> &'a Value {
+    let found = rows(table).iter().find(|row| row["name"] == name);
+    found.unwrap_or_else(|| panic!("no row {name}"))
+}
+
+#[test]
+fn lines_and_squares_of_the_mill_are_within_their_spread() {
+    let [lines, squares] = ["13", "14"].map(|number| table("micromill", number));
+    assert_eq!([rows(&lines).len(), rows(&squares).len()], [12, 12]);
+    for table in [&lines, &squares] {
+        assert_eq!(outside(table), [""; 0]);
+        for row in rows(table) {
+            // With the map of today and the true step.
+            let most = if row["unit"] == "mm" { 0.001 } else { 1.0 };
+            let off = number(row, "today") - number(row, "programmed");
+            assert!(off.abs() < most, "{row}");
+        }
+    }
+    let size = number(row(&squares, "X: Dy"), "rebuilt");
+    assert!(
+        size > 2.5,
+        "too much take-up makes the square larger: {size}"
+    );
+}
+
+#[test]
+fn circles_of_the_mill_are_within_their_spread_but_for_two_values() {
+    let table = table("micromill", "15");
+    assert_eq!(rows(&table).len(), 45);
+    assert_eq!(outside(&table), ["a: D7", "a: sigma"]);
+    for name in ["a", "b", "c"] {
+        let row = row(&table, &format!("{name}: sigma"));
+        let [measured, rebuilt, today] =
+            ["measured", "rebuilt", "today"].map(|key| number(row, key));
+        assert!((measured - rebuilt).abs() < 0.5 * measured, "{row}");
+        assert!(today < 1.0, "{row}");
+    }
+}
+
+/// A page is one file with pictures; the listing says what it is about.
+#[test]
+fn a_page_has_pictures_and_needs_nothing_else() {
+    let folder = std::path::PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
+    let page = folder.join("circles.html");
+    husillo()
+        .args(["reproduce", "micromill", "15", "-o", page.to_str().unwrap()])
+        .assert()
+        .success()
+        .stderr(contains("1 tables, 43 of 45"));
+    let page = std::fs::read_to_string(page).unwrap();
+    assert_eq!(page.matches("<svg").count(), 3);
+    assert_eq!(page.matches("class=\"measured\"").count(), 3 * 16);
+    assert!(!page.contains("http") && !page.contains("NaN"));
+    husillo()
+        .args(["reproduce", "micromill", "15"])
+        .assert()
+        .success()
+        .stdout(contains("true step: 139.51 nm").and(contains("Outside (*): a: D7")));
+}
+
+#[test]
+fn an_unknown_table_is_refused() {
+    husillo()
+        .args(["reproduce", "micromill", "99"])
+        .assert()
+        .code(2)
+        .stderr(contains("no table `99`: there are 13"));
+}
