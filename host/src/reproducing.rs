@@ -1,5 +1,6 @@
 //! The measured tables of the original machines, rebuilt.
 
+mod microfactory;
 mod micromill;
 pub mod page;
 mod picture;
@@ -39,6 +40,7 @@ impl Rebuilt {
 /// There is no such table, or a simulated machine refuses its work.
 pub fn rebuild(machine: Original, table: Option<&str>) -> Result<Rebuilt, String> {
     match machine {
+        Original::Microfactory => microfactory::rebuild(table),
         Original::Micromill => micromill::rebuild(table),
     }
 }

@@ -82,6 +82,39 @@ fn circles_of_the_mill_are_within_their_spread_but_for_two_values() {
     }
 }
 
+/// The currents of the microfactory: 3 % of all and 8 % of each; the outliers are named.
+#[test]
+fn currents_of_the_microfactory_are_within_three_percent() {
+    let table = table("microfactory", "4.3");
+    assert_eq!(rows(&table).len(), 30);
+    let off = rows(&table).iter();
+    let off = off.map(|row| number(row, "rebuilt") / number(row, "measured") - 1.0);
+    let off: Vec<f64> = off.collect();
+    let squares: f64 = off.iter().map(|off| off * off).sum();
+    assert!((squares / 30.0).sqrt() < 0.03);
+    assert!(off.iter().all(|off| off.abs() < 0.08), "{off:?}");
+    let notes = table["notes"][0].as_str().unwrap();
+    assert!(notes.contains("CLOCK 42.8 Hz +6.5 %"), "{notes}");
+}
+
+/// Temperatures and consumption follow as far as there is a model; the rest is data.
+#[test]
+fn what_has_no_model_is_data() {
+    let [heat, systems, consumption] =
+        ["4.2", "4.4", "4.5"].map(|number| table("microfactory", number));
+    assert_eq!(
+        outside(&heat),
+        ["shaft at 5 min", "shaft at 10 min", "shaft at 40 min"]
+    );
+    assert_eq!(outside(&systems), [""; 0]);
+    assert_eq!(outside(&consumption), [""; 0]);
+    let data = |table: &Value| {
+        let data = rows(table).iter().filter(|row| row["rebuilt"].is_null());
+        data.count()
+    };
+    assert_eq!([&heat, &systems, &consumption].map(data), [4, 8, 5]);
+}
+
 /// A page is one file with pictures; the listing says what it is about.
 #[test]
 fn a_page_has_pictures_and_needs_nothing_else() {

@@ -25,6 +25,8 @@ pub struct Reproduce {
 pub enum Original {
     /// The micro mill
     Micromill,
+    /// The microfactory
+    Microfactory,
 }
 
 pub const REPRODUCE_HELP: &str = "\

@@ -1,5 +1,6 @@
 //! Pictures of rebuilt tables.
 
+use crate::page::chart::{LEFT, Panel, RIGHT, ceiling, round_up};
 use husillo_metrology::originals::Table;
 use husillo_metrology::originals::micromill::Circle;
 use std::f64::consts::PI;
@@ -81,6 +82,74 @@ impl Picture {
                 2.0 * radius_mm,
                 1e3 * full
             ),
+        }
+    }
+
+    /// The rows of a table with a rate in their names as dots, and the curve of its model.
+    pub fn curve(table: &Table, model: impl Fn(f64) -> f64) -> Self {
+        const BOTTOM: f64 = 300.0;
+        let points: Vec<(f64, f64)> = table
+            .rows
+            .iter()
+            .filter_map(|row| {
+                let hz = row.name.split_whitespace().nth(1)?.parse().ok()?;
+                Some((hz, row.measured))
+            })
+            .collect();
+        let most = points.iter().fold([1e-6_f64; 2], |most, (hz, amperes)| {
+            [most[0].max(*hz), most[1].max(*amperes)]
+        });
+        let [right, top] = [ceiling(most[0], 6.0), ceiling(most[1], 5.0)];
+        let at = |hz: f64, amperes: f64| {
+            (
+                LEFT + (RIGHT - LEFT) * hz / right,
+                BOTTOM - (BOTTOM - 30.0) * amperes / top,
+            )
+        };
+        let mut svg = String::from(
+            "<svg viewBox=\"0 0 1000 350\" role=\"img\" aria-label=\"Current over the rate of \
+             CLOCK\">\n",
+        );
+        let panel = Panel {
+            top: 30.0,
+            bottom: BOTTOM,
+            low: 0.0,
+            high: top,
+        };
+        panel.scale(&mut svg, "current, A");
+        let step = round_up(right / 6.0);
+        for index in 0..=(right / step).round() as u32 {
+            let hz = step * f64::from(index);
+            let _ = write!(
+                svg,
+                "<text x=\"{:.0}\" y=\"320\" text-anchor=\"middle\">{hz:.0}</text>",
+                at(hz, 0.0).0
+            );
+        }
+        let _ = writeln!(
+            svg,
+            "<text x=\"{RIGHT}\" y=\"340\" text-anchor=\"end\">CLOCK, Hz</text>"
+        );
+        let mut path = String::new();
+        for index in 1..=200 {
+            let hz = right * f64::from(index) / 200.0;
+            let (x, y) = at(hz, model(hz));
+            let letter = if index == 1 { 'M' } else { 'L' };
+            let _ = write!(path, "{letter}{x:.1} {y:.1}");
+        }
+        let _ = writeln!(svg, "<path class=\"rebuilt\" d=\"{path}\"/>");
+        for (hz, amperes) in points {
+            let (x, y) = at(hz, amperes);
+            let _ = writeln!(
+                svg,
+                "<circle class=\"measured\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\"><title>{hz} Hz: \
+                 {amperes} A</title></circle>"
+            );
+        }
+        svg.push_str("</svg>");
+        Self {
+            svg,
+            caption: "Dots are measured, the line is the coil model.".to_owned(),
         }
     }
 }

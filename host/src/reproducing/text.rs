@@ -83,7 +83,7 @@ pub fn summary(table: &Table) -> Vec<String> {
     let data = table.rows.len() - all;
     let mut line = format!("{within} of {all} rebuilt values are within their spread.");
     if data > 0 {
-        let _ = write!(line, " {data} values are reached by no simulation.");
+        let _ = write!(line, " {data} values have no model or are its start.");
     }
     let mut units: Vec<&str> = table.rows.iter().map(|row| row.unit).collect();
     units.dedup();
