@@ -8,6 +8,8 @@ pub mod text;
 
 use crate::cli::Original;
 use husillo_metrology::originals::Table;
+use husillo_metrology::originals::cmm::repeatability;
+use husillo_metrology::originals::drill::holes;
 use picture::Picture;
 use serde::Serialize;
 
@@ -40,9 +42,19 @@ impl Rebuilt {
 /// There is no such table, or a simulated machine refuses its work.
 pub fn rebuild(machine: Original, table: Option<&str>) -> Result<Rebuilt, String> {
     match machine {
+        Original::Cmm => alone("cmm", repeatability()?, table),
+        Original::Drill => alone("drill", holes()?, table),
         Original::Microfactory => microfactory::rebuild(table),
         Original::Micromill => micromill::rebuild(table),
     }
+}
+
+/// The only table of a machine.
+fn alone(machine: &'static str, only: Table, table: Option<&str>) -> Result<Rebuilt, String> {
+    wanted(&[only.number], table)?;
+    let mut rebuilt = Rebuilt::new(machine);
+    rebuilt.tables.push(only);
+    Ok(rebuilt)
 }
 
 /// The tables of a machine that are wanted.

@@ -115,6 +115,26 @@ fn what_has_no_model_is_data() {
     assert_eq!([&heat, &systems, &consumption].map(data), [4, 8, 5]);
 }
 
+#[test]
+fn the_measuring_machine_repeats_within_a_count() {
+    let tables = tables(&["cmm"]);
+    assert_eq!(outside(&tables[0]), [""; 0]);
+    for row in rows(&tables[0]) {
+        assert!(number(row, "today") <= 1.0, "{row}");
+    }
+}
+
+#[test]
+fn holes_of_the_drill_are_within_a_thousandth_of_an_inch() {
+    let tables = tables(&["drill", "holes"]);
+    let holes = rows(&tables[0]).iter().filter(|row| row["unit"] == "um");
+    assert_eq!(holes.count(), 32);
+    assert_eq!(
+        outside(&tables[0]),
+        ["off a closed switch, 42E hex steps", "Z down and up, 35 mm"]
+    );
+}
+
 /// A page is one file with pictures; the listing says what it is about.
 #[test]
 fn a_page_has_pictures_and_needs_nothing_else() {

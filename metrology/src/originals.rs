@@ -9,6 +9,8 @@
 //! No rebuilt value is stored. Each comes out of a simulation or a formula with the parameters that
 //! its [`Table`] lists. What the parameters leave is printed with it.
 
+pub mod cmm;
+pub mod drill;
 pub mod microfactory;
 pub mod micromill;
 mod table;

@@ -25,6 +25,10 @@ pub struct Reproduce {
 pub enum Original {
     /// The micro mill
     Micromill,
+    /// The measuring machine
+    Cmm,
+    /// The drill
+    Drill,
     /// The microfactory
     Microfactory,
 }
@@ -37,4 +41,5 @@ were fitted, and what no simulation explains, are below each table.
 
 Examples:
   husillo reproduce micromill
-  husillo reproduce micromill 15 -o circles.html";
+  husillo reproduce micromill 15 -o circles.html
+  husillo reproduce microfactory 4.3 --format json";

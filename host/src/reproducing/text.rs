@@ -36,7 +36,7 @@ fn write(text: &mut String, machine: &str, table: &Table) -> std::fmt::Result {
     writeln!(text, "{machine}, table {}: {}\n", table.number, table.title)?;
     writeln!(
         text,
-        "{:width$}  unit  measured   rebuilt  unexplained   spread     today",
+        "{:width$}  unit    measured   rebuilt  unexplained   spread     today",
         ""
     )?;
     for row in &table.rows {
@@ -48,7 +48,7 @@ fn write(text: &mut String, machine: &str, table: &Table) -> std::fmt::Result {
         };
         writeln!(
             text,
-            "{:width$}  {:4} {:>9} {:>9} {:>12} {:>8} {:>9}{mark}",
+            "{:width$}  {:6} {:>9} {:>9} {:>12} {:>8} {:>9}{mark}",
             row.name,
             row.unit,
             figure(row, row.measured),
@@ -124,7 +124,7 @@ pub fn summary(table: &Table) -> Vec<String> {
 pub fn figure(row: &Row, value: f64) -> String {
     let decimals = match row.unit {
         "mm" => 3,
-        "um" | "min" | "C" | "Hz" | "%" => 1,
+        "um" | "min" | "s" | "C" | "counts" => 1,
         "A" => 3,
         _ => 0,
     };
