@@ -69,16 +69,27 @@ fn lines_and_squares_of_the_mill_are_within_their_spread() {
 }
 
 #[test]
-fn circles_of_the_mill_are_within_their_spread_but_for_two_values() {
+fn circles_of_the_mill_are_within_their_spread_but_for_one_value() {
     let table = table("micromill", "15");
     assert_eq!(rows(&table).len(), 45);
-    assert_eq!(outside(&table), ["a: D7", "a: sigma"]);
-    for name in ["a", "b", "c"] {
-        let row = row(&table, &format!("{name}: sigma"));
-        let [measured, rebuilt, today] =
-            ["measured", "rebuilt", "today"].map(|key| number(row, key));
-        assert!((measured - rebuilt).abs() < 0.5 * measured, "{row}");
-        assert!(today < 1.0, "{row}");
+    assert_eq!(outside(&table), ["c: sigma"]);
+    for row in rows(&table) {
+        let name = row["name"].as_str().unwrap();
+        let [measured, rebuilt] = ["measured", "rebuilt"].map(|key| number(row, key));
+        if name.contains(": D") {
+            assert!((measured - rebuilt).abs() < 0.020, "{row}");
+        }
+        // With the map no play is left, and with the true step no scale. The squareness remains.
+        if ["Ei", "Ed", "Ps", "Pi"]
+            .iter()
+            .any(|end| name.contains(end))
+        {
+            assert!(number(row, "today").abs() < 1.5, "{row}");
+        }
+        if name.ends_with("mean") {
+            let off = number(row, "today") - number(row, "programmed");
+            assert!(off.abs() < 0.001, "{row}");
+        }
     }
 }
 
@@ -144,7 +155,7 @@ fn a_page_has_pictures_and_needs_nothing_else() {
         .args(["reproduce", "micromill", "15", "-o", page.to_str().unwrap()])
         .assert()
         .success()
-        .stderr(contains("1 tables, 43 of 45"));
+        .stderr(contains("1 table, 44 of 45"));
     let page = std::fs::read_to_string(page).unwrap();
     assert_eq!(page.matches("<svg").count(), 3);
     assert_eq!(page.matches("class=\"measured\"").count(), 3 * 16);
@@ -153,7 +164,7 @@ fn a_page_has_pictures_and_needs_nothing_else() {
         .args(["reproduce", "micromill", "15"])
         .assert()
         .success()
-        .stdout(contains("true step: 139.51 nm").and(contains("Outside (*): a: D7")));
+        .stdout(contains("true step: 139.51 nm").and(contains("Outside (*): c: sigma")));
 }
 
 #[test]

@@ -52,9 +52,10 @@ impl Picture {
         );
         for (class, circle) in [("rebuilt", original), ("mapped", today)] {
             let mut path = String::new();
-            for (degree, mm) in circle.radii_mm.iter().enumerate() {
-                let (x, y) = at(degree as f64, *mm);
-                let letter = if degree == 0 { 'M' } else { 'L' };
+            let degrees = 360.0 / circle.radii_mm.len() as f64;
+            for (index, mm) in circle.radii_mm.iter().enumerate() {
+                let (x, y) = at(degrees * index as f64, *mm);
+                let letter = if index == 0 { 'M' } else { 'L' };
                 let _ = write!(path, "{letter}{x:.1} {y:.1}");
             }
             let _ = writeln!(svg, "<path class=\"{class}\" d=\"{path}Z\"/>");

@@ -24,10 +24,11 @@ pub fn text(rebuilt: &Rebuilt) -> String {
 pub fn verdict(rebuilt: &Rebuilt) -> String {
     let counts = rebuilt.tables.iter().map(Table::counts);
     let [all, within] = counts.fold([0; 2], |sum, one| [sum[0] + one[0], sum[1] + one[1]]);
-    format!(
-        "{} tables, {within} of {all} rebuilt values within their spread",
-        rebuilt.tables.len()
-    )
+    let tables = match rebuilt.tables.len() {
+        1 => "1 table".to_owned(),
+        count => format!("{count} tables"),
+    };
+    format!("{tables}, {within} of {all} rebuilt values within their spread")
 }
 
 fn write(text: &mut String, machine: &str, table: &Table) -> std::fmt::Result {

@@ -62,7 +62,8 @@ pub fn lines(build: &Build<'_>) -> Result<Table, String> {
         parameters,
         notes: vec![
             "The positions of the lines within their thirds are not stated: they are cut in the \
-             middle of the other axis, thirds counted from the lower left."
+             middle of their axis. The thirds count from the left and from the top: so the plays \
+             of all tables agree best."
                 .into(),
         ],
     })
@@ -73,7 +74,7 @@ fn cut_pair(bench: &mut dyn Bench, region: &Region) -> Result<[f64; 2], String> 
     let (own, across) = (region.axis, 1 - region.axis);
     let names = ["X", "Y"];
     let begin = MIDDLE_MM[own] - region.programmed_mm / 2.0;
-    let beside = MIDDLE_MM[across] + third_mm(across, f64::from(region.third) - 1.0);
+    let beside = MIDDLE_MM[across] + third_mm(across, region.third);
     let mut start = [0.0; 2];
     (start[own], start[across]) = (begin, beside);
     approach(bench, start)?;

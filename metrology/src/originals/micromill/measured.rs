@@ -8,8 +8,8 @@ pub struct Region {
     pub name: &'static str,
     /// 0 for X, 1 for Y.
     pub axis: usize,
-    /// Third of the work area across the lines, from the lower or the left end: 0 to 2.
-    pub third: u8,
+    /// Third of the work area across the lines, from its middle: -1 to 1.
+    pub third: f64,
     pub programmed_mm: f64,
     pub measured_mm: f64,
     pub lash_um: f64,
@@ -17,12 +17,12 @@ pub struct Region {
 
 const fn region(
     name: &'static str,
-    [axis, third]: [u8; 2],
+    (axis, third): (usize, f64),
     [programmed_mm, measured_mm, lash_um]: [f64; 3],
 ) -> Region {
     Region {
         name,
-        axis: axis as usize,
+        axis,
         third,
         programmed_mm,
         measured_mm,
@@ -30,14 +30,14 @@ const fn region(
     }
 }
 
-/// Table 13. That the thirds count from the lower and from the left end is an assumption.
+/// Table 13. The thirds count from the left and from the top: so the plays of all tables agree best.
 pub const REGIONS: [Region; 6] = [
-    region("A: X in H1", [0, 0], [2.5, 2.509, 190.0]),
-    region("B: X in H2", [0, 1], [2.5, 2.503, 201.0]),
-    region("C: X in H3", [0, 2], [2.5, 2.502, 187.0]),
-    region("D: Y in V1", [1, 0], [1.2, 1.205, 152.0]),
-    region("E: Y in V2", [1, 1], [1.2, 1.203, 180.0]),
-    region("F: Y in V3", [1, 2], [1.2, 1.199, 173.0]),
+    region("A: X in H1", (0, 1.0), [2.5, 2.509, 190.0]),
+    region("B: X in H2", (0, 0.0), [2.5, 2.503, 201.0]),
+    region("C: X in H3", (0, -1.0), [2.5, 2.502, 187.0]),
+    region("D: Y in V1", (1, -1.0), [1.2, 1.205, 152.0]),
+    region("E: Y in V2", (1, 0.0), [1.2, 1.203, 180.0]),
+    region("F: Y in V3", (1, 1.0), [1.2, 1.199, 173.0]),
 ];
 
 /// Side of the squares of table 14, mm.
@@ -55,14 +55,14 @@ pub struct Square {
 
 /// Table 14. The original prints what is left without a sign; Y of the first square is larger than
 /// programmed, so there the take-up was more than the play. The squares are assumed to lie in the
-/// thirds of the work area from lower left to upper right: there the plays of Y are those of table
+/// thirds of the work area from upper left to lower right: there the plays of Y are those of table
 /// 13. A square is higher than a third of the area, so it lies as far in it as the run-up allows.
 pub const SQUARES: [Square; 3] = [
     Square {
         name: "X",
         size_mm: [2.489, 2.519],
         left_um: [12.0, -19.0],
-        at_mm: [-10.0 / 3.0, -2.0],
+        at_mm: [-10.0 / 3.0, 2.0],
     },
     Square {
         name: "Y",
@@ -74,7 +74,7 @@ pub const SQUARES: [Square; 3] = [
         name: "Z",
         size_mm: [2.497, 2.494],
         left_um: [6.0, 5.0],
-        at_mm: [10.0 / 3.0, 2.0],
+        at_mm: [10.0 / 3.0, -2.0],
     },
 ];
 
@@ -125,9 +125,10 @@ pub const CIRCLES: [Circle; 3] = [
 /// Names of the ends of a circle, in the order of [`Circle::ends_um`].
 pub const ENDS: [&str; 4] = ["Ei left", "Ed right", "Ps top", "Pi bottom"];
 
-/// The sign of what is left at each end. The original prints none. With these signs, and D1 upright
-/// and the others clockwise, the diameters leave least.
-pub const SIGNS: [f64; 4] = [-1.0, -1.0, 1.0, 1.0];
+/// The sign of what is left at each end. The original prints none. These signs leave least of all
+/// sixteen, over diameters, plays and the parts of tables 16 to 20: with them the play of X falls
+/// steadily from left to right.
+pub const SIGNS: [f64; 4] = [1.0, -1.0, 1.0, 1.0];
 
 /// Places of the ends from the centre, in radii.
 const END_AT: [[f64; 2]; 4] = [[-1.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.0, -1.0]];
@@ -154,7 +155,7 @@ pub fn plays() -> Vec<Play> {
         // The line back ends there.
         at_mm[region.axis] = -region.programmed_mm / 2.0;
         let across = 1 - region.axis;
-        at_mm[across] = third_mm(across, f64::from(region.third) - 1.0);
+        at_mm[across] = third_mm(across, region.third);
         Play {
             axis: region.axis,
             at_mm,

@@ -12,8 +12,8 @@ use crate::originals::{Parameter, Row, Table};
 struct Cut {
     /// Length of its upper and of its left edge, mm.
     size_mm: [f64; 2],
-    /// Distance of the left edge from the begin of the lower one along X, and of its end from that
-    /// begin along Y, um: the play that the take-up left.
+    /// Distance of the end of the upper edge from the begin of the lower one along X, and of the end
+    /// of the left edge from it along Y, um: the play that the take-up left.
     left_um: [f64; 2],
 }
 
@@ -75,11 +75,8 @@ pub fn squares(build: &Build<'_>) -> Result<Table, String> {
             "The original prints what is left without sign. Y of square X is larger than \
              programmed, so its 19 um are too much take-up: -19."
                 .into(),
-            "The positions of the squares are not stated: the thirds from lower left to upper \
+            "The positions of the squares are not stated: the thirds from upper left to lower \
              right, where the plays of Y are those of table 13 within 7 um."
-                .into(),
-            "Unexplained: the plays of X are 8 to 15 um more than in table 13 at the same places, \
-             and up to 20 um more than the circles of table 15 show."
                 .into(),
         ],
     })
@@ -94,10 +91,12 @@ fn cut_square(bench: &mut dyn Bench, middle_mm: [f64; 2]) -> Result<Cut, String>
     cut(bench, &format!("G1 Y{:.5}", high[1]))?;
     let upper = cut(bench, &format!("G1 X{:.5}", low[0]))?;
     let left = cut(bench, &format!("G1 Y{:.5}", low[1]))?;
-    let (begin, end) = (lower.first(), left.last());
-    let (begin, end) = begin.zip(end).ok_or("a square without steps")?;
+    let [Some(begin), Some(corner), Some(end)] = [lower.first(), upper.last(), left.last()] else {
+        return Err("a square without steps".into());
+    };
+    let ends = [corner, end];
     Ok(Cut {
         size_mm: [extent_mm(&upper, 0), extent_mm(&left, 1)],
-        left_um: [0, 1].map(|axis| (end.tool_nm[axis] - begin.tool_nm[axis]) / 1e3),
+        left_um: [0, 1].map(|axis| (ends[axis].tool_nm[axis] - begin.tool_nm[axis]) / 1e3),
     })
 }
