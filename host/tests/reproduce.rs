@@ -93,6 +93,27 @@ fn circles_of_the_mill_are_within_their_spread_but_for_one_value() {
     }
 }
 
+/// Head and logo: each size and each play within its spread, each width within 2 um of what its own
+/// play makes of it.
+#[test]
+fn parts_of_the_mill_are_within_their_spread() {
+    for table_number in ["16", "17", "18", "19", "20"] {
+        let table = table("micromill", table_number);
+        assert_eq!(outside(&table), [""; 0], "table {table_number}");
+        for row in rows(&table) {
+            let name = row["name"].as_str().unwrap();
+            let off = number(row, "measured") - number(row, "rebuilt");
+            if name.starts_with("width") {
+                assert!(off.abs() < 2.0, "{row}");
+            }
+            if name.starts_with("size") {
+                let today = number(row, "today") - number(row, "programmed");
+                assert!(today.abs() < 0.002, "{row}");
+            }
+        }
+    }
+}
+
 /// The currents of the microfactory: 3 % of all and 8 % of each; the outliers are named.
 #[test]
 fn currents_of_the_microfactory_are_within_three_percent() {

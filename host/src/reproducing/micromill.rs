@@ -4,10 +4,10 @@ use super::picture::Picture;
 use super::{Rebuilt, wanted};
 use crate::lash::SimulatedBench;
 use crate::machines::machine_file::MachineFile;
-use husillo_metrology::originals::micromill::{Screws, Settings, circles, lines, squares};
+use husillo_metrology::originals::micromill::{Screws, Settings, circles, lines, part, squares};
 
 /// Numbers of its tables.
-const NUMBERS: [&str; 3] = ["13", "14", "15"];
+const NUMBERS: [&str; 8] = ["13", "14", "15", "16", "17", "18", "19", "20"];
 
 /// Rebuilds the tables.
 pub fn rebuild(table: Option<&str>) -> Result<Rebuilt, String> {
@@ -21,7 +21,7 @@ pub fn rebuild(table: Option<&str>) -> Result<Rebuilt, String> {
         match number {
             "13" => rebuilt.tables.push(lines(&build)?),
             "14" => rebuilt.tables.push(squares(&build)?),
-            _ => {
+            "15" => {
                 let (table, made) = circles(&build)?;
                 for (name, circles) in ["a", "b", "c"].into_iter().zip(&made) {
                     let picture = Picture::circle(name, circles, &table);
@@ -29,6 +29,7 @@ pub fn rebuild(table: Option<&str>) -> Result<Rebuilt, String> {
                 }
                 rebuilt.tables.push(table);
             }
+            _ => rebuilt.tables.push(part(number, &build)?),
         }
     }
     Ok(rebuilt)

@@ -4,11 +4,13 @@ mod circles;
 mod cutting;
 mod lines;
 mod measured;
+mod parts;
 mod screws;
 mod squares;
 
 pub use circles::{Circle, circles};
 pub use lines::lines;
+pub use parts::part;
 pub use screws::{Screw, Screws};
 pub use squares::squares;
 

@@ -8,13 +8,13 @@ use super::{
 use crate::calibration::backlash::Bench;
 use crate::originals::{Parameter, Row, Table};
 
-/// A square that was cut.
-struct Cut {
+/// A rectangle that was cut.
+pub struct Cut {
     /// Length of its upper and of its left edge, mm.
-    size_mm: [f64; 2],
+    pub size_mm: [f64; 2],
     /// Distance of the end of the upper edge from the begin of the lower one along X, and of the end
     /// of the left edge from it along Y, um: the play that the take-up left.
-    left_um: [f64; 2],
+    pub left_um: [f64; 2],
 }
 
 /// Cuts the squares with the first take-up of the original, then with the map of today.
@@ -29,7 +29,9 @@ pub fn squares(build: &Build<'_>) -> Result<Table, String> {
     let mut rows = Vec::new();
     for square in &SQUARES {
         let middle = [0, 1].map(|axis| MIDDLE_MM[axis] + square.at_mm[axis]);
-        let make = |settings: &Settings| cut_square(&mut *build(settings, &screws)?, middle);
+        let make = |settings: &Settings| {
+            cut_rectangle(&mut *build(settings, &screws)?, middle, [SQUARE_MM; 2])
+        };
         let original = make(&Settings::original(FIRST_TAKE_UP_UM))?;
         let mapped = make(&today)?;
         for (axis, letter) in ["x", "y"].into_iter().enumerate() {
@@ -82,17 +84,21 @@ pub fn squares(build: &Build<'_>) -> Result<Table, String> {
     })
 }
 
-/// Cuts a square anticlockwise from its lower left corner.
-fn cut_square(bench: &mut dyn Bench, middle_mm: [f64; 2]) -> Result<Cut, String> {
-    let low = middle_mm.map(|middle| middle - SQUARE_MM / 2.0);
-    let high = low.map(|low| low + SQUARE_MM);
+/// Cuts a rectangle anticlockwise from its lower left corner.
+pub fn cut_rectangle(
+    bench: &mut dyn Bench,
+    middle_mm: [f64; 2],
+    size_mm: [f64; 2],
+) -> Result<Cut, String> {
+    let low = [0, 1].map(|axis| middle_mm[axis] - size_mm[axis] / 2.0);
+    let high = [0, 1].map(|axis| low[axis] + size_mm[axis]);
     approach(bench, low)?;
     let lower = cut(bench, &format!("G1 X{:.5} F1", high[0]))?;
     cut(bench, &format!("G1 Y{:.5}", high[1]))?;
     let upper = cut(bench, &format!("G1 X{:.5}", low[0]))?;
     let left = cut(bench, &format!("G1 Y{:.5}", low[1]))?;
     let [Some(begin), Some(corner), Some(end)] = [lower.first(), upper.last(), left.last()] else {
-        return Err("a square without steps".into());
+        return Err("a rectangle without steps".into());
     };
     let ends = [corner, end];
     Ok(Cut {
