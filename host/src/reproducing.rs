@@ -1,5 +1,6 @@
 //! The measured tables of the original machines, rebuilt.
 
+mod choices;
 mod microfactory;
 mod micromill;
 pub mod page;

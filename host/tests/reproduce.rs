@@ -114,6 +114,22 @@ fn parts_of_the_mill_are_within_their_spread() {
     }
 }
 
+/// The interpolators, walked here, get the marks of the original; its misprints are outside.
+#[test]
+fn choices_of_the_mill_follow_its_rules() {
+    let [counts, marks, sequences, chips] = ["7", "9", "10", "12"].map(|it| table("micromill", it));
+    assert_eq!(outside(&counts), [""; 0]);
+    assert_eq!(outside(&marks), [""; 0]);
+    assert_eq!(outside(&sequences), ["quarter step"]);
+    assert_eq!(outside(&chips), ["PBL3717A"]);
+    assert_eq!(outside(&table("micromill", "supply")), [""; 0]);
+    assert_eq!(number(row(&sequences, "quarter step"), "rebuilt"), 6.0);
+    assert_eq!(number(row(&chips, "PBL3717A"), "rebuilt"), 98.0);
+    let points =
+        ["staircase", "DDA", "direct search"].map(|name| number(row(&marks, name), "rebuilt"));
+    assert!(points.is_sorted(), "{points:?}");
+}
+
 /// The currents of the microfactory: 3 % of all and 8 % of each; the outliers are named.
 #[test]
 fn currents_of_the_microfactory_are_within_three_percent() {
@@ -194,5 +210,5 @@ fn an_unknown_table_is_refused() {
         .args(["reproduce", "micromill", "99"])
         .assert()
         .code(2)
-        .stderr(contains("no table `99`: there are 13"));
+        .stderr(contains("no table `99`: there are 7, 9"));
 }

@@ -1,13 +1,17 @@
 //! The tables of the micro mill.
 
 use super::picture::Picture;
-use super::{Rebuilt, wanted};
+use super::{Rebuilt, choices, wanted};
 use crate::lash::SimulatedBench;
 use crate::machines::machine_file::MachineFile;
-use husillo_metrology::originals::micromill::{Screws, Settings, circles, lines, part, squares};
+use husillo_metrology::originals::micromill::{
+    Screws, Settings, circles, lines, part, squares, supply,
+};
 
 /// Numbers of its tables.
-const NUMBERS: [&str; 8] = ["13", "14", "15", "16", "17", "18", "19", "20"];
+const NUMBERS: [&str; 13] = [
+    "7", "9", "10", "12", "13", "14", "15", "16", "17", "18", "19", "20", "supply",
+];
 
 /// Rebuilds the tables.
 pub fn rebuild(table: Option<&str>) -> Result<Rebuilt, String> {
@@ -19,8 +23,13 @@ pub fn rebuild(table: Option<&str>) -> Result<Rebuilt, String> {
     let mut rebuilt = Rebuilt::new("micromill");
     for number in wanted(&NUMBERS, table)? {
         match number {
+            "7" => rebuilt.tables.push(choices::interpolators()?),
+            "9" => rebuilt.tables.push(choices::marks()?),
+            "10" => rebuilt.tables.push(choices::sequences()?),
+            "12" => rebuilt.tables.push(choices::power_chips()),
             "13" => rebuilt.tables.push(lines(&build)?),
             "14" => rebuilt.tables.push(squares(&build)?),
+            "supply" => rebuilt.tables.push(supply()),
             "15" => {
                 let (table, made) = circles(&build)?;
                 for (name, circles) in ["a", "b", "c"].into_iter().zip(&made) {

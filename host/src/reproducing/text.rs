@@ -125,7 +125,7 @@ pub fn summary(table: &Table) -> Vec<String> {
 pub fn figure(row: &Row, value: f64) -> String {
     let decimals = match row.unit {
         "mm" => 3,
-        "um" | "min" | "s" | "C" | "counts" => 1,
+        "um" | "us" | "points" | "min" | "s" | "C" | "counts" => 1,
         "A" => 3,
         _ => 0,
     };

@@ -7,12 +7,14 @@ mod measured;
 mod parts;
 mod screws;
 mod squares;
+mod supply;
 
 pub use circles::{Circle, circles};
 pub use lines::lines;
 pub use parts::part;
 pub use screws::{Screw, Screws};
 pub use squares::squares;
+pub use supply::supply;
 
 use super::Parameter;
 use crate::calibration::backlash::{Bench, PlaceTable, RUN_UP_MM, cut_all, place_table};
