@@ -5,7 +5,7 @@ use super::{Rebuilt, choices, wanted};
 use crate::lash::SimulatedBench;
 use crate::machines::machine_file::MachineFile;
 use husillo_metrology::originals::micromill::{
-    Screws, Settings, circles, lines, part, squares, supply,
+    Screws, Settings, Shop, circles, lines, part, squares, supply,
 };
 
 /// Numbers of its tables.
@@ -20,6 +20,7 @@ pub fn rebuild(table: Option<&str>) -> Result<Rebuilt, String> {
         let bench = SimulatedBench::of_original(file, settings, screws)?;
         Ok(Box::new(bench) as Box<_>)
     };
+    let shop = Shop::new(&build)?;
     let mut rebuilt = Rebuilt::new("micromill");
     for number in wanted(&NUMBERS, table)? {
         match number {
@@ -27,18 +28,18 @@ pub fn rebuild(table: Option<&str>) -> Result<Rebuilt, String> {
             "9" => rebuilt.tables.push(choices::marks()?),
             "10" => rebuilt.tables.push(choices::sequences()?),
             "12" => rebuilt.tables.push(choices::power_chips()),
-            "13" => rebuilt.tables.push(lines(&build)?),
-            "14" => rebuilt.tables.push(squares(&build)?),
+            "13" => rebuilt.tables.push(lines(&shop)?),
+            "14" => rebuilt.tables.push(squares(&shop)?),
             "supply" => rebuilt.tables.push(supply()),
             "15" => {
-                let (table, made) = circles(&build)?;
+                let (table, made) = circles(&shop)?;
                 for (name, circles) in ["a", "b", "c"].into_iter().zip(&made) {
                     let picture = Picture::circle(name, circles, &table);
                     rebuilt.pictures.push((number, picture));
                 }
                 rebuilt.tables.push(table);
             }
-            _ => rebuilt.tables.push(part(number, &build)?),
+            _ => rebuilt.tables.push(part(number, &shop)?),
         }
     }
     Ok(rebuilt)

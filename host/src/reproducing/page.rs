@@ -1,6 +1,7 @@
 //! Rebuilt tables as a page.
 
 use super::Rebuilt;
+use super::picture::Picture;
 use super::text::{figure, summary, verdict};
 use crate::page::frame;
 use crate::text::escape::escape;
@@ -8,8 +9,8 @@ use husillo_metrology::originals::Table;
 use std::fmt::Write;
 
 const STYLE: &str = "\
-.pairs{display:grid;grid-template-columns:repeat(auto-fit,minmax(20rem,1fr));gap:1rem}.pairs \
-figure{margin:0}figcaption{color:var(--soft);font-size:.9rem}\
+.pairs{display:grid;grid-template-columns:repeat(auto-fit,minmax(20rem,1fr));gap:1rem}\
+figure{margin:0 0 1rem}figcaption{color:var(--soft);font-size:.9rem}\
 circle{fill:none}.nominal{stroke:var(--line)}.measured{fill:var(--ink)}\
 .rebuilt{stroke:#c2410c;stroke-width:1.5}.mapped{stroke:#0b5cad;stroke-width:1.5}\
 @media(prefers-color-scheme:dark){.rebuilt{stroke:#ff9a4d}.mapped{stroke:#5aa9ff}}\
@@ -51,21 +52,28 @@ pub fn html(rebuilt: &Rebuilt) -> String {
 }
 
 fn pictures(page: &mut String, rebuilt: &Rebuilt, table: &Table) {
-    let own = |(number, _): &&(&str, _)| *number == table.number;
-    let mut own = rebuilt.pictures.iter().filter(own).peekable();
-    if own.peek().is_none() {
-        return;
+    let own = rebuilt.pictures.iter();
+    let own = own.filter(|(number, _)| *number == table.number);
+    let own: Vec<&Picture> = own.map(|(_, picture)| picture).collect();
+    if let [one] = own[..] {
+        figure_of(page, one);
+    } else if !own.is_empty() {
+        page.push_str("<div class=\"pairs\">\n");
+        own.iter().for_each(|picture| figure_of(page, picture));
+        page.push_str("</div>\n");
     }
-    page.push_str("<div class=\"pairs\">\n");
-    for (_, picture) in own {
-        let _ = writeln!(
-            page,
-            "<figure>{}<figcaption>{}</figcaption></figure>",
-            picture.svg,
-            escape(&picture.caption)
-        );
+    if let Some(picture) = Picture::unexplained(table) {
+        figure_of(page, &picture);
     }
-    page.push_str("</div>\n");
+}
+
+fn figure_of(page: &mut String, picture: &Picture) {
+    let _ = writeln!(
+        page,
+        "<figure>{}<figcaption>{}</figcaption></figure>",
+        picture.svg,
+        escape(&picture.caption)
+    );
 }
 
 fn rows(page: &mut String, table: &Table) {

@@ -1,8 +1,9 @@
 //! Pictures of rebuilt tables.
 
 use crate::page::chart::{LEFT, Panel, RIGHT, ceiling, round_up};
-use husillo_metrology::originals::Table;
+use crate::text::escape::escape;
 use husillo_metrology::originals::micromill::Circle;
+use husillo_metrology::originals::{Row, Table};
 use std::f64::consts::PI;
 use std::fmt::Write;
 
@@ -34,7 +35,7 @@ impl Picture {
             .collect();
         let programmed = diameters.first().and_then(|row| row.programmed);
         let radius_mm = programmed.unwrap_or(1.0) / 2.0;
-        let off = |row: &&husillo_metrology::originals::Row| (row.measured / 2.0 - radius_mm).abs();
+        let off = |row: &&Row| (row.measured / 2.0 - radius_mm).abs();
         let radii = original
             .radii_mm
             .iter()
@@ -152,5 +153,55 @@ impl Picture {
             svg,
             caption: "Dots are measured, the line is the coil model.".to_owned(),
         }
+    }
+
+    /// What each row of a table leaves unexplained, in its spreads; `None` with fewer than four
+    /// such rows.
+    pub fn unexplained(table: &Table) -> Option<Self> {
+        let spreads = table.rows.iter().filter_map(|row| {
+            let left = row.unexplained()?;
+            (row.spread > 0.0).then(|| (row.name.as_str(), left / row.spread))
+        });
+        let spreads: Vec<(&str, f64)> = spreads.collect();
+        if spreads.len() < 4 {
+            return None;
+        }
+        let panel = Panel {
+            top: 30.0,
+            bottom: 200.0,
+            low: -2.0,
+            high: 2.0,
+        };
+        let mut svg = String::from(
+            "<svg viewBox=\"0 0 1000 215\" role=\"img\" aria-label=\"Unexplained part of each row, \
+             in its spreads\">\n",
+        );
+        panel.scale(&mut svg, "unexplained, in spreads");
+        for edge in [-1.0, 1.0] {
+            let _ = writeln!(
+                svg,
+                "<path class=\"hatch\" d=\"M{LEFT} {:.1}H{RIGHT}\"/>",
+                panel.y(edge)
+            );
+        }
+        let apart = (RIGHT - LEFT) / spreads.len() as f64;
+        for (index, (name, left)) in spreads.iter().enumerate() {
+            let x = LEFT + apart * (index as f64 + 0.5);
+            let _ = writeln!(
+                svg,
+                "<path class=\"rebuilt\" d=\"M{x:.1} {:.1}V{y:.1}\"/><circle class=\"measured\" \
+                 cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3\"><title>{}: {left:+.2}</title></circle>",
+                panel.y(0.0),
+                escape(name),
+                y = panel.y(*left)
+            );
+        }
+        svg.push_str("</svg>");
+        Some(Self {
+            svg,
+            caption: "Each dot is a row in the order of the table: what is left unexplained, in \
+                      spreads of its measurement. Rows beyond the picture are at its edge."
+                .to_owned(),
+        })
     }
 }

@@ -19,6 +19,7 @@ pub use supply::supply;
 use super::Parameter;
 use crate::calibration::backlash::{Bench, PlaceTable, RUN_UP_MM, cut_all, place_table};
 use crate::quantity::Fraction;
+use std::fmt;
 
 /// Middle of the work area, mm.
 pub const MIDDLE_MM: [f64; 2] = [5.0, 3.5];
@@ -75,6 +76,43 @@ fn everywhere(um: f64) -> PlaceTable {
 /// truly is, in steps of [`TRUE_STEP`].
 pub type Build<'a> = dyn Fn(&Settings, &Screws) -> Result<Box<dyn Bench>, String> + 'a;
 
+/// Mills on the fitted screws, with the settings of the original and with those of today.
+pub struct Shop<'a> {
+    build: &'a Build<'a>,
+    screws: Screws,
+    today: Settings,
+}
+
+impl fmt::Debug for Shop<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Shop")
+            .field("screws", &self.screws)
+            .field("today", &self.today)
+            .finish_non_exhaustive()
+    }
+}
+
+impl<'a> Shop<'a> {
+    /// Fits the screws and maps their play.
+    ///
+    /// # Errors
+    ///
+    /// The machine refuses a move, or cannot be built.
+    pub fn new(build: &'a Build<'a>) -> Result<Self, String> {
+        let screws = Screws::fitted();
+        Ok(Self {
+            build,
+            screws,
+            today: mapped(&screws, build)?,
+        })
+    }
+
+    /// A mill on the fitted screws.
+    fn mill(&self, settings: &Settings) -> Result<Box<dyn Bench>, String> {
+        (self.build)(settings, &self.screws)
+    }
+}
+
 /// True length per length that the original calculated with.
 fn scale() -> f64 {
     nm(TRUE_STEP) / nm(NOMINAL_STEP)
@@ -86,11 +124,7 @@ fn nm(step: Fraction) -> f64 {
 
 /// The settings of today: the true step, and a map by position from two-line tests all over the
 /// work area of these screws.
-///
-/// # Errors
-///
-/// The machine refuses a move, or cannot be built.
-pub fn mapped(screws: &Screws, build: &Build<'_>) -> Result<Settings, String> {
+fn mapped(screws: &Screws, build: &Build<'_>) -> Result<Settings, String> {
     let mut settings = Settings {
         step: TRUE_STEP,
         take_up: LAST_TAKE_UP_UM.map(everywhere),

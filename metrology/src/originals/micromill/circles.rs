@@ -2,7 +2,7 @@
 
 use super::cutting::{approach, cut};
 use super::measured::{self, CIRCLES, ENDS, SIGNS};
-use super::{Build, LAST_TAKE_UP_UM, LEFT_UM, MIDDLE_MM, Screws, Settings, mapped, nm, parameters};
+use super::{LAST_TAKE_UP_UM, LEFT_UM, MIDDLE_MM, Settings, Shop, nm, parameters};
 use crate::calibration::backlash::{Bench, Moment};
 use crate::least_squares::least_squares;
 use crate::originals::{Parameter, Row, Table};
@@ -154,19 +154,17 @@ impl Frame {
 ///
 /// # Errors
 ///
-/// The machine refuses a move, or cannot be built.
-pub fn circles(build: &Build<'_>) -> Result<(Table, Vec<[Circle; 2]>), String> {
-    let screws = Screws::fitted();
-    let today = mapped(&screws, build)?;
+/// The machine refuses a move.
+pub fn circles(shop: &Shop<'_>) -> Result<(Table, Vec<[Circle; 2]>), String> {
     let original = Settings::original(LAST_TAKE_UP_UM);
     let make = |settings: &Settings| -> Result<Vec<Circle>, String> {
         let scale = nm(settings.step) / nm(super::TRUE_STEP);
         let cut = |circle: &measured::Circle| {
-            cut_circle(&mut *build(settings, &screws)?, circle.radius_mm, scale)
+            cut_circle(&mut *shop.mill(settings)?, circle.radius_mm, scale)
         };
         CIRCLES.iter().map(cut).collect()
     };
-    let (original, today) = (make(&original)?, make(&today)?);
+    let (original, today) = (make(&original)?, make(&shop.today)?);
     let frame = Frame::fitted(&original);
     let mut rows = Vec::new();
     let mut made = Vec::new();
@@ -175,7 +173,7 @@ pub fn circles(build: &Build<'_>) -> Result<(Table, Vec<[Circle; 2]>), String> {
         add_rows(&mut rows, measured, &both);
         made.push(both);
     }
-    let mut parameters = parameters(&screws);
+    let mut parameters = parameters(&shop.screws);
     parameters.extend(frame.parameters());
     parameters.push(Parameter::new(
         "feed",

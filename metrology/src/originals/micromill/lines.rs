@@ -2,7 +2,7 @@
 
 use super::cutting::{approach, cut, extent_mm};
 use super::measured::{REGIONS, Region, mark_width_um, third_mm};
-use super::{Build, LEFT_UM, MIDDLE_MM, READING_UM, Screws, Settings, mapped, parameters};
+use super::{LEFT_UM, MIDDLE_MM, READING_UM, Settings, Shop, parameters};
 use crate::calibration::backlash::Bench;
 use crate::originals::{Parameter, Row, Table};
 
@@ -14,16 +14,14 @@ const APART_MM: f64 = 0.1;
 ///
 /// # Errors
 ///
-/// The machine refuses a move, or cannot be built.
-pub fn lines(build: &Build<'_>) -> Result<Table, String> {
-    let screws = Screws::fitted();
-    let today = mapped(&screws, build)?;
+/// The machine refuses a move.
+pub fn lines(shop: &Shop<'_>) -> Result<Table, String> {
     let width_um = mark_width_um();
     let mut rows = Vec::new();
     for region in &REGIONS {
-        let make = |settings: &Settings| cut_pair(&mut *build(settings, &screws)?, region);
+        let make = |settings: &Settings| cut_pair(&mut *shop.mill(settings)?, region);
         let [there, back] = make(&Settings::original([0.0; 2]))?;
-        let [there_today, back_today] = make(&today)?;
+        let [there_today, back_today] = make(&shop.today)?;
         let Region { name, axis, .. } = *region;
         let width_mm = width_um / 1e3;
         rows.push(
@@ -47,7 +45,7 @@ pub fn lines(build: &Build<'_>) -> Result<Table, String> {
             .today(1e3 * (there_today - back_today), 0.0),
         );
     }
-    let mut parameters = parameters(&screws);
+    let mut parameters = parameters(&shop.screws);
     parameters.push(Parameter::new(
         "width of a mark",
         format!("{width_um:.1} um"),

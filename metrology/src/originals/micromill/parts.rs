@@ -4,8 +4,7 @@ use super::cutting::{approach, cut};
 use super::measured::mark_width_um;
 use super::squares::cut_rectangle;
 use super::{
-    Build, LAST_TAKE_UP_UM, LEFT_UM, MIDDLE_MM, READING_UM, Screws, Settings, mapped, parameters,
-    scale,
+    LAST_TAKE_UP_UM, LEFT_UM, MIDDLE_MM, READING_UM, Screws, Settings, Shop, parameters, scale,
 };
 use crate::calibration::backlash::Bench;
 use crate::originals::{Parameter, Row, Table};
@@ -129,21 +128,18 @@ const PARTS: [Part; 5] = [
 ///
 /// # Errors
 ///
-/// There is no such part, the machine refuses a move, or it cannot be built.
-pub fn part(number: &str, build: &Build<'_>) -> Result<Table, String> {
+/// There is no such part, or the machine refuses a move.
+pub fn part(number: &str, shop: &Shop<'_>) -> Result<Table, String> {
     let part = PARTS.iter().find(|part| part.number == number);
     let part = part.ok_or_else(|| format!("no part has table {number}"))?;
-    let screws = Screws::fitted();
     let bed = Bed {
-        screws,
-        place_mm: place_mm(part, &screws),
-        today: mapped(&screws, build)?,
-        build,
+        shop,
+        place_mm: place_mm(part, &shop.screws),
     };
     let mut rows = Vec::new();
     bed.add_extents(&mut rows, part)?;
     bed.add_widths(&mut rows, part)?;
-    let mut parameters = parameters(&screws);
+    let mut parameters = parameters(&shop.screws);
     let [x, y] = bed.place_mm;
     parameters.push(Parameter::new(
         "place of the part",
@@ -232,20 +228,18 @@ fn with_left(left_um: f64) -> Screws {
 
 /// The mill with a part on it.
 struct Bed<'a> {
-    screws: Screws,
+    shop: &'a Shop<'a>,
     place_mm: [f64; 2],
-    today: Settings,
-    build: &'a Build<'a>,
 }
 
 impl Bed<'_> {
     fn add_extents(&self, rows: &mut Vec<Row>, part: &Part) -> Result<(), String> {
         let make = |settings: &Settings| {
-            let bench = &mut *(self.build)(settings, &self.screws)?;
+            let bench = &mut *self.shop.mill(settings)?;
             cut_rectangle(bench, self.place_mm, part.programmed_mm)
         };
         let original = make(&Settings::original(LAST_TAKE_UP_UM))?;
-        let today = make(&self.today)?;
+        let today = make(&self.shop.today)?;
         let width_mm = mark_width_um() / 1e3;
         for (axis, letter) in ["X", "Y"].into_iter().enumerate() {
             let spread_mm = (LEFT_UM[axis] + READING_UM) / 1e3;
@@ -274,7 +268,7 @@ impl Bed<'_> {
         let original = Settings::original(LAST_TAKE_UP_UM);
         let make = |screws: &Screws, from_mm: f64, detail: &Detail, is_wider| {
             let at_mm = [self.place_mm[0] + from_mm, self.place_mm[1]];
-            let bench = &mut *(self.build)(&original, screws)?;
+            let bench = &mut *(self.shop.build)(&original, screws)?;
             cut_width(bench, at_mm, detail.programmed_um / 1e3, is_wider)
         };
         for detail in part.details {
@@ -288,8 +282,8 @@ impl Bed<'_> {
         };
         // As far from the middle of the part as half of it.
         let apart_mm = part.programmed_mm[0] / 4.0;
-        let left = |is_wider| make(&self.screws, -apart_mm, h, is_wider);
-        let right = |is_wider| make(&self.screws, apart_mm, j, is_wider);
+        let left = |is_wider| make(&self.shop.screws, -apart_mm, h, is_wider);
+        let right = |is_wider| make(&self.shop.screws, apart_mm, j, is_wider);
         let spread = LEFT_UM[0] + 2.0 * READING_UM;
         for (name, measured, rebuilt) in [
             (

@@ -2,9 +2,7 @@
 
 use super::cutting::{approach, cut, extent_mm};
 use super::measured::{SQUARE_MM, SQUARES, mark_width_um};
-use super::{
-    Build, FIRST_TAKE_UP_UM, LEFT_UM, MIDDLE_MM, READING_UM, Screws, Settings, mapped, parameters,
-};
+use super::{FIRST_TAKE_UP_UM, LEFT_UM, MIDDLE_MM, READING_UM, Settings, Shop, parameters};
 use crate::calibration::backlash::Bench;
 use crate::originals::{Parameter, Row, Table};
 
@@ -21,19 +19,16 @@ pub struct Cut {
 ///
 /// # Errors
 ///
-/// The machine refuses a move, or cannot be built.
-pub fn squares(build: &Build<'_>) -> Result<Table, String> {
-    let screws = Screws::fitted();
-    let today = mapped(&screws, build)?;
+/// The machine refuses a move.
+pub fn squares(shop: &Shop<'_>) -> Result<Table, String> {
     let width_um = mark_width_um();
     let mut rows = Vec::new();
     for square in &SQUARES {
         let middle = [0, 1].map(|axis| MIDDLE_MM[axis] + square.at_mm[axis]);
-        let make = |settings: &Settings| {
-            cut_rectangle(&mut *build(settings, &screws)?, middle, [SQUARE_MM; 2])
-        };
+        let make =
+            |settings: &Settings| cut_rectangle(&mut *shop.mill(settings)?, middle, [SQUARE_MM; 2]);
         let original = make(&Settings::original(FIRST_TAKE_UP_UM))?;
-        let mapped = make(&today)?;
+        let mapped = make(&shop.today)?;
         for (axis, letter) in ["x", "y"].into_iter().enumerate() {
             let width_mm = width_um / 1e3;
             rows.push(
@@ -60,7 +55,7 @@ pub fn squares(build: &Build<'_>) -> Result<Table, String> {
             );
         }
     }
-    let mut parameters = parameters(&screws);
+    let mut parameters = parameters(&shop.screws);
     parameters.push(Parameter::new(
         "width of a mark",
         format!("{width_um:.1} um"),
