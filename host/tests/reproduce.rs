@@ -145,6 +145,20 @@ fn currents_of_the_microfactory_are_within_three_percent() {
     assert!(notes.contains("CLOCK 42.8 Hz +6.5 %"), "{notes}");
 }
 
+/// Every slope is exact today; the original's rates for the ratio 4 contradict its own rule.
+#[test]
+fn ratios_of_the_microfactory_are_exact_today() {
+    let table = table("microfactory", "4.1");
+    assert_eq!(outside(&table), ["ratio 4: X per Z"]);
+    for ratio in 2..=4 {
+        let row = row(&table, &format!("ratio {ratio}: X per Z"));
+        assert!(
+            (number(row, "today") - f64::from(ratio)).abs() < 1e-9,
+            "{row}"
+        );
+    }
+}
+
 /// Temperatures and consumption follow as far as there is a model; the rest is data.
 #[test]
 fn what_has_no_model_is_data() {

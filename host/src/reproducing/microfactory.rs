@@ -3,17 +3,18 @@
 use super::picture::Picture;
 use super::{Rebuilt, wanted};
 use husillo_metrology::originals::microfactory::{
-    Coils, consumption, current, other_systems, temperatures,
+    Coils, consumption, current, other_systems, rates, temperatures,
 };
 
 /// Numbers of its tables.
-const NUMBERS: [&str; 4] = ["4.2", "4.3", "4.4", "4.5"];
+const NUMBERS: [&str; 5] = ["4.1", "4.2", "4.3", "4.4", "4.5"];
 
 /// Rebuilds the tables.
 pub fn rebuild(table: Option<&str>) -> Result<Rebuilt, String> {
     let mut rebuilt = Rebuilt::new("microfactory");
     for number in wanted(&NUMBERS, table)? {
         rebuilt.tables.push(match number {
+            "4.1" => rates()?,
             "4.2" => temperatures(),
             "4.3" => {
                 let table = current();

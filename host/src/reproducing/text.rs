@@ -127,6 +127,7 @@ pub fn figure(row: &Row, value: f64) -> String {
         "mm" => 3,
         "um" | "us" | "points" | "min" | "s" | "C" | "counts" => 1,
         "A" => 3,
+        "Hz" | "X/Z" => 2,
         _ => 0,
     };
     let text = format!("{value:.decimals$}");

@@ -3,10 +3,12 @@
 mod coils;
 mod current;
 mod heat;
+mod rates;
 
 pub use coils::Coils;
 pub use current::{consumption, current};
 pub use heat::{other_systems, temperatures};
+pub use rates::rates;
 
 /// A reading of table 4.3.
 #[derive(Clone, Copy, Debug)]
