@@ -6,6 +6,7 @@ mod explain;
 mod job;
 mod milling;
 mod reporting;
+mod reproduce;
 mod rewrite;
 mod simulate;
 mod stop;
@@ -105,6 +106,7 @@ pub fn run(cli: &Cli) -> Result<u8, Failure> {
         Command::Emulate(args) => emulate(args),
         Command::Tune(args) => tune_servo(args),
         Command::Calibrate(args) => calibrate(args),
+        Command::Reproduce(args) => reproduce::reproduce(args),
     }
 }
 

@@ -4,6 +4,7 @@ mod calibrate;
 mod drilling;
 mod jog;
 mod moves;
+mod reproduce;
 mod servo;
 mod stop;
 mod zero;
@@ -18,6 +19,8 @@ pub use drilling::{
 pub use jog::Jog;
 use moves::COMPARE_HELP;
 pub use moves::{ArcShape, Compare, Interpolate, LineShape, Shape, Turning};
+use reproduce::REPRODUCE_HELP;
+pub use reproduce::{Original, Reproduce};
 use servo::TUNE_HELP;
 pub use servo::{Emulate, Measure, Tune, TuneMethod, TuneRule, words};
 pub use stop::Stop;
@@ -231,6 +234,9 @@ pub enum Command {
     Tune(Tune),
     /// Find the errors of a machine from measurements, as lines for its file
     Calibrate(Calibrate),
+    /// Rebuild the measured tables of the original machines on the simulated ones
+    #[command(after_help = REPRODUCE_HELP)]
+    Reproduce(Reproduce),
 }
 
 /// Machine and language of a program.

@@ -6,5 +6,6 @@ mod circles;
 mod page;
 mod readings;
 
+pub use bench::SimulatedBench;
 pub use calibrating::calibrate_backlash;
 pub use circles::print_circles;

@@ -36,6 +36,7 @@ mod micromill;
 mod output;
 mod page;
 mod programs;
+mod reproducing;
 mod simulation;
 mod text;
 mod tuning;

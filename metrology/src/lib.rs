@@ -15,6 +15,7 @@
 pub mod calibration;
 pub mod heads;
 mod least_squares;
+pub mod originals;
 pub mod quantity;
 pub mod routine;
 mod scale;

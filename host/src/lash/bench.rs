@@ -5,19 +5,26 @@ use crate::programs::setup::{self, Micromill};
 use husillo_gcode::Dialect;
 use husillo_machine::{Event, Motors, Origin};
 use husillo_metrology::calibration::backlash::{self, Map, Moment};
-use husillo_sim::Rig;
+use husillo_metrology::originals::micromill::{Screws, Settings, TRUE_STEP};
+use husillo_sim::{LashField, Rig};
 use husillo_stepper::Drive;
+use std::sync::Arc;
 
-/// A homed machine on screws with the play of the file's `[simulated_lash]`.
+/// A homed machine on screws with play.
 pub struct SimulatedBench {
     machine: Micromill,
     motors: Motors<3, Drive>,
     rig: Rig<3>,
+    /// Length of a step as the controller calculates with it, nm.
     nm_per_step: [f64; 3],
+    /// True length of a step, nm.
+    tool_nm_per_step: [f64; 3],
+    timer_hz: f64,
 }
 
 impl SimulatedBench {
-    /// A machine that takes up the backlash of `maps`.
+    /// A machine that takes up the backlash of `maps`, on screws with the play of the file's
+    /// `[simulated_lash]`.
     ///
     /// # Errors
     ///
@@ -30,13 +37,49 @@ impl SimulatedBench {
                 file.path
             )
         })?;
+        Self::on(file, maps, field)
+    }
+
+    /// A machine like that of the file with the settings of an original mill, on its screws.
+    ///
+    /// # Errors
+    ///
+    /// The machine file has mistakes, or the settings do.
+    pub fn of_original(
+        mut file: MachineFile,
+        settings: &Settings,
+        screws: &Screws,
+    ) -> Result<Self, String> {
+        for axis in &mut file.axes {
+            axis.step = settings.step;
+        }
+        let steps = file.axes.each_ref().map(|axis| axis.step);
+        let mut maps = setup::no_lash();
+        for (axis, table) in settings.take_up.iter().enumerate() {
+            let map = table.map(steps[axis], steps);
+            maps[axis] = map.map_err(|why| format!("{}: {why}", ["X", "Y"][axis]))?;
+        }
+        let mut bench = Self::on(&file, maps, screws.field())?;
+        bench.tool_nm_per_step = [TRUE_STEP.num as f64 / TRUE_STEP.den as f64; 3];
+        Ok(bench)
+    }
+
+    fn on(
+        file: &MachineFile,
+        maps: [Map; 3],
+        field: Arc<dyn LashField<3>>,
+    ) -> Result<Self, String> {
         let config = setup::config(file, Dialect::RS274)?;
         let motors = setup::motors(file)?;
+        let steps = file.axes.each_ref().map(|axis| axis.step);
+        let nm_per_step = steps.map(|step| step.num as f64 / step.den as f64);
         Ok(Self {
             machine: setup::with_maps(config, maps),
             rig: setup::rig(file, &motors).with_lash_field(field),
             motors,
-            nm_per_step: steps.map(|step| step.num as f64 / step.den as f64),
+            nm_per_step,
+            tool_nm_per_step: nm_per_step,
+            timer_hz: f64::from(file.timer_hz),
         })
     }
 }
@@ -54,13 +97,14 @@ impl backlash::Bench for SimulatedBench {
                 .step(step.wait_ticks, &step.delta, |wait_ticks, levels| {
                     rig.apply(levels, wait_ticks);
                 });
-            let nm = |steps: [i32; 3]| {
-                [0, 1, 2].map(|axis| f64::from(steps[axis]) * self.nm_per_step[axis])
+            let nm = |steps: [i32; 3], nm_per_step: [f64; 3]| {
+                [0, 1, 2].map(|axis| f64::from(steps[axis]) * nm_per_step[axis])
             };
             each(&Moment {
-                sent_nm: nm(self.machine.position_steps()),
-                tool_nm: nm(self.rig.tool()),
+                sent_nm: nm(self.machine.position_steps(), self.nm_per_step),
+                tool_nm: nm(self.rig.tool(), self.tool_nm_per_step),
                 is_take_up: self.machine.origin() == Origin::TakeUp,
+                at_s: self.rig.elapsed_ticks() as f64 / self.timer_hz,
             });
         }
         match self.rig.lost_steps() {

@@ -22,6 +22,8 @@ pub struct Power {
     pub rotor: Rotor,
     /// Torque of friction and gear, N m.
     pub load_nm: f64,
+    /// Current that the bridges take at any rate, A.
+    pub bridges_a: f64,
 }
 
 impl Power {
@@ -34,6 +36,10 @@ impl Power {
         let torque_nm_per_a = number("torque_nm_per_a", 1e-6..=1000.0);
         let full_steps_per_turn = number("full_steps_per_turn", 4.0..=10_000.0);
         let load_nm = number("load_nm", 0.0..=1000.0);
+        let has_bridges = table.value("bridges_a").is_some();
+        let bridges_a = has_bridges
+            .then(|| table.required_number("bridges_a", 0.0..=100.0))
+            .flatten();
         let chopper = table.optional_table("chopper", read_chopper).flatten();
         Some(Self {
             winding: Winding {
@@ -47,6 +53,7 @@ impl Power {
                 cycles_per_turn: full_steps_per_turn? / 4.0,
             },
             load_nm: load_nm?,
+            bridges_a: bridges_a.unwrap_or(0.0),
         })
     }
 

@@ -245,6 +245,11 @@ fn centre_of(text: &str) -> Result<([i64; 2], u8), String> {
     })
 }
 
+/// A full circle of a radius in steps.
+pub fn circle(radius: i32, direction: Turning) -> Move {
+    job_of(arc_move([radius, 0], [radius, 0], [0; 2], 0, direction))
+}
+
 /// The move of `circle`, `arc` or `line`, and its title. `None` for the name of a file.
 ///
 /// # Errors
@@ -295,9 +300,8 @@ pub fn one_move(args: &Compare) -> Result<Option<(Move, String)>, String> {
             refuse(args.from.is_some() || args.to.is_some(), "--from or --to")?;
             refuse(args.centre.is_some(), "--centre")?;
             let radius = args.radius.unwrap_or(30);
-            let arc = arc_move([radius, 0], [radius, 0], [0; 2], 0, args.direction);
             let title = format!("Circle of radius {radius}");
-            Ok(Some((job_of(arc), title)))
+            Ok(Some((circle(radius, args.direction), title)))
         }
         "arc" => {
             refuse(args.radius.is_some(), "--radius")?;

@@ -5,9 +5,10 @@ use serde::Serialize;
 
 /// Names of the criteria, in the order of the weights.
 pub const CRITERIA: [&str; 4] = ["error", "iterations", "evenness", "work"];
-/// The points that the builders of the micro mill gave. They did not publish their criteria.
+/// The points that the builders of the micro mill gave.
 pub const ORIGINAL: &str = "The builders of the micro mill used the same weights with their own \
-     criteria. They gave direct search 90.5, DDA 84.4 and the staircase 72.1 points.";
+     criteria. They gave direct search 90.5, DDA 84.4 and the staircase 72.1 points: see `husillo \
+     reproduce micromill 9`.";
 
 /// Weights of the criteria: none negative, some positive.
 #[derive(Clone, Copy, Debug, PartialEq)]

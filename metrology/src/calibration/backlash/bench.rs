@@ -9,6 +9,8 @@ pub struct Moment {
     pub tool_nm: [f64; 3],
     /// The step takes up backlash: the tool should not move.
     pub is_take_up: bool,
+    /// Time since the machine was switched on, s.
+    pub at_s: f64,
 }
 
 /// A homed machine that executes blocks of G-code, with an observer of its tool.

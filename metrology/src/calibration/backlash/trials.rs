@@ -62,6 +62,7 @@ impl Screws {
             sent_nm: [nm(self.sent_um[0]), nm(self.sent_um[1]), 0.0],
             tool_nm: [nm(tool(0)), nm(tool(1)), 0.0],
             is_take_up,
+            at_s: 0.0,
         }
     }
 }

@@ -1,0 +1,32 @@
+//! `husillo reproduce`.
+
+use super::{Failure, OK};
+use crate::cli::{Page, Reproduce};
+use crate::console;
+use crate::output::Outputs;
+use crate::reproducing::{self, page, text};
+use std::io::{self, Write};
+
+/// Prints the tables of an original, or writes them.
+pub fn reproduce(args: &Reproduce) -> Result<u8, Failure> {
+    let rebuilt = reproducing::rebuild(args.machine, args.table.as_deref())?;
+    let format = args.format.unwrap_or(match &args.output {
+        Some(path) if path.ends_with(".html") => Page::Html,
+        Some(path) if path.ends_with(".json") => Page::Json,
+        _ => Page::Text,
+    });
+    let made = match format {
+        Page::Text => text::text(&rebuilt),
+        Page::Json => serde_json::to_string_pretty(&rebuilt).map_err(io::Error::other)? + "\n",
+        Page::Html => page::html(&rebuilt),
+    };
+    let Some(path) = &args.output else {
+        console::stdout().write_all(made.as_bytes())?;
+        return Ok(OK);
+    };
+    let mut outputs = Outputs::new();
+    outputs.write(path, made.as_bytes())?;
+    outputs.finish()?;
+    eprintln!("{path}: {}", text::verdict(&rebuilt));
+    Ok(OK)
+}
