@@ -3,10 +3,10 @@
 use core::hint::black_box;
 
 use husillo_controllers::{
-    Controller, Drill as AnyDrill, DrillEvent, DrillLights, Microfactory as AnyMicrofactory, MicrofactoryEvent,
-    MicrofactoryStation as AnyMicrofactoryStation, Micromill as AnyMicromill, MicromillEvent,
-    MicromillStep, MicromillStops as Stops, ServoModule, ServoModuleOutput, StopBytes, Timed,
-    servo_law,
+    Controller, Drill as AnyDrill, DrillEvent, DrillLights, Microfactory as AnyMicrofactory,
+    MicrofactoryEvent, MicrofactoryStation as AnyMicrofactoryStation, Micromill as AnyMicromill,
+    MicromillEvent, MicromillStep, MicromillStops as Stops, ServoModule, ServoModuleOutput,
+    StopBytes, Timed, servo_law,
 };
 
 type Microfactory = AnyMicrofactory<&'static [[i16; 2]]>;
