@@ -184,7 +184,7 @@ mod tests {
     #[test]
     fn a_part_is_cut_between_holes() {
         let depths = |place: u16| {
-            if place % 3 == 0 {
+            if place.is_multiple_of(3) {
                 vec![4, 9, 0]
             } else {
                 vec![0]
