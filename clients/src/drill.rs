@@ -9,7 +9,10 @@
 mod action;
 mod client;
 mod duration;
+mod end;
 mod hand;
+mod held;
+mod load;
 mod part;
 mod place;
 mod sender;
@@ -20,10 +23,11 @@ pub mod visiting_order;
 pub use action::{Action, Axis};
 pub use client::{Client, Trouble};
 pub use duration::{seconds, spoken, travel_s, travel_steps};
+pub use end::{End, Failed, left, sentence};
 pub use hand::{Hand, Keep};
 pub use part::{Part, Stop, lean, millimetres};
 pub use place::Place;
-pub use sender::{End, Failed, Operator, Sender, left, sentence};
+pub use sender::{Operator, Sender};
 
 /// Rate of the original's link, bits/s.
 pub const BAUD: u32 = 2400;

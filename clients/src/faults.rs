@@ -3,9 +3,13 @@
 //!
 //! The machines run in simulated time. The results are the table of `docs/faults.md`.
 
+mod drill;
 mod microfactory;
+mod micromill;
 
+use drill::Drill;
 use microfactory::Microfactory;
+use micromill::Micromill;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
@@ -24,7 +28,7 @@ enum State {
 struct Fault {
     name: &'static str,
     begins: &'static str,
-    ends: &'static str,
+    ends: &'static [&'static str],
     /// Longest motion afterwards, ms. `None`: the motion has its own end.
     most_ms: Option<u64>,
     /// Whether the machine has no means to notice it.
@@ -38,8 +42,8 @@ trait Subject: Sized {
     /// The states of the machine, and the time from the start of the action to the fault, ms.
     const STATES: &'static [(State, u64)];
 
-    /// A homed machine.
-    fn new() -> Self;
+    /// A homed machine with a client for this state.
+    fn new(state: State) -> Self;
 
     /// Carries out the line of the panel later.
     fn schedule(&mut self, after_ms: u64, line: &str);
@@ -51,7 +55,7 @@ trait Subject: Sized {
     fn pass(&mut self, ms: u64);
 
     /// Simulated time, ms.
-    fn now_ms(&self) -> u64;
+    fn now_ms(&mut self) -> u64;
 
     /// Time of the last step so far, ms.
     fn last_step_ms(&mut self) -> u64;
@@ -68,7 +72,23 @@ const CARRIED_OUT: &str = "carried out";
 /// What the operator reads where the machine cannot notice the fault.
 const UNSEEN: &str = "nothing: the steps are lost unseen";
 
+/// Time of the last row with a step of one of the motors, ms. The columns of the motors follow those
+/// of the number, the time and the wait.
+fn last_step_ms(rows: &str, motors: usize) -> Option<u64> {
+    let step = |row: &str| {
+        let columns = row
+            .split(',')
+            .map(|column| column.parse::<i64>().unwrap_or(0));
+        let columns: Vec<i64> = columns.collect();
+        let steps = columns.get(3..3 + motors)?;
+        let time_us = steps.iter().any(|delta| *delta != 0).then(|| columns[1])?;
+        Some(time_us.unsigned_abs() / 1000)
+    };
+    rows.lines().rev().find_map(step)
+}
+
 /// What became of a machine.
+#[derive(Clone)]
 struct Row {
     machine: &'static str,
     fault: &'static str,
@@ -81,7 +101,7 @@ struct Row {
 /// A fault in a state.
 fn row<S: Subject>(fault: &'static Fault, state: State, after_ms: u64) -> Row {
     let context = format!("{}, {}, {state:?}", S::MACHINE, fault.name);
-    let mut machine = S::new();
+    let mut machine = S::new(state);
     let begin_ms = machine.now_ms();
     let is_idle = state == State::Idle;
     machine.schedule(after_ms, fault.begins);
@@ -104,8 +124,9 @@ fn row<S: Subject>(fault: &'static Fault, state: State, after_ms: u64) -> Row {
             UNSEEN.into()
         }
     };
-    machine.schedule(0, fault.ends);
-    machine.pass(2000);
+    (fault.ends.iter()).for_each(|line| machine.schedule(0, line));
+    // A drill homes when its power returns.
+    machine.pass(60_000);
     let again = machine.begin_again();
     let mut machine = again.unwrap_or_else(|why| panic!("{context}: {why}"));
     assert!(
@@ -150,7 +171,7 @@ fn table(rows: &[Row]) -> String {
             Some(ms) => format!("{:.1} s", ms as f64 / 1000.0),
         };
         let state = format!("{:?}", row.state).to_lowercase();
-        let read = row.read.replace('|', "\\|");
+        let read = row.read.replace('|', "\\|").replace('\n', "; ");
         let _ = writeln!(text, "| {} | {state} | {moved} | {read} |", row.fault);
     }
     text
@@ -163,7 +184,7 @@ const HEAD_END: &str = "<!-- The tables are written by the tests of husillo-clie
 /// With `HUSILLO_WRITE` in the environment the tables are written anew.
 #[test]
 fn the_page_of_faults_is_what_happens() {
-    let rows = rows::<Microfactory>();
+    let rows = [rows::<Micromill>(), rows::<Drill>(), rows::<Microfactory>()].concat();
     let tables = table(&rows);
     let page = std::fs::read_to_string(PAGE).unwrap();
     let (head, old) = page.split_once(HEAD_END).unwrap();

@@ -214,6 +214,20 @@ impl Bench {
     }
 }
 
+/// A program of two holes.
+const PROGRAM: &[u8] = b"bX\x00\x04Y\x00\x02Z\0\0X\0\x08Z\0\0f";
+
+/// What is sent before, and what moves.
+const MOTIONS: [(&[u8], &[u8]); 7] = [
+    (PROGRAM, b"e"),
+    (b"", b"r"),
+    (b"", b"M\xff"),
+    (b"M\xff", b"D"),
+    (b"M\xff", b"L"),
+    (b"M\xffDFT", b"r"),
+    (b"M\xffDFTL", b"e"),
+];
+
 /// With a lease everything that moves ends when the host is silent: X and Y within the lease and a
 /// step, Z above the board. Until then `p` continues each motion. The positions stay known, a hole
 /// counts only if it is whole, and the lease has ended.
@@ -222,18 +236,7 @@ fn every_motion_has_a_lease() {
     const LEASE_US: u64 = 250_000;
     const STEP_US: u64 = 1_000_000 / 247 + 1;
     const LIFT_US: u64 = (Bench::STROKE as u64 + 3) * STEP_US;
-    const PROGRAM: &[u8] = b"bX\x00\x04Y\x00\x02Z\0\0X\0\x08Z\0\0f";
-    // What is sent before, and what moves.
-    let cases: [(&[u8], &[u8]); 7] = [
-        (PROGRAM, b"e"),
-        (b"", b"r"),
-        (b"", b"M\xff"),
-        (b"M\xff", b"D"),
-        (b"M\xff", b"L"),
-        (b"M\xffDFT", b"r"),
-        (b"M\xffDFTL", b"e"),
-    ];
-    for (before, begins) in cases {
+    for (before, begins) in MOTIONS {
         let context = format!("{before:x?} {begins:x?}");
         let (mut ended, mut done) = (0, 0);
         for renewed_us in (0..30_000_000).step_by(70_001) {

@@ -35,8 +35,8 @@ pub(crate) struct Axis {
     zero: i64,
     step: i64,
     is_blocked: bool,
-    /// Lowest position of the rotor: a mechanical end.
-    end_below: i64,
+    /// Lowest and highest position of the rotor: mechanical ends.
+    ends: [i64; 2],
     pulse: Pulse,
     pub(crate) lost_steps: u64,
 }
@@ -64,6 +64,7 @@ impl Axis {
         // degrees instead of 67.5).
         let quarter = FULL_STEP / 4;
         let step = FULL_STEP / i64::from(model.steps_per_full);
+        let [below, above] = model.ends_steps;
         Axis {
             equilibrium,
             levels: levels.0,
@@ -79,10 +80,10 @@ impl Axis {
             zero: (start + quarter / 2) / quarter * quarter,
             step,
             is_blocked: false,
-            end_below: match model.end_below_steps {
-                Some(steps) => start - i64::from(steps) * step,
-                None => i64::MIN,
-            },
+            ends: [
+                below.map_or(i64::MIN, |steps| start - i64::from(steps) * step),
+                above.map_or(i64::MAX, |steps| start + i64::from(steps) * step),
+            ],
             pulse: Pulse::default(),
             lost_steps: 0,
         }
@@ -160,7 +161,9 @@ impl Axis {
     /// Whether the rotor cannot turn by `jump`.
     #[inline]
     const fn is_held(&self, jump: i64) -> bool {
-        self.is_blocked || self.rotor + jump < self.end_below
+        let [below, above] = self.ends;
+        let to = self.rotor + jump;
+        self.is_blocked || to < below || to > above
     }
 
     /// Turns the screw by `jump`; the nut follows outside its backlash.

@@ -21,8 +21,9 @@ pub struct MicromillRig {
     tool: u8,
 }
 
-/// Distance of the mechanical end of an axis below its home switch. The original states none.
-const END_BELOW_SWITCH_STEPS: u32 = 100;
+/// Distance of the mechanical ends of an axis beyond its travel, below the home switch and above.
+/// The original states none.
+const END_STEPS: u32 = 300;
 
 impl MicromillRig {
     /// Creates a rig with the axes the given load steps above their home switches, and with the
@@ -40,10 +41,17 @@ impl MicromillRig {
         let [x, y, z] = &config.machine.axes;
         let [above_x, above_y, above_z] = above_switches;
         let axis = |axis: &husillo_machine::Axis, above: u32| {
-            AxisModel::coils(driver, Mode::Full)
+            let model = AxisModel::coils(driver, Mode::Full)
                 .with_lash(axis.lash_steps)
                 .with_pull_out_ticks(pull_out_ticks)
-                .with_end_below(above + axis.lash_steps + END_BELOW_SWITCH_STEPS)
+                .with_end_below(above + axis.lash_steps + END_STEPS);
+            let high = axis.travel.and_then(|[_, high]| axis.scale.nearest(high.0));
+            match high {
+                Some(steps) => {
+                    model.with_end_above(steps.unsigned_abs().saturating_sub(above) + END_STEPS)
+                }
+                None => model,
+            }
         };
         MicromillRig {
             motors: [motor; 3],

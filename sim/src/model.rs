@@ -12,7 +12,7 @@ pub struct AxisModel {
     pub(crate) lash_steps: u32,
     pub(crate) pull_out_ticks: u32,
     pub(crate) reversed: bool,
-    pub(crate) end_below_steps: Option<u32>,
+    pub(crate) ends_steps: [Option<u32>; 2],
 }
 
 /// Conversion of levels to a rotor angle.
@@ -55,7 +55,7 @@ impl AxisModel {
             lash_steps: 0,
             pull_out_ticks: 0,
             reversed: false,
-            end_below_steps: None,
+            ends_steps: [None; 2],
         }
     }
 
@@ -79,8 +79,19 @@ impl AxisModel {
     /// first position. A motor that is driven against it loses steps.
     #[must_use]
     pub const fn with_end_below(self, steps: u32) -> AxisModel {
+        let [_, above] = self.ends_steps;
         AxisModel {
-            end_below_steps: Some(steps),
+            ends_steps: [Some(steps), above],
+            ..self
+        }
+    }
+
+    /// Sets a mechanical end as [`with_end_below`](Self::with_end_below) does, in forward direction.
+    #[must_use]
+    pub const fn with_end_above(self, steps: u32) -> AxisModel {
+        let [below, _] = self.ends_steps;
+        AxisModel {
+            ends_steps: [below, Some(steps)],
             ..self
         }
     }

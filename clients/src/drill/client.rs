@@ -24,6 +24,10 @@ const ASK: Duration = Duration::from_secs(1);
 const RENEW: Duration = Duration::from_millis(100);
 /// A drill that answers no question for this time counts as gone.
 const GONE: Duration = Duration::from_millis(5500);
+/// The same of a drill with a lease, which is asked more often.
+const GONE_WITH_LEASE: Duration = Duration::from_secs(3);
+/// So long after its lease a drill has noticed its end.
+const SURELY: Duration = Duration::from_millis(50);
 /// A drill whose lease was over comes up within this time.
 const REST: Duration = Duration::from_secs(25);
 /// A drill that is stopped completes its record first: a move of the table, or a drilling.
@@ -342,14 +346,31 @@ impl Client {
     pub fn find_out(&mut self) -> Result<(), Trouble> {
         // The request of the operator has been carried out.
         self.stop.clear();
+        if self.has_lease() {
+            // Each byte would renew the lease of what it does.
+            let end = self.elapsed() + Duration::from_millis(self.lease_ms.into()) + SURELY;
+            while self.elapsed() < end {
+                self.listen(end - self.elapsed())?;
+            }
+        }
+        let rest_by = self.elapsed() + REST;
         let mut last = Ok(());
-        for _ in 0..4 {
+        let mut attempts = 0;
+        while attempts < 4 {
+            attempts += 1;
             last = self.run(Step::Resync);
             if last.is_ok() && self.has_lease() {
                 last = self.request_lease(self.lease_ms);
             }
-            if last.is_ok() {
-                break;
+            match last {
+                Ok(()) => break,
+                Err(Trouble::Link(Failure::Silent)) if self.has_lease() => {
+                    // The drill comes up.
+                    if self.says()? == Some(ENDING) && self.elapsed() < rest_by {
+                        attempts = 0;
+                    }
+                }
+                Err(_) => {}
             }
         }
         last
@@ -444,6 +465,11 @@ impl Client {
         self.host.start(step, now).map_err(Trouble::Refused)?;
         let mut has_stopped = false;
         let period = self.question_period();
+        let gone = if self.has_lease() {
+            GONE_WITH_LEASE
+        } else {
+            GONE
+        };
         let (mut ask_at, mut answered_at) = (start + period, start);
         loop {
             self.transmit()?;
@@ -473,7 +499,7 @@ impl Client {
                     }
                     if self.has_extras && self.elapsed() >= ask_at {
                         if let Some(byte) = self.host.ask_at_work() {
-                            if self.elapsed() - answered_at > GONE {
+                            if self.elapsed() - answered_at > gone {
                                 self.host.give_up();
                                 return Err(Trouble::Link(Failure::Silent));
                             }

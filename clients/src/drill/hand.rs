@@ -12,6 +12,8 @@ use std::time::Duration;
 const JOG_STEPS: u8 = 50;
 /// Longest time of a key: 255 steps, and the moves of Z.
 const KEY: Duration = Duration::from_secs(60);
+/// The same of a drill that reports its faults. It may home first, and each search has an end.
+const KEY_WITH_HOMING: Duration = Duration::from_secs(300);
 /// Longest run of a program in the memory, whose duration is unknown.
 const LONGEST: Duration = Duration::from_secs(24 * 3600);
 
@@ -68,6 +70,14 @@ impl Hand {
         })
     }
 
+    /// Longest time of a key.
+    const fn longest(&self) -> Duration {
+        match self.client.has_extras() {
+            true => KEY_WITH_HOMING,
+            false => KEY,
+        }
+    }
+
     /// After a failure: leaves the manual mode and switches the spindle off.
     fn leave(&mut self) -> Result<(), Trouble> {
         self.advance = None;
@@ -104,7 +114,7 @@ impl Hand {
                 }
             }
             Action::Home if self.advance.is_some() => self.key(b'r')?,
-            Action::Home => self.client.run_for(Step::Home, KEY, |_| {})?,
+            Action::Home => self.client.run_for(Step::Home, self.longest(), |_| {})?,
             Action::Steps(axis, steps) => {
                 if !self.steps(*axis, *steps)? {
                     return Ok(at_end(*axis));
@@ -194,7 +204,7 @@ impl Hand {
 
     /// Sends a key that moves an axis. Returns `false` if the axis reached its end first.
     fn moved(&mut self, key: u8) -> Result<bool, Failed> {
-        match self.client.run_for(Step::Key(key), KEY, |_| {}) {
+        match self.client.run_for(Step::Key(key), self.longest(), |_| {}) {
             Ok(()) => Ok(true),
             Err(Trouble::Link(Failure::NotAll)) => Ok(false),
             Err(trouble) => Err(Failed::Link(trouble)),
@@ -219,7 +229,9 @@ impl Hand {
     }
 
     fn key(&mut self, key: u8) -> Result<(), Failed> {
-        Ok(self.client.run_for(Step::Key(key), KEY, |_| {})?)
+        Ok(self
+            .client
+            .run_for(Step::Key(key), self.longest(), |_| {})?)
     }
 
     /// Enters the manual mode with this step size. The drill homes first.
@@ -228,7 +240,7 @@ impl Hand {
             if self.client.has_extras() {
                 // Holes that were taught before are kept.
                 self.client
-                    .run_for(Step::ManualKept(advance), KEY, |_| {})?;
+                    .run_for(Step::ManualKept(advance), KEY_WITH_HOMING, |_| {})?;
             } else {
                 // A wrong bit turns `m` into `e`, which runs the program: clear it first.
                 self.client.run(Step::Clear)?;

@@ -1,11 +1,13 @@
 //! A board over the link, tool by tool.
 
 use super::client::{Client, Trouble};
-use super::duration::{seconds, spoken, travel_s};
+use super::end::{End, Failed, count};
+use super::held::holes_done;
+use super::load::{Estimate, Load, MEMORY_RECORDS, loads_from};
 use super::part::Part;
 use super::place::Place;
 use husillo_gcode::Nm;
-use husillo_transports::drill::{Failure, MEMORY_BYTES, Reading, Record, Step};
+use husillo_transports::drill::{Failure, MEMORY_BYTES, Record, Step};
 use std::time::Duration;
 
 /// The operator of the drill.
@@ -19,31 +21,6 @@ pub trait Operator {
 
     /// Shows the progress: the share of the whole job, and the estimated seconds that remain.
     fn progress(&mut self, share: f64, left_s: f64);
-}
-
-/// End of a job.
-#[derive(Clone, Debug, PartialEq)]
-pub enum End {
-    /// All holes are drilled.
-    Drilled,
-    /// The drill runs the program alone.
-    Detached,
-    /// The job has failed.
-    Failed(Failed),
-    /// The drill was not reached, for this reason. Nothing was sent, and how many holes are drilled
-    /// is not known.
-    Unreached(String),
-}
-
-/// Progress of a failed job.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Failed {
-    /// The reason.
-    pub why: String,
-    /// Holes of the whole job that are done for certain.
-    pub done: usize,
-    /// Holes that may have been begun, at least `done`. The board shows which.
-    pub begun: usize,
 }
 
 /// A job: the holes of a board.
@@ -67,12 +44,6 @@ pub struct Sender<'a, O> {
     pub diameter: fn(&str) -> Option<Nm>,
 }
 
-/// A number of things: `1 hole`, `2 holes`.
-fn count(number: usize, name: &str) -> String {
-    let plural = if number == 1 { "" } else { "s" };
-    format!("{number} {name}{plural}")
-}
-
 /// End of a part.
 enum Ended {
     /// Drilled, or started and detached.
@@ -82,44 +53,6 @@ enum Ended {
     Before(Trouble),
     /// Failed after that.
     After(Trouble),
-}
-
-/// A part in the form in which it is sent.
-struct Load {
-    bytes: Vec<u8>,
-    /// Seconds of each drilling, and of the move home after them.
-    seconds: Vec<f64>,
-    back_s: f64,
-    /// For each drilling: whether it deepens the hole of the one before.
-    pecks: Vec<bool>,
-    /// The number of holes before its first one, in all parts.
-    before: usize,
-    /// The number of its part, and whether it is the first or the last of it.
-    part: usize,
-    is_first: bool,
-    is_last: bool,
-}
-
-impl Load {
-    /// Converts numbers of finished and begun drillings to numbers of holes.
-    fn holes(&self, [done, begun]: [usize; 2]) -> [usize; 2] {
-        let starts = |drillings: usize| {
-            let first = self.pecks.iter().take(drillings);
-            first.filter(|is_peck| !**is_peck).count()
-        };
-        // A hole is done when the next one, or nothing, follows.
-        let is_open = self.pecks.get(done) == Some(&true);
-        [starts(done) - usize::from(is_open), starts(begun)]
-    }
-}
-
-/// The time estimate of the whole job.
-struct Estimate {
-    /// Estimated seconds that have passed, and those of the whole job.
-    behind_s: f64,
-    all_s: f64,
-    /// Ratio of the real to the estimated time of a run.
-    pace: f64,
 }
 
 impl<O: Operator> Sender<'_, O> {
@@ -132,55 +65,60 @@ impl<O: Operator> Sender<'_, O> {
     pub fn send(&mut self, detach: bool) -> Result<End, String> {
         let mut loads = self.loads(usize::MAX)?;
         if detach {
-            let [load] = &loads[..] else {
-                return Err(format!(
-                    "--detach is for one tool, and this program has {}: a detached drill does not \
-                     wait for a tool",
-                    loads.len()
-                ));
-            };
-            if load.bytes.len() > MEMORY_BYTES {
-                return Err(format!(
-                    "--detach is for programs of up to {MEMORY_BYTES} bytes, the memory of the \
-                     drill; this one has {}",
-                    load.bytes.len()
-                ));
-            }
+            expect_one(&loads)?;
         }
         if let Err(trouble) = self.client.reach() {
             return Ok(End::Unreached(trouble.unreached()));
         }
-        if let Some(end) = self.already_drilled() {
-            return Ok(end);
+        if let Some(done) = self.already_drilled() {
+            let why = format!(
+                "the drill has drilled holes up to {done} of this program, by its own count. For \
+                 another board: `husillo jog -m drill --port PORT clear` first"
+            );
+            return Ok(self.failed(why, done, done));
         }
         if self.client.has_lease() && !detach {
             // A host with a lease is never silent, as it would have to be while a full memory runs.
             loads = self.loads(MEMORY_RECORDS)?;
         }
-        let mut estimate = self.estimate(&loads);
         if !self.client.has_extras() {
-            if detach {
-                return Err(
-                    "an original drill does not confirm its start: --detach is not possible".into(),
-                );
-            }
-            if self.has_depths() {
-                return Err(
-                    "this is an original drill: it ignores depths, and would drill through every \
-                     hole"
-                        .into(),
-                );
-            }
-            self.operator.show(
-                "this is an original drill: it switches its spindle for each hole, does not \
-                 report its progress, and continues when this program is gone",
-            );
+            self.expect_fit_for_original(detach)?;
         }
         if self.is_homed {
             self.expect_homed()?;
         } else if let Err(trouble) = self.client.run_for(Step::Home, HOMING, |_| {}) {
             return Ok(self.failed(trouble.text(), self.from, self.from));
         }
+        Ok(self.send_loads(&loads, detach))
+    }
+
+    /// An original does less. The operator is told what.
+    ///
+    /// # Errors
+    ///
+    /// The job needs a drill with extras. Nothing has moved.
+    fn expect_fit_for_original(&mut self, detach: bool) -> Result<(), String> {
+        if detach {
+            return Err(
+                "an original drill does not confirm its start: --detach is not possible".into(),
+            );
+        }
+        if self.has_depths() {
+            return Err(
+                "this is an original drill: it knows no depths, and would drill each hole through"
+                    .into(),
+            );
+        }
+        self.operator.show(
+            "this is an original drill: it switches its spindle for each hole, does not report \
+             its progress, and continues when this program is gone",
+        );
+        Ok(())
+    }
+
+    /// Sends one load after the other.
+    fn send_loads(&mut self, loads: &[Load], detach: bool) -> End {
+        let mut estimate = Estimate::of(loads, self.byte_s);
         let several = loads.iter().filter(|load| load.is_first).count() > 1;
         let parts = self.parts;
         for (load, part) in loads
@@ -189,15 +127,15 @@ impl<O: Operator> Sender<'_, O> {
         {
             if several && load.is_first && !self.is_sure && !self.changed(part) {
                 let why = format!("{} was not put in", part.name());
-                return Ok(self.failed(why, load.before, load.before));
+                return self.failed(why, load.before, load.before);
             }
             match self.one(load, detach, &mut estimate) {
                 Ended::Well { is_detached: false } => {}
-                Ended::Well { is_detached: true } => return Ok(End::Detached),
+                Ended::Well { is_detached: true } => return End::Detached,
                 Ended::Before(trouble) => {
-                    return Ok(self.failed(trouble.text(), load.before, load.before));
+                    return self.failed(trouble.text(), load.before, load.before);
                 }
-                Ended::After(trouble) => return Ok(self.stopped(load, trouble)),
+                Ended::After(trouble) => return self.stopped(load, trouble),
             }
             if load.is_last {
                 let first = loads.iter().find(|first| first.part == load.part);
@@ -208,19 +146,7 @@ impl<O: Operator> Sender<'_, O> {
                     .show(&format!("{}: {holes} drilled", part.name()));
             }
         }
-        Ok(End::Drilled)
-    }
-
-    fn estimate(&self, loads: &[Load]) -> Estimate {
-        let load_s = |load: &Load| {
-            let drilling_s: f64 = load.seconds.iter().sum();
-            drilling_s + load.back_s + self.byte_s * load.bytes.len() as f64
-        };
-        Estimate {
-            behind_s: 0.0,
-            all_s: loads.iter().map(load_s).sum(),
-            pace: 1.0,
-        }
+        End::Drilled
     }
 
     /// The drill confirms that it is homed, and that its zero is at the switches.
@@ -239,54 +165,14 @@ impl<O: Operator> Sender<'_, O> {
         }
     }
 
-    /// The end, if the drill itself has drilled holes from [`from`](Self::from) on: another program
-    /// has left it alone with this job. `None`: it has not, or holds another program.
-    fn already_drilled(&mut self) -> Option<End> {
+    /// The number of holes that the drill has drilled by itself, if it is beyond
+    /// [`from`](Self::from): another program has left it alone with this job.
+    fn already_drilled(&mut self) -> Option<usize> {
         if self.from == 0 || !self.client.has_extras() {
             return None;
         }
-        let count = usize::from(self.client.drillings().ok()??);
-        let (letter, records) = self.client.read(Reading::Records).ok()?;
-        if count == 0 || letter != b'n' {
-            return None;
-        }
-        let load = self.load_held(usize::from(records))?;
-        let drillings = count.min(load.seconds.len());
-        let [holes, _] = load.holes([drillings; 2]);
-        let done = load.before + holes;
-        (done > self.from).then(|| {
-            let why = format!(
-                "the drill has drilled holes up to {done} of this program, by its own count. For \
-                 another board: `husillo jog -m drill --port PORT clear` first"
-            );
-            self.failed(why, done, done)
-        })
-    }
-
-    /// The load of so many records that the drill holds.
-    fn load_held(&mut self, records: usize) -> Option<Load> {
-        let all: usize = self.parts.iter().map(Part::holes).sum();
-        for from in 0..all {
-            for most in [usize::MAX, MEMORY_RECORDS] {
-                let load = self.loads_from(from, most).into_iter().next()?;
-                if load.bytes.len() / 3 == records && self.is_held(&load.bytes) {
-                    return Some(load);
-                }
-            }
-        }
-        None
-    }
-
-    /// Whether the drill holds this program, by up to 16 of its records.
-    fn is_held(&mut self, bytes: &[u8]) -> bool {
-        let records: Vec<&[u8]> = bytes.chunks_exact(3).collect();
-        let step = records.len().div_ceil(16).max(1);
-        // The first two are the place of the first hole.
-        let looked_at = [1].into_iter().chain((0..records.len()).step_by(step));
-        looked_at.into_iter().all(|number| {
-            let record = self.client.record(number as u16);
-            record.is_ok_and(|record| records.get(number) == Some(&&record[..]))
-        })
+        let done = holes_done(&mut self.client, self.parts);
+        done.filter(|done| *done > self.from)
     }
 
     /// The parts that remain, in pieces of so many records.
@@ -296,41 +182,7 @@ impl<O: Operator> Sender<'_, O> {
             let all = count(all, "hole");
             return Err(format!("--from {}: the program has {all}", self.from + 1));
         }
-        Ok(self.loads_from(self.from, most_records))
-    }
-
-    /// The holes from this one on. Each piece ends at home, so that `c` keeps the zero, and the
-    /// switches reveal lost steps.
-    fn loads_from(&self, from: usize, most_records: usize) -> Vec<Load> {
-        let mut before = 0;
-        let mut loads = Vec::new();
-        for (number, part) in self.parts.iter().enumerate() {
-            let all = part.holes();
-            let skipped = from.saturating_sub(before);
-            let mut done = skipped;
-            while done < all {
-                // Two records lead home.
-                let most = most_records.saturating_sub(2);
-                let (mut piece, holes) = part.rest_behind(done).first_holes(most);
-                let seconds = seconds(&piece, [0; 2]);
-                let pecks = piece.pecks().collect();
-                let last = piece.stops().last().map_or([0; 2], |stop| stop.at);
-                piece.records.extend([Record::X(0), Record::Y(0)]);
-                loads.push(Load {
-                    bytes: piece.bytes(),
-                    seconds,
-                    back_s: travel_s(last, [0; 2]),
-                    pecks,
-                    before: before + done,
-                    part: number,
-                    is_first: done == skipped,
-                    is_last: done + holes == all,
-                });
-                done += holes;
-            }
-            before += all;
-        }
-        loads
+        Ok(loads_from(self.parts, self.from, most_records))
     }
 
     /// Asks until the right tool is in the spindle. `false`: the operator ends the job.
@@ -393,7 +245,7 @@ impl<O: Operator> Sender<'_, O> {
             }
             let is_border = place > 0 && place % MEMORY_BYTES == 0;
             let part_s = if is_border {
-                Self::run_s(load, place) - run_s
+                load.run_s(place) - run_s
             } else {
                 0.0
             };
@@ -454,14 +306,6 @@ impl<O: Operator> Sender<'_, O> {
         Ok(())
     }
 
-    /// Seconds of the drillings whose records are complete within these bytes.
-    fn run_s(load: &Load, bytes: usize) -> f64 {
-        load.seconds
-            .iter()
-            .take(drillings(&load.bytes, bytes))
-            .sum()
-    }
-
     /// Switches the spindle. An original does it alone, for each hole.
     fn spindle(&mut self, on: bool) -> Result<(), Trouble> {
         if self.client.has_extras() {
@@ -476,7 +320,7 @@ impl<O: Operator> Sender<'_, O> {
         let [done, begun] = self
             .client
             .done_and_begun()
-            .map(|bytes| drillings(&load.bytes, bytes as usize));
+            .map(|bytes| load.drillings(bytes as usize));
         let all = load.seconds.len();
         let (mut done, mut begun) = (done.min(all), begun.min(all));
         let is_reset = trouble == Trouble::Link(Failure::Restarted);
@@ -501,8 +345,12 @@ impl<O: Operator> Sender<'_, O> {
                 why.push_str(". Its position is known: --no-home goes on without homing");
             }
         } else if !stands && !is_reset {
-            self.operator
-                .show("the drill is not reached: it may be at work, and its spindle may turn");
+            self.operator.show(if self.client.has_lease() {
+                "the drill is not reached: its lease ends what it does; see whether its spindle \
+                 stands"
+            } else {
+                "the drill is not reached: it may be at work, and its spindle may turn"
+            });
         }
         let [done, begun] = load.holes([done, begun]);
         self.failed(why, load.before + done, load.before + begun)
@@ -521,74 +369,27 @@ impl<O: Operator> Sender<'_, O> {
 }
 
 /// Home from anywhere on the table.
-const HOMING: Duration = Duration::from_secs(180);
+const HOMING: Duration = Duration::from_secs(300);
 
-/// Records that the memory of the drill holds.
-const MEMORY_RECORDS: usize = MEMORY_BYTES / 3;
-
-/// Drillings whose records are complete in the first bytes of a program.
-fn drillings(bytes: &[u8], length: usize) -> usize {
-    let bytes = bytes.get(..length.min(bytes.len())).unwrap_or_default();
-    let records = bytes.chunks_exact(3);
-    records
-        .filter(|record| record.first() == Some(&b'Z'))
-        .count()
-}
-
-impl Estimate {
-    fn share(&self) -> f64 {
-        self.behind_s / self.all_s.max(1e-9)
+/// One load, which the memory of the drill holds.
+///
+/// # Errors
+///
+/// There are several, or it is longer.
+fn expect_one(loads: &[Load]) -> Result<(), String> {
+    let [load] = loads else {
+        return Err(format!(
+            "--detach is for one tool, and this program has {}: a detached drill does not wait for \
+             a tool",
+            loads.len()
+        ));
+    };
+    if load.bytes.len() > MEMORY_BYTES {
+        return Err(format!(
+            "--detach is for programs of up to {MEMORY_BYTES} bytes, the memory of the drill; this \
+             one has {}",
+            load.bytes.len()
+        ));
     }
-
-    /// Remaining seconds, by those that have passed of the present run.
-    fn left_s(&self, passed_s: f64) -> f64 {
-        (self.all_s - self.behind_s - passed_s).max(0.0) * self.pace
-    }
-}
-
-/// The message about an end, and how to go on. `again` is the command line without --from.
-pub fn sentence(end: &End, again: &str, all: usize) -> String {
-    match end {
-        End::Drilled => format!("{} drilled", count(all, "hole")),
-        End::Detached => "the drill has started, and runs the program alone from here: it has no \
-            lease, and does not stop when the cable is pulled"
-            .into(),
-        End::Unreached(why) => format!(
-            "{why}\nnothing was sent. How many holes it has drilled since is not known here: a \
-             drill of ours is asked when this command reaches it; for an original count them in \
-             the board before you use --from"
-        ),
-        End::Failed(Failed { why, done, begun }) => {
-            let next = done + 1;
-            let known = if done == begun {
-                format!("{done} of {all} holes are drilled")
-            } else {
-                format!(
-                    "{done} of {all} holes are certainly drilled, up to {begun} may be: look at \
-                     the board"
-                )
-            };
-            let go_on = if *done == all {
-                "nothing is left to do".into()
-            } else if *begun == 0 {
-                format!("begin again with: {again}")
-            } else if done == begun {
-                format!("go on with: {again} --from {next}")
-            } else {
-                format!(
-                    "go on with --from and the number of the first missing hole, {next} or later"
-                )
-            };
-            format!("{why}\n{known}; {go_on}")
-        }
-    }
-}
-
-/// `about 3 min 20 s left`.
-pub fn left(seconds: f64) -> String {
-    if seconds < 1.0 {
-        "longer than estimated".into()
-    } else {
-        format!("about {} left", spoken(seconds))
-    }
+    Ok(())
 }

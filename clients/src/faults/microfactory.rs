@@ -1,6 +1,6 @@
 //! The microfactory with its faults.
 
-use super::{Fault, State, Subject};
+use super::{Fault, State, Subject, last_step_ms};
 use crate::microfactory::{Action, Client, Settings};
 use crate::{StopRequests, Wire};
 use husillo_sim::device::Emulation;
@@ -14,7 +14,7 @@ const SHORT: i32 = 40;
 
 pub struct Microfactory {
     client: Client,
-    last_step_us: u64,
+    last_step_ms: u64,
     /// Position of the simulated tool at zero.
     zero: [i32; 4],
 }
@@ -54,62 +54,62 @@ impl Subject for Microfactory {
         Fault {
             name: "host killed, cable pulled",
             begins: "unplug",
-            ends: "plug",
+            ends: &["plug"],
             most_ms: Some(SILENT_MS),
             is_hidden: false,
         },
         Fault {
             name: "controller reset",
             begins: "reset",
-            ends: "where",
+            ends: &["where"],
             most_ms: Some(0),
             is_hidden: false,
         },
         Fault {
             name: "power lost",
             begins: "power off",
-            ends: "power on",
+            ends: &["power on"],
             most_ms: Some(0),
             is_hidden: false,
         },
         Fault {
             name: "home switch stuck open",
             begins: "open x",
-            ends: "free x",
+            ends: &["free x"],
             most_ms: None,
             is_hidden: false,
         },
         Fault {
             name: "home switch stuck closed",
             begins: "close x",
-            ends: "free x",
+            ends: &["free x"],
             most_ms: None,
             is_hidden: false,
         },
         Fault {
             name: "contact stuck open",
             begins: "open contact",
-            ends: "free contact",
+            ends: &["free contact"],
             most_ms: None,
             is_hidden: false,
         },
         Fault {
             name: "contact stuck closed",
             begins: "close contact",
-            ends: "free contact",
+            ends: &["free contact"],
             most_ms: None,
             is_hidden: true,
         },
         Fault {
             name: "motor stalled",
             begins: "block x",
-            ends: "unblock x",
+            ends: &["unblock x"],
             most_ms: None,
             is_hidden: true,
         },
     ];
 
-    fn new() -> Self {
+    fn new(_: State) -> Self {
         let Settings { config, table, .. } = Settings::ORIGINAL;
         let figure = &[[500, 0], [0, 500], [-500, -500]];
         let device = Device::new(config, table, 0, figure, true, 9600, 1).unwrap();
@@ -118,7 +118,7 @@ impl Subject for Microfactory {
         let zero = client.device().rig(0).unwrap().tool();
         let mut machine = Self {
             client,
-            last_step_us: 0,
+            last_step_ms: 0,
             zero,
         };
         machine.short_move().unwrap();
@@ -147,22 +147,14 @@ impl Subject for Microfactory {
         (0..ms).for_each(|_| drop(self.device().tick()));
     }
 
-    fn now_ms(&self) -> u64 {
-        self.client.elapsed().as_millis() as u64
+    fn now_ms(&mut self) -> u64 {
+        self.device().now_us() / 1000
     }
 
     fn last_step_ms(&mut self) -> u64 {
         let rows = self.device().made();
-        for row in rows.lines() {
-            let mut columns = row
-                .split(',')
-                .map(|column| column.parse::<i64>().unwrap_or(0));
-            let time_us = columns.nth(1).unwrap_or(0);
-            if columns.skip(1).take(4).any(|delta| delta != 0) {
-                self.last_step_us = time_us.unsigned_abs();
-            }
-        }
-        self.last_step_us / 1000
+        self.last_step_ms = last_step_ms(&rows, 4).unwrap_or(self.last_step_ms);
+        self.last_step_ms
     }
 
     fn is_true(&mut self) -> bool {

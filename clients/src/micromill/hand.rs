@@ -135,6 +135,18 @@ impl Hand {
         }
     }
 
+    /// The session.
+    #[cfg(test)]
+    pub const fn session(&mut self) -> &mut Session {
+        &mut self.session
+    }
+
+    /// What the controller has reported of itself.
+    #[cfg(test)]
+    pub const fn state(&self) -> Option<State> {
+        self.state
+    }
+
     /// Time since the port was opened.
     pub fn elapsed(&self) -> Duration {
         self.session.elapsed()

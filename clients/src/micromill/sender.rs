@@ -64,6 +64,12 @@ impl Sender {
         })
     }
 
+    /// The session.
+    #[cfg(test)]
+    pub const fn session(&mut self) -> &mut Session {
+        &mut self.session
+    }
+
     /// The state in which the first line begins, after homing where that is asked for. `None`: the
     /// controller does not report its state.
     pub const fn start(&self) -> Option<State> {

@@ -308,6 +308,15 @@ impl Session {
         self.wire.elapsed()
     }
 
+    /// The simulated device.
+    #[cfg(test)]
+    pub fn device(&mut self) -> &mut Device {
+        match &mut self.wire {
+            Wire::Simulated { device, .. } => device,
+            Wire::Real { .. } => panic!("not simulated"),
+        }
+    }
+
     /// Time at the port, us, wrapping.
     pub fn now(&self) -> u32 {
         self.wire.elapsed().as_micros() as u32

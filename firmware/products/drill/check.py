@@ -1,7 +1,8 @@
 """Drills three holes with two tools: every event must equal that of the host's emulated drill.
 
 From homing on, the wait, the motors' phases and the spindle of each event are compared. This is
-done with our controller, and on one board also with the original one.
+done with our controller, and on one board also with the original one. `interrupt` ends the host
+while the drill moves, and `lights` reads the lamps.
 """
 
 from __future__ import annotations
@@ -17,6 +18,10 @@ from husillo_firmware.emulated import Emulated, Row, compare, same
 from husillo_firmware.qemu import Firmware
 from husillo_firmware.registers import Made, Switched
 
+from products.drill import interrupt, lights
+
+# Virtual time may run ahead of the host, so a lease in wall-clock time does not fit.
+IN_VIRTUAL_TIME = ("--lease", "0")
 FILE = FIRMWARE / "products/drill/small.drl"
 SPEED = 1000
 
@@ -29,7 +34,8 @@ def pins(row: Row) -> tuple[int, int]:
 
 def drilled(port: str) -> int:
     """Drills the board. Returns the number of holes."""
-    return int(host.send(FILE, "drill", port, "--yes", answer=r"(\d+) holes drilled")[-1])
+    options = ("--yes", *IN_VIRTUAL_TIME)
+    return int(host.send(FILE, "drill", port, *options, answer=r"(\d+) holes drilled")[-1])
 
 
 def drill(board: Board, is_faithful: bool) -> Iterator[tuple[str, int]]:
@@ -64,7 +70,10 @@ def main(arguments: list[str]) -> int:
     options = product.parser("drill", __doc__).parse_args(arguments)
     chosen = options.boards or ALL
     figures = product.measure("drill", chosen, lambda board: drill(board, False))
+    for board in chosen:
+        interrupt.check(board)
     if MPS2 in chosen:
+        lights.check(MPS2)
         of_original = dict(drill(MPS2, True))
         print(MPS2, "as the original:", of_original["steps"], "steps")
     return product.settle("drill", options, figures)

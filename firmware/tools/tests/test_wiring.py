@@ -173,6 +173,25 @@ class Wiring(unittest.TestCase):
         page = (PAGES / "microfactory.md").read_text()
         self.assertIn(f"high for {pulse} us (`PULSE_US`)", page)
 
+    def test_drill(self) -> None:
+        names = constants("drill/src/lights.rs")
+        self.assertEqual(list(names), ["SPINDLE", "DATA", "CLOCK", "LATCH"])
+        for name, mask in names.items():
+            self.assertEqual(self.lines_of("drill.md", name), [f"output {bit(mask)}"], name)
+        # The lamps in the order of their bits.
+        source = (ROOT / "controllers/src/drill/lights.rs").read_text()
+        docs = found(r"pub struct DrillLights \{(.*?)\n\}", source)
+        named = {
+            field: re.findall(r"[AD]\d", comment)
+            for comment, field in re.findall(r"((?:    ///[^\n]*\n)+)    pub (\w+):", docs)
+        }
+        order = found(r"let lamps = \[(.*?)\];", source).replace("self.", "").split(",")
+        fields = [name.split()[0] for name in order if name.strip()]
+        ports = [port for field in fields for port in named.get(field, [])]
+        ports = [*named["moves"], *ports]
+        page = (PAGES / "drill.md").read_text()
+        self.assertEqual(re.findall(r"^\| \d+, Q\w \|.*\| (\w+) \|$", page, re.MULTILINE), ports)
+
     def test_switches(self) -> None:
         for product in ("drill", "microfactory"):
             fields = read_bits(f"{product}/src/switches.rs")

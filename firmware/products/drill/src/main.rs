@@ -5,6 +5,7 @@
 #![no_std]
 #![no_main]
 
+mod lights;
 mod switches;
 
 use board::{CriticalSection, Shared, Step};
@@ -13,6 +14,7 @@ use husillo_controllers::{DrillConfig, DrillEvent, DrillInputs, Timed};
 use husillo_machine::{Idle, Motors};
 use husillo_stepper::{Driver, Levels, Mode, Sequencer};
 use husillo_transports::drill::MEMORY_BYTES;
+use lights::Lights;
 use static_cell::ConstStaticCell;
 use switches::Switches;
 
@@ -21,10 +23,13 @@ type Controller = husillo_controllers::Drill<MEMORY_BYTES>;
 /// In a static, because the stack has no room to build it.
 static CONTROLLER: ConstStaticCell<Controller> = ConstStaticCell::new(Controller::new(CONFIG));
 
-const CONFIG: DrillConfig = if cfg!(feature = "faithful") {
-    DrillConfig::ORIGINAL
-} else {
-    DrillConfig::FIXED
+const CONFIG: DrillConfig = DrillConfig {
+    blinks: cfg!(feature = "lights"),
+    ..if cfg!(feature = "faithful") {
+        DrillConfig::ORIGINAL
+    } else {
+        DrillConfig::FIXED
+    }
 };
 
 static INTERRUPTS: Shared<Interrupts<Drill, 1>> = Shared::new(Interrupts::new(()));
@@ -35,7 +40,8 @@ fn on_time(section: CriticalSection<'_>) {
     INTERRUPTS.within(section, |now| now.on_time(section));
 }
 
-/// Does nothing, because no byte stops this machine. Its button R stops it: the reset of the chip.
+/// Does nothing, because no byte stops this machine. Its button R stops it, the reset of the chip,
+/// and with a lease the silence of the host, which the main loop notices.
 #[unsafe(no_mangle)]
 fn on_byte(_: u8, _: CriticalSection<'_>) {}
 
@@ -57,6 +63,7 @@ fn main() -> ! {
         motors,
         levels,
         switches: Switches::new(),
+        lights: Lights::new(),
     };
     foreground::run(&mut drill, controller, &INTERRUPTS)
 }
@@ -67,13 +74,17 @@ struct Drill {
     /// The levels of the motors' pins.
     levels: u8,
     switches: Switches,
+    lights: Lights,
 }
 
 impl Product for Drill {
     type Controller = Controller;
     type Undo = ();
 
-    fn inputs(&mut self, _: &Controller) -> DrillInputs {
+    fn inputs(&mut self, drill: &Controller) -> DrillInputs {
+        if cfg!(feature = "lights") {
+            self.lights.show(drill.lights(), drill.heartbeat());
+        }
         self.switches.inputs()
     }
 
@@ -86,8 +97,8 @@ impl Product for Drill {
                 self.motors
                     .step(step.wait_ticks, &step.delta, |_, all| *levels = pins(all));
             }
-            DrillEvent::Spindle(on) => board::switch(on.into()),
-            // The board has no panel.
+            DrillEvent::Spindle(on) => self.lights.switch_spindle(on),
+            // The lamps show the rest.
             DrillEvent::Dwell { .. } | DrillEvent::Report(_) | DrillEvent::Idle => {}
         }
         wait_us.map(|wait_us| Step {

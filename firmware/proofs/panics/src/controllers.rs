@@ -3,10 +3,10 @@
 use core::hint::black_box;
 
 use husillo_controllers::{
-    Controller, Drill as AnyDrill, DrillEvent, DrillLights, Microfactory as AnyMicrofactory, MicrofactoryEvent,
-    MicrofactoryStation as AnyMicrofactoryStation, Micromill as AnyMicromill, MicromillEvent,
-    MicromillStep, MicromillStops as Stops, ServoModule, ServoModuleOutput, StopBytes, Timed,
-    servo_law,
+    Controller, Drill as AnyDrill, DrillEvent, DrillLights, Microfactory as AnyMicrofactory,
+    MicrofactoryEvent, MicrofactoryStation as AnyMicrofactoryStation, Micromill as AnyMicromill,
+    MicromillEvent, MicromillStep, MicromillStops as Stops, ServoModule, ServoModuleOutput,
+    StopBytes, Timed, servo_law,
 };
 
 type Microfactory = AnyMicrofactory<&'static [[i16; 2]]>;
@@ -49,6 +49,10 @@ pub fn keep() {
         <Micromill as Controller>::receive as *const (),
         <Micromill as Controller>::next_event as *const (),
         <Micromill as Controller>::reset as *const (),
+        <Drill as Controller>::expire as *const (),
+        <Drill as Controller>::halted as *const (),
+        <Drill as Controller>::lease_us as *const (),
+        <Drill as Controller>::made as *const (),
         <Drill as Controller>::stops as *const (),
         <Drill as Controller>::receive as *const (),
         <Drill as Controller>::next_event as *const (),

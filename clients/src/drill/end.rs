@@ -1,0 +1,81 @@
+//! The end of a job, in words.
+
+use super::duration::spoken;
+
+/// End of a job.
+#[derive(Clone, Debug, PartialEq)]
+pub enum End {
+    /// All holes are drilled.
+    Drilled,
+    /// The drill runs the program alone.
+    Detached,
+    /// The job has failed.
+    Failed(Failed),
+    /// The drill was not reached, for this reason. Nothing was sent, and how many holes are drilled
+    /// is not known.
+    Unreached(String),
+}
+
+/// Progress of a failed job.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Failed {
+    /// The reason.
+    pub why: String,
+    /// Holes of the whole job that are done for certain.
+    pub done: usize,
+    /// Holes that may have been begun, at least `done`. The board shows which.
+    pub begun: usize,
+}
+
+/// A number of things: `1 hole`, `2 holes`.
+pub(super) fn count(number: usize, name: &str) -> String {
+    let plural = if number == 1 { "" } else { "s" };
+    format!("{number} {name}{plural}")
+}
+
+/// The message about an end, and how to go on. `again` is the command line without --from.
+pub fn sentence(end: &End, again: &str, all: usize) -> String {
+    match end {
+        End::Drilled => format!("{} drilled", count(all, "hole")),
+        End::Detached => "the drill has started, and runs the program alone from here: it has no \
+            lease, and does not stop when the cable is pulled"
+            .into(),
+        End::Unreached(why) => format!(
+            "{why}\nnothing was sent. How many holes it has drilled since is not known here: a \
+             drill of ours is asked when this command reaches it; for an original count them in \
+             the board before you use --from"
+        ),
+        End::Failed(Failed { why, done, begun }) => {
+            let next = done + 1;
+            let known = if done == begun {
+                format!("{done} of {all} holes are drilled")
+            } else {
+                format!(
+                    "{done} of {all} holes are drilled for certain, up to {begun} may be: look at \
+                     the board"
+                )
+            };
+            let go_on = if *done == all {
+                "nothing is left to do".into()
+            } else if *begun == 0 {
+                format!("begin again with: {again}")
+            } else if done == begun {
+                format!("go on with: {again} --from {next}")
+            } else {
+                format!(
+                    "go on with --from and the number of the first missing hole, {next} or later"
+                )
+            };
+            format!("{why}\n{known}; {go_on}")
+        }
+    }
+}
+
+/// `about 3 min 20 s left`.
+pub fn left(seconds: f64) -> String {
+    if seconds < 1.0 {
+        "longer than estimated".into()
+    } else {
+        format!("about {} left", spoken(seconds))
+    }
+}

@@ -1,0 +1,189 @@
+//! The micro mill with its faults.
+
+use super::{Fault, State, Subject, last_step_ms};
+use crate::micromill::{Action, BAUD, Hand, LEASE_MS, LengthUnit, Sender, Sending, Session};
+use crate::{StopRequests, Wire};
+use husillo_sim::device::Emulation;
+use husillo_sim::device::micromill::Device;
+use husillo_transports::micromill::{Axis, Line, Point};
+use std::time::Duration;
+
+/// A lease, and the time of a byte.
+const SILENT_MS: u64 = 260;
+/// The steps of a short move.
+const SHORT: i32 = 40;
+
+/// The client of the state.
+enum Client {
+    Hand(Box<Hand>),
+    Sender(Box<Sender>),
+}
+
+pub struct Micromill {
+    client: Client,
+    last_step_ms: u64,
+    /// Position of the simulated tool at machine zero.
+    zero: [i32; 3],
+}
+
+fn hand(device: Device) -> Result<Hand, String> {
+    let (wire, stop) = (Wire::simulated(device), StopRequests::default());
+    Hand::new(wire, BAUD, LEASE_MS, LengthUnit::Millimetres, stop)
+}
+
+impl Micromill {
+    fn session(&mut self) -> &mut Session {
+        match &mut self.client {
+            Client::Hand(hand) => hand.session(),
+            Client::Sender(sender) => sender.session(),
+        }
+    }
+
+    fn device(&mut self) -> &mut Device {
+        self.session().device()
+    }
+
+    fn take_device(&mut self) -> Device {
+        std::mem::replace(self.device(), Device::new(BAUD))
+    }
+}
+
+/// A program of one long line.
+fn program(sender: &mut Sender) -> Result<String, String> {
+    sender.begin()?;
+    let to = Point::Xy([Some(200_000), None]);
+    let lines = [Line::Rapid(to)];
+    for (number, line) in (1..).zip(&lines) {
+        sender.send(number, line, |_, _| true)?;
+    }
+    Ok("done".into())
+}
+
+impl Subject for Micromill {
+    const MACHINE: &'static str = "Micro mill";
+    const STATES: &'static [(State, u64)] = &[
+        (State::Idle, 0),
+        (State::Homing, 500),
+        (State::Jog, 900),
+        (State::Program, 3000),
+    ];
+    const FAULTS: &'static [Fault] = &[
+        Fault {
+            name: "host killed, cable pulled",
+            begins: "unplug",
+            ends: &["plug"],
+            most_ms: Some(SILENT_MS),
+            is_hidden: false,
+        },
+        Fault {
+            name: "controller reset",
+            begins: "reset",
+            ends: &["where"],
+            most_ms: Some(0),
+            is_hidden: false,
+        },
+        Fault {
+            name: "power lost",
+            begins: "power off",
+            ends: &["power on"],
+            most_ms: Some(0),
+            is_hidden: false,
+        },
+        Fault {
+            name: "home switch stuck open",
+            begins: "open x",
+            ends: &["free x"],
+            most_ms: None,
+            is_hidden: false,
+        },
+        Fault {
+            name: "home switch stuck closed",
+            begins: "close x",
+            ends: &["free x"],
+            most_ms: None,
+            is_hidden: true,
+        },
+        Fault {
+            name: "motor stalled",
+            begins: "block x",
+            ends: &["unblock x"],
+            most_ms: None,
+            is_hidden: true,
+        },
+    ];
+
+    fn new(state: State) -> Self {
+        let mut hand = hand(Device::new(BAUD).with_rows()).unwrap();
+        hand.carry_out(&Action::Home).unwrap();
+        let zero = hand.session().device().rig(0).unwrap().place();
+        let mut machine = Self {
+            client: Client::Hand(Box::new(hand)),
+            last_step_ms: 0,
+            zero,
+        };
+        if state == State::Program {
+            let wire = Wire::simulated(machine.take_device());
+            let sending = Sending {
+                bits_per_s: BAUD,
+                lease_ms: LEASE_MS,
+                streams: false,
+                every: 1,
+                homes: false,
+            };
+            let sender = Sender::new(wire, sending, StopRequests::default()).unwrap();
+            machine.client = Client::Sender(Box::new(sender));
+        }
+        machine
+    }
+
+    fn schedule(&mut self, after_ms: u64, line: &str) {
+        self.device().schedule(after_ms * 1000, line);
+    }
+
+    fn act(&mut self, state: State) -> Result<String, String> {
+        let action = match state {
+            State::Homing => Action::Home,
+            State::Jog => Action::Run(Axis::X, 200, Duration::from_secs(2)),
+            State::Idle | State::Program | State::Probing => Action::Steps(Axis::X, SHORT),
+        };
+        match &mut self.client {
+            Client::Hand(hand) => hand.carry_out(&action),
+            Client::Sender(sender) => program(sender),
+        }
+    }
+
+    fn pass(&mut self, ms: u64) {
+        (0..ms).for_each(|_| drop(self.device().tick()));
+    }
+
+    fn now_ms(&mut self) -> u64 {
+        self.device().now_us() / 1000
+    }
+
+    fn last_step_ms(&mut self) -> u64 {
+        let rows = self.device().made();
+        self.last_step_ms = last_step_ms(&rows, 3).unwrap_or(self.last_step_ms);
+        self.last_step_ms
+    }
+
+    fn is_true(&mut self) -> bool {
+        let state = match &mut self.client {
+            Client::Hand(hand) => hand.state(),
+            Client::Sender(sender) => sender.session().state().ok().flatten(),
+        };
+        // Otherwise it says that it does not know.
+        state.filter(|state| state.is_homed).is_none_or(|state| {
+            let tool = self.device().rig(0).unwrap().place();
+            let load = state.axes.map(|axis| axis.load_steps);
+            (0..3).all(|axis| tool[axis] - self.zero[axis] == load[axis])
+        })
+    }
+
+    fn begin_again(mut self) -> Result<Self, String> {
+        let mut hand = hand(self.take_device())?;
+        hand.carry_out(&Action::Home)?;
+        hand.carry_out(&Action::Steps(Axis::X, SHORT))?;
+        self.client = Client::Hand(Box::new(hand));
+        Ok(self)
+    }
+}
