@@ -111,7 +111,9 @@ fn stepwise_prints_every_trial() {
         .stdout(contains("    proportional p 200 ").and(contains("    integral     p ")))
         .stdout(contains(" limit 16000 "))
         .stdout(contains("moves                  20 of 20 within 1 count"))
-        .stdout(contains("\ngains = { p = "));
+        .stdout(contains("no derivative gain up to 16320 oscillates"))
+        .stdout(contains("no proportional gain up to 8160 oscillates"))
+        .stdout(contains("\ngains = { p = 4080, "));
 }
 
 #[test]

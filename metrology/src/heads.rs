@@ -20,6 +20,7 @@ mod prober;
 mod search;
 mod servo;
 mod standing;
+mod switches;
 mod touching;
 mod view;
 mod way;
@@ -30,4 +31,5 @@ pub use machine::{AxisSettings, Machine, PLACES, ProbeSettings, Stylus, both_way
 pub use operator::Operator;
 pub use port::Port;
 pub use prober::{Probed, Prober, Touched};
+pub use switches::Switches;
 pub use view::{Errors, View};

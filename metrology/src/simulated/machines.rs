@@ -1,6 +1,6 @@
 //! Settings of machines that suit the simulated motors.
 
-use crate::heads::{AxisSettings, Errors, Machine, ProbeSettings, Stylus, both_ways};
+use crate::heads::{AxisSettings, Errors, Machine, ProbeSettings, Stylus, Switches, both_ways};
 use crate::quantity::Fraction;
 use crate::scale::Scale;
 use husillo_sim::DcMotorModel;
@@ -39,6 +39,7 @@ fn probe(radius_nm: i32) -> ProbeSettings {
         slow_rate: 40,
         back_off: 60,
         over_travel: 100,
+        switches: Switches::One,
         stylus: Stylus {
             radius_nm,
             pre_travel: both_ways([0; 2]),
