@@ -22,6 +22,13 @@ pub enum Trouble {
         /// Modules on the line.
         modules: u8,
     },
+    /// The module of an axis is of another kind.
+    NotServo {
+        /// Its address.
+        module: u8,
+        /// What it reports: 2 for inputs and outputs, 3 for a stepper.
+        kind: u8,
+    },
     /// The line is disturbed, or two modules answer at once.
     Doubtful,
     /// A motor has no supply.
@@ -160,6 +167,12 @@ impl fmt::Display for Trouble {
             Self::NoModules => out.write_str("no answer: no module on the line at any baud rate"),
             Self::NoModule { wanted, modules } => {
                 write!(out, "no answer of module {wanted}: {modules} on the line")
+            }
+            Self::NotServo { module, kind } => {
+                write!(
+                    out,
+                    "module {module} is no servo module: it is of type {kind}"
+                )
             }
             Self::Doubtful => {
                 out.write_str("only damaged answers while the modules got their addresses")

@@ -11,7 +11,7 @@ pub const fn help(trouble: &Trouble) -> Option<&'static str> {
             "is it the right port, are the modules powered, is ADDR_IN of the farthest one low? \
              After power off and on the modules accept group commands again. --raw shows the bytes"
         }
-        Trouble::NoModule { .. } => {
+        Trouble::NoModule { .. } | Trouble::NotServo { .. } => {
             "`module` of an axis in the machine file is its address; the farthest one has address 1"
         }
         Trouble::Doubtful => "switch the modules off and on; --raw shows the bytes",
