@@ -49,8 +49,8 @@ impl<P: Port> Head<P> {
     ///
     /// # Errors
     ///
-    /// No answer, fewer modules than the machine has or other ones, different periods, no motor power, or a
-    /// machine without axes.
+    /// No answer, fewer modules than the machine has or other ones, different periods, no motor
+    /// power, or a machine without axes.
     pub fn start(mut line: Line<P>, machine: &Machine, touches: u8) -> Result<Self, Trouble> {
         if machine.axes.is_empty() {
             return Err(Trouble::NoAxis { axis: 'X' });
