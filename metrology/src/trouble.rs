@@ -27,6 +27,13 @@ pub enum Trouble {
         /// Modules on the line.
         modules: u8,
     },
+    /// The module of an axis is of another kind.
+    NotServo {
+        /// Its address.
+        module: u8,
+        /// What it reports: 2 for inputs and outputs, 3 for a stepper.
+        kind: u8,
+    },
     /// The line is disturbed, or two modules answer at once.
     Doubtful,
     /// A motor has no supply.
@@ -114,6 +121,11 @@ pub enum Trouble {
         /// Where it ended.
         to: String,
     },
+    /// The contact closed that a touch in the other sense closes.
+    OtherSense {
+        /// Where.
+        at: String,
+    },
     /// There was no contact at the start of a search for its end.
     NotTouching,
     /// The contact changed only after the search had ended.
@@ -161,6 +173,12 @@ impl fmt::Display for Trouble {
             Self::NoModule { wanted, modules } => {
                 write!(out, "no answer of module {wanted}: {modules} on the line")
             }
+            Self::NotServo { module, kind } => {
+                write!(
+                    out,
+                    "module {module} is no servo module: it is of type {kind}"
+                )
+            }
             Self::Doubtful => {
                 out.write_str("only damaged answers while the modules got their addresses")
             }
@@ -201,6 +219,9 @@ impl fmt::Display for Trouble {
             Self::DoubtfulContact => out.write_str(
                 "a second reading does not confirm a reported contact: all axes have been stopped",
             ),
+            Self::OtherSense { at } => {
+                write!(out, "the contact of the other sense has closed at {at}")
+            }
             Self::NotTouching => out.write_str("nothing to leave: no contact at start"),
             Self::NotLatched { at } => write!(out, "contact, not latched, at {at}"),
             Self::Kept { from, to } => {

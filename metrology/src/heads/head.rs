@@ -49,19 +49,15 @@ impl<P: Port> Head<P> {
     ///
     /// # Errors
     ///
-    /// No answer, fewer modules than the machine has, different periods, no motor power, or a
-    /// machine without axes.
+    /// No answer, fewer modules than the machine has or other ones, different periods, no motor
+    /// power, or a machine without axes.
     pub fn start(mut line: Line<P>, machine: &Machine, touches: u8) -> Result<Self, Trouble> {
         if machine.axes.is_empty() {
             return Err(Trouble::NoAxis { axis: 'X' });
         }
         line.name_axes(machine);
-        let chain = line.start_up(machine.baud)?;
-        let wanted = machine.modules();
-        if chain.modules < wanted {
-            let modules = chain.modules;
-            return Err(Trouble::NoModule { wanted, modules });
-        }
+        let modules = machine.axes.iter().map(|axis| axis.module);
+        let chain = line.start_servos(machine.baud, modules)?;
         let mut head = Self {
             line,
             axes: machine.axes.iter().copied().map(Servo::new).collect(),
