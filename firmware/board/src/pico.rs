@@ -21,7 +21,7 @@
 //: } INSERT BEFORE .text;
 
 use crate::{
-    CriticalSection, Shared,
+    CriticalSection, Pins, Shared,
     nvic::{self, Vector, vectors},
     registers::{read, set},
 };
@@ -50,12 +50,17 @@ const OE_SET: usize = 0x24;
 const BY_SIO: u32 = 5;
 /// A pad with input, 4 mA and pull-up.
 const PULLED_UP: u32 = 1 << 6 | 1 << 4 | 1 << 3;
-/// Motors, from bit 0: GP2 to GP9.
-const MOTORS: u32 = 0xff << 2;
-/// Other outputs: GP10 to GP13.
-const OUTPUTS: u32 = 0xf << 10;
-/// The first of five switches to ground: GP14 to GP18.
-const INPUTS: usize = 14;
+/// Motors, from bit 0: GP2 to GP9. With the feature `wide`: GP2 to GP19.
+const MOTORS: u32 = if IS_WIDE { 0x3_ffff << 2 } else { 0xff << 2 };
+/// Other outputs: GP10 to GP13. With the feature `wide` there are two: GP20 and GP21.
+const OUTPUTS: u32 = if IS_WIDE { 3 << 20 } else { 0xf << 10 };
+/// Switches to ground: GP14 to GP18. With the feature `wide` there are three: GP22, GP26 and GP27.
+const INPUTS: &[usize] = if IS_WIDE {
+    &[22, 26, 27]
+} else {
+    &[14, 15, 16, 17, 18]
+};
+const IS_WIDE: bool = cfg!(feature = "wide");
 /// The timer accepts every wait: none is above 2^31.
 pub const LONGEST_US: u32 = u32::MAX;
 /// The counter of time counts microseconds.
@@ -89,10 +94,11 @@ static LAST_US: Shared<u32> = Shared::new(0);
 pub fn start() {
     // If the clocks do not start, there is no link.
     LINE.with(|line| *line = open().ok().flatten());
-    for pin in 2..INPUTS + 5 {
+    for pin in (0..32).filter(|pin| (MOTORS | OUTPUTS) >> pin & 1 != 0) {
         set(IO_BANK + 8 * pin + 4, BY_SIO);
     }
-    for pin in INPUTS..INPUTS + 5 {
+    for pin in INPUTS {
+        set(IO_BANK + 8 * pin + 4, BY_SIO);
         set(PADS + 4 + 4 * pin, PULLED_UP);
     }
     set(SIO + OE_SET, MOTORS | OUTPUTS);
@@ -175,15 +181,17 @@ pub fn counts(simulated: u16) -> u16 {
 
 /// Sets the motors' pins.
 #[inline]
-pub fn write(levels: u8) {
-    let high = u32::from(levels) << 2;
+pub fn write(levels: Pins) {
+    // It is a byte, unless the feature `wide` is on.
+    #[allow(clippy::useless_conversion)]
+    let high = u32::from(levels) << 2 & MOTORS;
     set(SIO + OUT_CLR, MOTORS & !high);
     set(SIO + OUT_SET, high);
 }
 
 /// Sets the other outputs.
 pub fn switch(outputs: u8) {
-    let high = u32::from(outputs) << 10 & OUTPUTS;
+    let high = u32::from(outputs) << OUTPUTS.trailing_zeros() & OUTPUTS;
     set(SIO + OUT_CLR, OUTPUTS & !high);
     set(SIO + OUT_SET, high);
 }
@@ -193,7 +201,11 @@ pub fn inputs(simulated: u8) -> u8 {
     if cfg!(not(feature = "switches")) {
         return simulated;
     }
-    (!read(SIO + GPIO_IN) >> INPUTS & 0x1f) as u8
+    let open = read(SIO + GPIO_IN);
+    INPUTS
+        .iter()
+        .rev()
+        .fold(0, |closed, pin| closed << 1 | (!open >> pin & 1) as u8)
 }
 
 /// The counter of time, which wraps: [`CLOCKS_PER_US`] a microsecond.
