@@ -32,6 +32,7 @@ const BAUDDIV: usize = 0x10;
 const GPIO0: usize = 0x4001_0000;
 const GPIO1: usize = 0x4001_1000;
 /// Pins addressed by their mask.
+#[cfg(not(feature = "wide"))]
 const LOW_BYTE: usize = 0x400 + 4 * 0xff;
 const PINS_8_TO_11: usize = 0x800 + 4 * 0x0f;
 const OUTENSET: usize = 0x10;
