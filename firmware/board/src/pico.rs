@@ -50,17 +50,22 @@ const OE_SET: usize = 0x24;
 const BY_SIO: u32 = 5;
 /// A pad with input, 4 mA and pull-up.
 const PULLED_UP: u32 = 1 << 6 | 1 << 4 | 1 << 3;
-/// Motors, from bit 0: GP2 to GP9. With the feature `wide`: GP2 to GP19.
-const MOTORS: u32 = if IS_WIDE { 0x3_ffff << 2 } else { 0xff << 2 };
-/// Other outputs: GP10 to GP13. With the feature `wide` there are two: GP20 and GP21.
-const OUTPUTS: u32 = if IS_WIDE { 3 << 20 } else { 0xf << 10 };
-/// Switches to ground: GP14 to GP18. With the feature `wide` there are three: GP22, GP26 and GP27.
-const INPUTS: &[usize] = if IS_WIDE {
-    &[22, 26, 27]
-} else {
-    &[14, 15, 16, 17, 18]
-};
+/// Motors, from bit 0: GP2 to GP9.
+const MOTORS: u32 = 0xff << 2;
+/// Other outputs: GP10 to GP13.
+const OUTPUTS: u32 = 0xf << 10;
+/// Switches to ground: GP14 to GP18.
+const INPUTS: [usize; 5] = [14, 15, 16, 17, 18];
+/// With the feature `wide`: motors at GP2 to GP19, two outputs at GP20 and GP21, three switches at
+/// GP22, GP26 and GP27.
 const IS_WIDE: bool = cfg!(feature = "wide");
+const WIDE_MOTORS: u32 = 0x3_ffff << 2;
+const WIDE_OUTPUTS: u32 = 3 << 20;
+const WIDE_INPUTS: [usize; 3] = [22, 26, 27];
+/// The motors' pins, the other outputs and the switches with these features.
+const MOTORS_NOW: u32 = if IS_WIDE { WIDE_MOTORS } else { MOTORS };
+const OUTPUTS_NOW: u32 = if IS_WIDE { WIDE_OUTPUTS } else { OUTPUTS };
+const INPUTS_NOW: &[usize] = if IS_WIDE { &WIDE_INPUTS } else { &INPUTS };
 /// The timer accepts every wait: none is above 2^31.
 pub const LONGEST_US: u32 = u32::MAX;
 /// The counter of time counts microseconds.
@@ -94,14 +99,14 @@ static LAST_US: Shared<u32> = Shared::new(0);
 pub fn start() {
     // If the clocks do not start, there is no link.
     LINE.with(|line| *line = open().ok().flatten());
-    for pin in (0..32).filter(|pin| (MOTORS | OUTPUTS) >> pin & 1 != 0) {
+    for pin in (0..32).filter(|pin| (MOTORS_NOW | OUTPUTS_NOW) >> pin & 1 != 0) {
         set(IO_BANK + 8 * pin + 4, BY_SIO);
     }
-    for pin in INPUTS {
+    for pin in INPUTS_NOW {
         set(IO_BANK + 8 * pin + 4, BY_SIO);
         set(PADS + 4 + 4 * pin, PULLED_UP);
     }
-    set(SIO + OE_SET, MOTORS | OUTPUTS);
+    set(SIO + OE_SET, MOTORS_NOW | OUTPUTS_NOW);
     LAST_US.with(|last| *last = read(TIMER + NOW_US));
     nvic::unmask(TIMER_0);
     nvic::unmask(USB);
@@ -184,16 +189,17 @@ pub fn counts(simulated: u16) -> u16 {
 pub fn write(levels: Pins) {
     // It is a byte, unless the feature `wide` is on.
     #[allow(clippy::useless_conversion)]
-    let high = u32::from(levels) << 2 & MOTORS;
-    set(SIO + OUT_CLR, MOTORS & !high);
-    set(SIO + OUT_SET, high);
+    let high = u32::from(levels) << 2;
+    set(SIO + OUT_CLR, MOTORS_NOW & !high);
+    set(SIO + OUT_SET, high & MOTORS_NOW);
 }
 
 /// Sets the other outputs.
 pub fn switch(outputs: u8) {
-    let high = u32::from(outputs) << OUTPUTS.trailing_zeros() & OUTPUTS;
-    set(SIO + OUT_CLR, OUTPUTS & !high);
-    set(SIO + OUT_SET, high);
+    let high = u32::from(outputs) << 10 & OUTPUTS;
+    let high = if IS_WIDE { high << 10 } else { high };
+    set(SIO + OUT_CLR, OUTPUTS_NOW & !high);
+    set(SIO + OUT_SET, high & OUTPUTS_NOW);
 }
 
 /// Reads the switches; a closed one is 1.
@@ -202,7 +208,7 @@ pub fn inputs(simulated: u8) -> u8 {
         return simulated;
     }
     let open = read(SIO + GPIO_IN);
-    INPUTS
+    INPUTS_NOW
         .iter()
         .rev()
         .fold(0, |closed, pin| closed << 1 | (!open >> pin & 1) as u8)
