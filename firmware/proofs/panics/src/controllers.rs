@@ -4,9 +4,9 @@ use core::hint::black_box;
 
 use husillo_controllers::{
     Controller, Drill as AnyDrill, DrillEvent, Microfactory as AnyMicrofactory, MicrofactoryEvent,
-    MicrofactoryStation as AnyMicrofactoryStation, Micromill as AnyMicromill, MicromillEvent,
-    MicromillStep, MicromillStops as Stops, ServoModule, ServoModuleOutput, StopBytes, Timed,
-    servo_law,
+    MicrofactoryStation as AnyMicrofactoryStation, Micromill as AnyMicromill, MicromillConfig,
+    MicromillEvent, MicromillStep, MicromillStops as Stops, ServoModule, ServoModuleOutput,
+    StopBytes, Timed, servo_law,
 };
 
 type Microfactory = AnyMicrofactory<&'static [[i16; 2]]>;
@@ -67,6 +67,7 @@ pub fn keep() {
         Micromill::receive as *const (),
         Micromill::stops as *const (),
         Micromill::reports_next as *const (),
+        MicromillConfig::with_step_of as *const (),
         MicromillStep::deltas as *const (),
         Micromill::transmit as *const (),
         Drill::new as *const (),
