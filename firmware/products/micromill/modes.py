@@ -1,7 +1,8 @@
 """Half and quarter steps, and the A3988: all inputs of the drivers are at pins.
 
 The firmware is built with each of these features. Then every step, its wait and the 18 levels must
-be those of the host for a machine with the same steps and drivers.
+be those of the host for a machine with the same steps and drivers. The host sends the strings once
+more, with the file of that machine.
 """
 
 from __future__ import annotations
@@ -10,12 +11,12 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from husillo_firmware import registers
+from husillo_firmware import host, registers
 from husillo_firmware.boards import MPS2, Board
 from husillo_firmware.build import FIRMWARE
 
 from products.micromill.link import DONE, Micromill
-from products.micromill.program import Wiring, compare, lines_of
+from products.micromill.program import IN_VIRTUAL_TIME, Wiring, compare, lines_of
 
 MACHINE = FIRMWARE.parent / "machines/micromill.toml"
 # A slope, an arc and a reversal of X. Each axis makes more than a cycle of its levels.
@@ -86,3 +87,8 @@ def compare_mode(board: Board, steps: Steps, folder: Path) -> None:
     wiring = Wiring(LINES_PER_MOTOR, FULL_STEPS_PER_CYCLE * steps.parts, lambda levels: levels)
     lines = lines_of(STRINGS, folder, "-m", machine)
     compare(board, registers.read_file(board, log), lines, wiring)
+    part = folder / "part.mm"
+    part.write_text("\n".join(STRINGS) + "\n")
+    with Micromill(board, features=steps.features, is_connected=False) as mill:
+        mill.booted()
+        host.send(part, str(machine), mill.tcp, *IN_VIRTUAL_TIME)
