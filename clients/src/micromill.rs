@@ -14,7 +14,7 @@ mod translate;
 
 pub use action::{Action, Leg, Pace};
 pub use hand::Hand;
-pub use position::{LengthUnit, position, work_zero};
+pub use position::{Frame, LengthUnit, position, work_zero};
 pub use sender::{Sender, Sending, Sent};
 pub use session::Session;
 pub use translate::{Translated, Translator, translate};

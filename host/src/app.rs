@@ -48,6 +48,7 @@ use crate::tuning;
 use clap::CommandFactory;
 use husillo_clients::drill::visiting_order::Metric;
 use husillo_clients::microfactory::Settings;
+use husillo_gcode::Dialect;
 use std::io::{self, BufWriter, IsTerminal, Write};
 
 /// The program has no errors.
@@ -193,8 +194,13 @@ fn jog(args: &Jog) -> Result<u8, Failure> {
     let out = &mut console::stdout();
     let is_well = match args.machine.as_str() {
         "drill" => drill::jog(args, out)?,
-        "micromill" => {
-            let is_well = micromill::jog(args, out)?;
+        machine if milling::is_mill(machine) => {
+            let file = load(machine)?;
+            let config = setup::config(&file, Dialect::MICROMILL)?;
+            if let [port] = &args.port[..] {
+                milling::expect_a_port(port, &config)?;
+            }
+            let is_well = micromill::jog(args, config, out)?;
             return Ok(if is_well { OK } else { milling::failed() });
         }
         machine => {

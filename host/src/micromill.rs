@@ -11,7 +11,8 @@
 use crate::cli::Jog;
 use crate::console::sharing::share;
 use crate::console::stop::stop_requests;
-use husillo_clients::micromill::{Action, BAUD, Hand, LEASE_MS, LengthUnit, open};
+use husillo_clients::micromill::{Action, BAUD, Frame, Hand, LEASE_MS, LengthUnit, open};
+use husillo_machine::Config;
 use husillo_sim::device::micromill::Device;
 use husillo_transports::micromill::{Line, Order};
 use std::fmt::Write as _;
@@ -60,7 +61,7 @@ pub fn text(lines: &[(usize, Line)]) -> String {
 /// # Errors
 ///
 /// A sentence about a wrong action, before anything moves.
-pub fn jog(args: &Jog, out: &mut dyn io::Write) -> Result<bool, String> {
+pub fn jog(args: &Jog, config: Config<3>, out: &mut dyn io::Write) -> Result<bool, String> {
     let actions = Action::parse(&args.actions)?;
     let [name] = &args.port[..] else {
         return Err("a mill is driven alone: one --port".into());
@@ -77,7 +78,8 @@ pub fn jog(args: &Jog, out: &mut dyn io::Write) -> Result<bool, String> {
         false => LengthUnit::Millimetres,
     };
     let lease_ms = args.lease.unwrap_or(LEASE_MS);
-    let mut hand = match Hand::new(wire, baud, lease_ms, unit, stop) {
+    let frame = Frame { config, unit };
+    let mut hand = match Hand::new(wire, baud, lease_ms, frame, stop) {
         Ok(hand) => hand,
         Err(sentence) => {
             // A closed terminal does not matter.

@@ -188,3 +188,28 @@ fn steps_that_were_not_reported_are_noticed() {
             "the controller is x +0 y -4 z +0 steps from where its reported steps end",
         )));
 }
+
+/// The file of a mill whose motors make quarter steps.
+#[test]
+fn a_mill_with_other_steps_has_a_file() {
+    let text = std::fs::read_to_string("../machines/micromill.toml").unwrap();
+    let text = text.replace("\"0.14 um\"", "\"0.035 um\"");
+    let text = text.replace("mode = \"full\"", "mode = \"quarter\"");
+    let file = written("quarter.toml", &text);
+    let file = file.to_str().unwrap();
+    let jog = |port: &str| {
+        let jog = ["jog", "y", "-40", "where", "-m", file, "--port", port];
+        husillo().args(jog).assert()
+    };
+    jog(&controller(Some(10)))
+        .success()
+        .stdout(contains("machine   X 0 Y -0.0014 Z 0 mm"));
+    jog("sim").code(2).stderr(contains("steps of 140 nm"));
+    let line = written("quarter.mm", "G00X00000.04;\n");
+    husillo()
+        .args(["send", line.to_str().unwrap(), "-m", file, "--port"])
+        .arg(controller(Some(10)))
+        .assert()
+        .success()
+        .stdout(contains("Position   x 1 y 0 z 0 steps"));
+}

@@ -1,8 +1,9 @@
 //! The micro mill with its faults.
 
 use super::{Fault, State, Subject, last_step_ms};
-use crate::micromill::{Action, BAUD, Hand, LEASE_MS, LengthUnit, Sender, Sending, Session};
+use crate::micromill::{Action, BAUD, Frame, Hand, LEASE_MS, LengthUnit, Sender, Sending, Session};
 use crate::{StopRequests, Wire};
+use husillo_controllers::MicromillConfig;
 use husillo_sim::device::Emulation;
 use husillo_sim::device::micromill::Device;
 use husillo_transports::micromill::{Axis, Line, Point};
@@ -28,7 +29,11 @@ pub struct Micromill {
 
 fn hand(device: Device) -> Result<Hand, String> {
     let (wire, stop) = (Wire::simulated(device), StopRequests::default());
-    Hand::new(wire, BAUD, LEASE_MS, LengthUnit::Millimetres, stop)
+    let frame = Frame {
+        config: MicromillConfig::MICROMILL.machine,
+        unit: LengthUnit::Millimetres,
+    };
+    Hand::new(wire, BAUD, LEASE_MS, frame, stop)
 }
 
 impl Micromill {

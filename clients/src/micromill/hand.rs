@@ -1,10 +1,9 @@
 //! A mill moved by hand.
 
 use super::action::{Action, Leg, Pace};
-use super::position::{self, LengthUnit};
+use super::position::{self, Frame};
 use super::session::{Session, why};
 use crate::{StopRequests, Wire};
-use husillo_controllers::MicromillConfig;
 use husillo_sim::device::micromill::Device;
 use husillo_transports::micromill::{Axis, Order, Outcome, State};
 use std::time::Duration;
@@ -22,13 +21,13 @@ pub struct Hand {
     session: Session,
     /// `None`: the controller does not report its state.
     state: Option<State>,
-    unit: LengthUnit,
+    frame: Frame,
 }
 
 impl Hand {
     /// Stops any motion, and asks for the state of the controller. From now on every motion ends
     /// `lease_ms` after the last byte of the host; with 0 it needs no host. Positions are reported
-    /// in `unit`.
+    /// in `frame`.
     ///
     /// # Errors
     ///
@@ -37,7 +36,7 @@ impl Hand {
         wire: Wire<Device>,
         bits_per_s: u32,
         lease_ms: u16,
-        unit: LengthUnit,
+        frame: Frame,
         stop: StopRequests,
     ) -> Result<Self, String> {
         let mut session = Session::new(wire, bits_per_s, stop);
@@ -48,7 +47,7 @@ impl Hand {
         Ok(Self {
             session,
             state,
-            unit,
+            frame,
         })
     }
 
@@ -118,7 +117,6 @@ impl Hand {
 
     /// The text about an action that was carried out.
     fn done(&self, action: &Action, steps: usize, stands: &str) -> String {
-        let config = &MicromillConfig::MICROMILL.machine;
         match (action, &self.state) {
             (Action::Home, _) => "homed".into(),
             (Action::Where, Some(state)) => {
@@ -126,7 +124,7 @@ impl Hand {
                     true => "homed",
                     false => "not homed",
                 };
-                format!("{homed}\n{}", position::report(state, config, self.unit))
+                format!("{homed}\n{}", position::report(state, &self.frame))
             }
             (Action::Where, None) => {
                 format!("position, work zero and backlash are unknown: {UNREPORTED}")

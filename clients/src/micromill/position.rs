@@ -14,6 +14,15 @@ pub enum LengthUnit {
     Inches,
 }
 
+/// How positions are printed.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame {
+    /// The steps of the mill.
+    pub config: Config<3>,
+    /// The unit of lengths.
+    pub unit: LengthUnit,
+}
+
 impl LengthUnit {
     fn text(self, nm: i64) -> String {
         // Below 2.2 m, so the quotient is exact to the last printed digit.
@@ -82,7 +91,7 @@ pub fn uncounted(before: &State, steps: &[i64; 3], now: &State) -> Option<String
 }
 
 /// Machine and work coordinates, work zero, steps and backlash: a row each.
-pub fn report(state: &State, config: &Config<3>, unit: LengthUnit) -> String {
+pub fn report(state: &State, Frame { config, unit }: &Frame) -> String {
     let mut text = String::new();
     let zero = work_zero(state).map(|nm| nm.0);
     if state.is_homed {
@@ -131,14 +140,17 @@ mod tests {
             ],
             is_homed: true,
         };
-        let config = &MicromillConfig::MICROMILL.machine;
+        let config = MicromillConfig::MICROMILL.machine;
+        let unit = LengthUnit::Millimetres;
+        let frame = Frame { config, unit };
         assert_eq!(
-            report(&state, config, LengthUnit::Millimetres),
+            report(&state, &frame),
             "  machine   X 0.098 Y 0.04186 Z -0.00014 mm\n  work      X -0.322 Y 0.04186 Z \
              -0.00014 mm\n  work zero X 0.42 Y 0 Z 0 mm\n  steps     x 700 y 299 z -1, motors at x \
              700 y -972 z -1\n  backlash  x 1429 y 1271 z 0 steps"
         );
-        let inches = report(&state, config, LengthUnit::Inches);
+        let unit = LengthUnit::Inches;
+        let inches = report(&state, &Frame { config, unit });
         assert!(
             inches.starts_with("  machine   X 0.0038583 Y 0.001648 Z -0.0000055 inch\n"),
             "{inches}"
@@ -147,7 +159,7 @@ mod tests {
             is_homed: false,
             ..state
         };
-        let unknown = report(&lost, config, LengthUnit::Millimetres);
+        let unknown = report(&lost, &frame);
         assert!(
             unknown.starts_with("  machine   unknown: not homed\n  work      unknown: not homed\n"),
             "{unknown}"

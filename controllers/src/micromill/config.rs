@@ -1,6 +1,7 @@
 //! Configuration of a mill.
 
-use husillo_machine::Config;
+use husillo_gcode::{Dialect, Nm};
+use husillo_machine::{Axis, Config, Scale};
 
 /// The fixed properties of a mill, a constant of its firmware.
 #[derive(Copy, Clone, Debug)]
@@ -25,29 +26,53 @@ pub struct MicromillConfig {
 impl MicromillConfig {
     /// The micro mill: 140 nm per step, 10 x 7 mm, backlash 204 and 178 um, 170 steps per second,
     /// 390 at most, as in `machines/micromill.toml`.
-    pub const MICROMILL: MicromillConfig = MicromillConfig {
-        machine: micromill(),
-        jog_hz: 170,
-        jog_change_hz: 10,
-        top_hz: 390,
-        back_off_steps: 400,
-        // 10 mm are 71 429 steps, plus the backlash of 1457.
-        search_steps: 80_000,
-    };
+    pub const MICROMILL: MicromillConfig = MicromillConfig::with_step_of(1);
+
+    /// The micro mill whose motors make `parts` steps for a full step: 1, 2 for half steps, or 4
+    /// for quarter steps; at most 16. The speeds in mm/min are the same.
+    pub const fn with_step_of(parts: u8) -> MicromillConfig {
+        let parts = match parts {
+            0 => 1,
+            1..=16 => parts as u16,
+            _ => 16,
+        };
+        // No product is above 16 times its full steps.
+        MicromillConfig {
+            machine: micromill(parts),
+            jog_hz: parts.wrapping_mul(170),
+            jog_change_hz: parts.wrapping_mul(10),
+            top_hz: parts.wrapping_mul(390),
+            back_off_steps: parts.wrapping_mul(400),
+            // 10 mm are 71 429 full steps, plus the backlash of 1457.
+            search_steps: (parts as u32).wrapping_mul(80_000),
+        }
+    }
 }
 
-const fn micromill() -> Config<3> {
-    use husillo_gcode::{Dialect, Nm};
-    use husillo_machine::{Axis, Scale};
+/// A full step of the motors, in nanometres.
+const FULL_STEP_NM: u32 = 140;
+const FULL_STEP: Scale = match Scale::new(FULL_STEP_NM, 1) {
+    Some(scale) => scale,
+    None => panic!("140 nm is a length"),
+};
 
-    let scale = match Scale::new(140, 1) {
+/// The nearest number of steps to a backlash in nanometres. `parts` is 1 to 16.
+const fn lash_steps(nm: u32, parts: u16) -> u32 {
+    // Below 2^24.
+    let parts_of_nm = nm.wrapping_mul(parts as u32);
+    parts_of_nm.wrapping_add(FULL_STEP_NM / 2) / FULL_STEP_NM
+}
+
+/// `parts` is 1 to 16.
+const fn micromill(parts: u16) -> Config<3> {
+    let scale = match Scale::new(FULL_STEP_NM, parts as u32) {
         Some(scale) => scale,
-        None => panic!("140 nm is a length"),
+        None => FULL_STEP, // never reached: neither is zero
     };
     let axis = Axis {
         scale,
         travel: None,
-        max_rate_hz: 170,
+        max_rate_hz: parts.wrapping_mul(170) as u32,
         lash_steps: 0,
         ramp: None,
     };
@@ -55,12 +80,12 @@ const fn micromill() -> Config<3> {
         axes: [
             Axis {
                 travel: Some([Nm(0), Nm(10_000_000)]),
-                lash_steps: 1457,
+                lash_steps: lash_steps(204_000, parts),
                 ..axis
             },
             Axis {
                 travel: Some([Nm(0), Nm(7_000_000)]),
-                lash_steps: 1271,
+                lash_steps: lash_steps(178_000, parts),
                 ..axis
             },
             axis,

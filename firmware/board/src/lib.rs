@@ -15,7 +15,7 @@
 //! | --- | --- |
 //! | `start()` | starts pins, timer, UART and interrupts |
 //! | `send(byte) -> bool` | sends a byte, if the transmitter is free |
-//! | `write(levels: u8)` | sets the motors' pins; called by the step interrupt |
+//! | `write(levels: Pins)` | sets the motors' pins; called by the step interrupt |
 //! | `switch(outputs: u8)` | sets up to four other outputs: spindle, current |
 //! | `inputs(simulated: u8) -> u8` | reads up to five switches, 1 for closed; without switches it returns `simulated` |
 //! | `wait(us: u32, section)` | calls `on_time` this many microseconds after the end of the previous wait, or at once if that time has passed; if the previous wait was cut short, the time counts from now |
@@ -66,6 +66,13 @@ use cortex_m::asm::wfi;
 use riscv::asm::wfi;
 
 use heapless::spsc::Queue;
+
+/// Levels of the motors' pins, bit 0 for the first one: 8 pins, or 18 with the feature `wide`.
+#[cfg(not(feature = "wide"))]
+pub type Pins = u8;
+/// Levels of the motors' pins, bit 0 for the first one: 8 pins, or 18 with the feature `wide`.
+#[cfg(feature = "wide")]
+pub type Pins = u32;
 
 // Safety: every firmware defines both functions with these signatures.
 unsafe extern "Rust" {

@@ -9,7 +9,7 @@
 //: }
 
 use crate::{
-    CriticalSection, Shared,
+    CriticalSection, Pins, Shared,
     nvic::{self, Vector, vectors},
     registers::{read, set},
 };
@@ -197,9 +197,13 @@ fn start_motor() {
     set(PPI_ENABLE, 3);
 }
 
+/// It has no 18 free pins.
+#[cfg(feature = "wide")]
+compile_error!("this board has 8 pins for motors: leave out the feature `wide`");
+
 /// Sets the motors' pins.
 #[inline]
-pub fn write(levels: u8) {
+pub fn write(levels: Pins) {
     let levels = u32::from(levels);
     let high = (levels & 0x3f) << 1 | (levels & 0xc0) << 5;
     set(GPIO + OUTCLR, MOTORS & !high);

@@ -1,9 +1,10 @@
 //! ARM's MPS2 board with a Cortex-M4F (QEMU: `mps2-an386`), 25 MHz.
 //!
 //! UART0 is the link. GPIO0 has the motors at pins 0 to 7 and other outputs at pins 8 to 11. GPIO1
-//! has switches to ground at pins 0 to 4. TIMER0 makes the step interrupt. Its reload value is 0,
-//! so it counts down once. TIMER1 counts freely, so the time that an interrupt takes does not add
-//! up over successive waits.
+//! has switches to ground at pins 0 to 4. With the feature `wide`, the motors are at pins 0 to 15 of
+//! GPIO2 and at pins 0 and 1 of GPIO3. TIMER0 makes the step interrupt. Its reload value is 0, so it
+//! counts down once. TIMER1 counts freely, so the time that an interrupt takes does not add up over
+//! successive waits.
 //: MEMORY
 //: {
 //:   FLASH : ORIGIN = 0x00000000, LENGTH = 64K
@@ -11,7 +12,7 @@
 //: }
 
 use crate::{
-    CriticalSection, Shared,
+    CriticalSection, Pins, Shared,
     nvic::{self, Vector, vectors},
     registers::{read, set},
 };
@@ -31,9 +32,15 @@ const BAUDDIV: usize = 0x10;
 const GPIO0: usize = 0x4001_0000;
 const GPIO1: usize = 0x4001_1000;
 /// Pins addressed by their mask.
+#[cfg(not(feature = "wide"))]
 const LOW_BYTE: usize = 0x400 + 4 * 0xff;
 const PINS_8_TO_11: usize = 0x800 + 4 * 0x0f;
 const OUTENSET: usize = 0x10;
+/// With the feature `wide`: the motors' lines 0 to 15, and 16 and 17.
+#[cfg(feature = "wide")]
+const WIDE: [usize; 2] = [0x4001_2000, 0x4001_3000];
+#[cfg(feature = "wide")]
+const DATAOUT: usize = 0x4;
 /// The counter of time counts clocks.
 pub const CLOCKS_PER_US: u32 = 25;
 const CLOCKS_PER_S: u32 = 25_000_000;
@@ -49,6 +56,10 @@ static SENT_AT: Shared<u32> = Shared::new(0);
 /// Starts pins, timers, UART and interrupts.
 pub fn start() {
     set(GPIO0 + OUTENSET, 0xfff);
+    #[cfg(feature = "wide")]
+    for (gpio, pins) in WIDE.into_iter().zip([0xffff, 0b11]) {
+        set(gpio + OUTENSET, pins);
+    }
     set(TIMER0 + RELOAD, 0);
     set(TIMER0 + VALUE, u32::MAX);
     set(TIMER0 + CTRL, 0b1001); // with its interrupt
@@ -94,8 +105,18 @@ pub fn counts(simulated: u16) -> u16 {
 
 /// Sets the motors' pins.
 #[inline]
-pub fn write(levels: u8) {
+#[cfg(not(feature = "wide"))]
+pub fn write(levels: Pins) {
     set(GPIO0 + LOW_BYTE, levels.into());
+}
+
+/// Sets the motors' pins.
+#[inline]
+#[cfg(feature = "wide")]
+pub fn write(levels: Pins) {
+    let [low, high] = WIDE;
+    set(low + DATAOUT, levels & 0xffff);
+    set(high + DATAOUT, levels >> 16 & 0b11);
 }
 
 /// Sets the other outputs.

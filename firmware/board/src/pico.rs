@@ -21,7 +21,7 @@
 //: } INSERT BEFORE .text;
 
 use crate::{
-    CriticalSection, Shared,
+    CriticalSection, Pins, Shared,
     nvic::{self, Vector, vectors},
     registers::{read, set},
 };
@@ -54,8 +54,18 @@ const PULLED_UP: u32 = 1 << 6 | 1 << 4 | 1 << 3;
 const MOTORS: u32 = 0xff << 2;
 /// Other outputs: GP10 to GP13.
 const OUTPUTS: u32 = 0xf << 10;
-/// The first of five switches to ground: GP14 to GP18.
-const INPUTS: usize = 14;
+/// Switches to ground: GP14 to GP18.
+const INPUTS: [usize; 5] = [14, 15, 16, 17, 18];
+/// With the feature `wide`: motors at GP2 to GP19, two outputs at GP20 and GP21, three switches at
+/// GP22, GP26 and GP27.
+const IS_WIDE: bool = cfg!(feature = "wide");
+const WIDE_MOTORS: u32 = 0x3_ffff << 2;
+const WIDE_OUTPUTS: u32 = 3 << 20;
+const WIDE_INPUTS: [usize; 3] = [22, 26, 27];
+/// The motors' pins, the other outputs and the switches with these features.
+const MOTORS_NOW: u32 = if IS_WIDE { WIDE_MOTORS } else { MOTORS };
+const OUTPUTS_NOW: u32 = if IS_WIDE { WIDE_OUTPUTS } else { OUTPUTS };
+const INPUTS_NOW: &[usize] = if IS_WIDE { &WIDE_INPUTS } else { &INPUTS };
 /// The timer accepts every wait: none is above 2^31.
 pub const LONGEST_US: u32 = u32::MAX;
 /// The counter of time counts microseconds.
@@ -89,13 +99,14 @@ static LAST_US: Shared<u32> = Shared::new(0);
 pub fn start() {
     // If the clocks do not start, there is no link.
     LINE.with(|line| *line = open().ok().flatten());
-    for pin in 2..INPUTS + 5 {
+    for pin in (0..32).filter(|pin| (MOTORS_NOW | OUTPUTS_NOW) >> pin & 1 != 0) {
         set(IO_BANK + 8 * pin + 4, BY_SIO);
     }
-    for pin in INPUTS..INPUTS + 5 {
+    for pin in INPUTS_NOW {
+        set(IO_BANK + 8 * pin + 4, BY_SIO);
         set(PADS + 4 + 4 * pin, PULLED_UP);
     }
-    set(SIO + OE_SET, MOTORS | OUTPUTS);
+    set(SIO + OE_SET, MOTORS_NOW | OUTPUTS_NOW);
     LAST_US.with(|last| *last = read(TIMER + NOW_US));
     nvic::unmask(TIMER_0);
     nvic::unmask(USB);
@@ -175,17 +186,20 @@ pub fn counts(simulated: u16) -> u16 {
 
 /// Sets the motors' pins.
 #[inline]
-pub fn write(levels: u8) {
+pub fn write(levels: Pins) {
+    // It is a byte, unless the feature `wide` is on.
+    #[allow(clippy::useless_conversion)]
     let high = u32::from(levels) << 2;
-    set(SIO + OUT_CLR, MOTORS & !high);
-    set(SIO + OUT_SET, high);
+    set(SIO + OUT_CLR, MOTORS_NOW & !high);
+    set(SIO + OUT_SET, high & MOTORS_NOW);
 }
 
 /// Sets the other outputs.
 pub fn switch(outputs: u8) {
     let high = u32::from(outputs) << 10 & OUTPUTS;
-    set(SIO + OUT_CLR, OUTPUTS & !high);
-    set(SIO + OUT_SET, high);
+    let high = if IS_WIDE { high << 10 } else { high };
+    set(SIO + OUT_CLR, OUTPUTS_NOW & !high);
+    set(SIO + OUT_SET, high & OUTPUTS_NOW);
 }
 
 /// Reads the switches; a closed one is 1.
@@ -193,7 +207,11 @@ pub fn inputs(simulated: u8) -> u8 {
     if cfg!(not(feature = "switches")) {
         return simulated;
     }
-    (!read(SIO + GPIO_IN) >> INPUTS & 0x1f) as u8
+    let open = read(SIO + GPIO_IN);
+    INPUTS_NOW
+        .iter()
+        .rev()
+        .fold(0, |closed, pin| closed << 1 | (!open >> pin & 1) as u8)
 }
 
 /// The counter of time, which wraps: [`CLOCKS_PER_US`] a microsecond.

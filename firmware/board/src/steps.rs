@@ -2,7 +2,7 @@
 
 use critical_section::CriticalSection;
 
-use crate::chosen::LONGEST_US;
+use crate::{Pins, chosen::LONGEST_US};
 
 /// A queued step. `D` is returned to the foreground if the step is dropped.
 #[derive(Clone, Copy)]
@@ -10,7 +10,7 @@ pub struct Step<D> {
     /// Microseconds after the previous step.
     pub wait_us: u32,
     /// Levels of the motors' pins after this step.
-    pub levels: u8,
+    pub levels: Pins,
     /// Data for the foreground.
     pub delta: D,
 }
@@ -37,7 +37,7 @@ enum Due {
 /// next step counts from the rise.
 ///
 /// A queue of `heapless` takes twice the instructions in the interrupt.
-pub struct Steps<D, const PLACES: usize, const PULSED: u8 = 0, const PULSE_US: u32 = 0> {
+pub struct Steps<D, const PLACES: usize, const PULSED: Pins = 0, const PULSE_US: u32 = 0> {
     places: [Step<D>; PLACES],
     /// Numbers of steps queued and made, wrapping. Modulo `PLACES` they are indices of slots.
     queued: u8,
@@ -47,7 +47,7 @@ pub struct Steps<D, const PLACES: usize, const PULSED: u8 = 0, const PULSE_US: u
     has_pulsed: bool,
 }
 
-impl<D: Copy, const PLACES: usize, const PULSED: u8, const PULSE_US: u32>
+impl<D: Copy, const PLACES: usize, const PULSED: Pins, const PULSE_US: u32>
     Steps<D, PLACES, PULSED, PULSE_US>
 {
     /// An empty queue; `delta` fills the slots.

@@ -18,7 +18,7 @@ use core::ptr::{read_volatile, write_volatile};
 use riscv::interrupt::Interrupt;
 
 use crate::{
-    CriticalSection, Shared,
+    CriticalSection, Pins, Shared,
     registers::{read, set},
 };
 
@@ -79,9 +79,13 @@ pub fn send(byte: u8) -> bool {
     is_free
 }
 
+/// It has no 18 free pins.
+#[cfg(feature = "wide")]
+compile_error!("this board has 8 pins for motors: leave out the feature `wide`");
+
 /// Sets the motors' levels.
 #[inline]
-pub fn write(levels: u8) {
+pub fn write(levels: Pins) {
     set_byte(UART + SCRATCH, levels);
 }
 

@@ -1,6 +1,6 @@
 //! The data that the foreground shares with the interrupts.
 
-use board::{CriticalSection, Steps};
+use board::{CriticalSection, Pins, Steps};
 use husillo_controllers::{Controller, StopBytes};
 
 use crate::Product;
@@ -12,14 +12,14 @@ use crate::Product;
 pub struct Interrupts<
     P: Product,
     const PLACES: usize,
-    const PULSED: u8 = 0,
+    const PULSED: Pins = 0,
     const PULSE_US: u32 = 0,
 > {
     pub(crate) steps: Steps<P::Undo, PLACES, PULSED, PULSE_US>,
     pub(crate) stops: <P::Controller as Controller>::Stops,
 }
 
-impl<P: Product, const PLACES: usize, const PULSED: u8, const PULSE_US: u32>
+impl<P: Product, const PLACES: usize, const PULSED: Pins, const PULSE_US: u32>
     Interrupts<P, PLACES, PULSED, PULSE_US>
 {
     /// An empty queue and no stopping byte. `undo` fills the slots of the queue.

@@ -16,7 +16,7 @@ mod transmitter;
 pub use interrupts::Interrupts;
 pub use transmitter::Transmitter;
 
-use board::{Shared, Step};
+use board::{Pins, Shared, Step};
 use husillo_controllers::Controller;
 
 /// The pins of a machine, and the state of its motors.
@@ -51,7 +51,7 @@ pub trait Product {
 /// A controller that does not plan ahead needs a queue of one slot. It gets the present state of
 /// the switches, and is asked for an event after the previous one was made.
 #[inline(never)]
-pub fn run<P: Product, const PLACES: usize, const PULSED: u8, const PULSE_US: u32>(
+pub fn run<P: Product, const PLACES: usize, const PULSED: Pins, const PULSE_US: u32>(
     product: &mut P,
     controller: &mut P::Controller,
     interrupts: &Shared<Interrupts<P, PLACES, PULSED, PULSE_US>>,
@@ -153,7 +153,7 @@ fn report<P: Product>(
 
 /// Queues an event. There must be room for it. Returns whether there is room for another one.
 #[inline(always)]
-fn push<P: Product, const PLACES: usize, const PULSED: u8, const PULSE_US: u32>(
+fn push<P: Product, const PLACES: usize, const PULSED: Pins, const PULSE_US: u32>(
     interrupts: &Shared<Interrupts<P, PLACES, PULSED, PULSE_US>>,
     step: Step<P::Undo>,
 ) -> bool {
@@ -166,7 +166,7 @@ fn push<P: Product, const PLACES: usize, const PULSED: u8, const PULSE_US: u32>(
 }
 
 /// Stops the motors, and drops and undoes the queued events.
-fn halt<P: Product, const PLACES: usize, const PULSED: u8, const PULSE_US: u32>(
+fn halt<P: Product, const PLACES: usize, const PULSED: Pins, const PULSE_US: u32>(
     product: &mut P,
     controller: &mut P::Controller,
     reported: &mut u8,

@@ -12,7 +12,7 @@ from husillo_firmware import boards, product
 from husillo_firmware.boards import Board
 from husillo_firmware.build import FIRMWARE
 
-from products.micromill import count, hostile, interrupt, jog, limits, program, stop
+from products.micromill import count, hostile, interrupt, jog, limits, modes, program, stop
 
 PROGRAM = FIRMWARE / "products/micromill/program.nc"
 # Half a million steps.
@@ -27,6 +27,7 @@ def all_of(board: Board, hostile_bytes: int) -> Iterator[tuple[str, int]]:
     jog.check(board)
     interrupt.check(board)
     hostile.check(board, hostile_bytes)
+    modes.check(board)
     yield from count.count(board)
 
 

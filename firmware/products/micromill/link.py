@@ -24,10 +24,13 @@ class Micromill(Firmware):
         self,
         board: Board,
         *arguments: str,
+        features: str = "",
         in_wall_time: bool = False,
         is_connected: bool = True,
     ) -> None:
-        super().__init__("micromill", board, *arguments, in_wall_time=in_wall_time)
+        super().__init__(
+            "micromill", board, *arguments, features=features, in_wall_time=in_wall_time
+        )
         if is_connected:
             self.connect()
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -56,7 +56,8 @@ def cut(board: Board, program: Path, is_traced: bool) -> Iterator[tuple[str, int
             fail(f"{board}: {of_strings} instead of {of_program}")
         late: list[float] = []
         if is_traced:
-            late = compare(board, registers.read_file(board, log), lines_of(program, folder))
+            sent = strings.read_text().splitlines()
+            late = compare(board, registers.read_file(board, log), lines_of(sent, folder))
     yield "steps", steps
     if late:
         # The lateness is the virtual time from the end of the wait until the time is read after
@@ -69,13 +70,24 @@ def cut(board: Board, program: Path, is_traced: bool) -> Iterator[tuple[str, int
     yield from firmware.memory(ram).items()
 
 
-def lines_of(program: Path, folder: Path) -> list[Line]:
-    """The strings that the host makes from a program, each with its rows."""
-    strings = host.says("compile", program, "-m", "micromill").splitlines()
+@dataclass
+class Wiring:
+    """The lines of a motor."""
+
+    # Lines per motor.
+    lines: int
+    # Steps of a cycle of its levels.
+    cycle: int
+    # The levels of these lines, from the host's levels of the motor's driver.
+    of: Callable[[int], int]
+
+
+def lines_of(strings: Sequence[str], folder: Path, *options: str | Path) -> list[Line]:
+    """The strings of a program, each with its rows. The options are those of `husillo steps`."""
     path, before, lines = folder / "part.mm", 0, []
     for count, string in enumerate(strings, 1):
         path.write_text("\n".join(strings[:count]) + "\n")
-        rows = rows_of(host.says("steps", path, "--levels", "-o", "-").splitlines())
+        rows = rows_of(host.says("steps", path, "--levels", "-o", "-", *options).splitlines())
         lines.append(Line(string, rows[before:]))
         before = len(rows)
     return lines
@@ -91,19 +103,25 @@ def phases(levels: int) -> int:
     return levels & 1 | levels >> 2 & 2
 
 
-def cycle_of(lines: Sequence[Line]) -> dict[int, int]:
-    """The phases of a motor after 0 to 3 steps, as in the host's files."""
+# In full steps only the phases are at pins.
+PHASES = Wiring(2, 4, phases)
+
+
+def cycle_of(lines: Sequence[Line], wiring: Wiring) -> dict[int, int]:
+    """The levels of a motor at each step of their cycle, as in the host's files."""
     cycle: dict[int, int] = {}
     sums = [0, 0, 0]
     for row in (row for line in lines for row in line.rows):
         for axis, letter in enumerate(AXES):
             sums[axis] += row["d" + letter]
-            found = phases(row["l" + letter])
-            same("the host's levels", cycle.setdefault(sums[axis] % 4, found), found)
+            found = wiring.of(row["l" + letter])
+            same("the host's levels", cycle.setdefault(sums[axis] % wiring.cycle, found), found)
     return cycle
 
 
-def compare(board: Board, happened: list[Happened], lines: Sequence[Line]) -> list[float]:
+def compare(
+    board: Board, happened: list[Happened], lines: Sequence[Line], wiring: Wiring = PHASES
+) -> list[float]:
     """Compares what happened after homing with the host's files.
 
     Returns the lateness in microseconds of every step but the first of each line.
@@ -111,7 +129,7 @@ def compare(board: Board, happened: list[Happened], lines: Sequence[Line]) -> li
     homed = happened.index(DONE) + 1
     at = [0, 0, 0]
     add_steps(registers.said(happened[:homed]), at)
-    cycle = cycle_of(lines)
+    cycle = cycle_of(lines, wiring)
     after = happened[homed:]
     made = registers.made(after)
     same(f"{board}: events", len(made), sum(len(line.rows) for line in lines))
@@ -129,8 +147,10 @@ def compare(board: Board, happened: list[Happened], lines: Sequence[Line]) -> li
                 at[axis] += delta
                 if delta:
                     expected += bytes([STEPS[0] | axis << 1 | (delta > 0)])
-            levels = sum(cycle[count % 4] << 2 * axis for axis, count in enumerate(at))
-            same(f"{where}: phases", step.levels, levels)
+            levels = sum(
+                cycle[count % wiring.cycle] << wiring.lines * axis for axis, count in enumerate(at)
+            )
+            same(f"{where}: levels", step.levels, levels)
             same(f"{where}: spindle", step.outputs, spindle)
             last = waited(board, where, step, row["wait_ticks"], last, place == 0)
             if place and step.at is not None:

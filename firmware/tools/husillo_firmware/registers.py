@@ -71,6 +71,7 @@ class Mps2(Registers):
 
     def __init__(self) -> None:
         self.at = 0
+        self.low = 0
 
     def now(self, value: int) -> int:
         self.at = ~value & 0xFFFF_FFFF
@@ -81,6 +82,11 @@ class Mps2(Registers):
             return "due", self.at + value
         if address == 0x4001_07FC:
             return "motors", value
+        # With the feature `wide`, the motors' pins are written in two parts.
+        if address == 0x4001_2004:
+            self.low = value
+        if address == 0x4001_3004:
+            return "motors", self.low | value << 16
         if address == 0x4001_083C:
             return "outputs", value >> 8
         return None

@@ -11,17 +11,41 @@ use crate::console::sharing::share;
 use crate::console::stop::{INTERRUPTED, stop_requests, stops_asked};
 use crate::console::typed::typed_line;
 use crate::diagnostics::Findings;
+use crate::machines::machine_file::MachineFile;
 use crate::micromill;
 use crate::programs::program;
 use comparison::compared;
 use husillo_clients::micromill::{self as client, Sender, Translated, Translator};
+use husillo_controllers::MicromillConfig;
+use husillo_machine::Config;
 use husillo_transports::micromill::{Line, State};
 use std::io::{self, Write};
+
+/// Whether a machine is the micro mill, or the file of one, whose motors may make other steps. Such
+/// a file has the same `name`.
+pub(super) fn is_mill(machine: &str) -> bool {
+    let is_named = || MachineFile::load(machine).is_ok_and(|file| file.name == "micromill");
+    machine == "micromill" || (!MachineFile::is_built_in(machine) && is_named())
+}
+
+/// The simulated mill makes full steps.
+pub(super) fn expect_a_port(port: &str, config: &Config<3>) -> Result<(), String> {
+    let full = MicromillConfig::MICROMILL.machine.axes;
+    let steps = config.axes.iter().zip(&full);
+    match port == "sim"
+        && steps
+            .into_iter()
+            .any(|(ours, full)| ours.scale != full.scale)
+    {
+        true => Err("the simulated mill at --port sim has steps of 140 nm, not those of -m".into()),
+        false => Ok(()),
+    }
+}
 
 /// Whether the machine is the micro mill.
 pub(super) fn is_for(target: &Target, file: &str) -> bool {
     match target.machine.as_deref() {
-        Some(name) => name == "micromill",
+        Some(name) => is_mill(name),
         None => file.to_ascii_lowercase().ends_with(".mm"),
     }
 }
@@ -58,7 +82,7 @@ pub(super) fn send(args: &Send) -> Result<u8, Failure> {
         return by_line::send(args);
     }
     let mut job = Job::new(file, &args.target, "micromill")?;
-    let mut sender = match connected(args, port)? {
+    let mut sender = match connected(args, port, &job.config)? {
         Ok(sender) => sender,
         Err(message) => return Ok(told(&job, &message)),
     };
@@ -78,7 +102,12 @@ pub(super) fn send(args: &Send) -> Result<u8, Failure> {
 }
 
 /// A controller at rest, and its state.
-fn connected(args: &Send, port: &str) -> Result<Result<Sender, String>, Failure> {
+fn connected(
+    args: &Send,
+    port: &str,
+    config: &Config<3>,
+) -> Result<Result<Sender, String>, Failure> {
+    expect_a_port(port, config)?;
     let baud = args.baud.unwrap_or(client::BAUD);
     let stop = stop_requests()?;
     let wire = client::open(port, baud)?;

@@ -51,7 +51,7 @@ fn confirm(place: Place, args: &Stop) -> Result<bool, Failure> {
     let Some(machine) = args.machine.clone().or(place.machine) else {
         return Ok(true);
     };
-    let is_by_hand = matches!(machine.as_str(), "drill" | "micromill");
+    let is_by_hand = machine == "drill" || super::milling::is_mill(&machine);
     if !is_by_hand && microfactory(&machine)?.is_none() {
         let halted = measuring::halt(&machine, &port, &mut console::stdout());
         return Ok(ended(halted)? == OK);

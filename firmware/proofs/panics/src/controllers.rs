@@ -5,8 +5,8 @@ use core::hint::black_box;
 use husillo_controllers::{
     Controller, Drill as AnyDrill, DrillEvent, DrillLights, Microfactory as AnyMicrofactory,
     MicrofactoryEvent, MicrofactoryStation as AnyMicrofactoryStation, Micromill as AnyMicromill,
-    MicromillEvent, MicromillStep, MicromillStops as Stops, ServoModule, ServoModuleOutput,
-    StopBytes, Timed, servo_law,
+    MicromillConfig, MicromillEvent, MicromillStep, MicromillStops as Stops, ServoModule,
+    ServoModuleOutput, StopBytes, Timed, servo_law,
 };
 
 type Microfactory = AnyMicrofactory<&'static [[i16; 2]]>;
@@ -74,6 +74,7 @@ pub fn keep() {
         Micromill::receive as *const (),
         Micromill::stops as *const (),
         Micromill::reports_next as *const (),
+        MicromillConfig::with_step_of as *const (),
         MicromillStep::deltas as *const (),
         Micromill::transmit as *const (),
         Drill::new as *const (),

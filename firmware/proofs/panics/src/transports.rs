@@ -279,8 +279,8 @@ mod micromill {
     use core::hint::black_box;
 
     use husillo_transports::micromill::{
-        Answer, Axis, AxisState, Device, Host, HostTiming, Line, Order, State, StateDigits,
-        Stops, Text,
+        Answer, Axis, AxisState, Device, Host, HostTiming, Line, Order, State, StateDigits, Stops,
+        Text,
     };
 
     pub fn keep() {

@@ -86,7 +86,7 @@ pub(super) fn send(args: &Send) -> Result<u8, Failure> {
         let message = "--single-block waits for Enter at the terminal, and there is none";
         return Err(message.to_owned().into());
     }
-    let mut sender = match connected(args, port)? {
+    let mut sender = match connected(args, port, &job.config)? {
         Ok(sender) => sender,
         Err(message) => return Ok(told(&job, &message)),
     };
