@@ -30,7 +30,8 @@ const fn region(
     }
 }
 
-/// Table 13. The thirds count from the left and from the top: so the plays of all tables agree best.
+/// Table 13. The thirds count from the left and from the top: so the plays of all tables agree
+/// best.
 pub const REGIONS: [Region; 6] = [
     region("A: X in H1", (0, 1.0), [2.5, 2.509, 190.0]),
     region("B: X in H2", (0, 0.0), [2.5, 2.503, 201.0]),
