@@ -11,6 +11,8 @@ mod parts;
 mod screws;
 mod squares;
 mod supply;
+#[cfg(test)]
+mod trials;
 
 pub use circle::Circle;
 pub use circles::circles;

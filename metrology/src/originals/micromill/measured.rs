@@ -149,14 +149,31 @@ pub fn third_mm(axis: usize, third: f64) -> f64 {
     third * 2.0 * MIDDLE_MM[axis] / 3.0
 }
 
+/// What the original does not state, and what had to be chosen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Choice {
+    /// Sign of what is left at each end of a circle.
+    pub signs: [f64; 4],
+    /// Direction in which the thirds count: of V along X, and of H against Y.
+    pub thirds: [f64; 2],
+}
+
+impl Choice {
+    /// The choice that leaves least.
+    pub const BEST: Choice = Choice {
+        signs: SIGNS,
+        thirds: [1.0; 2],
+    };
+}
+
 /// The plays of tables 13, 14 and 15: what was taken up and what was left.
-pub fn plays() -> Vec<Play> {
+pub fn plays(choice: &Choice) -> Vec<Play> {
     let regions = REGIONS.iter().map(|region| {
         let mut at_mm = [0.0; 2];
         // The line back ends there.
         at_mm[region.axis] = -region.programmed_mm / 2.0;
         let across = 1 - region.axis;
-        at_mm[across] = third_mm(across, region.third);
+        at_mm[across] = third_mm(across, choice.thirds[across] * region.third);
         Play {
             axis: region.axis,
             at_mm,
@@ -168,9 +185,10 @@ pub fn plays() -> Vec<Play> {
             let half = SQUARE_MM / 2.0;
             // The upper left corner for X, the lower left one for Y.
             let corner = [[-half, half], [-half, -half]][axis];
+            let middle = [0, 1].map(|index| choice.thirds[index] * square.at_mm[index]);
             Play {
                 axis,
-                at_mm: [0, 1].map(|index| square.at_mm[index] + corner[index]),
+                at_mm: [0, 1].map(|index| middle[index] + corner[index]),
                 lash_um: FIRST_TAKE_UP_UM[axis] * scale() + square.left_um[axis],
             }
         })
@@ -181,7 +199,7 @@ pub fn plays() -> Vec<Play> {
             Play {
                 axis,
                 at_mm: END_AT[end].map(|part| part * circle.radius_mm),
-                lash_um: LAST_TAKE_UP_UM[axis] * scale() + SIGNS[end] * circle.ends_um[end],
+                lash_um: LAST_TAKE_UP_UM[axis] * scale() + choice.signs[end] * circle.ends_um[end],
             }
         })
     });
