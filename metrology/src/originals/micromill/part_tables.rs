@@ -99,8 +99,9 @@ pub const PARTS: [Part; 5] = [
         ],
         mirrored_um: None,
         note: Some(
-            "Unexplained: the logo is 43 um higher than programmed, but only 2 and 3 um of play are \
-             left at its points. The simulation explains a part of its height, with more play than that.",
+            "Unexplained: the logo is 43 um higher than programmed, but only 2 and 3 um of play \
+             are left at its points. The simulation explains a part of its height, with more \
+             play than that.",
         ),
     },
     Part {
