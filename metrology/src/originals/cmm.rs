@@ -101,8 +101,8 @@ pub fn repeatability() -> Result<Table, String> {
         notes: vec![format!(
             "With the stated gains and without a dead band, friction stops the simulated motor up \
              to {plain} counts from its goal. So the motor of the original had less friction, or \
-             its modules had more settings than stated. Its friction is not stated either. The gains of \
-             today need no dead band; with them the axis rests within a count."
+             its modules had more settings than stated. Its friction is not stated either. The \
+             gains of today need no dead band; with them the axis rests within a count."
         )],
     })
 }

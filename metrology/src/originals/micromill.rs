@@ -1,15 +1,21 @@
 //! The micro mill: lines, squares, circles and parts cut on screws with the play of the original.
 
+mod circle;
 mod circles;
 mod cutting;
+mod frame;
 mod lines;
 mod measured;
+mod part_tables;
 mod parts;
 mod screws;
 mod squares;
 mod supply;
+#[cfg(test)]
+mod trials;
 
-pub use circles::{Circle, circles};
+pub use circle::Circle;
+pub use circles::circles;
 pub use lines::lines;
 pub use parts::part;
 pub use screws::{Screw, Screws};

@@ -136,10 +136,10 @@ pub fn temperatures() -> Table {
              and 6.29 C; 33.2 is from table 4.4, and 36.2 is 3 C above it as in the rows around. \
              A last digit is missing at 30 min: 26.0."
                 .into(),
-            "Unexplained: the shaft, which gets its heat from the coils, is warmer than they are, by \
-             exactly 3.0 C from 5 to 45 min, by 5.0 C to 75 min and by 6.0 C then. Readings would \
-             not differ by whole degrees: these seem to be calculated. No body warms up in such \
-             steps, so three of them are outside."
+            "Unexplained: the shaft, which gets its heat from the coils, is warmer than they are: \
+             by exactly 3.0 C from 5 to 45 min, by 5.0 C to 75 min and by 6.0 C then. Readings \
+             would not differ by whole degrees: these seem to be calculated. No body warms up in \
+             such steps, so three of them are outside."
                 .into(),
         ],
     }

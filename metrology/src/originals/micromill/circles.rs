@@ -1,153 +1,16 @@
 //! Table 15: three concentric circles with eight diameters each.
 
-use super::cutting::{approach, cut};
+use super::circle::{Circle, cut_circle};
+use super::frame::Frame;
 use super::measured::{self, CIRCLES, ENDS, SIGNS};
-use super::{LAST_TAKE_UP_UM, LEFT_UM, MIDDLE_MM, Settings, Shop, nm, parameters};
-use crate::calibration::backlash::{Bench, Moment};
-use crate::least_squares::least_squares;
+use super::{LAST_TAKE_UP_UM, LEFT_UM, Settings, Shop, nm, parameters};
 use crate::originals::{Parameter, Row, Table};
-use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
+use std::f64::consts::TAU;
 
-/// Angle from the end of a circle to where the play there is read, radians. The nut has met its
-/// flank by then: 50 um are 10 degrees of a radius of 3 mm.
-const BEHIND: f64 = 20.0 * PI / 180.0;
 /// Spread of a time, min: begin and end are read in whole minutes.
 const CLOCK_MIN: f64 = 1.0;
 /// Rate of steps between moves and in take-ups, Hz.
 const TAKE_UP_HZ: f64 = 170.0;
-
-/// A circle that was cut.
-#[derive(Clone, Debug)]
-pub struct Circle {
-    /// Its diameters D1 to D8, mm.
-    pub diameters_mm: [f64; 8],
-    /// Play that the take-up left at the ends left, right, top, bottom, um.
-    pub ends_um: [f64; 4],
-    /// Time, min.
-    pub minutes: f64,
-    /// Radii that were cut at every half degree from +X anticlockwise, mm.
-    pub radii_mm: Vec<f64>,
-}
-
-/// Directions of radii per turn.
-const DIRECTIONS: usize = 720;
-
-impl Circle {
-    /// Mean of the diameters, mm, and their standard deviation, um.
-    #[must_use]
-    pub fn mean_and_sigma(&self) -> (f64, f64) {
-        let mean = self.diameters_mm.iter().sum::<f64>() / 8.0;
-        let squares = self.diameters_mm.iter().map(|d| (d - mean).powi(2));
-        (mean, 1e3 * (squares.sum::<f64>() / 7.0).sqrt())
-    }
-
-    /// The same circle on axes that are not square, with its diameters in an order.
-    fn on(&self, frame: &Frame, radius_mm: f64) -> Self {
-        let turned = self.radii_mm.iter().enumerate().map(|(index, radius)| {
-            let angle = TAU * index as f64 / DIRECTIONS as f64;
-            radius + frame.skew * radius_mm * angle.sin() * angle.cos()
-        });
-        let radii_mm: Vec<f64> = turned.collect();
-        let diameter = |index: usize| {
-            let at = frame.order.direction(index);
-            radii_mm[at] + radii_mm[(at + DIRECTIONS / 2) % DIRECTIONS]
-        };
-        Self {
-            diameters_mm: std::array::from_fn(diameter),
-            radii_mm,
-            ..self.clone()
-        }
-    }
-}
-
-/// Where D1 lies and which way the others follow, 22.5 degrees apart.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Order {
-    /// Direction of D1 from +X, in steps of 22.5 degrees.
-    first: usize,
-    is_clockwise: bool,
-}
-
-impl Order {
-    /// Number of the direction of a diameter.
-    const fn direction(self, index: usize) -> usize {
-        const STEP: usize = DIRECTIONS / 16;
-        let turn = if self.is_clockwise { 16 - index } else { index };
-        (self.first + turn) % 16 * STEP
-    }
-}
-
-/// How the circles were measured.
-#[derive(Clone, Copy, Debug)]
-struct Frame {
-    order: Order,
-    /// How far X moves per distance along Y beside what it should: the error of squareness.
-    skew: f64,
-    /// What the diameters leave unexplained, mm (RMS).
-    rms_mm: f64,
-}
-
-impl Frame {
-    /// The order, of all sixteen, and the squareness that leave least of the measured diameters.
-    fn fitted(made: &[Circle]) -> Self {
-        let orders = (0..8).flat_map(|first| {
-            [false, true].map(|is_clockwise| Order {
-                first,
-                is_clockwise,
-            })
-        });
-        let frames = orders.map(|order| {
-            let pairs = CIRCLES.iter().zip(made).flat_map(|(measured, circle)| {
-                let straight = Frame {
-                    order,
-                    skew: 0.0,
-                    rms_mm: 0.0,
-                };
-                let circle = circle.on(&straight, measured.radius_mm);
-                (0..8).map(move |index| {
-                    let angle = TAU * order.direction(index) as f64 / DIRECTIONS as f64;
-                    let per_skew = measured.radius_mm * (2.0 * angle).sin();
-                    let left = measured.diameters_mm[index] - circle.diameters_mm[index];
-                    (per_skew, left)
-                })
-            });
-            let pairs: Vec<(f64, f64)> = pairs.collect();
-            let [skew] =
-                least_squares(pairs.iter().map(|(a, b)| ([*a], *b)), [true]).unwrap_or_default();
-            let squares = pairs.iter().map(|(a, b)| (b - skew * a).powi(2));
-            Frame {
-                order,
-                skew,
-                rms_mm: (squares.sum::<f64>() / pairs.len() as f64).sqrt(),
-            }
-        });
-        let best = frames.min_by(|a, b| a.rms_mm.total_cmp(&b.rms_mm));
-        best.unwrap_or_else(|| unreachable!("there are sixteen orders"))
-    }
-
-    fn parameters(&self) -> [Parameter; 2] {
-        let way = if self.order.is_clockwise {
-            "clockwise"
-        } else {
-            "anticlockwise"
-        };
-        [
-            Parameter::new(
-                "directions of D1 to D8",
-                format!(
-                    "D1 at {} degrees from X, the others {way}",
-                    22.5 * self.order.first as f64
-                ),
-                "fitted: the best of all sixteen orders; the original states none",
-            ),
-            Parameter::new(
-                "squareness",
-                format!("{:.1} um of X per mm of Y", 1e3 * self.skew),
-                "fitted to the 24 diameters",
-            ),
-        ]
-    }
-}
 
 /// Cuts the circles with the last take-up of the original, then with the map of today. Returns the
 /// table, and the circles of both in the order a, b, c.
@@ -160,7 +23,8 @@ pub fn circles(shop: &Shop<'_>) -> Result<(Table, Vec<[Circle; 2]>), String> {
     let make = |settings: &Settings| -> Result<Vec<Circle>, String> {
         let scale = nm(settings.step) / nm(super::TRUE_STEP);
         let cut = |circle: &measured::Circle| {
-            cut_circle(&mut *shop.mill(settings)?, circle.radius_mm, scale)
+            let bench = &mut *shop.mill(settings)?;
+            cut_circle(bench, circle.radius_mm, feed_mm_per_min(), scale)
         };
         CIRCLES.iter().map(cut).collect()
     };
@@ -258,94 +122,6 @@ fn feed_mm_per_min() -> f64 {
     let slowness = CIRCLES.iter();
     let slowness = slowness.map(|circle| (circle.minutes - take_up_min) / (TAU * circle.radius_mm));
     CIRCLES.len() as f64 / slowness.sum::<f64>()
-}
-
-/// Cuts a circle clockwise. `scale` is the calculated length per true length.
-fn cut_circle(bench: &mut dyn Bench, radius_mm: f64, scale: f64) -> Result<Circle, String> {
-    let [x, y] = MIDDLE_MM;
-    let reach = radius_mm * FRAC_1_SQRT_2;
-    // There a clockwise circle moves X and Y forward.
-    let start = [x - reach, y + reach];
-    approach(bench, start)?;
-    let moments = cut(
-        bench,
-        &format!(
-            "G2 X{:.5} Y{:.5} I{reach:.5} J{:.5} F{:.3}",
-            start[0],
-            start[1],
-            -reach,
-            feed_mm_per_min()
-        ),
-    )?;
-    let (first, last) = moments.first().zip(moments.last()).ok_or("no steps")?;
-    let around: Vec<Point> = moments
-        .iter()
-        .filter(|moment| !moment.is_take_up)
-        .map(|moment| Point::of(moment, scale))
-        .collect();
-    let directions = (0..DIRECTIONS).map(|index| TAU * index as f64 / DIRECTIONS as f64);
-    Ok(Circle {
-        diameters_mm: [2.0 * radius_mm; 8],
-        ends_um: [PI, 0.0, PI / 2.0, 1.5 * PI].map(|end| left_at(&around, end)),
-        minutes: (last.at_s - first.at_s) / 60.0,
-        radii_mm: directions.map(|at| radius_at(&around, at)).collect(),
-    })
-}
-
-/// A point of a circle, seen from its centre.
-struct Point {
-    /// Direction in which the tool was and was sent, radians from +X anticlockwise.
-    at: f64,
-    sent_at: f64,
-    radius_mm: f64,
-    /// The tool less where it was sent, um.
-    off_um: [f64; 2],
-}
-
-impl Point {
-    fn of(moment: &Moment, scale: f64) -> Self {
-        let centre = MIDDLE_MM.map(|mm| mm / scale);
-        let tool = [0, 1].map(|axis| moment.tool_nm[axis] / 1e6 - centre[axis]);
-        let sent = [0, 1].map(|axis| moment.sent_nm[axis] / 1e6 / scale - centre[axis]);
-        Self {
-            at: tool[1].atan2(tool[0]),
-            sent_at: sent[1].atan2(sent[0]),
-            radius_mm: tool[0].hypot(tool[1]),
-            off_um: [0, 1].map(|axis| (tool[axis] - sent[axis]) * 1e3),
-        }
-    }
-}
-
-/// Angle from one direction to another, radians, without sign.
-fn between(from: f64, to: f64) -> f64 {
-    let turn = (to - from).rem_euclid(TAU);
-    turn.min(TAU - turn)
-}
-
-/// Radius of the cut in a direction, mm.
-fn radius_at(around: &[Point], at: f64) -> f64 {
-    let near = |a: &&Point, b: &&Point| between(a.at, at).total_cmp(&between(b.at, at));
-    around
-        .iter()
-        .min_by(near)
-        .map_or(0.0, |point| point.radius_mm)
-}
-
-/// Play that is left at an end: the error on the negative flank less that on the positive one.
-fn left_at(around: &[Point], end: f64) -> f64 {
-    let axis = usize::from(end.cos().abs() < 0.5);
-    let off = |at: f64| {
-        let near =
-            |a: &&Point, b: &&Point| between(a.sent_at, at).total_cmp(&between(b.sent_at, at));
-        around
-            .iter()
-            .min_by(near)
-            .map_or(0.0, |point| point.off_um[axis])
-    };
-    // Clockwise, the angle falls.
-    let change = off(end - BEHIND) - off(end + BEHIND);
-    // At the right and at the top the axis goes on to its negative flank.
-    if end < 0.75 * PI { change } else { -change }
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! The play of the screws over the work area.
 
-use super::measured::{Play, plays};
+use super::measured::{Choice, Play, plays};
 use super::{MIDDLE_MM, TRUE_STEP, nm};
 use crate::least_squares::least_squares;
 use husillo_sim::LashField;
@@ -45,7 +45,12 @@ impl Screws {
     /// The screws of the original: the least sum of squares over its measured plays.
     #[must_use]
     pub fn fitted() -> Self {
-        let plays = plays();
+        Self::of(&Choice::BEST)
+    }
+
+    /// The screws that fit the plays of a choice.
+    pub(super) fn of(choice: &Choice) -> Self {
+        let plays = plays(choice);
         let axes = [0, 1].map(|axis| {
             let own = plays.iter().filter(|play| play.axis == axis);
             let rows = own.map(|play| (row(play), play.lash_um));
@@ -101,7 +106,7 @@ mod tests {
     fn every_measured_play_is_within_the_stated_rest() {
         let screws = Screws::fitted();
         let mut squares = [0.0; 2];
-        for play in plays() {
+        for play in plays(&Choice::BEST) {
             let [own, other] = [play.axis, 1 - play.axis].map(|axis| play.at_mm[axis]);
             let off = screws.axes()[play.axis].lash_um(own, other) - play.lash_um;
             assert!(off.abs() < 0.7 * LEFT_UM[play.axis], "{play:?}: {off}");

@@ -10,8 +10,8 @@ use crate::originals::{Parameter, Row, Table};
 pub struct Cut {
     /// Length of its upper and of its left edge, mm.
     pub size_mm: [f64; 2],
-    /// Distance of the end of the upper edge from the begin of the lower one along X, and of the end
-    /// of the left edge from it along Y, um: the play that the take-up left.
+    /// Distance of the end of the upper edge from the begin of the lower one along X, and of the
+    /// end of the left edge from it along Y, um: the play that the take-up left.
     pub left_um: [f64; 2],
 }
 
@@ -64,8 +64,8 @@ pub fn squares(shop: &Shop<'_>) -> Result<Table, String> {
     Ok(Table {
         number: "14",
         title: "squares of 2.5 mm with a take-up of 192.5 um in X and 168.5 um in Y",
-        spread: "what is left: 33 um in X and 27 um in Y, which is what the original says remained; \
-                 sizes: this and 10 um for reading two marks",
+        spread: "what is left: 33 um in X and 27 um in Y, which is what the original says \
+                 remained; sizes: this and 10 um for reading two marks",
         rows,
         parameters,
         notes: vec![
