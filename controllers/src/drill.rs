@@ -2,6 +2,7 @@
 
 mod config;
 mod event;
+mod lease;
 mod lights;
 mod task;
 
@@ -205,46 +206,6 @@ impl<const N: usize> Drill<N> {
         }
     }
 
-    /// Returns the longest silence of the line during the present work, us. `None`: there is no
-    /// work, or the host has not requested a lease.
-    pub fn lease_us(&self) -> Option<u32> {
-        self.link.lease_us()
-    }
-
-    /// Ends the work, because no byte has arrived for [`lease_us`](Drill::lease_us).
-    ///
-    /// X and Y, and Z in a jog, stop: their motors start and stop at their rate, so no step is lost
-    /// and the positions stay known. Those of an axis that was homing are not. A drill that goes
-    /// down goes up at once, and one that goes up continues to its sensor. The spindle stops then.
-    pub fn expire(&mut self) {
-        if self.link.lease_us().is_none() {
-            return;
-        }
-        self.link.expire();
-        self.report = Some(DrillReport::Expired);
-        self.task = match self.task {
-            Task::Leave { .. }
-            | Task::Search { .. }
-            | Task::Go { .. }
-            | Task::JogZ { .. }
-            | Task::Settle => Task::Settle,
-            // Up to three steps.
-            Task::Beyond { axis, gone } => Task::Return { axis, left: gone },
-            Task::Down { .. } => {
-                self.link.discard_drilling();
-                self.raise(Next::Rest)
-            }
-            Task::Up { left, next } => Task::Up {
-                left,
-                next: match next {
-                    Next::Drilled => next,
-                    Next::Home | Next::Go { .. } | Next::Rest => Next::Rest,
-                },
-            },
-            Task::Idle | Task::Return { .. } | Task::Fault => self.task,
-        };
-    }
-
     /// Returns the next byte for the line.
     pub fn transmit(&mut self) -> Option<u8> {
         self.link.transmit()
@@ -274,37 +235,6 @@ impl<const N: usize> Drill<N> {
     pub const fn spindle_turns(&self) -> bool {
         let [is_on, _] = self.spindle;
         is_on
-    }
-
-    /// Returns the lamps of the panel.
-    pub fn lights(&self) -> DrillLights {
-        let axis_of = |task: &Task| match *task {
-            Task::Leave { axis, .. }
-            | Task::Search { axis, .. }
-            | Task::Go { axis, .. }
-            | Task::Beyond { axis, .. }
-            | Task::Return { axis, .. } => Some(axis),
-            _ => None,
-        };
-        let axis = axis_of(&self.task);
-        let z_moves = matches!(
-            self.task,
-            Task::Down { .. } | Task::Up { .. } | Task::JogZ { .. }
-        );
-        DrillLights {
-            moves: [axis == Some(0), axis == Some(1)],
-            homes: self.is_homing,
-            drills: self.spindle_turns() || z_moves && !self.config.spindle_by_hole,
-            is_manual: self.link.is_manual(),
-            is_ready: !self.is_working(),
-            receives: self.link.is_receiving(),
-            is_full: self.link.is_full(),
-        }
-    }
-
-    /// Whether the lamp of the heartbeat is lit, with [`DrillConfig::blinks`].
-    pub const fn heartbeat(&self) -> bool {
-        self.heartbeat
     }
 
     /// Returns the next event for the present switches.

@@ -41,9 +41,9 @@ pub fn sentence(end: &End, again: &str, all: usize) -> String {
             lease, and does not stop when the cable is pulled"
             .into(),
         End::Unreached(why) => format!(
-            "{why}\nnothing was sent. How many holes it has drilled since is not known here: a \
-             drill of ours is asked when this command reaches it; for an original count them in \
-             the board before you use --from"
+            "{why}\nnothing was sent. How many holes are drilled is not known here: a drill with \
+             extras is asked for it when it answers; for an original count the holes in the board \
+             before you use --from"
         ),
         End::Failed(Failed { why, done, begun }) => {
             let next = done + 1;

@@ -661,6 +661,39 @@ fn a_hole_that_was_drilled_alone_is_not_drilled_again() {
     assert_eq!(end, End::Drilled, "{told}");
 }
 
+/// An original at work does not answer: nothing is sent, and the number of holes is not guessed.
+#[test]
+fn an_original_at_work_is_left_alone() {
+    let parts = [part(1, &[[3000, 10], [5, 400], [3000, 400]])];
+    let mut first = client(true);
+    for step in [Step::Resync, Step::Clear, Step::Begin] {
+        first.run(step).unwrap();
+    }
+    let bytes: Vec<u8> = record_bytes(parts[0].records.clone()).collect();
+    for byte in &bytes[..3 * parts[0].records.len()] {
+        first.run(Step::Store(*byte)).unwrap();
+    }
+    first.run(Step::End).unwrap();
+    device(&mut first).send(b'e');
+    let running = std::mem::replace(device(&mut first), Device::quick(true));
+    let second = client_of(running, StopRequests::default());
+    let (end, mut second) = send(second, &parts, 2, false, &mut Script::default());
+    let told = sentence(&end.unwrap(), "husillo send b.drl", 3);
+    assert!(told.contains("Is it still at work?"), "{told}");
+    assert!(told.contains("count the holes in the board"), "{told}");
+    assert!(
+        !told.contains("--from 3") && !told.contains("holes are drilled;"),
+        "{told}"
+    );
+    rest(&mut second);
+    rest(&mut second);
+    assert_eq!(
+        drilled(&mut second),
+        places(&parts),
+        "it went on undisturbed"
+    );
+}
+
 /// Holes drilled in pecks: each counts once, and a resumed job begins with a whole hole.
 #[test]
 fn pecks_are_one_hole() {

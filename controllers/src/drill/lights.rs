@@ -1,5 +1,8 @@
 //! The lamps of a drill's panel.
 
+use super::Drill;
+use super::task::Task;
+
 /// Lamps of the panel, with their bits at ports A and D of the original.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
 pub struct DrillLights {
@@ -44,5 +47,38 @@ impl DrillLights {
         ];
         let lamps = lamps.into_iter().rev();
         lamps.fold(0, |bits, is_lit| bits << 1 | u8::from(is_lit))
+    }
+}
+
+impl<const N: usize> Drill<N> {
+    /// Returns the lamps of the panel.
+    pub fn lights(&self) -> DrillLights {
+        let axis_of = |task: &Task| match *task {
+            Task::Leave { axis, .. }
+            | Task::Search { axis, .. }
+            | Task::Go { axis, .. }
+            | Task::Beyond { axis, .. }
+            | Task::Return { axis, .. } => Some(axis),
+            _ => None,
+        };
+        let axis = axis_of(&self.task);
+        let z_moves = matches!(
+            self.task,
+            Task::Down { .. } | Task::Up { .. } | Task::JogZ { .. }
+        );
+        DrillLights {
+            moves: [axis == Some(0), axis == Some(1)],
+            homes: self.is_homing,
+            drills: self.spindle_turns() || z_moves && !self.config.spindle_by_hole,
+            is_manual: self.link.is_manual(),
+            is_ready: !self.is_working(),
+            receives: self.link.is_receiving(),
+            is_full: self.link.is_full(),
+        }
+    }
+
+    /// Whether the lamp of the heartbeat is lit, with [`DrillConfig::blinks`].
+    pub const fn heartbeat(&self) -> bool {
+        self.heartbeat
     }
 }

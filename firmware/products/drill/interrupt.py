@@ -1,4 +1,4 @@
-"""A host that is killed while the firmware moves: the drill must stop by its lease, in wall time."""
+"""A host that is killed while the firmware moves: the drill stops by its lease, in wall time."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import os
 import subprocess
 import tempfile
 import time
+from itertools import pairwise
 from pathlib import Path
 
 from husillo_firmware import host, registers
@@ -33,8 +34,7 @@ class Interrupted:
         # The monitor answers when everything before it has been written.
         self.firmware.monitor("info status")
         events = registers.made(registers.read_file(self.board, self.log))
-        pairs = zip(events, events[1:], strict=False)
-        return sum(one.levels != other.levels for one, other in pairs)
+        return sum(one.levels != other.levels for one, other in pairwise(events))
 
     def ended(self) -> int:
         """Steps since the log was emptied, when no more are made."""

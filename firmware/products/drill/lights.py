@@ -5,6 +5,7 @@ from __future__ import annotations
 import tempfile
 import time
 from collections.abc import Iterable, Iterator
+from itertools import pairwise
 from pathlib import Path
 
 from husillo_firmware import registers
@@ -50,7 +51,7 @@ def check(board: Board) -> None:
     start = lamps.index(homing[0])
     require(lamps[start : start + 3] == homing, f"{board}: {lamps}")
     blinks = [lamp & READY for lamp in lamps[start + 3 :]]
-    changes = sum(one != other for one, other in zip(blinks, blinks[1:], strict=False))
+    changes = sum(one != other for one, other in pairwise(blinks))
     require(changes >= 4, f"{board}: the heartbeat changes {changes} times: {lamps}")
     require(lamps[-1] & ~READY == RECEIVE, f"{board}: {lamps}")
     print(f"{board}: {len(lamps)} times the lamps, the heartbeat changed {changes} times")

@@ -1,10 +1,13 @@
 //! The controller's end of the line.
 
+mod lease;
+mod read_back;
+
 use crate::buffer::Buffer;
 
 use super::{
-    AT_WORK, Axis, EMPTY, END_OF_TEXT, ENDING, EXPIRED, FAULT, KEPT, LEASE, LEASE_UNIT_MS,
-    MachineState, NOT_ALL, Order, Reading, Rules, WORKING,
+    AT_WORK, Axis, EMPTY, END_OF_TEXT, EXPIRED, FAULT, KEPT, LEASE, MachineState, NOT_ALL, Order,
+    Rules,
 };
 
 /// The answer to `?`.
@@ -155,38 +158,6 @@ impl<const N: usize> Device<N> {
         }
     }
 
-    /// The longest silence of the line during the present work, us. `None`: there is no work, or it
-    /// needs no host.
-    pub fn lease_us(&self) -> Option<u32> {
-        let is_needed = self.is_working() && !self.is_expired && !self.has_failed;
-        let unit_us = u32::from(LEASE_UNIT_MS).wrapping_mul(1000); // 50 000
-        let us = u32::from(self.lease).wrapping_mul(unit_us); // 13 s at most
-        (is_needed && us > 0).then_some(us)
-    }
-
-    /// Ends the present work, because no byte has arrived for [`lease_us`](Device::lease_us). The
-    /// caller ends the present order and confirms it with [`done`](Device::done). The spindle stops
-    /// after it.
-    pub fn expire(&mut self) {
-        self.lease = 0;
-        self.is_expired = true;
-    }
-
-    /// Takes the present drilling of a program out of the count: its hole is not whole.
-    pub const fn discard_drilling(&mut self) {
-        self.is_drilling = false;
-    }
-
-    /// Whether the present work ends, because its lease is over.
-    pub const fn is_expired(&self) -> bool {
-        self.is_expired
-    }
-
-    /// Sets the state that the host may read. The caller does this before [`push`](Device::push).
-    pub const fn set_machine(&mut self, state: MachineState) {
-        self.machine = state;
-    }
-
     /// Returns the next order for the machine. `None` while the last one is not
     /// [`done`](Device::done), or if there is none.
     pub fn take(&mut self) -> Option<Order> {
@@ -266,11 +237,6 @@ impl<const N: usize> Device<N> {
             Work::Program(_, After::Answer(byte) | After::Store(byte)) => Some(byte),
             Work::Program(_, After::Begin) => Some(b'b'),
         }
-    }
-
-    fn say_at_work(&mut self) {
-        self.out
-            .push(if self.is_expired { ENDING } else { WORKING });
     }
 
     /// Whether the program runs, or an order given by hand.
@@ -405,51 +371,6 @@ impl<const N: usize> Device<N> {
             }
             _ => {} // no answer
         }
-    }
-
-    fn ask(&mut self, is_manual: bool) {
-        self.mode = Mode::Asked {
-            low: None,
-            is_manual,
-        };
-        self.out.push(b'n');
-    }
-
-    /// Sends the record of this number, or a [`Reading`], with the complement of its sum.
-    fn read_back(&mut self, number: u16) {
-        let at = usize::from(number).wrapping_mul(3); // below 2^18
-        let stored = self.memory.bytes().get(at..).unwrap_or_default();
-        let record = match (Reading::of(number), stored.first_chunk()) {
-            (Some(reading), _) => self.reading(reading),
-            // Records without those before them are no program.
-            (None, Some(record)) if !self.is_tail => *record,
-            (None, _) => [b'f', 0, 0],
-        };
-        self.out.extend(&record);
-        self.out.push(check(record));
-    }
-
-    fn reading(&self, reading: Reading) -> [u8; 3] {
-        let MachineState {
-            place_steps: [x, y],
-            zero_steps: [zero_x, zero_y],
-            ..
-        } = self.machine;
-        let records = self.memory.bytes().len() / 3;
-        let (letter, value) = match reading {
-            Reading::Drillings => (if self.was_cleared { b'c' } else { b'B' }, self.drillings),
-            Reading::X => (b'X', x),
-            Reading::Y => (b'Y', y),
-            Reading::ZeroX => (b'x', zero_x),
-            Reading::ZeroY => (b'y', zero_y),
-            Reading::State => (b's', self.machine.bits()),
-            Reading::Records => (
-                if self.is_tail { b't' } else { b'n' },
-                u16::try_from(records).unwrap_or(u16::MAX),
-            ),
-        };
-        let [low, high] = value.to_le_bytes();
-        [letter, low, high]
     }
 
     /// Takes a byte of a program. The end needs no room. Any other byte waits until there is room.

@@ -1,0 +1,46 @@
+//! The end of the work of a drill whose host is silent.
+
+use super::task::{Next, Task};
+use super::{Drill, DrillReport};
+
+impl<const N: usize> Drill<N> {
+    /// Returns the longest silence of the line during the present work, us. `None`: there is no
+    /// work, or the host has not requested a lease.
+    pub fn lease_us(&self) -> Option<u32> {
+        self.link.lease_us()
+    }
+
+    /// Ends the work, because no byte has arrived for [`lease_us`](Drill::lease_us).
+    ///
+    /// X and Y, and Z in a jog, stop: their motors start and stop at their rate, so no step is lost
+    /// and the positions stay known. Those of an axis that was homing are not. A drill that goes
+    /// down goes up at once, and one that goes up continues to its sensor. The spindle stops then.
+    pub fn expire(&mut self) {
+        if self.link.lease_us().is_none() {
+            return;
+        }
+        self.link.expire();
+        self.report = Some(DrillReport::Expired);
+        self.task = match self.task {
+            Task::Leave { .. }
+            | Task::Search { .. }
+            | Task::Go { .. }
+            | Task::JogZ { .. }
+            | Task::Settle => Task::Settle,
+            // Up to three steps.
+            Task::Beyond { axis, gone } => Task::Return { axis, left: gone },
+            Task::Down { .. } => {
+                self.link.discard_drilling();
+                self.raise(Next::Rest)
+            }
+            Task::Up { left, next } => Task::Up {
+                left,
+                next: match next {
+                    Next::Drilled => next,
+                    Next::Home | Next::Go { .. } | Next::Rest => Next::Rest,
+                },
+            },
+            Task::Idle | Task::Return { .. } | Task::Fault => self.task,
+        };
+    }
+}
