@@ -6,8 +6,10 @@
 mod drill;
 mod microfactory;
 mod micromill;
+mod soak;
 
 use drill::Drill;
+use husillo_sim::device::LineFault;
 use microfactory::Microfactory;
 use micromill::Micromill;
 use std::collections::BTreeMap;
@@ -47,6 +49,9 @@ trait Subject: Sized {
 
     /// Carries out the line of the panel later.
     fn schedule(&mut self, after_ms: u64, line: &str);
+
+    /// A fault of the line hits the byte this many bytes from now. `None`: no fault follows.
+    fn disturb(&mut self, fault: Option<(u64, LineFault)>);
 
     /// Begins the motion of a state and waits for its end. For [`State::Idle`] it is a short move.
     fn act(&mut self, state: State) -> Result<String, String>;

@@ -4,8 +4,8 @@ use super::{Fault, State, Subject, last_step_ms};
 use crate::drill::{Action, Axis, Client, End, Hand, Operator, Part, Sender, sentence};
 use crate::{StopRequests, Wire};
 use husillo_gcode::Nm;
-use husillo_sim::device::Emulation;
 use husillo_sim::device::drill::Device;
+use husillo_sim::device::{Emulation, LineFault};
 use husillo_transports::drill::Record;
 use std::time::Duration;
 
@@ -168,6 +168,11 @@ impl Subject for Drill {
 
     fn schedule(&mut self, after_ms: u64, line: &str) {
         self.device().schedule(after_ms * 1000, line);
+    }
+
+    fn disturb(&mut self, fault: Option<(u64, LineFault)>) {
+        let line = self.device().line();
+        line.fault = fault.map(|(bytes, fault)| (line.carried + bytes, fault));
     }
 
     fn act(&mut self, state: State) -> Result<String, String> {

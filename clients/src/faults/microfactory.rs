@@ -3,8 +3,8 @@
 use super::{Fault, State, Subject, last_step_ms};
 use crate::microfactory::{Action, Client, Settings};
 use crate::{StopRequests, Wire};
-use husillo_sim::device::Emulation;
 use husillo_sim::device::microfactory::Device;
+use husillo_sim::device::{Emulation, LineFault};
 use std::time::Duration;
 
 /// A lease, the next question, and the time of a byte.
@@ -127,6 +127,11 @@ impl Subject for Microfactory {
 
     fn schedule(&mut self, after_ms: u64, line: &str) {
         self.device().schedule(after_ms * 1000, line);
+    }
+
+    fn disturb(&mut self, fault: Option<(u64, LineFault)>) {
+        let line = self.device().line();
+        line.fault = fault.map(|(bytes, fault)| (line.carried + bytes, fault));
     }
 
     fn act(&mut self, state: State) -> Result<String, String> {

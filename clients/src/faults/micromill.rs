@@ -4,8 +4,8 @@ use super::{Fault, State, Subject, last_step_ms};
 use crate::micromill::{Action, BAUD, Frame, Hand, LEASE_MS, LengthUnit, Sender, Sending, Session};
 use crate::{StopRequests, Wire};
 use husillo_controllers::MicromillConfig;
-use husillo_sim::device::Emulation;
 use husillo_sim::device::micromill::Device;
+use husillo_sim::device::{Emulation, LineFault};
 use husillo_transports::micromill::{Axis, Line, Point};
 use std::time::Duration;
 
@@ -143,6 +143,11 @@ impl Subject for Micromill {
 
     fn schedule(&mut self, after_ms: u64, line: &str) {
         self.device().schedule(after_ms * 1000, line);
+    }
+
+    fn disturb(&mut self, fault: Option<(u64, LineFault)>) {
+        let line = self.device().line();
+        line.fault = fault.map(|(bytes, fault)| (line.carried + bytes, fault));
     }
 
     fn act(&mut self, state: State) -> Result<String, String> {
