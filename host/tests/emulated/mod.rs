@@ -21,7 +21,7 @@ impl Emulated {
         let link = std::env::temp_dir().join(format!("husillo-{name}-{}", std::process::id()));
         let mut process = Command::new(env!("CARGO_BIN_EXE_husillo"))
             .current_dir(env!("CARGO_MANIFEST_DIR"))
-            .args(["emulate", machine, "--for", "120", "--link"])
+            .args(["emulate", machine, "--for", "600", "--link"])
             .arg(&link)
             .args(args)
             .stdin(Stdio::piped())
@@ -53,7 +53,7 @@ impl Emulated {
     pub fn listening_at(address: &str, machine: &str, args: &[&str]) -> Emulated {
         let mut process = Command::new(env!("CARGO_BIN_EXE_husillo"))
             .current_dir(env!("CARGO_MANIFEST_DIR"))
-            .args(["emulate", machine, "--for", "120", "--listen", address])
+            .args(["emulate", machine, "--for", "600", "--listen", address])
             .args(args)
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
