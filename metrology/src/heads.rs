@@ -21,6 +21,7 @@ mod search;
 mod servo;
 mod standing;
 mod straight_move;
+mod switches;
 mod touching;
 mod view;
 
@@ -34,4 +35,5 @@ pub use machine::{
 pub use operator::Operator;
 pub use port::Port;
 pub use prober::{Probed, Prober, Touched};
+pub use switches::Switches;
 pub use view::{Errors, View};

@@ -114,6 +114,11 @@ pub enum Trouble {
         /// Where it ended.
         to: String,
     },
+    /// The contact closed that a touch in the other sense closes.
+    OtherSense {
+        /// Where.
+        at: String,
+    },
     /// There was no contact at the start of a search for its end.
     NotTouching,
     /// The contact changed only after the search had ended.
@@ -201,6 +206,9 @@ impl fmt::Display for Trouble {
             Self::DoubtfulContact => out.write_str(
                 "a second reading does not confirm a reported contact: all axes have been stopped",
             ),
+            Self::OtherSense { at } => {
+                write!(out, "the contact of the other sense has closed at {at}")
+            }
             Self::NotTouching => out.write_str("nothing to leave: no contact at start"),
             Self::NotLatched { at } => write!(out, "contact, not latched, at {at}"),
             Self::Kept { from, to } => {

@@ -14,7 +14,11 @@ use std::time::{Duration, Instant};
 /// Most periods that are caught up after the computer was busy. The rest is left out.
 const MOST_BEHIND: u64 = 2000;
 /// The wait for a byte paces the simulation.
-const LOOK: Duration = Duration::from_millis(1);
+const LOOK: Duration = Duration::from_millis(2);
+/// The same while bytes come and go, so that little is added to their times.
+const BUSY_LOOK: Duration = Duration::from_micros(200);
+/// Bytes come and go for so long after the last one.
+const BUSY: Duration = Duration::from_millis(20);
 
 /// Rate of a port before a client sets one, bits/s.
 const FIRST_RATE: u32 = 19200;
@@ -103,8 +107,7 @@ enum Outlet {
 impl Outlet {
     /// A pseudo-terminal whose client's end is found at `link`.
     fn terminal(link: &Path) -> io::Result<Self> {
-        let (mut master, mut slave) = TTYPort::pair()?;
-        master.set_timeout(LOOK)?;
+        let (master, mut slave) = TTYPort::pair()?;
         // For clients that set no rate.
         slave.set_baud_rate(FIRST_RATE)?;
         let name = slave.name().ok_or(ErrorKind::NotFound)?;
@@ -147,17 +150,19 @@ impl Outlet {
         }
     }
 
-    /// The bytes that a client has sent. Waits a moment for them.
-    fn read(&mut self) -> io::Result<Vec<u8>> {
+    /// The bytes that a client has sent. Waits for them for this time.
+    fn read(&mut self, look: Duration) -> io::Result<Vec<u8>> {
         match self {
-            Self::Terminal { master, .. } => read(master),
+            Self::Terminal { master, .. } => {
+                master.set_timeout(look)?;
+                read(master)
+            }
             Self::Socket { listener, client } => {
                 match listener.accept() {
                     // A dropped connection refuses its client.
                     Ok((new, _)) if client.is_none() => {
                         new.set_nodelay(true)?;
                         new.set_nonblocking(false)?;
-                        new.set_read_timeout(Some(LOOK))?;
                         new.set_write_timeout(Some(LOOK))?;
                         *client = Some(new);
                     }
@@ -169,6 +174,7 @@ impl Outlet {
                     std::thread::sleep(LOOK);
                     return Ok(Vec::new());
                 };
+                connected.set_read_timeout(Some(look))?;
                 match read(connected) {
                     Ok(bytes) => Ok(bytes),
                     // The client has left, so the next one may connect.
@@ -228,15 +234,24 @@ impl Server {
         let panel = typed_lines();
         let (start, mut done, mut left_out) = (Instant::now(), 0_u64, 0_u64);
         let mut is_plugged = true;
+        let mut last_byte = start;
         let is_over = || {
             let is_late = pace.limit.is_some_and(|limit| start.elapsed() >= limit);
             is_late || pace.is_over.is_asked()
         };
         while !is_over() {
-            let received = self.outlet.read();
+            let look = if last_byte.elapsed() < BUSY {
+                BUSY_LOOK
+            } else {
+                LOOK
+            };
+            let received = self.outlet.read(look);
             let received = received.map_err(|error| of_port(&self.asked, &error))?;
             // A client sets its rate before it sends.
             device.set_host_rate(self.outlet.rate());
+            if !received.is_empty() {
+                last_byte = Instant::now();
+            }
             let mut shown = Vec::new();
             while let Ok(line) = panel.try_recv() {
                 shown.push(typed(device, line.trim(), &mut is_plugged));
@@ -244,13 +259,9 @@ impl Server {
             let periods = start.elapsed().as_secs_f64() * pace.speed * 1e9 / E::PERIOD_NS as f64;
             let behind = (periods as u64).saturating_sub(done + left_out);
             left_out += behind.saturating_sub(MOST_BEHIND);
-            for _ in 0..behind.min(MOST_BEHIND) {
-                done += 1;
-                let bytes = device.tick();
-                if !bytes.is_empty() && is_plugged {
-                    let written = self.outlet.write(&bytes);
-                    written.map_err(|error| of_port(&self.asked, &error))?;
-                }
+            done += behind.min(MOST_BEHIND);
+            if self.simulate(device, behind.min(MOST_BEHIND), is_plugged)? {
+                last_byte = Instant::now();
             }
             // At the present time of the simulation, so that no reply comes sooner than on a line.
             for byte in received {
@@ -269,6 +280,25 @@ impl Server {
             }
         }
         Ok(())
+    }
+
+    /// Simulates this number of periods. Returns whether the device has sent anything.
+    fn simulate<E: Emulation>(
+        &mut self,
+        device: &mut E,
+        periods: u64,
+        is_plugged: bool,
+    ) -> io::Result<bool> {
+        let mut has_sent = false;
+        for _ in 0..periods {
+            let bytes = device.tick();
+            if !bytes.is_empty() && is_plugged {
+                has_sent = true;
+                let written = self.outlet.write(&bytes);
+                written.map_err(|error| of_port(&self.asked, &error))?;
+            }
+        }
+        Ok(has_sent)
     }
 }
 

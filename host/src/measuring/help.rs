@@ -75,6 +75,10 @@ pub const fn help(trouble: &Trouble) -> Option<&'static str> {
              and calibrate the probe again. `safe` in a routine leads over the part"
         }
         Trouble::DoubtfulContact => "the line is disturbed; --raw shows the bytes",
+        Trouble::OtherSense { .. } => {
+            "a touch in positive direction closes limit 1, one in negative direction limit 2: are \
+             the two contacts of the probe exchanged, or was it pushed from behind?"
+        }
         Trouble::NotTouching => {
             "touch the surface first: G38.2 stops at the contact and stays there"
         }

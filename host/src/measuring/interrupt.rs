@@ -2,7 +2,9 @@
 
 use crate::console::stop::{INTERRUPTED, on_request};
 use husillo_metrology::heads::Operator;
+use std::cell::RefCell;
 use std::fmt::Write;
+use std::rc::Rc;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -69,6 +71,9 @@ pub struct User {
     interrupt: Interrupt,
     /// All bytes are shown on standard error.
     is_raw: bool,
+    /// Bytes received since the last ones that were sent. They come in pieces of any length, and
+    /// are shown in one line.
+    heard: Rc<RefCell<Vec<u8>>>,
 }
 
 impl User {
@@ -77,11 +82,18 @@ impl User {
         Self {
             interrupt: interrupt.clone(),
             is_raw,
+            heard: Rc::default(),
         }
     }
 
+    /// Shows what was received.
+    fn show_heard(&self) {
+        let heard = self.heard.take();
+        self.show('<', &heard);
+    }
+
     fn show(&self, sign: char, bytes: &[u8]) {
-        if self.is_raw {
+        if self.is_raw && !bytes.is_empty() {
             let mut text = String::from(sign);
             for byte in bytes {
                 // Writing to a string does not fail.
@@ -102,18 +114,28 @@ impl Operator for User {
     }
 
     fn set_moving(&self, is_moving: bool) {
+        self.show_heard();
         self.interrupt.set_moving(is_moving);
     }
 
     fn sent(&self, bytes: &[u8]) {
+        self.show_heard();
         self.show('>', bytes);
     }
 
     fn received(&self, bytes: &[u8]) {
-        self.show('<', bytes);
+        if self.is_raw {
+            self.heard.borrow_mut().extend_from_slice(bytes);
+        }
     }
 
     fn stop_is_unanswered(&self) {
         eprintln!("warning: not every axis has confirmed the stop: be ready to switch off");
+    }
+}
+
+impl Drop for User {
+    fn drop(&mut self) {
+        self.show_heard();
     }
 }

@@ -6,7 +6,7 @@ use crate::machines::machine_file::{LoadError, MEASURING, read_text};
 use crate::machines::table::{Table, document};
 use husillo_metrology::Scale;
 use husillo_metrology::heads::{
-    AxisSettings, Errors, Machine, PRE_TRAVEL_ENTRIES, ProbeSettings, pre_travel_by_sign,
+    AxisSettings, Errors, Machine, PRE_TRAVEL_ENTRIES, ProbeSettings, Switches, pre_travel_by_sign,
 };
 use husillo_metrology::quantity::{self, Quantity};
 use husillo_probe::{PreTravel, Tip, UnitVector};
@@ -71,6 +71,13 @@ pub fn parse(path: &str, text: &str) -> Result<Machine, Vec<Finding>> {
     });
     let probe = root.table("probe", |probe| {
         let read = read_probe(probe, scale);
+        let count = axes.as_deref().map_or(0, <[AxisSettings]>::len);
+        if let (Switches::PerSense, 2.., Some((_, span))) =
+            (read.switches, count, probe.value("switches"))
+        {
+            let message = "two contacts have the two senses of one axis";
+            probe.wrong(span, message, &format!("this machine has {count} axes"));
+        }
         check_braking(probe, &read, axes.as_deref().unwrap_or_default(), scale);
         read
     });
@@ -126,6 +133,12 @@ fn read_probe(table: &mut Table<'_, '_>, scale: Scale) -> ProbeSettings {
         slow_rate: rate(table, "slow_rate", scale),
         back_off: length(table, "back_off", scale),
         over_travel: length(table, "over_travel", scale),
+        switches: table
+            .choice(
+                "switches",
+                &[("one", Switches::One), ("per-sense", Switches::PerSense)],
+            )
+            .unwrap_or_default(),
         stylus: Tip {
             radius_nm: short(table, "ball_radius", scale),
             pre_travel: read_pre_travel(table, scale),
@@ -364,6 +377,17 @@ mod tests {
                 ..DcMotorModel::PROTOTYPE
             }
         );
+    }
+
+    #[test]
+    fn a_probe_has_two_contacts_on_a_single_axis_only() {
+        let with = |text: &str| text.replacen("[probe]", "[probe]\nswitches = \"per-sense\"", 1);
+        let prototype = parse("mine.toml", &with(CMM)).unwrap();
+        assert_eq!(prototype.probe.switches, Switches::PerSense);
+        assert_eq!(load("cmm").unwrap().probe.switches, Switches::One);
+        let findings = parse("mine.toml", &with(CMM3)).unwrap_err();
+        let message = "two contacts have the two senses of one axis";
+        assert_eq!(findings[0].message, message);
     }
 
     #[test]

@@ -4,18 +4,9 @@ use super::head::{Head, is_done};
 use super::port::Port;
 use super::search::{Search, searches};
 use super::straight_move::FinishedMove;
-use super::touching::is_closed;
 use crate::trouble::Trouble;
 use husillo_transports::nmc::{Homing, Reply, StopWay};
 use std::collections::VecDeque;
-
-/// In a move without a touch each module stops its own axis when the contact changes. It does so
-/// within a servo period and without the host.
-const GUARD: Search = Search {
-    events: Homing::LIMIT_1,
-    stop: Homing::ABRUPT,
-    only: None,
-};
 
 /// A pressed probe counts as free after this number of consecutive readings without a contact, as
 /// contacts bounce.
@@ -57,6 +48,22 @@ impl Watch {
 }
 
 impl<P: Port> Head<P> {
+    /// In a move without a touch each module stops its own axis when a contact changes. It does so
+    /// within a servo period and without the host.
+    pub(super) const fn guard(&self) -> Search {
+        Search {
+            events: self.probe.switches.events(),
+            stop: Homing::ABRUPT,
+            only: None,
+        }
+    }
+
+    /// Whether a contact of the probe is closed.
+    pub(super) fn is_closed(&self, replies: &[Reply]) -> bool {
+        let switches = self.probe.switches;
+        replies.iter().any(|reply| switches.is_closed(reply))
+    }
+
     /// Whether there was a collision since the start.
     pub const fn has_collided(&self) -> bool {
         self.has_collided
@@ -110,7 +117,7 @@ impl<P: Port> Head<P> {
             return Ok((ended(self.stand(Some(goal))?), watch));
         };
         self.begin_watch(&mut watch, is_touching)?;
-        self.start_line(goal, &line, watch.is_armed.then_some(GUARD))?;
+        self.start_line(goal, &line, watch.is_armed.then_some(self.guard()))?;
         let end_us = self.latest_end_us(&line);
         loop {
             let replies = self.read()?;
@@ -118,7 +125,7 @@ impl<P: Port> Head<P> {
             if replies.iter().all(is_done) {
                 let was_armed = self.end_watch(&mut watch)?;
                 let replies = self.stand(Some(goal))?;
-                if was_armed && replies.iter().any(is_closed) {
+                if was_armed && self.is_closed(&replies) {
                     return Err(self.collision(&watch));
                 }
                 return Ok((ended(replies), watch));
@@ -152,9 +159,9 @@ impl<P: Port> Head<P> {
     ) -> Result<(), Trouble> {
         watch.is_armed = !is_touching;
         if is_touching {
-            self.disarm(GUARD)
+            self.disarm(self.guard())
         } else {
-            self.arm(GUARD)
+            self.arm(self.guard())
         }
     }
 
@@ -162,7 +169,7 @@ impl<P: Port> Head<P> {
     pub(super) fn end_watch(&mut self, watch: &mut Watch) -> Result<bool, Trouble> {
         let was_armed = std::mem::take(&mut watch.is_armed);
         if was_armed {
-            self.disarm(GUARD)?;
+            self.disarm(self.guard())?;
         }
         Ok(was_armed)
     }
@@ -173,7 +180,7 @@ impl<P: Port> Head<P> {
     ///
     /// [`Trouble::Collision`]. The axes are stopped then.
     pub(super) fn look(&mut self, watch: &mut Watch, replies: &[Reply]) -> Result<(), Trouble> {
-        let is_touching = replies.iter().any(is_closed);
+        let is_touching = self.is_closed(replies);
         if watch.is_armed {
             if is_touching || !replies.iter().all(searches) {
                 return Err(self.collision(watch));
@@ -206,7 +213,7 @@ impl<P: Port> Head<P> {
         watch: &mut Watch,
         replies: &[Reply],
     ) -> Result<(), Trouble> {
-        if replies.iter().any(is_closed) {
+        if self.is_closed(replies) {
             return Err(self.collision(watch));
         }
         watch.note(self.line.elapsed_us(), replies);
@@ -216,15 +223,14 @@ impl<P: Port> Head<P> {
     /// Whether the probe is pressed. The axes stand.
     pub(super) fn is_touching(&mut self) -> Result<bool, Trouble> {
         let mut replies = self.read()?;
-        if replies.iter().any(is_closed) {
+        if self.is_closed(&replies) {
             // One reading may be wrong unnoticed. Two equal readings are right.
             replies = self.read_twice()?;
         }
         // Axes that are held at a contact swing to both sides of it.
         let is_near =
             |contact: &Vec<i32>| distance(contact, &counts(&replies)) <= self.slack_counts();
-        let is_touching =
-            replies.iter().any(is_closed) || self.contact_at.as_ref().is_some_and(is_near);
+        let is_touching = self.is_closed(&replies) || self.contact_at.as_ref().is_some_and(is_near);
         self.contact_at = match self.contact_at.take() {
             _ if !is_touching => None,
             None => Some(counts(&replies)),
@@ -252,8 +258,8 @@ impl<P: Port> Head<P> {
         let replies = self.read_twice()?;
         // The contact may have been so short that it is over.
         let has_latched = watch.is_armed && !replies.iter().any(searches);
-        self.disarm(GUARD)?;
-        if !has_latched && !replies.iter().any(is_closed) {
+        self.disarm(self.guard())?;
+        if !has_latched && !self.is_closed(&replies) {
             return Ok(None);
         }
         let at: Vec<i32> = if has_latched {

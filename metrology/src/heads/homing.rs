@@ -4,7 +4,6 @@ use super::head::Head;
 use super::port::Port;
 use super::search::Search;
 use super::straight_move::FinishedMove;
-use super::touching::is_closed;
 use crate::trouble::Trouble;
 use husillo_probe::Failure;
 use husillo_transports::nmc::{Auxiliary, Homing};
@@ -22,7 +21,7 @@ impl<P: Port> Head<P> {
         let index = self.index(coordinate)?;
         let [slow, quick] = [self.probe.slow_rate, self.probe.rate];
         let reply = self.status(coordinate)?;
-        if is_closed(&reply) {
+        if self.is_closed(&[reply]) {
             // Nothing would watch the probe while it leaves the contact.
             return Err(Trouble::Probe(Failure::ContactAtStart));
         }
@@ -50,7 +49,7 @@ impl<P: Port> Head<P> {
         let (letter, [_, high]) = (axis.settings.letter, axis.settings.travel);
         let search = Search {
             // A contact ends the search as well: a collision.
-            events: Homing::INDEX.with(Homing::LIMIT_1),
+            events: Homing::INDEX.with(self.probe.switches.events()),
             stop: Homing::ABRUPT,
             only: Some(index),
         };

@@ -3,7 +3,6 @@
 use super::head::{Head, is_done, stop};
 use super::port::Port;
 use super::straight_move::per_period;
-use super::touching::is_closed;
 use crate::trouble::Trouble;
 use husillo_transports::nmc::{Command, Mode, StopWay, Trajectory};
 
@@ -82,7 +81,7 @@ impl<P: Port> Head<P> {
             .command(axis.settings.module, stop(StopWay::Smooth))?;
         let was_armed = self.end_watch(&mut watch)?;
         let replies = self.settle()?;
-        if was_armed && replies.iter().any(is_closed) {
+        if was_armed && self.is_closed(&replies) {
             return Err(self.collision(&watch));
         }
         Ok(())

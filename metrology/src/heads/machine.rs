@@ -1,5 +1,6 @@
 //! The settings of a measuring machine.
 
+use super::switches::Switches;
 use super::view::Errors;
 use crate::scale::Scale;
 use husillo_probe::{PreTravel, Tip, UnitVector};
@@ -61,6 +62,8 @@ pub struct ProbeSettings {
     pub back_off: u32,
     /// Longest distance beyond a contact, counts.
     pub over_travel: u32,
+    /// Its contacts.
+    pub switches: Switches,
     /// Radius of the ball, and the pre-travel from touch to signal. With radius 0, positions of the
     /// centre of the ball are measured.
     pub stylus: Stylus,

@@ -20,7 +20,7 @@ impl Search {
 
     /// Whether the search is for the contact.
     pub fn is_touch(self) -> bool {
-        self.events == Homing::LIMIT_1
+        !self.events.contains(Homing::INDEX)
     }
 
     /// Whether a searching module has found the event.

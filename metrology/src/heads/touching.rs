@@ -7,7 +7,7 @@ use super::search::Search;
 use super::straight_move::FinishedMove;
 use crate::trouble::Trouble;
 use husillo_probe::{Cycle, Edge, Failure, Input, Measurement, Plan, Request, UnitVector};
-use husillo_transports::nmc::{Homing, Reply, Status};
+use husillo_transports::nmc::{Homing, Reply};
 
 impl<P: Port> Head<P> {
     /// Goes towards a goal in a straight line until the contact is made or broken. It stays where
@@ -21,7 +21,7 @@ impl<P: Port> Head<P> {
         self.find_again()?;
         let replies = self.read_twice()?;
         // The modules look for any change, made or broken.
-        if replies.iter().any(is_closed) == until.level() {
+        if self.is_closed(&replies) == until.level() {
             return Err(match until {
                 Edge::Made => Trouble::Probe(Failure::ContactAtStart),
                 Edge::Broken => Trouble::NotTouching,
@@ -31,14 +31,14 @@ impl<P: Port> Head<P> {
         let goal = self.counts(goal)?;
         self.check_travel(&goal, meant)?;
         let search = Search {
-            events: Homing::LIMIT_1,
+            events: self.probe.switches.events(),
             stop: Homing::SMOOTH,
             only: None,
         };
         let finished = self.travel(&goal, Some(rate.min(self.probe.rate)), Some(search))?;
         let at_nm = self.place_of(&finished.replies);
         if !finished.is_found {
-            if finished.replies.iter().any(is_closed) == until.level() {
+            if self.is_closed(&finished.replies) == until.level() {
                 return Err(Trouble::NotLatched {
                     at: self.text(at_nm),
                 });
@@ -90,7 +90,7 @@ impl<P: Port> Head<P> {
         let mut beyond: Option<(Vec<i32>, [i64; 3])> = None;
         loop {
             let position = self.place_of(&finished.replies);
-            let is_closed = finished.replies.iter().any(is_closed);
+            let is_closed = self.is_closed(&finished.replies);
             if is_in_vain && is_closed {
                 // The modules have latched the position of an earlier contact.
                 unlatched = Some(position);
@@ -110,7 +110,7 @@ impl<P: Port> Head<P> {
                     let along = [0, 1, 2].map(|axis| target[axis] - input.position[axis]);
                     let is_search = target != from && direction.length_along(along) > 0;
                     let search = is_search.then_some(Search {
-                        events: Homing::LIMIT_1,
+                        events: self.probe.switches.events(),
                         stop: Homing::SMOOTH,
                         only: None,
                     });
@@ -124,6 +124,9 @@ impl<P: Port> Head<P> {
                         None => self.retract(&goal, speed)?,
                     };
                     is_in_vain = is_search && !finished.is_found;
+                    if is_search && finished.is_found {
+                        self.check_sense(direction, &finished.replies)?;
+                    }
                 }
                 // The modules stop on their own.
                 Request::Stop | Request::Wait => {}
@@ -140,6 +143,24 @@ impl<P: Port> Head<P> {
                 }
             }
         }
+    }
+
+    /// Checks that the contact of the other sense has not closed alone.
+    fn check_sense(&self, direction: &UnitVector, replies: &[Reply]) -> Result<(), Trouble> {
+        // A probe with a contact for each sense is on a single axis.
+        let (Some(axis), [reply]) = (self.axes.first(), replies) else {
+            return Ok(());
+        };
+        let mut unit = [0; 3];
+        unit[axis.settings.coordinate()] = 1 << 20;
+        let is_positive = direction.length_along(unit) > 0;
+        let [positive, negative] = self.probe.switches.are_closed(reply);
+        if positive != negative && positive != is_positive {
+            return Err(Trouble::OtherSense {
+                at: self.text(self.place_of(replies)),
+            });
+        }
+        Ok(())
     }
 
     /// The plan of a touch from a position.
@@ -209,9 +230,4 @@ impl<P: Port> Head<P> {
             })
             .collect()
     }
-}
-
-/// Whether the contact of the probe is closed.
-pub(super) fn is_closed(reply: &Reply) -> bool {
-    reply.status.contains(Status::LIMIT_1)
 }

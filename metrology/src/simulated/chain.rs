@@ -2,9 +2,9 @@
 
 use super::contact::Contact;
 use super::piece::Mounted;
-use crate::heads::Machine;
 #[cfg(test)]
 use crate::heads::operator::StopButton;
+use crate::heads::{Machine, Switches};
 use husillo_sim::{ChainModule, DcMotor, DcMotorModel, IoInputs, Noise, ServoChain, Surroundings};
 
 /// Servo period, ns.
@@ -22,6 +22,7 @@ pub struct SimulatedChain {
     inputs: Vec<IoInputs>,
     contacts: Vec<Contact>,
     piece: Option<Mounted>,
+    switches: Switches,
     /// The contact of the probe is held closed or open by hand.
     held: Option<bool>,
     #[cfg(test)]
@@ -48,7 +49,7 @@ impl SimulatedChain {
         Self::of_modules(&modules, contacts, piece)
     }
 
-    /// The servo modules of a machine, of version 4 and with its motors.
+    /// The servo modules of a machine, of version 4, with its motors and the contacts of its probe.
     ///
     /// # Errors
     ///
@@ -63,7 +64,8 @@ impl SimulatedChain {
             motor: machine.motor(module),
         };
         let modules: Vec<_> = (1..=machine.modules()).map(servo).collect();
-        Self::of_modules(&modules, contacts, piece)
+        let chain = Self::of_modules(&modules, contacts, piece)?;
+        Ok(chain.with_switches(machine.probe.switches))
     }
 
     /// Modules of any kind. The first is at the far end.
@@ -95,12 +97,20 @@ impl SimulatedChain {
             inputs: vec![IoInputs::default(); modules.len()],
             contacts: contacts.to_vec(),
             piece,
+            switches: Switches::One,
             held: None,
             #[cfg(test)]
             interruption: None,
             #[cfg(test)]
             question: None,
         })
+    }
+
+    /// The same chain with the contacts of such a probe. With one for each sense, a work piece and
+    /// [`hold_probe`](Self::hold_probe) close that of the positive sense.
+    #[must_use]
+    pub fn with_switches(self, switches: Switches) -> Self {
+        Self { switches, ..self }
     }
 
     /// The same chain, whose modules hear nothing for this time after a reset.
@@ -206,20 +216,33 @@ impl SimulatedChain {
     pub fn tick(&mut self) -> Vec<u8> {
         #[cfg(test)]
         self.fail();
-        let is_closed = self.contacts.iter().any(|contact| {
+        // Faces that are touched in positive direction, and those in negative direction.
+        let mut closed = [false; 2];
+        for contact in &self.contacts {
             let motor = self.chain.motor(usize::from(contact.module - 1));
-            contact.is_closed(motor.map_or(0, DcMotor::counts))
-        });
+            let is_closed = contact.is_closed(motor.map_or(0, DcMotor::counts));
+            closed[usize::from(!contact.is_touched_upwards())] |= is_closed;
+        }
         let chain = &self.chain;
-        let is_closed = is_closed
-            || self
-                .piece
-                .as_mut()
-                .is_some_and(|piece| piece.is_closed(chain));
-        // The probe is wired to limit 1 of every module.
-        let around = Surroundings {
-            limit_1: self.held.unwrap_or(is_closed),
-            ..Surroundings::default()
+        closed[0] |= self
+            .piece
+            .as_mut()
+            .is_some_and(|piece| piece.is_closed(chain));
+        let [positive, negative] = match self.held {
+            Some(is_closed) => [is_closed, false],
+            None => closed,
+        };
+        // The probe is wired to every module.
+        let around = match self.switches {
+            Switches::One => Surroundings {
+                limit_1: positive || negative,
+                ..Surroundings::default()
+            },
+            Switches::PerSense => Surroundings {
+                limit_1: positive,
+                limit_2: negative,
+                ..Surroundings::default()
+            },
         };
         for module in 0..self.chain.len() {
             self.chain.surround(module, around);

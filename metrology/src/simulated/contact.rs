@@ -2,8 +2,7 @@
 
 use std::str::FromStr;
 
-/// A face before one axis. It closes limit 1 of the module of that axis at a count and on one side
-/// of it.
+/// A face before one axis. It closes a contact of the probe at a count and on one side of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Contact {
     /// Address of the module, from 1.
@@ -21,6 +20,13 @@ impl Contact {
         } else {
             counts >= self.count
         }
+    }
+}
+
+impl Contact {
+    /// Whether it is touched in positive direction.
+    pub(super) const fn is_touched_upwards(self) -> bool {
+        !self.is_below
     }
 }
 

@@ -1,6 +1,8 @@
 //! Settings of machines that suit the simulated motors.
 
-use crate::heads::{AxisSettings, Errors, Machine, ProbeSettings, Stylus, pre_travel_by_sign};
+use crate::heads::{
+    AxisSettings, Errors, Machine, ProbeSettings, Stylus, Switches, pre_travel_by_sign,
+};
 use crate::quantity::Fraction;
 use crate::scale::Scale;
 use husillo_sim::DcMotorModel;
@@ -39,6 +41,7 @@ fn probe(radius_nm: i32) -> ProbeSettings {
         slow_rate: 40,
         back_off: 60,
         over_travel: 100,
+        switches: Switches::One,
         stylus: Stylus {
             radius_nm,
             pre_travel: pre_travel_by_sign([0; 2]),

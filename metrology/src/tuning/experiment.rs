@@ -122,7 +122,7 @@ impl Experiment {
                 outcome.notes.extend(note(&figures));
                 self.by_rules(found, 1, stand, outcome)?
             }
-            Method::Stepwise => stepwise(stand, size, &mut outcome.trials)?,
+            Method::Stepwise => stepwise(stand, size, &mut outcome.trials, &mut outcome.notes)?,
         };
         if self.method != Method::Step {
             outcome.conclude(&gains);

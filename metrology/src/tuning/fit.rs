@@ -6,7 +6,7 @@ use husillo_transports::nmc::{CYCLE_US, Gains};
 
 /// Largest step of the integral part, PWM. The module adds it when its sum passes a multiple of 256
 /// counts and samples, and a larger step would jolt the axis.
-const STEP_PWM: f64 = 4.0;
+pub(super) const STEP_PWM: f64 = 4.0;
 /// Largest drive of the integral part, of 255. It overcomes stiction and does not jolt the axis.
 const SHARE_PWM: f64 = 32.0;
 

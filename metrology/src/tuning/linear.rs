@@ -150,7 +150,7 @@ fn gains_place_every_move() {
     let relay = by_relay(DcMotorModel::PROTOTYPE, 0);
     let mut all = vec![
         limits,
-        stepwise(&mut prototype(), 100, &mut Vec::new()).unwrap(),
+        stepwise(&mut prototype(), 100, &mut Vec::new(), &mut Vec::new()).unwrap(),
     ];
     for point in [gain, relay] {
         for rule in [Rule::ZieglerNicholsPid, Rule::TyreusLuybenPid] {
@@ -164,6 +164,41 @@ fn gains_place_every_move() {
             "{gains:?} {result:?}"
         );
     }
+}
+
+/// Friction keeps the prototype calm at any gain, so the search ends at its bounds and says so.
+/// Without friction and with a slow winding the proportional gain ends in an oscillation, and
+/// nothing is said of it.
+#[test]
+fn stepwise_says_where_there_was_no_oscillation() {
+    let (mut trials, mut notes) = (Vec::new(), Vec::new());
+    let mut prototype = stand(DcMotorModel::PROTOTYPE, 1);
+    let gains = stepwise(&mut prototype, 100, &mut trials, &mut notes).unwrap();
+    assert_eq!((gains.proportional, gains.derivative), (4080, 8160));
+    let about = [
+        "derivative gain up to 16320",
+        "proportional gain up to 8160",
+    ];
+    for (note, about) in notes.iter().zip(about) {
+        assert!(note.contains(about), "{note}");
+    }
+    assert!(
+        trials
+            .iter()
+            .all(|trial| trial.p <= 8160 && trial.d <= 16_320)
+    );
+
+    let (mut trials, mut notes) = (Vec::new(), Vec::new());
+    let gains = stepwise(&mut stand(SLOW, 1), 100, &mut trials, &mut notes).unwrap();
+    // It vibrates at 400, and at once with an integral gain.
+    assert!(
+        trials
+            .iter()
+            .any(|trial| trial.result.starts_with("vibrates"))
+    );
+    assert_eq!(gains.proportional, 200);
+    assert_eq!(notes.len(), 1, "{notes:?}");
+    assert!(notes[0].starts_with("no derivative gain"), "{notes:?}");
 }
 
 /// The gains of a rule hold the motor with the controller of `pid` as well. It has no limit of

@@ -1,6 +1,7 @@
 //! Stepwise tuning, as by hand: derivative gain, proportional gain, integral gain, limit of the
 //! integral.
 
+use super::fit::STEP_PWM;
 use super::moves;
 use super::stand::{Stand, Trace};
 use super::step::{StepFigures, figures};
@@ -21,6 +22,37 @@ const TRIAL_US: u64 = 900_000;
 const OVERSHOOT_PERCENT: f64 = 25.0;
 /// Number of moves that check a limit.
 const MOVES: u32 = 9;
+
+/// The gains that a search raises no further, although the axis has not vibrated. Beyond them the
+/// steps of the encoder drive the motor, so a servo that friction keeps calm is no better for them.
+#[derive(Clone, Copy)]
+struct Bounds {
+    derivative: u16,
+    proportional: u16,
+    integral: u16,
+}
+
+impl Bounds {
+    /// A motion of one count in a sample makes a quarter of the full drive. An error of eight
+    /// counts makes all of it. A step of the integral makes what [`STEP_PWM`] says.
+    fn new(output_limit: u8) -> Self {
+        // 255 * 256 = 65280.
+        let full = u16::from(output_limit) * 256;
+        Self {
+            derivative: (full / 4).clamp(FIRST_D, LARGEST),
+            proportional: (full / 8).clamp(FIRST_P, LARGEST),
+            integral: STEP_PWM as u16 * 256,
+        }
+    }
+}
+
+/// A gain that a search has found.
+struct Raised {
+    /// Half of the last gain.
+    gain: u16,
+    /// The largest gain that was tried, where even that one was not too much.
+    calm_at: Option<u16>,
+}
 
 /// Results of a trial.
 struct Shown {
@@ -59,26 +91,36 @@ impl Shown {
     }
 }
 
-/// Finds gains with steps of `size` counts back and forth. Appends every trial to `trials`.
+/// Finds gains with steps of `size` counts back and forth. Appends every trial to `trials`, and a
+/// sentence to `notes` for every search that ended without an oscillation.
 ///
 /// # Errors
 ///
 /// A limit is passed, or the link fails.
-pub fn stepwise(stand: &mut Stand, size: i32, trials: &mut Vec<Trial>) -> Result<Gains, Trouble> {
+pub fn stepwise(
+    stand: &mut Stand,
+    size: i32,
+    trials: &mut Vec<Trial>,
+    notes: &mut Vec<String>,
+) -> Result<Gains, Trouble> {
     // Derivative gain: up to vibration, then half of it.
     let mut gains = Gains {
         integration_limit: 0,
         ..stand.gains(FIRST_P, 0, FIRST_D)
     };
-    gains.derivative = raise(FIRST_D, |derivative| {
+    let bounds = Bounds::new(gains.output_limit);
+    let found = raise(FIRST_D, bounds.derivative, |derivative| {
         let tried = Gains {
             derivative,
             ..gains
         };
         Ok(attempt(stand, "derivative", &tried, size, trials)?.is_vibrating)
     })?;
+    let reason = "a motion of one count in a sample makes a quarter of the full drive";
+    notes.extend(found.note("derivative", "oscillates", reason));
+    gains.derivative = found.gain;
     // Proportional gain: up to vibration or too much overshoot, then half of it.
-    gains.proportional = raise(FIRST_P, |proportional| {
+    let found = raise(FIRST_P, bounds.proportional, |proportional| {
         let tried = Gains {
             proportional,
             ..gains
@@ -86,13 +128,19 @@ pub fn stepwise(stand: &mut Stand, size: i32, trials: &mut Vec<Trial>) -> Result
         let shown = attempt(stand, "proportional", &tried, size, trials)?;
         Ok(shown.is_vibrating || shown.overshoot() > OVERSHOOT_PERCENT)
     })?;
+    let reason = "an error of eight counts makes the full drive";
+    notes.extend(found.note("proportional", SWINGS, reason));
+    gains.proportional = found.gain;
     // Integral gain with a wide limit: up to vibration or too much overshoot, then half of it.
     gains.integration_limit = WIDE_LIMIT;
-    gains.integral = raise(FIRST_I, |integral| {
+    let found = raise(FIRST_I, bounds.integral, |integral| {
         let tried = Gains { integral, ..gains };
         let shown = attempt(stand, "integral", &tried, size, trials)?;
         Ok(shown.is_vibrating || shown.overshoot() > OVERSHOOT_PERCENT)
     })?;
+    let reason = format!("a step of the integral makes {STEP_PWM} PWM");
+    notes.extend(found.note("integral", SWINGS, &reason));
+    gains.integral = found.gain;
     // The limit is halved as long as all moves end at their goals.
     let mut limit = WIDE_LIMIT;
     while limit >= 512 {
@@ -119,17 +167,36 @@ pub fn stepwise(stand: &mut Stand, size: i32, trials: &mut Vec<Trial>) -> Result
     Ok(gains)
 }
 
-/// Doubles a gain until `is_too_much`. Returns half of that gain, or half of the largest gain.
+/// What ends the searches for the proportional and for the integral gain.
+const SWINGS: &str = "oscillates or overshoots by more than 25 %";
+
+impl Raised {
+    /// The sentence about a search that has found nothing. `reason` says what the bound is.
+    fn note(&self, stage: &str, event: &str, reason: &str) -> Option<String> {
+        let calm_at = self.calm_at?;
+        Some(format!(
+            "no {stage} gain up to {calm_at} {event}: the search ends there, where {reason}, and \
+             half of it is taken"
+        ))
+    }
+}
+
+/// Doubles a gain up to `bound`, until `is_too_much`. Finds half of that gain.
 fn raise(
     first: u16,
+    bound: u16,
     mut is_too_much: impl FnMut(u16) -> Result<bool, Trouble>,
-) -> Result<u16, Trouble> {
+) -> Result<Raised, Trouble> {
     let mut gain = first;
     loop {
-        if is_too_much(gain)? || gain == LARGEST {
-            return Ok(gain / 2);
+        let is_found = is_too_much(gain)?;
+        if is_found || gain >= bound {
+            return Ok(Raised {
+                gain: gain / 2,
+                calm_at: (!is_found).then_some(gain),
+            });
         }
-        gain = gain.saturating_mul(2).min(LARGEST);
+        gain = gain.saturating_mul(2).min(bound);
     }
 }
 
