@@ -14,6 +14,7 @@ mod halt;
 mod help;
 pub mod interrupt;
 pub mod machine_file;
+pub mod memory_file;
 mod module_list;
 mod motor_file;
 mod piece_file;
@@ -176,8 +177,7 @@ fn measure_by(
     let scale = session.scale;
     let mut written = Ok(());
     let (mut is_refused, mut has_collided) = (false, false);
-    let result = Head::start(line, machine, args.repeat).and_then(|head| {
-        let mut head = Calibrated::new(head, machine.errors.clone());
+    let result = session.begin(line, args).and_then(|mut head| {
         let mut report = |row: &ResultRow| {
             if args.format == Results::Text && written.is_ok() {
                 written = writeln!(out, "{}", row.text(scale)).and_then(|()| out.flush());
@@ -190,6 +190,7 @@ fn measure_by(
             false => Ok(false),
         });
         has_collided = head.has_collided();
+        session.end(&mut head);
         is_refused = done?;
         Ok(())
     });
@@ -234,7 +235,11 @@ fn typed(
         let message = match session.actions(&words) {
             Err(message) => format!("error: {message}"),
             Ok(actions) => match session.run(&actions, head, &mut report) {
-                Ok(()) => continue,
+                Ok(()) => {
+                    // Ctrl-C ends the program at once while nothing moves.
+                    session.keep(head);
+                    continue;
+                }
                 Err(trouble) if interrupt.has_stopped() => return Err(trouble),
                 Err(trouble) => error_text(&trouble),
             },
@@ -296,9 +301,12 @@ fn run_routine(
     let Some(routine) = Routine::load(path)? else {
         return Err(Stopped::Told(WRONG));
     };
-    let mut head = started(args, machine, interrupt)?;
-    let stylus = prepared(args, before, &mut head, out)?;
-    let ending = routine::run(&routine, args, machine, &mut head, stylus, out, file);
+    let (session, actions) = before;
+    let mut head = started(args, machine, interrupt, session)?;
+    let ending = prepared(args, (session, actions), &mut head, out)
+        .map(|stylus| routine::run(&routine, args, machine, &mut head, stylus, out, file));
+    session.end(&mut head);
+    let ending = ending?;
     ended(ending.map_err(|error| error.to_string())?)
 }
 
@@ -311,9 +319,12 @@ fn record_routine(
     before: (&mut Session, &[Action]),
     out: &mut dyn Write,
 ) -> Result<(), Stopped> {
-    let mut head = started(args, machine, interrupt)?;
-    let stylus = prepared(args, before, &mut head, out)?;
-    let ending = routine::recorded(path, &mut head, stylus, out);
+    let (session, actions) = before;
+    let mut head = started(args, machine, interrupt, session)?;
+    let ending = prepared(args, (session, actions), &mut head, out)
+        .map(|stylus| routine::recorded(path, &mut head, stylus, out));
+    session.end(&mut head);
+    let ending = ending?;
     ended(ending.map_err(|error| format!("{path}: {error}"))?)
 }
 
@@ -322,6 +333,7 @@ fn started(
     args: &Measure,
     machine: &Machine,
     interrupt: &Interrupt,
+    session: &Session,
 ) -> Result<Calibrated<Head<AnyPort>>, Stopped> {
     if machine.scale.unit() != "mm" {
         let message = format!(
@@ -333,12 +345,10 @@ fn started(
     }
     let line = session::open(args, machine, mounted(args.piece.as_deref(), machine)?)?;
     let line = line.with_operator(User::new(interrupt, args.raw));
-    let head = Head::start(line, machine, args.repeat);
-    let head = head.map_err(|trouble| {
+    session.begin(line, args).map_err(|trouble| {
         eprintln!("{}", error_text(&trouble));
         Stopped::Told(TROUBLE)
-    })?;
-    Ok(Calibrated::new(head, machine.errors.clone()))
+    })
 }
 
 const fn ended(ending: Ending) -> Result<(), Stopped> {

@@ -23,6 +23,7 @@ fn an_interruption_stops_the_axes() {
     for name in ["INT", "TERM", "HUP"] {
         let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_husillo"))
             .current_dir(env!("CARGO_MANIFEST_DIR"))
+            .env("XDG_STATE_HOME", common::state())
             .args(["measure", "-m", "cmm3", "--raw", "--port", chain.port()])
             .args(["jog", "+x", "60s", "slow"])
             .stderr(std::process::Stdio::piped())

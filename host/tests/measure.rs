@@ -3,11 +3,12 @@
 mod common;
 mod emulated;
 
-use common::{husillo, measured, near, number, scratch, written};
+use common::{husillo, measured, near, number, printed, scratch, written};
 use emulated::Emulated;
 use predicates::prelude::*;
 use predicates::str::contains;
 use serde_json::Value;
+use std::io::{BufRead, BufReader};
 use std::net::TcpListener;
 
 #[test]
@@ -833,4 +834,75 @@ fn a_reader_that_is_gone_is_no_error() {
         assert_eq!(String::from_utf8_lossy(&output.stderr), "", "{args:?}");
         assert_eq!(output.status.code(), Some(0), "{args:?}");
     }
+}
+
+/// Zero and home hold from one command to the next, also after an interruption and a stop. They
+/// end with a reset of the modules.
+#[cfg(unix)]
+#[test]
+fn the_next_command_goes_on_where_the_last_one_ended() {
+    let Some(mut chain) = Emulated::new("cmm", "memory", &["--speed", "20"]) else {
+        return;
+    };
+    let port = chain.port().to_owned();
+    let run = |actions: &[&str]| {
+        let mut command = husillo();
+        command.args(["measure", "--port", &port, "--format", "json"]);
+        let output = command.args(actions).output().unwrap();
+        let errors = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.success(), "{actions:?}: {errors}");
+        let rows: Value = serde_json::from_slice(&output.stdout).unwrap();
+        (rows, errors)
+    };
+    let (_, told) = run(&["goto", "30", "home", "x", "goto", "120", "zero"]);
+    assert!(
+        told.contains("note: the servos stay on and hold; zero and home are kept\n"),
+        "{told}"
+    );
+    let (rows, told) = run(&["goto", "100"]);
+    near(&rows[0]["position"], 100.0, 1.0);
+    assert!(!told.contains("lost"), "{told}");
+    // The index was met at 400 counts, so the module counts 400 + 120 + 100.
+    let (rows, _) = run(&["home", "x"]);
+    near(&rows[0]["position"], 0.0, 1.0);
+
+    // A killed program leaves a jog that runs on. A stop keeps what is known.
+    run(&["goto", "50", "zero"]);
+    let mut jog = std::process::Command::new(env!("CARGO_BIN_EXE_husillo"))
+        .env("XDG_STATE_HOME", common::state())
+        .args(["measure", "--raw", "--port", &port, "jog", "+x", "60s"])
+        .stderr(std::process::Stdio::piped())
+        .stdout(std::process::Stdio::null())
+        .spawn()
+        .unwrap();
+    let lines = BufReader::new(jog.stderr.take().unwrap()).lines();
+    // A trajectory, and some readings after it.
+    let lines = lines
+        .map_while(Result::ok)
+        .skip_while(|line| !line.starts_with("> aa 01 d4 "));
+    assert_eq!(lines.take(40).count(), 40);
+    jog.kill().unwrap();
+    jog.wait().unwrap();
+    let stopped = printed(&["stop", "-m", "cmm", "--port", &port]);
+    let at = stopped
+        .split_whitespace()
+        .nth(3)
+        .unwrap()
+        .parse::<f64>()
+        .unwrap();
+    let (rows, told) = run(&["status"]);
+    assert!(!told.contains("lost"), "{told}");
+    assert!(number(&rows[0]["position"]) > 5.0, "{rows}");
+    let zero = at - number(&rows[0]["position"]);
+    let (rows, _) = run(&["--reset", "status"]);
+    near(&rows[0]["position"], 0.0, 1.0);
+    assert!(zero > 400.0, "{zero}");
+
+    run(&["goto", "50", "zero"]);
+    chain.type_line("power off", "power is off");
+    chain.type_line("power on", "power is on");
+    let (rows, told) = run(&["status"]);
+    let lost = "note: the modules were reset or moved, so zero and home are lost\n";
+    assert!(told.starts_with(lost), "{told}");
+    near(&rows[0]["position"], 0.0, 1.0);
 }

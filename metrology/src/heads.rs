@@ -12,6 +12,7 @@ mod homing;
 mod jog;
 mod line;
 mod machine;
+mod memory;
 #[cfg(test)]
 mod noise_test;
 pub(crate) mod operator;
@@ -32,6 +33,7 @@ pub use line::Line;
 pub use machine::{
     AxisSettings, Machine, PRE_TRAVEL_ENTRIES, ProbeSettings, Stylus, pre_travel_by_sign,
 };
+pub use memory::{AxisMemory, Memory, Rejoined};
 pub use operator::Operator;
 pub use port::Port;
 pub use prober::{Probed, Prober, Touched};

@@ -46,6 +46,9 @@ pub struct Measure {
     /// Share of wrong bits on the simulated line, such as 1e-5
     #[arg(long, value_name = "RATE", default_value_t = 0.0, value_parser = share)]
     pub noise: f64,
+    /// Reset the modules at the start: zero and home of the command before are lost
+    #[arg(long)]
+    pub reset: bool,
     /// Name or number of the part, for the report of a routine
     #[arg(long, value_name = "TEXT")]
     pub part: Option<String>,

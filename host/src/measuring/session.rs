@@ -2,6 +2,7 @@
 
 use super::action::Action;
 use super::direction::Towards;
+use super::memory_file::MemoryFile;
 use super::result_row::{
     CalibrationFigures, Entry, Numbers, ResultRow, StatusFigures, TouchFigures,
 };
@@ -9,7 +10,9 @@ use crate::cli::Measure;
 use crate::console::sharing::share;
 use crate::measuring::port::ChainPort;
 use husillo_metrology::calibration::{Body, Calibrated, Face, FoundProbe, is_by_axis, surface_nm};
-use husillo_metrology::heads::{Head, Line, Machine, Port, Prober, Stylus, pre_travel_by_sign};
+use husillo_metrology::heads::{
+    Head, Line, Machine, Port, Prober, Rejoined, Stylus, pre_travel_by_sign,
+};
 use husillo_metrology::simulated::{Contact, Mounted, SimulatedChain, SimulatedPort};
 use husillo_metrology::{Scale, Trouble};
 use husillo_probe::{Measurement, UnitVector};
@@ -29,6 +32,8 @@ pub struct Session {
     axes: Vec<usize>,
     stylus: Stylus,
     reference: Option<i64>,
+    /// What the next session gets to know. The simulated port has none.
+    memory: Option<MemoryFile>,
 }
 
 impl Session {
@@ -50,12 +55,83 @@ impl Session {
             axes,
             stylus,
             reference,
+            memory: MemoryFile::of(args, machine),
         })
     }
 
     /// The probe, as calibrated so far.
     pub const fn stylus(&self) -> Stylus {
         self.stylus
+    }
+
+    /// Switches the servos on. It goes on where the session before has left the modules, or else
+    /// starts the line and says what is lost.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Head::start`] and [`Head::rejoin`].
+    pub fn begin(
+        &self,
+        mut line: Line<AnyPort>,
+        args: &Measure,
+    ) -> Result<Calibrated<Head<AnyPort>>, Trouble> {
+        let (machine, touches) = (&self.machine, args.repeat);
+        let errors = || machine.errors.clone();
+        let left = self.memory.as_ref().filter(|_| !args.reset);
+        if let Some((memory, _)) = left.and_then(MemoryFile::read) {
+            match Head::rejoin(line, machine, touches, &memory)? {
+                Rejoined::AsLeft(head) => {
+                    let mut head = Calibrated::new(*head, errors());
+                    head.recall(&memory);
+                    self.keep(&mut head);
+                    return Ok(head);
+                }
+                Rejoined::Changed(same) => line = same,
+            }
+            eprintln!("note: the modules were reset or moved, so zero and home are lost");
+        }
+        if let Some(memory) = &self.memory {
+            memory.forget();
+        }
+        let mut head = Calibrated::new(Head::start(line, machine, touches)?, errors());
+        self.keep(&mut head);
+        Ok(head)
+    }
+
+    /// Keeps homes, zeros and positions in case the program is killed. The axes stand.
+    pub fn keep(&self, head: &mut Calibrated<Head<AnyPort>>) {
+        if let Some(file) = &self.memory {
+            // Without an answer the next action fails, too. The next session then finds other
+            // positions than the kept ones.
+            if let Ok(memory) = head.memory() {
+                let _ = file.write(&memory, true);
+            }
+        }
+    }
+
+    /// Keeps homes, zeros and positions for the next session, and says what is left.
+    pub fn end(&self, head: &mut Calibrated<Head<AnyPort>>) {
+        let Some(file) = &self.memory else { return };
+        let memory = match head.memory() {
+            Ok(memory) => memory,
+            Err(trouble) => {
+                eprintln!("warning: zero and home are not kept for the next command: {trouble}");
+                return;
+            }
+        };
+        if let Err(error) = file.write(&memory, false) {
+            eprintln!("warning: zero and home are not kept for the next command: {error}");
+            return;
+        }
+        let free = memory.axes.iter().filter(|axis| !axis.is_held);
+        let free: Vec<_> = free.map(|axis| axis.letter.to_string()).collect();
+        match free.is_empty() {
+            true => eprintln!("note: the servos stay on and hold; zero and home are kept"),
+            false => {
+                let free = free.join(", ");
+                eprintln!("note: {free} without drive; zero and home are kept");
+            }
+        }
     }
 
     /// Reads words such as `goto X12 Y3 touch -z`.
@@ -149,10 +225,12 @@ impl Session {
                 Action::Zero(_) => {
                     row.action = "zero";
                     axes.iter().try_for_each(|axis| head.set_zero(*axis))?;
+                    self.keep(head);
                 }
                 Action::Home(axis) => {
                     row.action = "home";
                     head.home(axis)?;
+                    self.keep(head);
                 }
                 Action::Jog {
                     towards,

@@ -1,6 +1,6 @@
 //! A machine with known errors: positions and goals are true positions.
 
-use crate::heads::{Errors, Head, Port, Probed, Prober, Touched, View};
+use crate::heads::{Errors, Head, Memory, Port, Probed, Prober, Touched, View};
 use crate::trouble::Trouble;
 use husillo_backlash::{ErrorTable, Flank};
 use husillo_probe::{Edge, Measurement, UnitVector};
@@ -214,6 +214,35 @@ impl<P: Port> Calibrated<Head<P>> {
     pub fn held(&self) -> [i64; 3] {
         let readings = self.sent.unwrap_or(self.prober.held());
         self.view.position_from(readings, self.view.flanks)
+    }
+
+    /// What the session leaves in the modules, with zeros and directions of approach.
+    ///
+    /// # Errors
+    ///
+    /// No answer, or an axis that does not come to rest.
+    pub fn memory(&mut self) -> Result<Memory, Trouble> {
+        let mut memory = self.prober.memory()?;
+        for axis in &mut memory.axes {
+            let coordinate = "XYZ".find(axis.letter).unwrap_or_default();
+            axis.zero = self.view.zero[coordinate];
+            axis.flank = self.view.flanks[coordinate];
+        }
+        Ok(memory)
+    }
+
+    /// Takes over zeros, homes and directions of approach of an earlier session. The head is one
+    /// that has rejoined the same modules.
+    pub fn recall(&mut self, memory: &Memory) {
+        for axis in &memory.axes {
+            let coordinate = "XYZ".find(axis.letter).unwrap_or_default();
+            if axis.is_homed {
+                self.set_homed(coordinate);
+            }
+            self.view.zero[coordinate] = axis.zero;
+            self.view.flanks[coordinate] = axis.flank;
+        }
+        self.sent = None;
     }
 
     /// Makes the present position of an axis 0. The held position may differ slightly and does not

@@ -51,18 +51,37 @@ impl<P: Port> Head<P> {
     ///
     /// No answer, fewer modules than the machine has, different periods, no motor power, or a
     /// machine without axes.
-    pub fn start(mut line: Line<P>, machine: &Machine, touches: u8) -> Result<Self, Trouble> {
-        if machine.axes.is_empty() {
-            return Err(Trouble::NoAxis { axis: 'X' });
-        }
-        line.name_axes(machine);
-        let chain = line.start_up(machine.baud)?;
+    pub fn start(line: Line<P>, machine: &Machine, touches: u8) -> Result<Self, Trouble> {
+        let mut head = Self::of(line, machine, touches)?;
+        let chain = head.line.start_up(machine.baud)?;
         let wanted = machine.modules();
         if chain.modules < wanted {
             let modules = chain.modules;
             return Err(Trouble::NoModule { wanted, modules });
         }
-        let mut head = Self {
+        let versions = head.axes.iter().map(|axis| {
+            let place = usize::from(axis.settings.module).wrapping_sub(1);
+            let device = chain.devices.get(place);
+            device.map_or(u8::MAX, |(_, version)| *version)
+        });
+        let versions: Vec<u8> = versions.collect();
+        head.set_period(&versions)?;
+        // The reset has put all modules into this group. So the reset of the next session reaches
+        // them, too.
+        head.lead_group()?;
+        for index in 0..head.axes.len() {
+            head.switch_on(index)?;
+        }
+        Ok(head)
+    }
+
+    /// A head whose line is not started.
+    pub(super) fn of(mut line: Line<P>, machine: &Machine, touches: u8) -> Result<Self, Trouble> {
+        if machine.axes.is_empty() {
+            return Err(Trouble::NoAxis { axis: 'X' });
+        }
+        line.name_axes(machine);
+        Ok(Self {
             line,
             axes: machine.axes.iter().copied().map(Servo::new).collect(),
             probe: machine.probe,
@@ -74,41 +93,39 @@ impl<P: Port> Head<P> {
             given_up: None,
             contact_at: None,
             has_collided: false,
-        };
+        })
+    }
+
+    /// Sets the period of the profiles. `versions` are those of the modules of the axes.
+    pub(super) fn set_period(&mut self, versions: &[u8]) -> Result<(), Trouble> {
         // A rate divisor slows the profiles of modules before version 10. In version 10 it slows
         // the derivative only.
-        let periods = head.axes.iter().map(|axis| {
-            let place = usize::from(axis.settings.module).wrapping_sub(1);
-            if chain
-                .devices
-                .get(place)
-                .is_some_and(|(_, version)| *version < 10)
-            {
-                axis.settings.gains.rate_divisor
-            } else {
-                1
-            }
+        let pairs = self.axes.iter().zip(versions);
+        let periods = pairs.map(|(axis, version)| match *version < 10 {
+            true => axis.settings.gains.rate_divisor,
+            false => 1,
         });
         let periods: Vec<u8> = periods.collect();
         if periods.windows(2).any(|pair| pair[0] != pair[1]) {
             return Err(Trouble::Periods);
         }
-        head.period_s = f64::from(CYCLE_US) * 1e-6 * f64::from(periods[0]);
-        if let [first, _, ..] = head.axes[..] {
-            // The reset has put all modules into this group. So the reset of the next session
-            // reaches them, too.
+        let divisor = periods.first().copied().unwrap_or(1);
+        self.period_s = f64::from(CYCLE_US) * 1e-6 * f64::from(divisor);
+        Ok(())
+    }
+
+    /// The module of the first of several axes leads the group of all modules.
+    pub(super) fn lead_group(&mut self) -> Result<(), Trouble> {
+        if let [first, _, ..] = self.axes[..] {
             let group = Group {
                 address: EVERY_GROUP,
                 is_leader: true,
             };
             let address = first.settings.module;
-            head.line
+            self.line
                 .command(address, Command::SetAddress { address, group })?;
         }
-        for index in 0..head.axes.len() {
-            head.switch_on(index)?;
-        }
-        Ok(head)
+        Ok(())
     }
 
     fn switch_on(&mut self, index: usize) -> Result<(), Trouble> {
@@ -121,6 +138,16 @@ impl<P: Port> Head<P> {
         // Not every module sets its position to 0 at a reset.
         self.line
             .command(module, Command::ResetPosition(Reset::Zero))?;
+        self.hold_checked(index)
+    }
+
+    /// Holds a standing axis where it is.
+    ///
+    /// # Errors
+    ///
+    /// No answer, or a fault of the axis.
+    pub(super) fn hold_checked(&mut self, index: usize) -> Result<(), Trouble> {
+        let axis = self.axes[index];
         let reply = self.read_axis_twice(&axis, READ)?;
         let at = reply.readings.position;
         axis.check(&reply, || self.axis_text(index, at))?;

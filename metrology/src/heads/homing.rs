@@ -32,6 +32,7 @@ impl<P: Port> Head<P> {
         self.back_from(index, found)?;
         let found = self.search_index(index, slow)?;
         self.axes[index].origin = found;
+        self.axes[index].is_homed = true;
         self.only(index, found, None, quick).map(drop)
     }
 

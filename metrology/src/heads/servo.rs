@@ -15,6 +15,10 @@ pub struct Servo {
     pub origin: i32,
     /// The last commanded position, counts.
     pub held: i32,
+    /// It has been homed: the origin is at home.
+    pub is_homed: bool,
+    /// The operator knows that it is not homed.
+    pub is_announced: bool,
 }
 
 impl Servo {
@@ -24,6 +28,8 @@ impl Servo {
             settings,
             origin: 0,
             held: 0,
+            is_homed: false,
+            is_announced: false,
         }
     }
 
