@@ -906,3 +906,47 @@ fn the_next_command_goes_on_where_the_last_one_ended() {
     assert!(told.starts_with(lost), "{told}");
     near(&rows[0]["position"], 0.0, 1.0);
 }
+
+/// What is not known is said to be unknown.
+#[test]
+fn where_tells_all_coordinates() {
+    let actions = "-m cmm3 goto X0.2 home x goto X5 Z1 zero x z goto X2.62 Z3 where";
+    let args: Vec<&str> = ["measure"].into_iter().chain(actions.split(' ')).collect();
+    let text = printed(&args);
+    // The second index of X is 0.8 mm from where it stood.
+    for wanted in [
+        "X where: work 2.62",
+        "    machine    7.62",
+        " mm from home\n    steps      42",
+        "Y where: work 0.0000 mm\n    machine    unknown, as Y is not homed\n    steps      0 ",
+        "Z where: work 3.00",
+    ] {
+        assert!(text.contains(wanted), "{wanted} in {text}");
+    }
+    let rows = measured(&[&args[1..], &["x", "--inch"]].concat());
+    let row = rows.last().unwrap();
+    near(&row["machine"], 0.3, 0.000_1);
+    near(&row["work"], 2.62 / 25.4, 0.000_1);
+    assert_eq!((&row["unit"], &row["homed"]), (&"in".into(), &true.into()));
+    let text = printed(&["measure", "goto", "30", "where"]);
+    assert!(text.contains("X where: work 30 counts\n    machine    unknown, as X is not homed\n"));
+    assert!(text.contains("    length     unknown, as the machine file has no `count`\n"));
+}
+
+/// An axis that is not homed moves slowly, and the user is told once.
+#[test]
+fn an_axis_that_is_not_homed_is_announced_once() {
+    let note = "note: X is not homed: it moves at 200 counts/s, and its travel counts from where \
+                it stood\n";
+    let told = |actions: &[&str]| {
+        let output = husillo().arg("measure").args(actions).output().unwrap();
+        String::from_utf8(output.stderr).unwrap()
+    };
+    assert_eq!(told(&["goto", "300", "jog", "+x", "1s", "goto", "0"]), note);
+    assert_eq!(told(&["home", "x", "goto", "300"]), "");
+    // From home at the second index on, 400 counts from where the axis stood.
+    let beyond = told(&["goto", "30", "home", "goto", "8001"]);
+    assert!(beyond.contains("error: X 8001 counts is outside the travel, -8000 counts to 8000"));
+    let rows = measured(&["goto", "30", "home", "goto", "8000", "where"]);
+    near(&rows[3]["steps"], 8400.0, 1.0);
+}

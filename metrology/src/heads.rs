@@ -25,6 +25,7 @@ mod straight_move;
 mod switches;
 mod touching;
 mod view;
+mod whereabouts;
 
 pub(crate) use straight_move::per_period;
 
@@ -39,3 +40,4 @@ pub use port::Port;
 pub use prober::{Probed, Prober, Touched};
 pub use switches::Switches;
 pub use view::{Errors, View};
+pub use whereabouts::Whereabouts;

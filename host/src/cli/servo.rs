@@ -7,8 +7,8 @@ use std::ffi::OsString;
 /// `husillo measure`.
 #[derive(Debug, Args)]
 pub struct Measure {
-    /// goto POSITION, zero, home, jog, touch DIRECTION, calibrate DIRECTION, status; several are
-    /// done in turn. As the last one: run FILE, record FILE, session
+    /// goto POSITION, zero, home, jog, touch DIRECTION, calibrate DIRECTION, status, where; several
+    /// are done in turn. As the last one: run FILE, record FILE, session
     #[arg(required = true, value_name = "ACTION", allow_negative_numbers = true)]
     pub actions: Vec<String>,
     /// Machine: cmm, cmm3, or a TOML file [default: cmm]
@@ -49,6 +49,9 @@ pub struct Measure {
     /// Reset the modules at the start: zero and home of the command before are lost
     #[arg(long)]
     pub reset: bool,
+    /// Lengths of `where` in inches
+    #[arg(long)]
+    pub inch: bool,
     /// Name or number of the part, for the report of a routine
     #[arg(long, value_name = "TEXT")]
     pub part: Option<String>,

@@ -4,7 +4,7 @@ use super::action::Action;
 use super::direction::Towards;
 use super::memory_file::MemoryFile;
 use super::result_row::{
-    CalibrationFigures, Entry, Numbers, ResultRow, StatusFigures, TouchFigures,
+    CalibrationFigures, Entry, Numbers, PlaceFigures, ResultRow, StatusFigures, TouchFigures,
 };
 use crate::cli::Measure;
 use crate::console::sharing::share;
@@ -32,6 +32,8 @@ pub struct Session {
     axes: Vec<usize>,
     stylus: Stylus,
     reference: Option<i64>,
+    /// Lengths of `where` are in inches.
+    is_inch: bool,
     /// What the next session gets to know. The simulated port has none.
     memory: Option<MemoryFile>,
 }
@@ -55,6 +57,7 @@ impl Session {
             axes,
             stylus,
             reference,
+            is_inch: args.inch,
             memory: MemoryFile::of(args, machine),
         })
     }
@@ -195,6 +198,41 @@ impl Session {
         Ok(())
     }
 
+    /// Reports where axes are, one row per axis.
+    fn whereabouts(
+        &self,
+        axes: &[usize],
+        head: &mut Calibrated<Head<AnyPort>>,
+        report: &mut impl FnMut(&ResultRow),
+    ) -> Result<(), Trouble> {
+        let has_length = self.scale.unit() == "mm";
+        let (unit, divisor) = match has_length && self.is_inch {
+            true => ("in", 25.4),
+            false => (self.scale.unit(), 1.0),
+        };
+        let number = |amount| self.scale.number(amount) / divisor;
+        for axis in head.whereabouts()? {
+            if !axes.contains(&axis.coordinate) {
+                continue;
+            }
+            report(&ResultRow {
+                action: "where",
+                axis: letters(&[axis.coordinate]),
+                unit,
+                position: Numbers(vec![number(axis.work)]),
+                place: Some(PlaceFigures {
+                    machine: axis.machine.map(number),
+                    work: number(axis.work),
+                    steps: axis.counts,
+                    is_homed: axis.machine.is_some(),
+                    has_length,
+                }),
+                ..ResultRow::default()
+            });
+        }
+        Ok(())
+    }
+
     /// Carries out the actions in turn. `report` gets each result.
     ///
     /// # Errors
@@ -269,6 +307,10 @@ impl Session {
                     let found = body.calibrate(head, self.stylus.radius_nm, clearance)?;
                     self.stylus = found.stylus;
                     row.calibration = Some(self.found(&found, body.body));
+                }
+                Action::Where(_) => {
+                    self.whereabouts(&axes, head, &mut report)?;
+                    continue;
                 }
                 Action::Status(_) => {
                     self.status(&axes, &row, head, &mut report)?;

@@ -25,7 +25,7 @@ pub(super) const READ: Items = Items::POSITION.with(Items::HOME);
 #[derive(Debug)]
 pub struct Head<P> {
     pub(super) line: Line<P>,
-    pub(super) axes: Vec<Servo>,
+    pub(crate) axes: Vec<Servo>,
     pub(super) probe: ProbeSettings,
     pub(super) scale: Scale,
     /// Turns readings into the positions of messages.
@@ -284,7 +284,42 @@ mod tests {
     fn started(face: &str, button: StopButton) -> Head {
         let chain = SimulatedChain::new(&[4; 3], &[face.parse().unwrap()], None).unwrap();
         let line = Line::new(SimulatedPort::new(chain)).with_operator(button);
-        Head::start(line, &three_axes(), 1).unwrap()
+        let mut head = Head::start(line, &three_axes(), 1).unwrap();
+        // Homed where it stands.
+        head.axes.iter_mut().for_each(|axis| axis.is_homed = true);
+        head
+    }
+
+    /// Before homing an axis moves as slowly as in a search. The travel counts from home.
+    #[test]
+    fn an_axis_that_is_not_homed_moves_slowly_and_then_has_its_travel() {
+        let mut head = head();
+        head.axes[0].is_homed = false;
+        head.axes[1].is_homed = false;
+        head.axes[0].settings.travel = [-1000, 1000];
+        let (time, _) = seconds(&mut head, |head| head.go_to([MM, 0, 0]).unwrap());
+        // 1 mm at 0.4 mm/s, and the time to come to rest.
+        assert!((2.5..2.9).contains(&time), "{time} s");
+        let (time, _) = seconds(&mut head, |head| head.jog(0, true, 2.0, false).unwrap());
+        assert!((2.0..2.4).contains(&time), "{time} s");
+        assert!(
+            head.held()[0].abs_diff(1_800_000) < 60_000,
+            "{:?}",
+            head.held()
+        );
+        // The travel is 2 mm to each side of where it stood.
+        let beyond = head.go_to([2_100_000, 0, 0]);
+        assert!(matches!(beyond, Err(Trouble::OutsideTravel { .. })));
+        // The next index is at 1200 counts. From there the travel is 2 mm to each side.
+        head.axes[0].settings.travel = [-2000, 2000];
+        head.home(0).unwrap();
+        head.axes[0].settings.travel = [-1000, 1000];
+        assert_eq!(head.axes[0].origin / 400 * 400, head.axes[0].origin);
+        let (time, _) = seconds(&mut head, |head| head.go_to([1_900_000, 0, 0]).unwrap());
+        assert!((0.9..1.5).contains(&time), "{time} s");
+        let beyond = head.go_to([2_100_000, 0, 0]);
+        assert!(matches!(beyond, Err(Trouble::OutsideTravel { .. })));
+        assert_eq!(head.axes[0].travel_counts()[1], head.axes[0].origin + 1000);
     }
 
     /// The result of `what`, and its time in s.

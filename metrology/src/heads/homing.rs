@@ -19,6 +19,15 @@ impl<P: Port> Head<P> {
     /// [`travel`](Self::travel).
     pub fn home(&mut self, coordinate: usize) -> Result<(), Trouble> {
         let index = self.index(coordinate)?;
+        // The operator asks for it, so nothing is said of an axis that is not homed yet.
+        let is_announced = std::mem::replace(&mut self.axes[index].is_announced, true);
+        let homed = self.search_home(index);
+        self.axes[index].is_announced = is_announced;
+        homed
+    }
+
+    fn search_home(&mut self, index: usize) -> Result<(), Trouble> {
+        let coordinate = self.axes[index].settings.coordinate();
         let [slow, quick] = [self.probe.slow_rate, self.probe.rate];
         let reply = self.status(coordinate)?;
         if self.is_closed(&[reply]) {
@@ -38,7 +47,7 @@ impl<P: Port> Head<P> {
 
     /// Goes to the back-off distance before a count.
     fn back_from(&mut self, index: usize, count: i32) -> Result<(), Trouble> {
-        let [low, _] = self.axes[index].settings.travel;
+        let [low, _] = self.axes[index].travel_counts();
         let back_off = i32::try_from(self.probe.back_off).unwrap_or(i32::MAX);
         let before = count.saturating_sub(back_off).max(low);
         self.only(index, before, None, self.probe.rate).map(drop)
@@ -47,7 +56,7 @@ impl<P: Port> Head<P> {
     /// Searches the next index and returns its count.
     fn search_index(&mut self, index: usize, rate: u32) -> Result<i32, Trouble> {
         let axis = &self.axes[index];
-        let (letter, [_, high]) = (axis.settings.letter, axis.settings.travel);
+        let (letter, [_, high]) = (axis.settings.letter, axis.travel_counts());
         let search = Search {
             // A contact ends the search as well: a collision.
             events: Homing::INDEX.with(self.probe.switches.events()),

@@ -33,7 +33,7 @@ impl<P: Port> Head<P> {
         is_slow: bool,
     ) -> Result<(), Trouble> {
         let axis = self.axes[index];
-        let [low, high] = axis.settings.travel;
+        let [low, high] = axis.travel_counts();
         // The axis may stop this far beyond its goal.
         let slack = axis.settings.in_position as i32;
         let goal = if is_positive {
@@ -53,8 +53,9 @@ impl<P: Port> Head<P> {
         let rate = if is_slow || is_touching {
             self.probe.rate.min(axis.settings.rate)
         } else {
-            axis.settings.rate
+            axis.rate(self.probe.rate)
         };
+        self.announce(&goals);
         let (velocity, acceleration) =
             per_period(rate, axis.settings.acceleration.into(), self.period_s);
         self.line.command(

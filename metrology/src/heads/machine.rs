@@ -37,7 +37,8 @@ pub struct AxisSettings {
     pub letter: char,
     /// Address of its module, 1 to 32.
     pub module: u8,
-    /// Least and largest position, counts from the position at reset.
+    /// Least and largest position, counts from home. Before homing they count from the position at
+    /// reset.
     pub travel: [i32; 2],
     /// Largest distance from its goal at which a move may end, counts.
     pub in_position: u32,

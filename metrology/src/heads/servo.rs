@@ -44,9 +44,25 @@ impl Servo {
         i32::try_from(counts).unwrap_or(if counts < 0 { i32::MIN } else { i32::MAX })
     }
 
+    /// Both ends of the travel, counts. They count from home or, before the axis is homed, from
+    /// where it stood.
+    pub fn travel_counts(&self) -> [i32; 2] {
+        let ends = self.settings.travel;
+        ends.map(|end| end.saturating_add(self.origin))
+    }
+
     /// The travel as positions.
     pub fn travel(&self, scale: Scale) -> [i64; 2] {
-        self.settings.travel.map(|end| self.position(scale, end))
+        self.travel_counts().map(|end| self.position(scale, end))
+    }
+
+    /// The highest speed, counts/s. Before it is homed the axis moves as slowly as in a search: its
+    /// travel is not where the machine file has it.
+    pub fn rate(&self, search_rate: u32) -> u32 {
+        match self.is_homed {
+            true => self.settings.rate,
+            false => self.settings.rate.min(search_rate),
+        }
     }
 
     /// Whether two positions are within the distance at which a move may end.

@@ -151,7 +151,7 @@ impl<P: Port> Head<P> {
             let coordinate = axis.settings.coordinate();
             // A saturated distance only makes the move slower.
             ways[coordinate] = goal.saturating_sub(axis.held);
-            rates[coordinate] = axis.settings.rate;
+            rates[coordinate] = axis.rate(self.probe.rate);
             accelerations[coordinate] = axis.settings.acceleration.into();
         }
         let direction = Direction::new(ways.map(i64::from))?;
@@ -167,6 +167,19 @@ impl<P: Port> Head<P> {
         self.line.elapsed_us() + (seconds * 1.5e6) as u64 + SETTLING_US
     }
 
+    /// Tells the operator, once per axis, that a moving axis is not homed.
+    pub(super) fn announce(&mut self, goal: &[i32]) {
+        for (axis, goal) in self.axes.iter_mut().zip(goal) {
+            if axis.is_homed || axis.is_announced || axis.held == *goal {
+                continue;
+            }
+            axis.is_announced = true;
+            let rate = self.scale.text_of_rate(axis.rate(self.probe.rate).into());
+            let operator = self.line.operator();
+            operator.moves_without_home(axis.settings.letter, &rate);
+        }
+    }
+
     /// Loads the trapezoids and starts all of them together.
     pub(super) fn start_line(
         &mut self,
@@ -174,6 +187,7 @@ impl<P: Port> Head<P> {
         line: &ServoLine<3>,
         search: Option<Search>,
     ) -> Result<(), Trouble> {
+        self.announce(goal);
         let is_alone = self.axes.len() == 1;
         let fastest = |of: [u32; 3]| of.into_iter().max().unwrap_or(1);
         for (index, goal) in goal.iter().enumerate() {

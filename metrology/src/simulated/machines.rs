@@ -49,8 +49,8 @@ fn probe(radius_nm: i32) -> ProbeSettings {
     }
 }
 
-/// A machine with one axis X. Its travel is 8000 counts to each side of its position at reset. The
-/// length of a count is not known.
+/// A machine with one axis X. Its travel is 8000 counts to each side of home. The length of a
+/// count is not known.
 #[must_use]
 pub fn one_axis() -> Machine {
     Machine {
@@ -63,8 +63,8 @@ pub fn one_axis() -> Machine {
     }
 }
 
-/// A machine with three axes and scales of 2 um. The travel of each is 200 mm to each side of its
-/// position at reset. The ball has a radius of 1 mm.
+/// A machine with three axes and scales of 2 um. The travel of each is 200 mm to each side of
+/// home. The ball has a radius of 1 mm.
 #[must_use]
 pub fn three_axes() -> Machine {
     Machine {
