@@ -23,8 +23,6 @@ pub struct ServoModuleOutput {
     pub amplifier: bool,
     /// The new rate of the line, if it changes.
     pub baud: Option<Baud>,
-    /// Whether the module was reset by a command.
-    pub is_reset: bool,
 }
 
 /// A PIC-SERVO module (J. R. Kerr, data sheet, 1999; versions 4, 5 and 10) without its pins:
@@ -75,7 +73,6 @@ impl ServoModule {
     /// reply.
     pub fn tick(&mut self, inputs: &ServoInputs) -> ServoModuleOutput {
         let drive = self.axis.tick(inputs);
-        let mut is_reset = false;
         let baud = match self.link.take() {
             Some(Order::Servo(command)) => {
                 self.execute(command);
@@ -89,7 +86,6 @@ impl ServoModule {
                     link,
                     ..Self::new(link.version())
                 };
-                is_reset = true;
                 Some(Baud::default())
             }
             None => None,
@@ -106,7 +102,6 @@ impl ServoModule {
             },
             amplifier: self.amplifier,
             baud,
-            is_reset,
         }
     }
 

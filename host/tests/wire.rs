@@ -6,7 +6,7 @@
 mod common;
 mod emulated;
 
-use common::husillo;
+use common::{husillo, measured, near, written};
 use emulated::Emulated;
 use predicates::str::contains;
 use serialport::{SerialPort, TTYPort};
@@ -183,6 +183,45 @@ fn a_module_with_inputs_and_outputs_has_its_panel() {
         "outputs of module 2: high 1; PWM 0 and 0 of 255",
     );
     chain.type_line("pin 1 11 high", "pin MODULE 0..11 high|low");
+}
+
+/// A machine with the double switch of the prototype, whose motor has another encoder.
+const PER_SENSE: &str = "[axis.x.motor]
+counts_per_revolution = 800
+
+[probe]
+switches = \"per-sense\"
+";
+
+#[test]
+fn a_double_switch_closes_the_limit_of_its_sense() {
+    let text = std::fs::read_to_string("../machines/cmm.toml").unwrap();
+    let file = written("per-sense.toml", &text.replacen("[probe]", PER_SENSE, 1));
+    let file = file.to_str().unwrap();
+    let faces = [
+        "--contact",
+        "1:900",
+        "--contact",
+        "1:..-700",
+        "--speed",
+        "10",
+    ];
+    let Some(mut chain) = Emulated::new(file, "wire-double", &faces) else {
+        return;
+    };
+    let port = ["-m", file, "--port", chain.port()];
+    let rows = measured(&[&port[..], &["touch", "+", "goto", "0", "touch", "-"]].concat());
+    near(&rows[0]["trigger"], 900.0, 1.0);
+    near(&rows[2]["trigger"], -700.0, 1.0);
+    // The panel closes that of the positive sense.
+    chain.type_line("close probe", "probe: close");
+    let port = ["-m", file, "--port", chain.port()];
+    let rows = measured(&[&port[..], &["status"]].concat());
+    let bits = rows[0]["bits"].to_string();
+    assert!(
+        bits.contains("limit 1") && !bits.contains("limit 2"),
+        "{bits}"
+    );
 }
 
 #[test]

@@ -177,6 +177,8 @@ impl<R: Regulator> ServoAxis<R> {
         };
         if let ServoMotion::Pwm { .. } = motion {
             self.switch_off();
+            // At once: the reply to the command has it already.
+            self.position_error = true;
         } else if !self.profile.is_servo_on() {
             self.hold(self.position);
         }
@@ -187,7 +189,10 @@ impl<R: Regulator> ServoAxis<R> {
     /// Stops. `Abrupt` and `At` switch the servo on; `Smooth` does not.
     pub fn stop(&mut self, how: ServoStop) {
         match how {
-            ServoStop::Off => self.switch_off(),
+            ServoStop::Off => {
+                self.switch_off();
+                self.position_error = true;
+            }
             ServoStop::Abrupt => self.hold(self.position),
             ServoStop::Smooth => self.profile.stop_smoothly(),
             ServoStop::At(position) => self.hold(position),
@@ -303,10 +308,8 @@ impl<R: Regulator> ServoAxis<R> {
         self.profile.stop_at(position);
     }
 
-    /// The position error is set at once: a status read in the same period has it.
     fn switch_off(&mut self) {
         self.profile.switch_off();
-        self.position_error = true;
         self.forget();
     }
 

@@ -7,6 +7,7 @@
 //! ```
 
 mod collision;
+mod ends;
 mod head;
 mod homing;
 mod jog;
@@ -26,6 +27,7 @@ mod switches;
 mod touching;
 mod view;
 mod whereabouts;
+mod wiring;
 
 pub(crate) use straight_move::per_period;
 
@@ -41,3 +43,4 @@ pub use prober::{Probed, Prober, Touched};
 pub use switches::Switches;
 pub use view::{Errors, View};
 pub use whereabouts::Whereabouts;
+pub use wiring::{End, Wiring};

@@ -1,5 +1,6 @@
 //! The error of an action that has no result.
 
+use crate::heads::End;
 use husillo_transports::nmc;
 use std::fmt;
 use std::io;
@@ -26,6 +27,13 @@ pub enum Trouble {
         wanted: u8,
         /// Modules on the line.
         modules: u8,
+    },
+    /// The module of an axis is of another kind.
+    NotServo {
+        /// Its address.
+        module: u8,
+        /// What it reports: 2 for inputs and outputs, 3 for a stepper.
+        kind: u8,
     },
     /// The line is disturbed, or two modules answer at once.
     Doubtful,
@@ -100,6 +108,22 @@ pub enum Trouble {
         /// Their speed, from the last readings before the contact. `None`: they began to move.
         speed: Option<String>,
     },
+    /// An end switch has closed, or an axis at its end switch shall move farther.
+    EndSwitch {
+        /// Letter of the axis.
+        axis: char,
+        /// Which of its ends.
+        end: End,
+        /// Where.
+        at: String,
+        /// The speed of the axes, from the last readings before. `None`: nothing moved.
+        speed: Option<String>,
+    },
+    /// The end switch of an axis did not close, or did not open, over the length of the travel.
+    NoEndSwitch {
+        /// Its letter.
+        axis: char,
+    },
     /// A contact that a second reading does not confirm.
     DoubtfulContact,
     /// The move passed no index.
@@ -166,6 +190,12 @@ impl fmt::Display for Trouble {
             Self::NoModule { wanted, modules } => {
                 write!(out, "no answer of module {wanted}: {modules} on the line")
             }
+            Self::NotServo { module, kind } => {
+                write!(
+                    out,
+                    "module {module} is no servo module: it is of type {kind}"
+                )
+            }
             Self::Doubtful => {
                 out.write_str("only damaged answers while the modules got their addresses")
             }
@@ -203,6 +233,24 @@ impl fmt::Display for Trouble {
                 }
                 out.write_str("; all axes have been stopped")
             }
+            Self::EndSwitch {
+                axis,
+                end,
+                at,
+                speed: Some(speed),
+            } => write!(
+                out,
+                "the {end} end switch of {axis} has closed at {at}, at about {speed}; all axes \
+                 have been stopped"
+            ),
+            Self::EndSwitch { axis, end, at, .. } => write!(
+                out,
+                "the {end} end switch of {axis} is closed at {at}: the axis moves away from it only"
+            ),
+            Self::NoEndSwitch { axis } => write!(
+                out,
+                "the end switch of {axis} has not changed over the length of the travel"
+            ),
             Self::DoubtfulContact => out.write_str(
                 "a second reading does not confirm a reported contact: all axes have been stopped",
             ),

@@ -34,7 +34,7 @@ pub const fn help(trouble: &Trouble) -> Option<&'static str> {
     Some(match trouble {
         Trouble::Link { failure, .. } => link(*failure),
         Trouble::NoModules => SILENT,
-        Trouble::NoModule { .. } => {
+        Trouble::NoModule { .. } | Trouble::NotServo { .. } => {
             "`module` of an axis in the machine file is its address; the farthest one has address 1"
         }
         Trouble::Doubtful => "switch the modules off and on; --raw shows the bytes",

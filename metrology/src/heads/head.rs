@@ -42,6 +42,8 @@ pub struct Head<P> {
     pub(super) contact_at: Option<Vec<i32>>,
     /// There was a collision.
     pub(super) has_collided: bool,
+    /// An axis has met an end switch.
+    pub(super) has_met_end: bool,
 }
 
 impl<P: Port> Head<P> {
@@ -49,16 +51,12 @@ impl<P: Port> Head<P> {
     ///
     /// # Errors
     ///
-    /// No answer, fewer modules than the machine has, different periods, no motor power, or a
-    /// machine without axes.
+    /// No answer, fewer modules than the machine has or other ones, different periods, no motor
+    /// power, or a machine without axes.
     pub fn start(line: Line<P>, machine: &Machine, touches: u8) -> Result<Self, Trouble> {
         let mut head = Self::of(line, machine, touches)?;
-        let chain = head.line.start_up(machine.baud)?;
-        let wanted = machine.modules();
-        if chain.modules < wanted {
-            let modules = chain.modules;
-            return Err(Trouble::NoModule { wanted, modules });
-        }
+        let modules = machine.axes.iter().map(|axis| axis.module);
+        let chain = head.line.start_servos(machine.baud, modules)?;
         let versions = head.axes.iter().map(|axis| {
             let place = usize::from(axis.settings.module).wrapping_sub(1);
             let device = chain.devices.get(place);
@@ -93,6 +91,7 @@ impl<P: Port> Head<P> {
             given_up: None,
             contact_at: None,
             has_collided: false,
+            has_met_end: false,
         })
     }
 
@@ -151,6 +150,7 @@ impl<P: Port> Head<P> {
         let reply = self.read_axis_twice(&axis, READ)?;
         let at = reply.readings.position;
         axis.check(&reply, || self.axis_text(index, at))?;
+        self.axes[index].is_at_end = axis.settings.closed_end(&reply).is_some();
         self.hold(index, reply.readings.position)
     }
 

@@ -45,9 +45,11 @@ impl<P: Port> Head<P> {
             // The axis is at the end of the travel already.
             return Ok(());
         }
-        let is_touching = self.is_touching()?;
         let mut goals: Vec<i32> = self.axes.iter().map(|axis| axis.held).collect();
         goals[index] = goal;
+        self.check_ends(&goals)?;
+        let is_touching = self.is_touching()?;
+        let axis = self.axes[index];
         let mut watch = self.watch(&goals);
         self.begin_watch(&mut watch, is_touching)?;
         let rate = if is_slow || is_touching {
@@ -71,7 +73,7 @@ impl<P: Port> Head<P> {
         )?;
         let end_us = self.line.elapsed_us() + (seconds * 1e6) as u64;
         while self.line.elapsed_us() < end_us {
-            let replies = self.read()?;
+            let replies = self.read_moving(&watch)?;
             self.look(&mut watch, &replies)?;
             let reply = &replies[index];
             if is_done(reply) && axis.is_near(reply.readings.position, goal) {

@@ -159,6 +159,38 @@ impl<P: Port> Line<P> {
         Ok(())
     }
 
+    /// Starts the line as [`start_up`](Self::start_up) does, and checks that these modules are
+    /// there and drive motors.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`start_up`](Self::start_up), fewer modules, or one of another kind.
+    pub fn start_servos(
+        &mut self,
+        baud: Baud,
+        modules: impl IntoIterator<Item = u8>,
+    ) -> Result<Chain, Trouble> {
+        let chain = self.start_up(baud)?;
+        let wanted: Vec<u8> = modules.into_iter().collect();
+        if let Some(last) = wanted.iter().max().filter(|last| **last > chain.modules) {
+            return Err(Trouble::NoModule {
+                wanted: *last,
+                modules: chain.modules,
+            });
+        }
+        for module in wanted {
+            // Servo modules are of type 0, which also stands for an unknown one.
+            let device = chain.devices.get(usize::from(module).wrapping_sub(1));
+            if let Some((kind @ 1.., _)) = device {
+                return Err(Trouble::NotServo {
+                    module,
+                    kind: *kind,
+                });
+            }
+        }
+        Ok(chain)
+    }
+
     /// Sends a command to a module.
     ///
     /// # Errors
@@ -239,9 +271,27 @@ impl<P: Port> Line<P> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulated::{SimulatedChain, SimulatedPort};
+    use crate::simulated::{ChainModule, DcMotorModel, SimulatedChain, SimulatedPort};
 
     /// A program may leave the modules with other addresses and in another group.
+    #[test]
+    fn a_module_of_another_kind_is_no_axis() {
+        let servo = ChainModule::Servo {
+            version: 4,
+            motor: DcMotorModel::PROTOTYPE,
+        };
+        let modules = [servo, ChainModule::Io { version: 2 }];
+        let started = |module| {
+            let chain = SimulatedChain::of_modules(&modules, &[], None).unwrap();
+            Line::new(SimulatedPort::new(chain)).start_servos(Baud::B19200, [module])
+        };
+        assert_eq!(started(1).unwrap().devices[1], (2, 2));
+        let error = started(2).unwrap_err().to_string();
+        assert_eq!(error, "module 2 is no servo module: it is of type 2");
+        let error = started(3).unwrap_err().to_string();
+        assert_eq!(error, "no answer of module 3: 2 on the line");
+    }
+
     #[test]
     fn modules_in_other_groups_are_found() {
         let chain = SimulatedChain::new(&[4; 2], &[], None).unwrap();

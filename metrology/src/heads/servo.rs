@@ -19,6 +19,14 @@ pub struct Servo {
     pub is_homed: bool,
     /// The operator knows that it is not homed.
     pub is_announced: bool,
+    /// It stands at its end switch, or leaves it.
+    pub is_at_end: bool,
+    /// Consecutive readings with an open end switch.
+    pub open_readings: u32,
+    /// Its end switch is searched for: the closed switch is no fault.
+    pub is_end_sought: bool,
+    /// Its module watches the end switch.
+    pub is_end_armed: bool,
 }
 
 impl Servo {
@@ -30,6 +38,10 @@ impl Servo {
             held: 0,
             is_homed: false,
             is_announced: false,
+            is_at_end: false,
+            open_readings: 0,
+            is_end_sought: false,
+            is_end_armed: false,
         }
     }
 
@@ -57,9 +69,9 @@ impl Servo {
     }
 
     /// The highest speed, counts/s. Before it is homed the axis moves as slowly as in a search: its
-    /// travel is not where the machine file has it.
+    /// travel is not where the machine file has it. It also leaves an end switch so slowly.
     pub fn rate(&self, search_rate: u32) -> u32 {
-        match self.is_homed {
+        match self.is_homed && !self.is_at_end {
             true => self.settings.rate,
             false => self.settings.rate.min(search_rate),
         }

@@ -1,7 +1,7 @@
 //! Settings of machines that suit the simulated motors.
 
 use crate::heads::{
-    AxisSettings, Errors, Machine, ProbeSettings, Stylus, Switches, pre_travel_by_sign,
+    AxisSettings, Errors, Machine, ProbeSettings, Stylus, Switches, Wiring, pre_travel_by_sign,
 };
 use crate::quantity::Fraction;
 use crate::scale::Scale;
@@ -30,6 +30,7 @@ const fn axis(letter: char, module: u8, travel: i32) -> AxisSettings {
         in_position: 1,
         rate: 1200,
         acceleration: 6000,
+        limits: [Wiring::Probe, Wiring::Nothing],
         gains: GAINS,
         motor: DcMotorModel::PROTOTYPE,
     }

@@ -29,19 +29,13 @@ impl<P: Port> Linked<P> {
     ///
     /// # Errors
     ///
-    /// No answer, fewer modules than the machine has, no motor power.
+    /// No answer, no servo module at this address, no motor power.
     pub fn start(
         mut line: Line<P>,
         machine: &Machine,
         file: &AxisSettings,
     ) -> Result<Self, Trouble> {
-        let modules = line.start_up(machine.baud)?.modules;
-        if modules < file.module {
-            return Err(Trouble::NoModule {
-                wanted: file.module,
-                modules,
-            });
-        }
+        line.start_servos(machine.baud, [file.module])?;
         let mut linked = Self {
             line,
             module: file.module,

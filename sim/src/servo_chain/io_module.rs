@@ -1,6 +1,8 @@
 //! A module with inputs and outputs on the line of the servo modules.
 
-use husillo_transports::nmc::{Baud, Command, Frame, Group, Receiver, Verdict};
+use husillo_transports::nmc::{Command, Frame, Group, Receiver, Verdict};
+
+use super::node::Change;
 
 /// Kind of a module with inputs and outputs, in its replies.
 const KIND: u8 = 2;
@@ -102,12 +104,6 @@ pub struct IoInputs {
     pub pins: u16,
     /// Readings of the three analogue inputs.
     pub analogue: [u8; 3],
-}
-
-/// What a period has changed on the line.
-pub(super) enum Change {
-    Baud(Baud),
-    Reset,
 }
 
 impl IoModule {
@@ -262,7 +258,8 @@ impl IoModule {
 
 #[cfg(test)]
 mod tests {
-    use super::{Change, IoInputs, IoModule};
+    use super::super::node::Change;
+    use super::{IoInputs, IoModule};
 
     fn bytes(hex: &str) -> Vec<u8> {
         let pairs = hex.split_whitespace();

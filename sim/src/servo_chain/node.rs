@@ -1,13 +1,17 @@
 //! A module on the line: its device, its rate, and what it hears and says.
 
-use husillo_controllers::ServoModule;
-use husillo_machine::ServoInputs;
 use husillo_transports::nmc::Baud;
 
 use super::ear::Ear;
-use super::io_module::{Change, IoInputs, IoModule};
-use super::{FULL_CURRENT_A, SERVO_PERIOD_S, Surroundings};
-use crate::{DcMotor, DcMotorModel};
+use super::io_module::{IoInputs, IoModule};
+use super::servo::Servo;
+use crate::DcMotorModel;
+
+/// What a period has changed on the line.
+pub(super) enum Change {
+    Baud(Baud),
+    Reset,
+}
 
 /// A module to put on the line.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -24,47 +28,6 @@ pub enum ChainModule {
         /// As its replies have it.
         version: u8,
     },
-}
-
-/// A servo module with its motor.
-#[derive(Clone, Debug)]
-pub(super) struct Servo {
-    version: u8,
-    pub(super) module: ServoModule,
-    pub(super) motor: DcMotor,
-    duty: f64,
-    pub(super) around: Surroundings,
-}
-
-impl Servo {
-    /// Runs motor and module for one servo period; a dead module drives nothing.
-    fn tick(&mut self, is_alive: bool) -> Option<Change> {
-        let duty = if self.around.without_power || !is_alive {
-            0.0
-        } else {
-            self.duty
-        };
-        self.motor
-            .advance(duty, self.around.load_nm, SERVO_PERIOD_S);
-        if !is_alive {
-            return None;
-        }
-        let counts = self.motor.counts();
-        let current = self.motor.current_a().abs() / FULL_CURRENT_A * 255.0;
-        let output = self.module.tick(&ServoInputs {
-            counts: counts as i32, // modulo 2^32, as the counter of a module
-            limit_1: self.around.limit_1,
-            limit_2: self.around.limit_2,
-            index: self.motor.is_at_index(),
-            current: current.min(255.0) as u8,
-            has_power: !self.around.without_power,
-        });
-        self.duty = f64::from(output.drive.signed()) / 255.0;
-        if output.is_reset {
-            return Some(Change::Reset);
-        }
-        output.baud.map(Change::Baud)
-    }
 }
 
 #[derive(Clone, Debug)]
@@ -99,13 +62,9 @@ pub(super) struct Node {
 impl Node {
     pub(super) fn new(module: ChainModule) -> Node {
         let device = match module {
-            ChainModule::Servo { version, motor } => Device::Servo(Box::new(Servo {
-                version,
-                module: ServoModule::new(version),
-                motor: DcMotor::new(motor),
-                duty: 0.0,
-                around: Surroundings::default(),
-            })),
+            ChainModule::Servo { version, motor } => {
+                Device::Servo(Box::new(Servo::new(version, motor)))
+            }
             ChainModule::Io { version } => {
                 Device::Io(Box::new(IoModule::new(version)), IoInputs::default())
             }
@@ -126,10 +85,7 @@ impl Node {
         self.saying = None;
         self.restart(deaf_until_ns);
         match &mut self.device {
-            Device::Servo(servo) => {
-                servo.module = ServoModule::new(servo.version);
-                servo.duty = 0.0;
-            }
+            Device::Servo(servo) => servo.power_up(),
             Device::Io(module, _) => **module = IoModule::new(module.version()),
         }
     }
@@ -158,7 +114,7 @@ impl Node {
         }
         self.fall_silent(now_ns);
         match &mut self.device {
-            Device::Servo(servo) => servo.module.link().push(byte),
+            Device::Servo(servo) => servo.push(byte),
             Device::Io(module, _) => module.push(byte),
         }
     }
@@ -232,7 +188,7 @@ impl Node {
     /// Sets ADDR_IN.
     pub(super) fn set_enabled(&mut self, is_enabled: bool) {
         match &mut self.device {
-            Device::Servo(servo) => servo.module.link().set_enabled(is_enabled),
+            Device::Servo(servo) => servo.set_enabled(is_enabled),
             Device::Io(module, _) => module.set_enabled(is_enabled),
         }
     }

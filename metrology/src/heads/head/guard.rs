@@ -25,6 +25,7 @@ impl<P: Port> Head<P> {
             }
             checked?;
         }
+        self.look_at_ends(&replies)?;
         Ok(replies)
     }
 
