@@ -68,6 +68,8 @@ const WRONG: u8 = 2;
 const TROUBLE: u8 = 3;
 /// Exit status of a collision: the probe touched something during a move without a search.
 const COLLISION: u8 = 4;
+/// Exit status after an axis met an end switch.
+const END_SWITCH: u8 = 5;
 
 /// `husillo measure`: prints the results to `out`, and writes the file of `-o` to `table`.
 ///
@@ -84,7 +86,7 @@ pub fn measure(args: &Measure, out: &mut dyn Write, table: &mut Vec<u8>) -> Resu
             eprintln!("{message}");
             Err(Stopped::Told(INTERRUPTED))
         }
-        Err(Stopped::Told(TROUBLE | COLLISION)) if interrupt.has_stopped() => {
+        Err(Stopped::Told(TROUBLE | COLLISION | END_SWITCH)) if interrupt.has_stopped() => {
             Err(Stopped::Told(INTERRUPTED))
         }
         done => done,
@@ -176,7 +178,7 @@ fn measure_by(
     let mut rows: Vec<ResultRow> = Vec::new();
     let scale = session.scale;
     let mut written = Ok(());
-    let (mut is_refused, mut has_collided) = (false, false);
+    let (mut is_refused, mut mishap) = (false, None);
     let result = session.begin(line, args).and_then(|mut head| {
         let mut report = |row: &ResultRow| {
             if args.format == Results::Text && written.is_ok() {
@@ -189,27 +191,35 @@ fn measure_by(
             true => typed(&mut session, &mut head, interrupt, report),
             false => Ok(false),
         });
-        has_collided = head.has_collided();
+        mishap = mishap_of(&mut head);
         session.end(&mut head);
         is_refused = done?;
         Ok(())
     });
     let written = written.and_then(|()| write_rows(args.format, &rows, out, table));
-    match result {
-        Err(trouble) if has_collided => {
+    match (result, mishap) {
+        (Err(trouble), Some(status)) => {
             eprintln!("{}", error_text(&trouble));
-            return Err(Stopped::Told(COLLISION));
+            return Err(Stopped::Told(status));
         }
-        result => result.map_err(|trouble| Stopped::Machine(error_text(&trouble)))?,
+        (result, _) => result.map_err(|trouble| Stopped::Machine(error_text(&trouble)))?,
     }
     // The state of the machine outranks a failed output, for example a closed pipe.
-    if has_collided {
-        return Err(Stopped::Told(COLLISION));
+    if let Some(status) = mishap {
+        return Err(Stopped::Told(status));
     }
     if is_refused {
         return Err(Stopped::Told(TROUBLE));
     }
     written.map_err(Stopped::Output)
+}
+
+/// The exit status of what an axis has run into, if it has.
+fn mishap_of(head: &mut Calibrated<Head<AnyPort>>) -> Option<u8> {
+    if head.has_collided() {
+        return Some(COLLISION);
+    }
+    head.inner().has_met_end().then_some(END_SWITCH)
 }
 
 /// Carries out actions as they are typed, one line at a time, until `end` or the end of the input.
@@ -271,10 +281,7 @@ fn prepared(
     });
     result.map_err(|trouble| {
         eprintln!("{}", error_text(&trouble));
-        Stopped::Told(match head.has_collided() {
-            true => COLLISION,
-            false => TROUBLE,
-        })
+        Stopped::Told(mishap_of(head).unwrap_or(TROUBLE))
     })?;
     written.map_err(Stopped::Output)?;
     Ok(session.stylus())
@@ -306,8 +313,9 @@ fn run_routine(
     let ending = prepared(args, (session, actions), &mut head, out)
         .map(|stylus| routine::run(&routine, args, machine, &mut head, stylus, out, file));
     session.end(&mut head);
+    let has_met_end = head.inner().has_met_end();
     let ending = ending?;
-    ended(ending.map_err(|error| error.to_string())?)
+    ended(ending.map_err(|error| error.to_string())?, has_met_end)
 }
 
 /// `husillo measure record`.
@@ -324,8 +332,12 @@ fn record_routine(
     let ending = prepared(args, (session, actions), &mut head, out)
         .map(|stylus| routine::recorded(path, &mut head, stylus, out));
     session.end(&mut head);
+    let has_met_end = head.inner().has_met_end();
     let ending = ending?;
-    ended(ending.map_err(|error| format!("{path}: {error}"))?)
+    ended(
+        ending.map_err(|error| format!("{path}: {error}"))?,
+        has_met_end,
+    )
 }
 
 /// Switches the servos on. Returns the machine.
@@ -351,8 +363,9 @@ fn started(
     })
 }
 
-const fn ended(ending: Ending) -> Result<(), Stopped> {
+const fn ended(ending: Ending, has_met_end: bool) -> Result<(), Stopped> {
     match ending {
+        Ending::Trouble if has_met_end => Err(Stopped::Told(END_SWITCH)),
         Ending::Good => Ok(()),
         Ending::OutOfTolerance => Err(Stopped::Told(OUT_OF_TOLERANCE)),
         Ending::Trouble => Err(Stopped::Told(TROUBLE)),
@@ -386,6 +399,7 @@ pub fn emulate(args: &Emulate, out: &mut dyn Write) -> Result<(), Stopped> {
         Some(modules) => SimulatedChain::of_modules(modules, &args.contact, piece)?,
         None => SimulatedChain::of_machine(&machine, &args.contact, piece)?,
     };
+    let emulated = emulated.with_ends(&args.end)?;
     let mut emulated = emulated.with_noise(args.noise).with_reset_ms(args.reset_ms);
     if args.fast {
         emulated = emulated.without_byte_times();

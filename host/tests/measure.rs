@@ -395,7 +395,10 @@ fn home_is_where_the_index_is_met_from_below() {
 
 #[test]
 fn an_axis_is_jogged_at_two_speeds_and_within_its_travel() {
-    let rows = measured(&["jog", "+x", "2s", "jog", "-", "500ms", "slow", "goto", "0"]);
+    let jogs = [
+        "home", "jog", "+x", "2s", "jog", "-", "500ms", "slow", "goto", "0",
+    ];
+    let rows = &measured(&jogs)[1..];
     let at = |row: &Value| row["position"].as_f64().unwrap();
     // 1200 counts/s for 2 s, with ramps of 0.2 s; 200 counts/s for half a second.
     assert!((2250.0..2450.0).contains(&at(&rows[0])), "{rows:?}");
@@ -404,6 +407,9 @@ fn an_axis_is_jogged_at_two_speeds_and_within_its_travel() {
         "{rows:?}"
     );
     near(&rows[2]["position"], 0.0, 1.0);
+    // Before homing the speed is that of a search in both cases.
+    let rows = measured(&["jog", "+x", "2s", "jog", "-x", "60s"]);
+    assert!((375.0..425.0).contains(&at(&rows[0])), "{rows:?}");
     let rows = measured(&["jog", "-x", "60s"]);
     assert!((-8000.0..-7500.0).contains(&at(&rows[0])), "{rows:?}");
 }
@@ -712,7 +718,8 @@ fn an_axis_that_brakes_for_long_is_waited_for() {
     let slow = scratch("slow.toml");
     let text = text.replace("6000 counts/s^2", "300 counts/s^2");
     std::fs::write(&slow, text).unwrap();
-    let rows = measured(&["-m", slow.to_str().unwrap(), "jog", "+", "5s", "goto", "0"]);
+    let slow = slow.to_str().unwrap();
+    let rows = &measured(&["-m", slow, "home", "jog", "+", "5s", "goto", "0"])[1..];
     // 2400 counts to 1200 counts/s in 4 s, 1200 in one more, 2400 to brake.
     let at = rows[0]["position"].as_f64().unwrap();
     assert!((5900.0..6200.0).contains(&at), "{rows:?}");
@@ -949,4 +956,48 @@ fn an_axis_that_is_not_homed_is_announced_once() {
     assert!(beyond.contains("error: X 8001 counts is outside the travel, -8000 counts to 8000"));
     let rows = measured(&["goto", "30", "home", "goto", "8000", "where"]);
     near(&rows[3]["steps"], 8400.0, 1.0);
+}
+
+/// A machine of one axis with a low end switch at limit 2.
+fn with_end_switch(name: &str) -> String {
+    let text = std::fs::read_to_string("../machines/cmm.toml").unwrap();
+    let text = text.replace("in_position", "limit_2 = \"end-low\"\nin_position");
+    written(name, &text).to_str().unwrap().to_owned()
+}
+
+#[test]
+fn an_end_switch_is_a_fault_with_an_exit_status_of_its_own() {
+    let machine = with_end_switch("end-switch.toml");
+    let on = ["measure", "-m", &machine, "--end", "1:..-500"];
+    let met = [&on[..], &["goto", "-900", "goto", "0"]].concat();
+    husillo().args(met).assert().code(5).stderr(
+        contains("error: the low end switch of X has closed at X -500 counts, at about ")
+            .and(contains(" counts/s; all axes have been stopped"))
+            .and(contains("  help: go back the other way")),
+    );
+    // A session goes on, away from the switch.
+    let session = husillo()
+        .args([&on[..], &["session", "--format", "csv"]].concat())
+        .write_stdin("goto -900\ngoto -950\ngoto 0\ngoto 10\nend\n")
+        .assert()
+        .code(5)
+        .stderr(contains(" has closed at ").and(contains(
+            "error: the low end switch of X is closed at X -50",
+        )));
+    let text = String::from_utf8(session.get_output().stdout.clone()).unwrap();
+    assert_eq!(text.matches("goto,X,counts,").count(), 2, "{text}");
+    // Home is the same index next to the switch, wherever the axis stood.
+    for away in ["-300", "100", "700"] {
+        let on = ["-m", &machine, "--end", "1:..-650"];
+        let rows = measured(&[&on[..], &["goto", away, "home", "where"]].concat());
+        near(&rows[2]["steps"], -400.0, 1.0);
+        near(&rows[2]["machine"], 0.0, 1.0);
+    }
+    husillo()
+        .args(["measure", "-m", &machine, "--end", "1:500", "status"])
+        .assert()
+        .code(2)
+        .stderr(contains(
+            "no axis of the machine has a high end switch there",
+        ));
 }

@@ -40,6 +40,10 @@ pub struct Measure {
     /// Work piece of --port sim: the probe closes from COUNT on, or up to ..COUNT; may be repeated
     #[arg(long, value_name = "MODULE:COUNT")]
     pub contact: Vec<husillo_metrology::simulated::Contact>,
+    /// End switch of the simulated machine: the high one closes from COUNT on, the low one up to
+    /// ..COUNT; may be repeated
+    #[arg(long, value_name = "MODULE:COUNT")]
+    pub end: Vec<husillo_metrology::simulated::Contact>,
     /// Work piece of --port sim: solids and a probe, as in examples/piece.toml
     #[arg(long, value_name = "FILE.toml")]
     pub piece: Option<String>,
@@ -145,6 +149,10 @@ pub struct Emulate {
     /// may be repeated
     #[arg(long, value_name = "MODULE:COUNT")]
     pub contact: Vec<husillo_metrology::simulated::Contact>,
+    /// End switch of the simulated machine: the high one closes from COUNT on, the low one up to
+    /// ..COUNT; may be repeated
+    #[arg(long, value_name = "MODULE:COUNT")]
+    pub end: Vec<husillo_metrology::simulated::Contact>,
     /// Work piece: solids and a probe, as in examples/piece.toml
     #[arg(long, value_name = "FILE.toml")]
     pub piece: Option<String>,
@@ -223,6 +231,7 @@ impl Emulate {
         self.not_given("--reset-ms", self.reset_ms > 0)?;
         self.not_given("--fast", self.fast)?;
         self.not_given("--contact", !self.contact.is_empty())?;
+        self.not_given("--end", !self.end.is_empty())?;
         self.not_given("--piece", self.piece.is_some())?;
         self.not_given("--noise", self.noise > 0.0)
     }

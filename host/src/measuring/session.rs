@@ -437,8 +437,9 @@ pub fn open(
     let contacts: &[Contact] = &args.contact;
     let port: AnyPort = if args.port == "sim" {
         let chain = SimulatedChain::of_machine(machine, contacts, piece)?;
+        let chain = chain.with_ends(&args.end)?;
         Box::new(SimulatedPort::new(chain.with_noise(args.noise)))
-    } else if contacts.is_empty() && piece.is_none() && args.noise == 0.0 {
+    } else if contacts.is_empty() && args.end.is_empty() && piece.is_none() && args.noise == 0.0 {
         let port = ChainPort::open(&args.port);
         let port = port.map_err(|error| format!("{}: {error}", args.port))?;
         share(
@@ -449,7 +450,7 @@ pub fn open(
         Box::new(port)
     } else {
         return Err(
-            "--contact, --piece and --noise are for --port sim; `husillo emulate` has these \
+            "--contact, --end, --piece and --noise are for --port sim; `husillo emulate` has these \
              options too"
                 .into(),
         );
