@@ -464,7 +464,7 @@ mod tests {
             (with("limit_2 = \"end\"", CMM), "unknown limit_2 `end`"),
             (
                 with("limit_2 = \"probe\"", CMM),
-                "[probe] has no `switches`",
+                "missing key `switches` in [probe]",
             ),
             (
                 with("limit_2 = \"end-low\"", &double),
