@@ -14,6 +14,7 @@ mod halt;
 mod help;
 pub mod interrupt;
 pub mod machine_file;
+pub mod memory_file;
 mod module_list;
 mod motor_file;
 mod piece_file;
@@ -67,6 +68,8 @@ const WRONG: u8 = 2;
 const TROUBLE: u8 = 3;
 /// Exit status of a collision: the probe touched something during a move without a search.
 const COLLISION: u8 = 4;
+/// Exit status after an axis met an end switch.
+const END_SWITCH: u8 = 5;
 
 /// `husillo measure`: prints the results to `out`, and writes the file of `-o` to `table`.
 ///
@@ -83,7 +86,7 @@ pub fn measure(args: &Measure, out: &mut dyn Write, table: &mut Vec<u8>) -> Resu
             eprintln!("{message}");
             Err(Stopped::Told(INTERRUPTED))
         }
-        Err(Stopped::Told(TROUBLE | COLLISION)) if interrupt.has_stopped() => {
+        Err(Stopped::Told(TROUBLE | COLLISION | END_SWITCH)) if interrupt.has_stopped() => {
             Err(Stopped::Told(INTERRUPTED))
         }
         done => done,
@@ -175,9 +178,8 @@ fn measure_by(
     let mut rows: Vec<ResultRow> = Vec::new();
     let scale = session.scale;
     let mut written = Ok(());
-    let (mut is_refused, mut has_collided) = (false, false);
-    let result = Head::start(line, machine, args.repeat).and_then(|head| {
-        let mut head = Calibrated::new(head, machine.errors.clone());
+    let (mut is_refused, mut mishap) = (false, None);
+    let result = session.begin(line, args).and_then(|mut head| {
         let mut report = |row: &ResultRow| {
             if args.format == Results::Text && written.is_ok() {
                 written = writeln!(out, "{}", row.text(scale)).and_then(|()| out.flush());
@@ -189,26 +191,35 @@ fn measure_by(
             true => typed(&mut session, &mut head, interrupt, report),
             false => Ok(false),
         });
-        has_collided = head.has_collided();
+        mishap = mishap_of(&mut head);
+        session.end(&mut head);
         is_refused = done?;
         Ok(())
     });
     let written = written.and_then(|()| write_rows(args.format, &rows, out, table));
-    match result {
-        Err(trouble) if has_collided => {
+    match (result, mishap) {
+        (Err(trouble), Some(status)) => {
             eprintln!("{}", error_text(&trouble));
-            return Err(Stopped::Told(COLLISION));
+            return Err(Stopped::Told(status));
         }
-        result => result.map_err(|trouble| Stopped::Machine(error_text(&trouble)))?,
+        (result, _) => result.map_err(|trouble| Stopped::Machine(error_text(&trouble)))?,
     }
     // The state of the machine outranks a failed output, for example a closed pipe.
-    if has_collided {
-        return Err(Stopped::Told(COLLISION));
+    if let Some(status) = mishap {
+        return Err(Stopped::Told(status));
     }
     if is_refused {
         return Err(Stopped::Told(TROUBLE));
     }
     written.map_err(Stopped::Output)
+}
+
+/// The exit status of what an axis has run into, if it has.
+fn mishap_of(head: &mut Calibrated<Head<AnyPort>>) -> Option<u8> {
+    if head.has_collided() {
+        return Some(COLLISION);
+    }
+    head.inner().has_met_end().then_some(END_SWITCH)
 }
 
 /// Carries out actions as they are typed, one line at a time, until `end` or the end of the input.
@@ -234,7 +245,11 @@ fn typed(
         let message = match session.actions(&words) {
             Err(message) => format!("error: {message}"),
             Ok(actions) => match session.run(&actions, head, &mut report) {
-                Ok(()) => continue,
+                Ok(()) => {
+                    // Ctrl-C ends the program at once while nothing moves.
+                    session.keep(head);
+                    continue;
+                }
                 Err(trouble) if interrupt.has_stopped() => return Err(trouble),
                 Err(trouble) => error_text(&trouble),
             },
@@ -266,10 +281,7 @@ fn prepared(
     });
     result.map_err(|trouble| {
         eprintln!("{}", error_text(&trouble));
-        Stopped::Told(match head.has_collided() {
-            true => COLLISION,
-            false => TROUBLE,
-        })
+        Stopped::Told(mishap_of(head).unwrap_or(TROUBLE))
     })?;
     written.map_err(Stopped::Output)?;
     Ok(session.stylus())
@@ -296,10 +308,14 @@ fn run_routine(
     let Some(routine) = Routine::load(path)? else {
         return Err(Stopped::Told(WRONG));
     };
-    let mut head = started(args, machine, interrupt)?;
-    let stylus = prepared(args, before, &mut head, out)?;
-    let ending = routine::run(&routine, args, machine, &mut head, stylus, out, file);
-    ended(ending.map_err(|error| error.to_string())?)
+    let (session, actions) = before;
+    let mut head = started(args, machine, interrupt, session)?;
+    let ending = prepared(args, (session, actions), &mut head, out)
+        .map(|stylus| routine::run(&routine, args, machine, &mut head, stylus, out, file));
+    session.end(&mut head);
+    let has_met_end = head.inner().has_met_end();
+    let ending = ending?;
+    ended(ending.map_err(|error| error.to_string())?, has_met_end)
 }
 
 /// `husillo measure record`.
@@ -311,10 +327,17 @@ fn record_routine(
     before: (&mut Session, &[Action]),
     out: &mut dyn Write,
 ) -> Result<(), Stopped> {
-    let mut head = started(args, machine, interrupt)?;
-    let stylus = prepared(args, before, &mut head, out)?;
-    let ending = routine::recorded(path, &mut head, stylus, out);
-    ended(ending.map_err(|error| format!("{path}: {error}"))?)
+    let (session, actions) = before;
+    let mut head = started(args, machine, interrupt, session)?;
+    let ending = prepared(args, (session, actions), &mut head, out)
+        .map(|stylus| routine::recorded(path, &mut head, stylus, out));
+    session.end(&mut head);
+    let has_met_end = head.inner().has_met_end();
+    let ending = ending?;
+    ended(
+        ending.map_err(|error| format!("{path}: {error}"))?,
+        has_met_end,
+    )
 }
 
 /// Switches the servos on. Returns the machine.
@@ -322,6 +345,7 @@ fn started(
     args: &Measure,
     machine: &Machine,
     interrupt: &Interrupt,
+    session: &Session,
 ) -> Result<Calibrated<Head<AnyPort>>, Stopped> {
     if machine.scale.unit() != "mm" {
         let message = format!(
@@ -333,16 +357,15 @@ fn started(
     }
     let line = session::open(args, machine, mounted(args.piece.as_deref(), machine)?)?;
     let line = line.with_operator(User::new(interrupt, args.raw));
-    let head = Head::start(line, machine, args.repeat);
-    let head = head.map_err(|trouble| {
+    session.begin(line, args).map_err(|trouble| {
         eprintln!("{}", error_text(&trouble));
         Stopped::Told(TROUBLE)
-    })?;
-    Ok(Calibrated::new(head, machine.errors.clone()))
+    })
 }
 
-const fn ended(ending: Ending) -> Result<(), Stopped> {
+const fn ended(ending: Ending, has_met_end: bool) -> Result<(), Stopped> {
     match ending {
+        Ending::Trouble if has_met_end => Err(Stopped::Told(END_SWITCH)),
         Ending::Good => Ok(()),
         Ending::OutOfTolerance => Err(Stopped::Told(OUT_OF_TOLERANCE)),
         Ending::Trouble => Err(Stopped::Told(TROUBLE)),
@@ -376,6 +399,7 @@ pub fn emulate(args: &Emulate, out: &mut dyn Write) -> Result<(), Stopped> {
         Some(modules) => SimulatedChain::of_modules(modules, &args.contact, piece)?,
         None => SimulatedChain::of_machine(&machine, &args.contact, piece)?,
     };
+    let emulated = emulated.with_ends(&args.end)?;
     let mut emulated = emulated.with_noise(args.noise).with_reset_ms(args.reset_ms);
     if args.fast {
         emulated = emulated.without_byte_times();

@@ -10,6 +10,7 @@ use crate::console::sharing::share;
 use crate::console::stop::INTERRUPTED;
 use crate::measuring::interrupt::{Interrupt, User};
 use crate::measuring::machine_file;
+use crate::measuring::memory_file;
 use crate::measuring::port::ChainPort;
 use crate::measuring::{Stopped, error_text};
 use husillo_metrology::Trouble;
@@ -137,6 +138,8 @@ fn open(
                 name,
                 machine.baud.bits_per_s(),
             );
+            // The start-up resets the modules.
+            memory_file::forget(name);
             Box::new(port)
         }
     };

@@ -23,6 +23,7 @@ fn an_interruption_stops_the_axes() {
     for name in ["INT", "TERM", "HUP"] {
         let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_husillo"))
             .current_dir(env!("CARGO_MANIFEST_DIR"))
+            .env("XDG_STATE_HOME", common::state())
             .args(["measure", "-m", "cmm3", "--raw", "--port", chain.port()])
             .args(["jog", "+x", "60s", "slow"])
             .stderr(std::process::Stdio::piped())
@@ -91,7 +92,10 @@ fn on(port: &[&str], args: &[&str]) -> Vec<Value> {
 fn run(port: &[&str], name: &str, routine: &str) -> Vec<Value> {
     let file = written(name, routine);
     let probe = ["--ball", "1", "--pretravel", "8 um", "run"];
-    let found = on(port, &[&probe[..], &[file.to_str().unwrap()]].concat());
+    // The index of each axis is where it stands at first.
+    let home = ["home", "x", "home", "y", "home", "z"];
+    let args = [&home[..], &probe, &[file.to_str().unwrap()]].concat();
+    let found = on(port, &args);
     found[0]["features"].as_array().unwrap().clone()
 }
 

@@ -3,11 +3,12 @@
 mod common;
 mod emulated;
 
-use common::{husillo, measured, near, number, scratch, written};
+use common::{husillo, measured, near, number, printed, scratch, written};
 use emulated::Emulated;
 use predicates::prelude::*;
 use predicates::str::contains;
 use serde_json::Value;
+use std::io::{BufRead, BufReader};
 use std::net::TcpListener;
 
 #[test]
@@ -394,7 +395,10 @@ fn home_is_where_the_index_is_met_from_below() {
 
 #[test]
 fn an_axis_is_jogged_at_two_speeds_and_within_its_travel() {
-    let rows = measured(&["jog", "+x", "2s", "jog", "-", "500ms", "slow", "goto", "0"]);
+    let jogs = [
+        "home", "jog", "+x", "2s", "jog", "-", "500ms", "slow", "goto", "0",
+    ];
+    let rows = &measured(&jogs)[1..];
     let at = |row: &Value| row["position"].as_f64().unwrap();
     // 1200 counts/s for 2 s, with ramps of 0.2 s; 200 counts/s for half a second.
     assert!((2250.0..2450.0).contains(&at(&rows[0])), "{rows:?}");
@@ -403,6 +407,9 @@ fn an_axis_is_jogged_at_two_speeds_and_within_its_travel() {
         "{rows:?}"
     );
     near(&rows[2]["position"], 0.0, 1.0);
+    // Before homing the speed is that of a search in both cases.
+    let rows = measured(&["jog", "+x", "2s", "jog", "-x", "60s"]);
+    assert!((375.0..425.0).contains(&at(&rows[0])), "{rows:?}");
     let rows = measured(&["jog", "-x", "60s"]);
     assert!((-8000.0..-7500.0).contains(&at(&rows[0])), "{rows:?}");
 }
@@ -711,7 +718,8 @@ fn an_axis_that_brakes_for_long_is_waited_for() {
     let slow = scratch("slow.toml");
     let text = text.replace("6000 counts/s^2", "300 counts/s^2");
     std::fs::write(&slow, text).unwrap();
-    let rows = measured(&["-m", slow.to_str().unwrap(), "jog", "+", "5s", "goto", "0"]);
+    let slow = slow.to_str().unwrap();
+    let rows = &measured(&["-m", slow, "home", "jog", "+", "5s", "goto", "0"])[1..];
     // 2400 counts to 1200 counts/s in 4 s, 1200 in one more, 2400 to brake.
     let at = rows[0]["position"].as_f64().unwrap();
     assert!((5900.0..6200.0).contains(&at), "{rows:?}");
@@ -833,4 +841,163 @@ fn a_reader_that_is_gone_is_no_error() {
         assert_eq!(String::from_utf8_lossy(&output.stderr), "", "{args:?}");
         assert_eq!(output.status.code(), Some(0), "{args:?}");
     }
+}
+
+/// Zero and home hold from one command to the next, also after an interruption and a stop. They
+/// end with a reset of the modules.
+#[cfg(unix)]
+#[test]
+fn the_next_command_goes_on_where_the_last_one_ended() {
+    let Some(mut chain) = Emulated::new("cmm", "memory", &["--speed", "20"]) else {
+        return;
+    };
+    let port = chain.port().to_owned();
+    let run = |actions: &[&str]| {
+        let mut command = husillo();
+        command.args(["measure", "--port", &port, "--format", "json"]);
+        let output = command.args(actions).output().unwrap();
+        let errors = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.success(), "{actions:?}: {errors}");
+        let rows: Value = serde_json::from_slice(&output.stdout).unwrap();
+        (rows, errors)
+    };
+    let (_, told) = run(&["goto", "30", "home", "x", "goto", "120", "zero"]);
+    assert!(
+        told.contains("note: the servos stay on and hold; zero and home are kept\n"),
+        "{told}"
+    );
+    let (rows, told) = run(&["goto", "100"]);
+    near(&rows[0]["position"], 100.0, 1.0);
+    assert!(!told.contains("lost"), "{told}");
+    // The index was met at 400 counts, so the module counts 400 + 120 + 100.
+    let (rows, _) = run(&["home", "x"]);
+    near(&rows[0]["position"], 0.0, 1.0);
+
+    // A killed program leaves a jog that runs on. A stop keeps what is known.
+    run(&["goto", "50", "zero"]);
+    let mut jog = std::process::Command::new(env!("CARGO_BIN_EXE_husillo"))
+        .env("XDG_STATE_HOME", common::state())
+        .args(["measure", "--raw", "--port", &port, "jog", "+x", "60s"])
+        .stderr(std::process::Stdio::piped())
+        .stdout(std::process::Stdio::null())
+        .spawn()
+        .unwrap();
+    let lines = BufReader::new(jog.stderr.take().unwrap()).lines();
+    // A trajectory, and some readings after it.
+    let lines = lines
+        .map_while(Result::ok)
+        .skip_while(|line| !line.starts_with("> aa 01 d4 "));
+    assert_eq!(lines.take(40).count(), 40);
+    jog.kill().unwrap();
+    jog.wait().unwrap();
+    let stopped = printed(&["stop", "-m", "cmm", "--port", &port]);
+    let at = stopped
+        .split_whitespace()
+        .nth(3)
+        .unwrap()
+        .parse::<f64>()
+        .unwrap();
+    let (rows, told) = run(&["status"]);
+    assert!(!told.contains("lost"), "{told}");
+    assert!(number(&rows[0]["position"]) > 5.0, "{rows}");
+    let zero = at - number(&rows[0]["position"]);
+    let (rows, _) = run(&["--reset", "status"]);
+    near(&rows[0]["position"], 0.0, 1.0);
+    assert!(zero > 400.0, "{zero}");
+
+    run(&["goto", "50", "zero"]);
+    chain.type_line("power off", "power is off");
+    chain.type_line("power on", "power is on");
+    let (rows, told) = run(&["status"]);
+    let lost = "note: the modules were reset or moved, so zero and home are lost\n";
+    assert!(told.starts_with(lost), "{told}");
+    near(&rows[0]["position"], 0.0, 1.0);
+}
+
+/// What is not known is said to be unknown.
+#[test]
+fn where_tells_all_coordinates() {
+    let actions = "-m cmm3 goto X0.2 home x goto X5 Z1 zero x z goto X2.62 Z3 where";
+    let args: Vec<&str> = ["measure"].into_iter().chain(actions.split(' ')).collect();
+    let text = printed(&args);
+    // The second index of X is 0.8 mm from where it stood.
+    for wanted in [
+        "X where: work 2.62",
+        "    machine    7.62",
+        " mm from home\n    steps      42",
+        "Y where: work 0.0000 mm\n    machine    unknown, as Y is not homed\n    steps      0 ",
+        "Z where: work 3.00",
+    ] {
+        assert!(text.contains(wanted), "{wanted} in {text}");
+    }
+    let rows = measured(&[&args[1..], &["x", "--inch"]].concat());
+    let row = rows.last().unwrap();
+    near(&row["machine"], 0.3, 0.000_1);
+    near(&row["work"], 2.62 / 25.4, 0.000_1);
+    assert_eq!((&row["unit"], &row["homed"]), (&"in".into(), &true.into()));
+    let text = printed(&["measure", "goto", "30", "where"]);
+    assert!(text.contains("X where: work 30 counts\n    machine    unknown, as X is not homed\n"));
+    assert!(text.contains("    length     unknown, as the machine file has no `count`\n"));
+}
+
+/// An axis that is not homed moves slowly, and the user is told once.
+#[test]
+fn an_axis_that_is_not_homed_is_announced_once() {
+    let note = "note: X is not homed: it moves at 200 counts/s, and its travel counts from where \
+                it stood\n";
+    let told = |actions: &[&str]| {
+        let output = husillo().arg("measure").args(actions).output().unwrap();
+        String::from_utf8(output.stderr).unwrap()
+    };
+    assert_eq!(told(&["goto", "300", "jog", "+x", "1s", "goto", "0"]), note);
+    assert_eq!(told(&["home", "x", "goto", "300"]), "");
+    // From home at the second index on, 400 counts from where the axis stood.
+    let beyond = told(&["goto", "30", "home", "goto", "8001"]);
+    assert!(beyond.contains("error: X 8001 counts is outside the travel, -8000 counts to 8000"));
+    let rows = measured(&["goto", "30", "home", "goto", "8000", "where"]);
+    near(&rows[3]["steps"], 8400.0, 1.0);
+}
+
+/// A machine of one axis with a low end switch at limit 2.
+fn with_end_switch(name: &str) -> String {
+    let text = std::fs::read_to_string("../machines/cmm.toml").unwrap();
+    let text = text.replace("in_position", "limit_2 = \"end-low\"\nin_position");
+    written(name, &text).to_str().unwrap().to_owned()
+}
+
+#[test]
+fn an_end_switch_is_a_fault_with_an_exit_status_of_its_own() {
+    let machine = with_end_switch("end-switch.toml");
+    let on = ["measure", "-m", &machine, "--end", "1:..-500"];
+    let met = [&on[..], &["goto", "-900", "goto", "0"]].concat();
+    husillo().args(met).assert().code(5).stderr(
+        contains("error: the low end switch of X has closed at X -500 counts, at about ")
+            .and(contains(" counts/s; all axes have been stopped"))
+            .and(contains("  help: go back the other way")),
+    );
+    // A session goes on, away from the switch.
+    let session = husillo()
+        .args([&on[..], &["session", "--format", "csv"]].concat())
+        .write_stdin("goto -900\ngoto -950\ngoto 0\ngoto 10\nend\n")
+        .assert()
+        .code(5)
+        .stderr(contains(" has closed at ").and(contains(
+            "error: the low end switch of X is closed at X -50",
+        )));
+    let text = String::from_utf8(session.get_output().stdout.clone()).unwrap();
+    assert_eq!(text.matches("goto,X,counts,").count(), 2, "{text}");
+    // Home is the same index next to the switch, wherever the axis stood.
+    for away in ["-300", "100", "700"] {
+        let on = ["-m", &machine, "--end", "1:..-650"];
+        let rows = measured(&[&on[..], &["goto", away, "home", "where"]].concat());
+        near(&rows[2]["steps"], -400.0, 1.0);
+        near(&rows[2]["machine"], 0.0, 1.0);
+    }
+    husillo()
+        .args(["measure", "-m", &machine, "--end", "1:500", "status"])
+        .assert()
+        .code(2)
+        .stderr(contains(
+            "no axis of the machine has a high end switch there",
+        ));
 }

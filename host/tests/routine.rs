@@ -23,6 +23,7 @@ fn measure_on(machine: &str) -> Command {
     for face in ["1:2500", "2:1500", "3:..-2000"] {
         command.args(["--contact", face]);
     }
+    command.args(HOME);
     command
 }
 
@@ -33,8 +34,12 @@ fn measure_piece(piece: impl AsRef<Path>, pre_travel: &str) -> Command {
     command
         .args(["--pretravel", pre_travel, "--piece"])
         .arg(piece.as_ref());
+    command.args(HOME);
     command
 }
+
+/// The index of each axis is where it stands at first.
+const HOME: [&str; 6] = ["home", "x", "home", "y", "home", "z"];
 
 const PIECE: &str = "../examples/piece.toml";
 

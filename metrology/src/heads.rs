@@ -7,11 +7,13 @@
 //! ```
 
 mod collision;
+mod ends;
 mod head;
 mod homing;
 mod jog;
 mod line;
 mod machine;
+mod memory;
 #[cfg(test)]
 mod noise_test;
 pub(crate) mod operator;
@@ -24,6 +26,8 @@ mod straight_move;
 mod switches;
 mod touching;
 mod view;
+mod whereabouts;
+mod wiring;
 
 pub(crate) use straight_move::per_period;
 
@@ -32,8 +36,11 @@ pub use line::Line;
 pub use machine::{
     AxisSettings, Machine, PRE_TRAVEL_ENTRIES, ProbeSettings, Stylus, pre_travel_by_sign,
 };
+pub use memory::{AxisMemory, Memory, Rejoined};
 pub use operator::Operator;
 pub use port::Port;
 pub use prober::{Probed, Prober, Touched};
 pub use switches::Switches;
 pub use view::{Errors, View};
+pub use whereabouts::Whereabouts;
+pub use wiring::{End, Wiring};

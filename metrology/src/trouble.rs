@@ -1,5 +1,6 @@
 //! The error of an action that has no result.
 
+use crate::heads::End;
 use husillo_transports::nmc;
 use std::fmt;
 use std::io;
@@ -106,6 +107,22 @@ pub enum Trouble {
         at: String,
         /// Their speed, from the last readings before the contact. `None`: they began to move.
         speed: Option<String>,
+    },
+    /// An end switch has closed, or an axis at its end switch shall move farther.
+    EndSwitch {
+        /// Letter of the axis.
+        axis: char,
+        /// Which of its ends.
+        end: End,
+        /// Where.
+        at: String,
+        /// The speed of the axes, from the last readings before. `None`: nothing moved.
+        speed: Option<String>,
+    },
+    /// The end switch of an axis did not close, or did not open, over the length of the travel.
+    NoEndSwitch {
+        /// Its letter.
+        axis: char,
     },
     /// A contact that a second reading does not confirm.
     DoubtfulContact,
@@ -216,6 +233,24 @@ impl fmt::Display for Trouble {
                 }
                 out.write_str("; all axes have been stopped")
             }
+            Self::EndSwitch {
+                axis,
+                end,
+                at,
+                speed: Some(speed),
+            } => write!(
+                out,
+                "the {end} end switch of {axis} has closed at {at}, at about {speed}; all axes \
+                 have been stopped"
+            ),
+            Self::EndSwitch { axis, end, at, .. } => write!(
+                out,
+                "the {end} end switch of {axis} is closed at {at}: the axis moves away from it only"
+            ),
+            Self::NoEndSwitch { axis } => write!(
+                out,
+                "the end switch of {axis} has not changed over the length of the travel"
+            ),
             Self::DoubtfulContact => out.write_str(
                 "a second reading does not confirm a reported contact: all axes have been stopped",
             ),

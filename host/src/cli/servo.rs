@@ -7,8 +7,8 @@ use std::ffi::OsString;
 /// `husillo measure`.
 #[derive(Debug, Args)]
 pub struct Measure {
-    /// goto POSITION, zero, home, jog, touch DIRECTION, calibrate DIRECTION, status; several are
-    /// done in turn. As the last one: run FILE, record FILE, session
+    /// goto POSITION, zero, home, jog, touch DIRECTION, calibrate DIRECTION, status, where; several
+    /// are done in turn. As the last one: run FILE, record FILE, session
     #[arg(required = true, value_name = "ACTION", allow_negative_numbers = true)]
     pub actions: Vec<String>,
     /// Machine: cmm, cmm3, or a TOML file [default: cmm]
@@ -40,12 +40,22 @@ pub struct Measure {
     /// Work piece of --port sim: the probe closes from COUNT on, or up to ..COUNT; may be repeated
     #[arg(long, value_name = "MODULE:COUNT")]
     pub contact: Vec<husillo_metrology::simulated::Contact>,
+    /// End switch of the simulated machine: the high one closes from COUNT on, the low one up to
+    /// ..COUNT; may be repeated
+    #[arg(long, value_name = "MODULE:COUNT")]
+    pub end: Vec<husillo_metrology::simulated::Contact>,
     /// Work piece of --port sim: solids and a probe, as in examples/piece.toml
     #[arg(long, value_name = "FILE.toml")]
     pub piece: Option<String>,
     /// Share of wrong bits on the simulated line, such as 1e-5
     #[arg(long, value_name = "RATE", default_value_t = 0.0, value_parser = share)]
     pub noise: f64,
+    /// Reset the modules at the start: zero and home of the command before are lost
+    #[arg(long)]
+    pub reset: bool,
+    /// Lengths of `where` in inches
+    #[arg(long)]
+    pub inch: bool,
     /// Name or number of the part, for the report of a routine
     #[arg(long, value_name = "TEXT")]
     pub part: Option<String>,
@@ -139,6 +149,10 @@ pub struct Emulate {
     /// may be repeated
     #[arg(long, value_name = "MODULE:COUNT")]
     pub contact: Vec<husillo_metrology::simulated::Contact>,
+    /// End switch of the simulated machine: the high one closes from COUNT on, the low one up to
+    /// ..COUNT; may be repeated
+    #[arg(long, value_name = "MODULE:COUNT")]
+    pub end: Vec<husillo_metrology::simulated::Contact>,
     /// Work piece: solids and a probe, as in examples/piece.toml
     #[arg(long, value_name = "FILE.toml")]
     pub piece: Option<String>,
@@ -217,6 +231,7 @@ impl Emulate {
         self.not_given("--reset-ms", self.reset_ms > 0)?;
         self.not_given("--fast", self.fast)?;
         self.not_given("--contact", !self.contact.is_empty())?;
+        self.not_given("--end", !self.end.is_empty())?;
         self.not_given("--piece", self.piece.is_some())?;
         self.not_given("--noise", self.noise > 0.0)
     }

@@ -28,6 +28,8 @@ pub enum Action {
     CalibrateOn(ReferenceBody),
     /// Report position and state of these axes; none means all.
     Status([bool; 3]),
+    /// Report where these axes are, in all coordinates; none means all.
+    Where([bool; 3]),
 }
 
 impl Action {
@@ -97,11 +99,12 @@ impl Action {
                     Self::Calibrate(towards)
                 }
                 "status" => Self::Status(axes(&mut words)),
+                "where" => Self::Where(axes(&mut words)),
                 other => {
                     return Err(format!(
                         "unknown action `{other}`: there are goto POSITION, zero, home, \
-                         jog DIRECTION TIME, touch DIRECTION, calibrate DIRECTION, status; \
-                         and as the last one run FILE, record FILE, session"
+                         jog DIRECTION TIME, touch DIRECTION, calibrate DIRECTION, status, \
+                         where; and as the last one run FILE, record FILE, session"
                     ));
                 }
             });
@@ -113,7 +116,9 @@ impl Action {
     pub fn axes(&self) -> Vec<usize> {
         match self {
             Self::GoTo(goal) => (0..3).filter(|axis| goal[*axis].is_some()).collect(),
-            Self::Zero(axes) | Self::Status(axes) => (0..3).filter(|axis| axes[*axis]).collect(),
+            Self::Zero(axes) | Self::Status(axes) | Self::Where(axes) => {
+                (0..3).filter(|axis| axes[*axis]).collect()
+            }
             Self::Home(axis) => vec![*axis],
             Self::Touch(towards) | Self::Calibrate(towards) | Self::Jog { towards, .. } => {
                 towards.axis.into_iter().collect()

@@ -1,8 +1,10 @@
 //! A stop of a measuring machine whose program was killed.
 
+use super::memory_file::MemoryFile;
 use super::port::ChainPort;
 use super::{Stopped, error_text, machine_file};
-use husillo_metrology::heads::Line;
+use husillo_metrology::heads::{Line, Machine};
+use husillo_transports::nmc::{Auxiliary, Reply};
 use std::io::Write;
 
 /// Stops all axes of a measuring machine at a port, resets nothing, and writes where they stand.
@@ -13,12 +15,36 @@ use std::io::Write;
 pub fn halt(machine: &str, port: &str, out: &mut dyn Write) -> Result<(), Stopped> {
     let file = machine_file::load(machine).map_err(Stopped::File)?;
     let opened = ChainPort::open(port).map_err(|error| format!("{port}: {error}"))?;
-    let positions = Line::new(opened).halt(&file).map_err(|trouble| {
+    let replies = Line::new(opened).halt(&file).map_err(|trouble| {
         let advice = "the stop was sent and is not confirmed: be ready to switch off the machine";
         Stopped::Machine(format!("{}\n{port}: {advice}", error_text(&trouble)))
     })?;
-    for (axis, counts) in file.axes.iter().zip(positions) {
+    keep(machine, port, &file, &replies);
+    for (axis, reply) in file.axes.iter().zip(replies) {
+        let counts = reply.readings.position;
         writeln!(out, "stop: {} at {counts} counts", axis.letter).map_err(Stopped::Output)?;
     }
     Ok(())
+}
+
+/// A session that was killed has left homes and zeros that are still true, as nothing was reset.
+/// They are kept with the positions at which the axes stand now. Other sessions have kept their own.
+fn keep(name: &str, port: &str, machine: &Machine, replies: &[Reply]) {
+    let Some(file) = MemoryFile::at(name, port, machine) else {
+        return;
+    };
+    let Some((mut memory, true)) = file.read() else {
+        return;
+    };
+    if memory.axes.len() != replies.len() {
+        return;
+    }
+    for (axis, reply) in memory.axes.iter_mut().zip(replies) {
+        axis.counts = reply.readings.position;
+        axis.latched = reply.readings.home;
+        axis.is_held = reply.readings.auxiliary.contains(Auxiliary::SERVO_ON);
+    }
+    if let Err(error) = file.write(&memory, false) {
+        eprintln!("warning: {port}: zero and home are not kept for the next command: {error}");
+    }
 }

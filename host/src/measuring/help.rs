@@ -74,6 +74,14 @@ pub const fn help(trouble: &Trouble) -> Option<&'static str> {
             "look at the stylus, go back along the same path (slowly, until the contact opens), \
              and calibrate the probe again. `safe` in a routine leads over the part"
         }
+        Trouble::EndSwitch { .. } => {
+            "go back the other way: slowly, until the switch opens. Then `home` the axis, and check \
+             that `travel` lies within the switches"
+        }
+        Trouble::NoEndSwitch { .. } => {
+            "is the switch wired to the input that `limit_2` of the axis says, and is `travel` as \
+             long as the axis? A simulated machine needs --end"
+        }
         Trouble::DoubtfulContact => "the line is disturbed; --raw shows the bytes",
         Trouble::OtherSense { .. } => {
             "a touch in positive direction closes limit 1, one in negative direction limit 2: are \

@@ -129,6 +129,14 @@ impl Operator for User {
         }
     }
 
+    fn moves_without_home(&self, axis: char, rate: &str) {
+        self.show_heard();
+        eprintln!(
+            "note: {axis} is not homed: it moves at {rate}, and its travel counts from where it \
+             stood"
+        );
+    }
+
     fn stop_is_unanswered(&self) {
         eprintln!("warning: not every axis has confirmed the stop: be ready to switch off");
     }

@@ -6,7 +6,8 @@ use crate::machines::machine_file::{LoadError, MEASURING, read_text};
 use crate::machines::table::{Table, document};
 use husillo_metrology::Scale;
 use husillo_metrology::heads::{
-    AxisSettings, Errors, Machine, PRE_TRAVEL_ENTRIES, ProbeSettings, Switches, pre_travel_by_sign,
+    AxisSettings, End, Errors, Machine, PRE_TRAVEL_ENTRIES, ProbeSettings, Switches, Wiring,
+    pre_travel_by_sign,
 };
 use husillo_metrology::quantity::{self, Quantity};
 use husillo_probe::{PreTravel, Tip, UnitVector};
@@ -50,7 +51,7 @@ pub fn parse(path: &str, text: &str) -> Result<Machine, Vec<Finding>> {
     );
     let mut errors = Errors::default();
     let [x_errors, y_errors, z_errors] = &mut errors.axes;
-    let axes = root.table("axis", |axes| {
+    let mut axes = root.table("axis", |axes| {
         let mut taken = Vec::new();
         let mut read = |axis: &mut Table<'_, '_>, letter, errors: &mut _| {
             *errors = calibration_file::read_axis(axis, scale);
@@ -78,10 +79,15 @@ pub fn parse(path: &str, text: &str) -> Result<Machine, Vec<Finding>> {
             let message = "two contacts have the two senses of one axis";
             probe.wrong(span, message, &format!("this machine has {count} axes"));
         }
+        check_limits(probe, read.switches, axes.as_deref().unwrap_or_default());
         check_braking(probe, &read, axes.as_deref().unwrap_or_default(), scale);
         read
     });
     let baud = root.table("link", read_link);
+    if let (Some(axes), Some(Switches::PerSense)) = (&mut axes, probe.map(|probe| probe.switches)) {
+        axes.iter_mut()
+            .for_each(|axis| axis.limits = [Wiring::Probe; 2]);
+    }
     let letters: &[AxisSettings] = axes.as_deref().unwrap_or_default();
     let letters: String = letters.iter().map(|axis| axis.letter).collect();
     errors.squareness = calibration_file::read_squareness(&mut root, &letters);
@@ -122,8 +128,51 @@ fn read_axis(table: &mut Table<'_, '_>, letter: char, scale: Scale) -> AxisSetti
         acceleration: needed(table, "acceleration", "as in \"6000 counts/s^2\"", |q| {
             scale.acceleration(q)
         }),
+        limits: read_limits(table),
         gains: gains.unwrap_or_default(),
         motor: motor_file::read(table),
+    }
+}
+
+/// Reads what the limit inputs of the module of an axis are wired to.
+fn read_limits(table: &mut Table<'_, '_>) -> [Wiring; 2] {
+    let choices = [
+        ("probe", Wiring::Probe),
+        ("end-low", Wiring::End(End::Low)),
+        ("end-high", Wiring::End(End::High)),
+        ("none", Wiring::Nothing),
+    ];
+    let first = table.choice("limit_1", &choices).unwrap_or(Wiring::Probe);
+    if let (true, Some((_, span))) = (first != Wiring::Probe, table.value("limit_1")) {
+        let message = "the probe is wired to limit 1 of every module";
+        table.wrong(span, message, "an end switch belongs to `limit_2`");
+    }
+    let second = table.choice("limit_2", &choices).unwrap_or_default();
+    [first, second]
+}
+
+/// Checks that limit 2 has what the contacts of the probe leave for it.
+fn check_limits(probe: &mut Table<'_, '_>, switches: Switches, axes: &[AxisSettings]) {
+    let has = |is_it: fn(&Wiring) -> bool| axes.iter().any(|axis| is_it(&axis.limits[1]));
+    match switches {
+        Switches::One if has(|wiring| *wiring == Wiring::Probe) => {
+            let Some((_, span)) = probe.value("switches") else {
+                return probe.missing("switches");
+            };
+            let message = "a single contact is at limit 1";
+            probe.wrong(span, message, "`limit_2` of an axis is wired to the probe");
+        }
+        Switches::PerSense if has(|wiring| matches!(wiring, Wiring::End(_))) => {
+            if let Some((_, span)) = probe.value("switches") {
+                let message = "the second contact of the probe is at limit 2";
+                probe.wrong(
+                    span,
+                    message,
+                    "`limit_2` of an axis is wired to an end switch",
+                );
+            }
+        }
+        Switches::One | Switches::PerSense => {}
     }
 }
 
@@ -388,6 +437,43 @@ mod tests {
         let findings = parse("mine.toml", &with(CMM3)).unwrap_err();
         let message = "two contacts have the two senses of one axis";
         assert_eq!(findings[0].message, message);
+    }
+
+    #[test]
+    fn limit_2_is_wired_to_an_end_switch_where_the_file_says_so() {
+        let with = |line: &str, text: &str| {
+            text.replacen("in_position", &format!("{line}\nin_position"), 1)
+        };
+        assert_eq!(load("cmm3").unwrap().axes[0].end(), None);
+        for (name, end) in [("end-low", End::Low), ("end-high", End::High)] {
+            let text = with(&format!("limit_2 = \"{name}\""), CMM3);
+            let machine = parse("mine.toml", &text).unwrap();
+            assert_eq!(machine.axes[0].end(), Some(end));
+            assert_eq!(machine.axes[1].end(), None);
+        }
+        let double = CMM.replacen("[probe]", "[probe]\nswitches = \"per-sense\"", 1);
+        assert_eq!(
+            parse("mine.toml", &double).unwrap().axes[0].limits,
+            [Wiring::Probe; 2]
+        );
+        for (text, message) in [
+            (
+                with("limit_1 = \"end-low\"", CMM),
+                "the probe is wired to limit 1 of every module",
+            ),
+            (with("limit_2 = \"end\"", CMM), "unknown limit_2 `end`"),
+            (
+                with("limit_2 = \"probe\"", CMM),
+                "missing key `switches` in [probe]",
+            ),
+            (
+                with("limit_2 = \"end-low\"", &double),
+                "the second contact of the probe is at limit 2",
+            ),
+        ] {
+            let findings = parse("mine.toml", &text).unwrap_err();
+            assert_eq!(findings[0].message, message);
+        }
     }
 
     #[test]

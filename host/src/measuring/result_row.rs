@@ -54,6 +54,50 @@ pub struct ResultRow {
     /// Figures of a status.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     pub status: Option<StatusFigures>,
+    /// Coordinates of an axis.
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    pub place: Option<PlaceFigures>,
+}
+
+/// Where an axis is, in all coordinates.
+#[derive(Clone, Debug, Serialize)]
+pub struct PlaceFigures {
+    /// From home. `None` is unknown.
+    pub machine: Option<f64>,
+    /// From the last zero.
+    pub work: f64,
+    /// The counts of the module.
+    pub steps: i32,
+    /// Whether the axis is homed.
+    #[serde(rename = "homed")]
+    pub is_homed: bool,
+    /// Whether the length of a count is known.
+    #[serde(skip)]
+    pub has_length: bool,
+}
+
+impl PlaceFigures {
+    /// Lines for people.
+    fn text(&self, head: &str, axis: &str, unit: &str) -> String {
+        let places = match unit {
+            "mm" => 4,
+            "in" => 5,
+            _ => 0,
+        };
+        let machine = match self.machine {
+            Some(machine) => format!("{machine:.places$} {unit} from home"),
+            None => format!("unknown, as {axis} is not homed"),
+        };
+        let length = match self.has_length {
+            true => "",
+            false => "\n    length     unknown, as the machine file has no `count`",
+        };
+        format!(
+            "{head}: work {:.places$} {unit}\n    machine    {machine}\n    steps      {} counts \
+             of the module{length}",
+            self.work, self.steps
+        )
+    }
 }
 
 /// The state of the module of an axis.
@@ -244,6 +288,9 @@ impl ResultRow {
         }
         if let Some(found) = &self.calibration {
             return found.text(&head, self.unit, places);
+        }
+        if let Some(place) = &self.place {
+            return place.text(&head, &self.axis, self.unit);
         }
         match &self.status {
             Some(status) => {

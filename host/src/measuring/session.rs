@@ -2,14 +2,17 @@
 
 use super::action::Action;
 use super::direction::Towards;
+use super::memory_file::MemoryFile;
 use super::result_row::{
-    CalibrationFigures, Entry, Numbers, ResultRow, StatusFigures, TouchFigures,
+    CalibrationFigures, Entry, Numbers, PlaceFigures, ResultRow, StatusFigures, TouchFigures,
 };
 use crate::cli::Measure;
 use crate::console::sharing::share;
 use crate::measuring::port::ChainPort;
 use husillo_metrology::calibration::{Body, Calibrated, Face, FoundProbe, is_by_axis, surface_nm};
-use husillo_metrology::heads::{Head, Line, Machine, Port, Prober, Stylus, pre_travel_by_sign};
+use husillo_metrology::heads::{
+    Head, Line, Machine, Port, Prober, Rejoined, Stylus, pre_travel_by_sign,
+};
 use husillo_metrology::simulated::{Contact, Mounted, SimulatedChain, SimulatedPort};
 use husillo_metrology::{Scale, Trouble};
 use husillo_probe::{Measurement, UnitVector};
@@ -29,6 +32,10 @@ pub struct Session {
     axes: Vec<usize>,
     stylus: Stylus,
     reference: Option<i64>,
+    /// Lengths of `where` are in inches.
+    is_inch: bool,
+    /// What the next session gets to know. The simulated port has none.
+    memory: Option<MemoryFile>,
 }
 
 impl Session {
@@ -50,12 +57,84 @@ impl Session {
             axes,
             stylus,
             reference,
+            is_inch: args.inch,
+            memory: MemoryFile::of(args, machine),
         })
     }
 
     /// The probe, as calibrated so far.
     pub const fn stylus(&self) -> Stylus {
         self.stylus
+    }
+
+    /// Switches the servos on. It goes on where the session before has left the modules, or else
+    /// starts the line and says what is lost.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Head::start`] and [`Head::rejoin`].
+    pub fn begin(
+        &self,
+        mut line: Line<AnyPort>,
+        args: &Measure,
+    ) -> Result<Calibrated<Head<AnyPort>>, Trouble> {
+        let (machine, touches) = (&self.machine, args.repeat);
+        let errors = || machine.errors.clone();
+        let left = self.memory.as_ref().filter(|_| !args.reset);
+        if let Some((memory, _)) = left.and_then(MemoryFile::read) {
+            match Head::rejoin(line, machine, touches, &memory)? {
+                Rejoined::AsLeft(head) => {
+                    let mut head = Calibrated::new(*head, errors());
+                    head.recall(&memory);
+                    self.keep(&mut head);
+                    return Ok(head);
+                }
+                Rejoined::Changed(same) => line = *same,
+            }
+            eprintln!("note: the modules were reset or moved, so zero and home are lost");
+        }
+        if let Some(memory) = &self.memory {
+            memory.forget();
+        }
+        let mut head = Calibrated::new(Head::start(line, machine, touches)?, errors());
+        self.keep(&mut head);
+        Ok(head)
+    }
+
+    /// Keeps homes, zeros and positions in case the program is killed. The axes stand.
+    pub fn keep(&self, head: &mut Calibrated<Head<AnyPort>>) {
+        if let Some(file) = &self.memory {
+            // Without an answer the next action fails, too. The next session then finds other
+            // positions than the kept ones.
+            if let Ok(memory) = head.memory() {
+                let _ = file.write(&memory, true);
+            }
+        }
+    }
+
+    /// Keeps homes, zeros and positions for the next session, and says what is left.
+    pub fn end(&self, head: &mut Calibrated<Head<AnyPort>>) {
+        let Some(file) = &self.memory else { return };
+        let memory = match head.memory() {
+            Ok(memory) => memory,
+            Err(trouble) => {
+                eprintln!("warning: zero and home are not kept for the next command: {trouble}");
+                return;
+            }
+        };
+        if let Err(error) = file.write(&memory, false) {
+            eprintln!("warning: zero and home are not kept for the next command: {error}");
+            return;
+        }
+        let free = memory.axes.iter().filter(|axis| !axis.is_held);
+        let free: Vec<_> = free.map(|axis| axis.letter.to_string()).collect();
+        match free.is_empty() {
+            true => eprintln!("note: the servos stay on and hold; zero and home are kept"),
+            false => {
+                let free = free.join(", ");
+                eprintln!("note: {free} without drive; zero and home are kept");
+            }
+        }
     }
 
     /// Reads words such as `goto X12 Y3 touch -z`.
@@ -119,6 +198,41 @@ impl Session {
         Ok(())
     }
 
+    /// Reports where axes are, one row per axis.
+    fn whereabouts(
+        &self,
+        axes: &[usize],
+        head: &mut Calibrated<Head<AnyPort>>,
+        report: &mut impl FnMut(&ResultRow),
+    ) -> Result<(), Trouble> {
+        let has_length = self.scale.unit() == "mm";
+        let (unit, divisor) = match has_length && self.is_inch {
+            true => ("in", 25.4),
+            false => (self.scale.unit(), 1.0),
+        };
+        let number = |amount| self.scale.number(amount) / divisor;
+        for axis in head.whereabouts()? {
+            if !axes.contains(&axis.coordinate) {
+                continue;
+            }
+            report(&ResultRow {
+                action: "where",
+                axis: letters(&[axis.coordinate]),
+                unit,
+                position: Numbers(vec![number(axis.work)]),
+                place: Some(PlaceFigures {
+                    machine: axis.machine.map(number),
+                    work: number(axis.work),
+                    steps: axis.counts,
+                    is_homed: axis.machine.is_some(),
+                    has_length,
+                }),
+                ..ResultRow::default()
+            });
+        }
+        Ok(())
+    }
+
     /// Carries out the actions in turn. `report` gets each result.
     ///
     /// # Errors
@@ -149,10 +263,12 @@ impl Session {
                 Action::Zero(_) => {
                     row.action = "zero";
                     axes.iter().try_for_each(|axis| head.set_zero(*axis))?;
+                    self.keep(head);
                 }
                 Action::Home(axis) => {
                     row.action = "home";
                     head.home(axis)?;
+                    self.keep(head);
                 }
                 Action::Jog {
                     towards,
@@ -191,6 +307,10 @@ impl Session {
                     let found = body.calibrate(head, self.stylus.radius_nm, clearance)?;
                     self.stylus = found.stylus;
                     row.calibration = Some(self.found(&found, body.body));
+                }
+                Action::Where(_) => {
+                    self.whereabouts(&axes, head, &mut report)?;
+                    continue;
                 }
                 Action::Status(_) => {
                     self.status(&axes, &row, head, &mut report)?;
@@ -317,8 +437,9 @@ pub fn open(
     let contacts: &[Contact] = &args.contact;
     let port: AnyPort = if args.port == "sim" {
         let chain = SimulatedChain::of_machine(machine, contacts, piece)?;
+        let chain = chain.with_ends(&args.end)?;
         Box::new(SimulatedPort::new(chain.with_noise(args.noise)))
-    } else if contacts.is_empty() && piece.is_none() && args.noise == 0.0 {
+    } else if contacts.is_empty() && args.end.is_empty() && piece.is_none() && args.noise == 0.0 {
         let port = ChainPort::open(&args.port);
         let port = port.map_err(|error| format!("{}: {error}", args.port))?;
         share(
@@ -329,7 +450,7 @@ pub fn open(
         Box::new(port)
     } else {
         return Err(
-            "--contact, --piece and --noise are for --port sim; `husillo emulate` has these \
+            "--contact, --end, --piece and --noise are for --port sim; `husillo emulate` has these \
              options too"
                 .into(),
         );

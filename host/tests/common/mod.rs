@@ -6,11 +6,19 @@ use assert_cmd::Command;
 use serde_json::Value;
 use std::path::PathBuf;
 
-/// The program, in the folder of its package.
+/// The program, in the folder of its package. It keeps nothing for the commands of other tests.
 pub fn husillo() -> Command {
     let mut command = Command::cargo_bin("husillo").unwrap();
     command.current_dir(env!("CARGO_MANIFEST_DIR"));
+    command.env("XDG_STATE_HOME", state());
     command
+}
+
+/// The folder in which the programs of a test keep what they know. Each test has a thread.
+pub fn state() -> PathBuf {
+    let thread = std::thread::current();
+    let test = thread.name().unwrap_or("test").replace(':', "-");
+    scratch(&format!("state-{}-{test}", std::process::id()))
 }
 
 /// What it prints; it must end well.

@@ -1,6 +1,6 @@
 //! A machine with known errors: positions and goals are true positions.
 
-use crate::heads::{Errors, Head, Port, Probed, Prober, Touched, View};
+use crate::heads::{Errors, Head, Memory, Port, Probed, Prober, Touched, View, Whereabouts};
 use crate::trouble::Trouble;
 use husillo_backlash::{ErrorTable, Flank};
 use husillo_probe::{Edge, Measurement, UnitVector};
@@ -214,6 +214,58 @@ impl<P: Port> Calibrated<Head<P>> {
     pub fn held(&self) -> [i64; 3] {
         let readings = self.sent.unwrap_or(self.prober.held());
         self.view.position_from(readings, self.view.flanks)
+    }
+
+    /// Where the axes stand, in all coordinates.
+    ///
+    /// # Errors
+    ///
+    /// No answer.
+    pub fn whereabouts(&mut self) -> Result<Vec<Whereabouts>, Trouble> {
+        let replies = self.prober.read_twice()?;
+        let readings = self.prober.place_of(&replies);
+        let place = self.view.errors.position_nm(readings, self.view.flanks);
+        let axes = self.prober.axes.iter().zip(&replies);
+        let axes = axes.map(|(axis, reply)| {
+            let coordinate = axis.settings.coordinate();
+            let machine = place[coordinate];
+            Whereabouts {
+                coordinate,
+                machine: axis.is_homed.then_some(machine),
+                work: machine.saturating_sub(self.view.zero[coordinate]),
+                counts: reply.readings.position,
+            }
+        });
+        Ok(axes.collect())
+    }
+
+    /// What the session leaves in the modules, with zeros and directions of approach.
+    ///
+    /// # Errors
+    ///
+    /// No answer, or an axis that does not come to rest.
+    pub fn memory(&mut self) -> Result<Memory, Trouble> {
+        let mut memory = self.prober.memory()?;
+        for axis in &mut memory.axes {
+            let coordinate = "XYZ".find(axis.letter).unwrap_or_default();
+            axis.zero = self.view.zero[coordinate];
+            axis.flank = self.view.flanks[coordinate];
+        }
+        Ok(memory)
+    }
+
+    /// Takes over zeros, homes and directions of approach of an earlier session. The head is one
+    /// that has rejoined the same modules.
+    pub fn recall(&mut self, memory: &Memory) {
+        for axis in &memory.axes {
+            let coordinate = "XYZ".find(axis.letter).unwrap_or_default();
+            if axis.is_homed {
+                self.set_homed(coordinate);
+            }
+            self.view.zero[coordinate] = axis.zero;
+            self.view.flanks[coordinate] = axis.flank;
+        }
+        self.sent = None;
     }
 
     /// Makes the present position of an axis 0. The held position may differ slightly and does not

@@ -4,6 +4,7 @@ use super::head::{Head, is_done};
 use super::port::Port;
 use super::search::{Search, searches};
 use super::straight_move::FinishedMove;
+use crate::scale::Scale;
 use crate::trouble::Trouble;
 use husillo_transports::nmc::{Homing, Reply, StopWay};
 use std::collections::VecDeque;
@@ -34,6 +35,13 @@ impl Watch {
             self.readings.pop_front();
         }
         self.readings.push_back((now_us, counts(replies)));
+    }
+
+    /// The speed as text.
+    pub(super) fn speed(&self, scale: Scale) -> Option<String> {
+        // Rates are far below 2^53 counts/s.
+        self.rate()
+            .map(|rate| scale.text_of_rate(rate.round() as i64))
     }
 
     /// Speed over the last readings, counts/s. `None`: the axes did not move.
@@ -120,7 +128,7 @@ impl<P: Port> Head<P> {
         self.start_line(goal, &line, watch.is_armed.then_some(self.guard()))?;
         let end_us = self.latest_end_us(&line);
         loop {
-            let replies = self.read()?;
+            let replies = self.read_moving(&watch)?;
             self.look(&mut watch, &replies)?;
             if replies.iter().all(is_done) {
                 let was_armed = self.end_watch(&mut watch)?;
@@ -203,17 +211,19 @@ impl<P: Port> Head<P> {
         Ok(())
     }
 
-    /// Checks a reading of a search for another event than a contact.
+    /// Checks a reading of a search. In one for another event than a contact, a contact is a
+    /// collision.
     ///
     /// # Errors
     ///
     /// Those of [`look`](Self::look).
     pub(super) fn look_in_search(
         &mut self,
+        search: Search,
         watch: &mut Watch,
         replies: &[Reply],
     ) -> Result<(), Trouble> {
-        if self.is_closed(replies) {
+        if !search.is_touch() && self.is_closed(replies) {
             return Err(self.collision(watch));
         }
         watch.note(self.line.elapsed_us(), replies);
@@ -275,8 +285,7 @@ impl<P: Port> Head<P> {
         Ok(Some(Trouble::Collision {
             axes: watch.axes.clone(),
             at: self.text(place),
-            // Rates are far below 2^53 counts/s.
-            speed: (watch.rate()).map(|rate| self.scale.text_of_rate(rate.round() as i64)),
+            speed: watch.speed(self.scale),
         }))
     }
 

@@ -25,7 +25,7 @@ pub(super) const READ: Items = Items::POSITION.with(Items::HOME);
 #[derive(Debug)]
 pub struct Head<P> {
     pub(super) line: Line<P>,
-    pub(super) axes: Vec<Servo>,
+    pub(crate) axes: Vec<Servo>,
     pub(super) probe: ProbeSettings,
     pub(super) scale: Scale,
     /// Turns readings into the positions of messages.
@@ -42,6 +42,8 @@ pub struct Head<P> {
     pub(super) contact_at: Option<Vec<i32>>,
     /// There was a collision.
     pub(super) has_collided: bool,
+    /// An axis has met an end switch.
+    pub(super) has_met_end: bool,
 }
 
 impl<P: Port> Head<P> {
@@ -51,14 +53,33 @@ impl<P: Port> Head<P> {
     ///
     /// No answer, fewer modules than the machine has or other ones, different periods, no motor
     /// power, or a machine without axes.
-    pub fn start(mut line: Line<P>, machine: &Machine, touches: u8) -> Result<Self, Trouble> {
+    pub fn start(line: Line<P>, machine: &Machine, touches: u8) -> Result<Self, Trouble> {
+        let mut head = Self::of(line, machine, touches)?;
+        let modules = machine.axes.iter().map(|axis| axis.module);
+        let chain = head.line.start_servos(machine.baud, modules)?;
+        let versions = head.axes.iter().map(|axis| {
+            let place = usize::from(axis.settings.module).wrapping_sub(1);
+            let device = chain.devices.get(place);
+            device.map_or(u8::MAX, |(_, version)| *version)
+        });
+        let versions: Vec<u8> = versions.collect();
+        head.set_period(&versions)?;
+        // The reset has put all modules into this group. So the reset of the next session reaches
+        // them, too.
+        head.lead_group()?;
+        for index in 0..head.axes.len() {
+            head.switch_on(index)?;
+        }
+        Ok(head)
+    }
+
+    /// A head whose line is not started.
+    pub(super) fn of(mut line: Line<P>, machine: &Machine, touches: u8) -> Result<Self, Trouble> {
         if machine.axes.is_empty() {
             return Err(Trouble::NoAxis { axis: 'X' });
         }
         line.name_axes(machine);
-        let modules = machine.axes.iter().map(|axis| axis.module);
-        let chain = line.start_servos(machine.baud, modules)?;
-        let mut head = Self {
+        Ok(Self {
             line,
             axes: machine.axes.iter().copied().map(Servo::new).collect(),
             probe: machine.probe,
@@ -70,41 +91,40 @@ impl<P: Port> Head<P> {
             given_up: None,
             contact_at: None,
             has_collided: false,
-        };
+            has_met_end: false,
+        })
+    }
+
+    /// Sets the period of the profiles. `versions` are those of the modules of the axes.
+    pub(super) fn set_period(&mut self, versions: &[u8]) -> Result<(), Trouble> {
         // A rate divisor slows the profiles of modules before version 10. In version 10 it slows
         // the derivative only.
-        let periods = head.axes.iter().map(|axis| {
-            let place = usize::from(axis.settings.module).wrapping_sub(1);
-            if chain
-                .devices
-                .get(place)
-                .is_some_and(|(_, version)| *version < 10)
-            {
-                axis.settings.gains.rate_divisor
-            } else {
-                1
-            }
+        let pairs = self.axes.iter().zip(versions);
+        let periods = pairs.map(|(axis, version)| match *version < 10 {
+            true => axis.settings.gains.rate_divisor,
+            false => 1,
         });
         let periods: Vec<u8> = periods.collect();
         if periods.windows(2).any(|pair| pair[0] != pair[1]) {
             return Err(Trouble::Periods);
         }
-        head.period_s = f64::from(CYCLE_US) * 1e-6 * f64::from(periods[0]);
-        if let [first, _, ..] = head.axes[..] {
-            // The reset has put all modules into this group. So the reset of the next session
-            // reaches them, too.
+        let divisor = periods.first().copied().unwrap_or(1);
+        self.period_s = f64::from(CYCLE_US) * 1e-6 * f64::from(divisor);
+        Ok(())
+    }
+
+    /// The module of the first of several axes leads the group of all modules.
+    pub(super) fn lead_group(&mut self) -> Result<(), Trouble> {
+        if let [first, _, ..] = self.axes[..] {
             let group = Group {
                 address: EVERY_GROUP,
                 is_leader: true,
             };
             let address = first.settings.module;
-            head.line
+            self.line
                 .command(address, Command::SetAddress { address, group })?;
         }
-        for index in 0..head.axes.len() {
-            head.switch_on(index)?;
-        }
-        Ok(head)
+        Ok(())
     }
 
     fn switch_on(&mut self, index: usize) -> Result<(), Trouble> {
@@ -117,9 +137,20 @@ impl<P: Port> Head<P> {
         // Not every module sets its position to 0 at a reset.
         self.line
             .command(module, Command::ResetPosition(Reset::Zero))?;
+        self.hold_checked(index)
+    }
+
+    /// Holds a standing axis where it is.
+    ///
+    /// # Errors
+    ///
+    /// No answer, or a fault of the axis.
+    pub(super) fn hold_checked(&mut self, index: usize) -> Result<(), Trouble> {
+        let axis = self.axes[index];
         let reply = self.read_axis_twice(&axis, READ)?;
         let at = reply.readings.position;
         axis.check(&reply, || self.axis_text(index, at))?;
+        self.axes[index].is_at_end = axis.settings.closed_end(&reply).is_some();
         self.hold(index, reply.readings.position)
     }
 
@@ -253,7 +284,42 @@ mod tests {
     fn started(face: &str, button: StopButton) -> Head {
         let chain = SimulatedChain::new(&[4; 3], &[face.parse().unwrap()], None).unwrap();
         let line = Line::new(SimulatedPort::new(chain)).with_operator(button);
-        Head::start(line, &three_axes(), 1).unwrap()
+        let mut head = Head::start(line, &three_axes(), 1).unwrap();
+        // Homed where it stands.
+        head.axes.iter_mut().for_each(|axis| axis.is_homed = true);
+        head
+    }
+
+    /// Before homing an axis moves as slowly as in a search. The travel counts from home.
+    #[test]
+    fn an_axis_that_is_not_homed_moves_slowly_and_then_has_its_travel() {
+        let mut head = head();
+        head.axes[0].is_homed = false;
+        head.axes[1].is_homed = false;
+        head.axes[0].settings.travel = [-1000, 1000];
+        let (time, _) = seconds(&mut head, |head| head.go_to([MM, 0, 0]).unwrap());
+        // 1 mm at 0.4 mm/s, and the time to come to rest.
+        assert!((2.5..2.9).contains(&time), "{time} s");
+        let (time, _) = seconds(&mut head, |head| head.jog(0, true, 2.0, false).unwrap());
+        assert!((2.0..2.4).contains(&time), "{time} s");
+        assert!(
+            head.held()[0].abs_diff(1_800_000) < 60_000,
+            "{:?}",
+            head.held()
+        );
+        // The travel is 2 mm to each side of where it stood.
+        let beyond = head.go_to([2_100_000, 0, 0]);
+        assert!(matches!(beyond, Err(Trouble::OutsideTravel { .. })));
+        // The next index is at 1200 counts. From there the travel is 2 mm to each side.
+        head.axes[0].settings.travel = [-2000, 2000];
+        head.home(0).unwrap();
+        head.axes[0].settings.travel = [-1000, 1000];
+        assert_eq!(head.axes[0].origin / 400 * 400, head.axes[0].origin);
+        let (time, _) = seconds(&mut head, |head| head.go_to([1_900_000, 0, 0]).unwrap());
+        assert!((0.9..1.5).contains(&time), "{time} s");
+        let beyond = head.go_to([2_100_000, 0, 0]);
+        assert!(matches!(beyond, Err(Trouble::OutsideTravel { .. })));
+        assert_eq!(head.axes[0].travel_counts()[1], head.axes[0].origin + 1000);
     }
 
     /// The result of `what`, and its time in s.

@@ -4,6 +4,7 @@ use super::head::Head;
 use super::port::Port;
 use super::search::Search;
 use super::straight_move::FinishedMove;
+use super::wiring::End;
 use crate::trouble::Trouble;
 use husillo_probe::Failure;
 use husillo_transports::nmc::{Auxiliary, Homing};
@@ -11,7 +12,8 @@ use husillo_transports::nmc::{Auxiliary, Homing};
 impl<P: Port> Head<P> {
     /// Searches the index of an axis in the positive direction, once at the speed of a search and
     /// once slowly. Every turn of the encoder has an index, and only its edge from this side
-    /// counts. The index becomes position 0, and the axis goes there.
+    /// counts. The index becomes position 0, and the axis goes there. An axis with an end switch
+    /// first goes to the switch and off it, so home is always the index next to the switch.
     ///
     /// # Errors
     ///
@@ -19,41 +21,71 @@ impl<P: Port> Head<P> {
     /// [`travel`](Self::travel).
     pub fn home(&mut self, coordinate: usize) -> Result<(), Trouble> {
         let index = self.index(coordinate)?;
+        // The operator asks for it, so nothing is said of an axis that is not homed yet.
+        let is_announced = std::mem::replace(&mut self.axes[index].is_announced, true);
+        let homed = self.search_home(index);
+        self.axes[index].is_announced = is_announced;
+        homed
+    }
+
+    fn search_home(&mut self, index: usize) -> Result<(), Trouble> {
+        let coordinate = self.axes[index].settings.coordinate();
         let [slow, quick] = [self.probe.slow_rate, self.probe.rate];
         let reply = self.status(coordinate)?;
         if self.is_closed(&[reply]) {
             // Nothing would watch the probe while it leaves the contact.
             return Err(Trouble::Probe(Failure::ContactAtStart));
         }
+        if let Some(end) = self.axes[index].settings.end() {
+            self.search_end(index, end)?;
+            if end == End::High {
+                // The next index below the switch. It is then met from below, as always.
+                self.search_index(index, End::Low, quick)?;
+            }
+        }
+        let reply = self.status(coordinate)?;
         if reply.readings.auxiliary.contains(Auxiliary::INDEX) {
             self.back_from(index, self.axes[index].held)?;
         }
-        let found = self.search_index(index, quick)?;
+        let found = self.search_index(index, End::High, quick)?;
         self.back_from(index, found)?;
-        let found = self.search_index(index, slow)?;
+        let found = self.search_index(index, End::High, slow)?;
         self.axes[index].origin = found;
+        self.axes[index].is_homed = true;
         self.only(index, found, None, quick).map(drop)
     }
 
     /// Goes to the back-off distance before a count.
     fn back_from(&mut self, index: usize, count: i32) -> Result<(), Trouble> {
-        let [low, _] = self.axes[index].settings.travel;
+        let [low, _] = self.axes[index].travel_counts();
         let back_off = i32::try_from(self.probe.back_off).unwrap_or(i32::MAX);
-        let before = count.saturating_sub(back_off).max(low);
+        let before = count.saturating_sub(back_off);
+        let before = match self.axes[index].settings.end() {
+            // The axis is clear of its switch. Its travel is not known before it is homed.
+            Some(_) => before,
+            None => before.max(low),
+        };
         self.only(index, before, None, self.probe.rate).map(drop)
     }
 
-    /// Searches the next index and returns its count.
-    fn search_index(&mut self, index: usize, rate: u32) -> Result<i32, Trouble> {
+    /// Searches the next index towards an end and returns its count.
+    fn search_index(&mut self, index: usize, to: End, rate: u32) -> Result<i32, Trouble> {
         let axis = &self.axes[index];
-        let (letter, [_, high]) = (axis.settings.letter, axis.settings.travel);
+        let letter = axis.settings.letter;
+        let [low, high] = axis.settings.travel;
+        let length = high.saturating_sub(low);
+        let goal = match (axis.settings.end(), to) {
+            (None, End::High) => axis.travel_counts()[1],
+            (None, End::Low) => axis.travel_counts()[0],
+            (Some(_), to) => axis.held.saturating_add(to.sign().saturating_mul(length)),
+        };
         let search = Search {
             // A contact ends the search as well: a collision.
             events: Homing::INDEX.with(self.probe.switches.events()),
             stop: Homing::ABRUPT,
             only: Some(index),
         };
-        let finished = self.only(index, high, Some(search), rate)?;
+        let finished = self.only(index, goal, Some(search), rate)?;
         if finished.is_found {
             Ok(finished.replies[index].readings.home)
         } else {
@@ -62,7 +94,7 @@ impl<P: Port> Head<P> {
     }
 
     /// Moves one axis.
-    fn only(
+    pub(super) fn only(
         &mut self,
         index: usize,
         count: i32,

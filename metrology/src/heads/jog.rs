@@ -33,7 +33,7 @@ impl<P: Port> Head<P> {
         is_slow: bool,
     ) -> Result<(), Trouble> {
         let axis = self.axes[index];
-        let [low, high] = axis.settings.travel;
+        let [low, high] = axis.travel_counts();
         // The axis may stop this far beyond its goal.
         let slack = axis.settings.in_position as i32;
         let goal = if is_positive {
@@ -45,16 +45,19 @@ impl<P: Port> Head<P> {
             // The axis is at the end of the travel already.
             return Ok(());
         }
-        let is_touching = self.is_touching()?;
         let mut goals: Vec<i32> = self.axes.iter().map(|axis| axis.held).collect();
         goals[index] = goal;
+        self.check_ends(&goals)?;
+        let is_touching = self.is_touching()?;
+        let axis = self.axes[index];
         let mut watch = self.watch(&goals);
         self.begin_watch(&mut watch, is_touching)?;
         let rate = if is_slow || is_touching {
             self.probe.rate.min(axis.settings.rate)
         } else {
-            axis.settings.rate
+            axis.rate(self.probe.rate)
         };
+        self.announce(&goals);
         let (velocity, acceleration) =
             per_period(rate, axis.settings.acceleration.into(), self.period_s);
         self.line.command(
@@ -70,7 +73,7 @@ impl<P: Port> Head<P> {
         )?;
         let end_us = self.line.elapsed_us() + (seconds * 1e6) as u64;
         while self.line.elapsed_us() < end_us {
-            let replies = self.read()?;
+            let replies = self.read_moving(&watch)?;
             self.look(&mut watch, &replies)?;
             let reply = &replies[index];
             if is_done(reply) && axis.is_near(reply.readings.position, goal) {

@@ -7,7 +7,8 @@ use super::operator::Operator;
 use super::port::Port;
 use crate::trouble::Trouble;
 use husillo_transports::nmc::{
-    Baud, Chain, Command, Host, Items, Next, Outcome, Progress, Reply, Startup, Step,
+    Baud, Chain, Command, EVERY_GROUP, Group, Host, Items, Next, Outcome, Progress, Reply, Startup,
+    Step,
 };
 use std::fmt;
 
@@ -18,6 +19,8 @@ const FIRST_GROUP: u8 = 0x80;
 pub struct Line<P> {
     port: P,
     host: Host,
+    /// Rate of the line.
+    baud: Baud,
     operator: Box<dyn Operator>,
     /// Module and letter of each axis, for messages.
     letters: Vec<(u8, char)>,
@@ -39,6 +42,7 @@ impl<P: Port> Line<P> {
         Self {
             port,
             host,
+            baud: Baud::default(),
             operator: Box::new(()),
             letters: Vec::new(),
         }
@@ -130,6 +134,31 @@ impl<P: Port> Line<P> {
         }
     }
 
+    /// The rate of the line.
+    pub(super) const fn baud(&self) -> Baud {
+        self.baud
+    }
+
+    /// Joins modules that an earlier session has set up, without a reset. The first of several
+    /// leads their group. None of them has answered yet.
+    ///
+    /// # Errors
+    ///
+    /// The port fails.
+    pub(super) fn rejoin(&mut self, baud: Baud, modules: &[u8]) -> Result<(), Trouble> {
+        self.step(Step::Switch(baud))?;
+        self.step(Step::Flush)?;
+        self.host.set_timing(self.port.timing_of_known(baud));
+        for (place, address) in modules.iter().enumerate() {
+            let group = Group {
+                address: EVERY_GROUP,
+                is_leader: place == 0 && modules.len() > 1,
+            };
+            self.host.adopt(*address, Items::NONE, group);
+        }
+        Ok(())
+    }
+
     /// Starts the line as [`start_up`](Self::start_up) does, and checks that these modules are
     /// there and drive motors.
     ///
@@ -208,6 +237,7 @@ impl<P: Port> Line<P> {
         if let Step::Switch(baud) = step {
             self.port.set_baud(baud)?;
             self.host.set_timing(self.port.timing(baud));
+            self.baud = baud;
         }
         self.host.start(step, self.now_us())?;
         loop {
@@ -242,7 +272,6 @@ impl<P: Port> Line<P> {
 mod tests {
     use super::*;
     use crate::simulated::{ChainModule, DcMotorModel, SimulatedChain, SimulatedPort};
-    use husillo_transports::nmc::Group;
 
     /// A program may leave the modules with other addresses and in another group.
     #[test]

@@ -2,6 +2,7 @@
 
 use super::switches::Switches;
 use super::view::Errors;
+use super::wiring::Wiring;
 use crate::scale::Scale;
 use husillo_probe::{PreTravel, Tip, UnitVector};
 use husillo_sim::DcMotorModel;
@@ -37,7 +38,8 @@ pub struct AxisSettings {
     pub letter: char,
     /// Address of its module, 1 to 32.
     pub module: u8,
-    /// Least and largest position, counts from the position at reset.
+    /// Least and largest position, counts from home. Before homing they count from the position at
+    /// reset.
     pub travel: [i32; 2],
     /// Largest distance from its goal at which a move may end, counts.
     pub in_position: u32,
@@ -45,6 +47,8 @@ pub struct AxisSettings {
     pub rate: u32,
     /// Acceleration of all moves, counts/s^2.
     pub acceleration: u32,
+    /// What limits 1 and 2 of its module are wired to.
+    pub limits: [Wiring; 2],
     /// Gains and limits of the servo.
     pub gains: Gains,
     /// Its motor, in simulations.

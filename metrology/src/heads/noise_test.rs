@@ -161,6 +161,8 @@ fn sessions(plan: Plan) -> Tally {
         let touches = 1 + random.below(2) as u8;
         match Head::start(Line::new(port), &machine, touches) {
             Ok(mut head) => {
+                // Homed where it stands, so that it moves at full speed.
+                head.axes.iter_mut().for_each(|axis| axis.is_homed = true);
                 if let Err(trouble) = session(&mut head, &mut random, &mut tally) {
                     tally.report(&trouble);
                 }

@@ -28,6 +28,11 @@ pub trait Operator {
         let _ = bytes;
     }
 
+    /// An axis that is not homed moves for the first time, at this speed at most.
+    fn moves_without_home(&self, axis: char, rate: &str) {
+        let _ = (axis, rate);
+    }
+
     /// Not every axis has answered the command to stop: motors may run on.
     fn stop_is_unanswered(&self) {}
 }

@@ -18,9 +18,9 @@ impl Search {
         self.only.is_none_or(|only| only == index)
     }
 
-    /// Whether the search is for the contact.
+    /// Whether the search is for the contact. An axis alone searches its index or its end switch.
     pub fn is_touch(self) -> bool {
-        !self.events.contains(Homing::INDEX)
+        self.only.is_none()
     }
 
     /// Whether a searching module has found the event.

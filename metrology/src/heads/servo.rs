@@ -15,6 +15,18 @@ pub struct Servo {
     pub origin: i32,
     /// The last commanded position, counts.
     pub held: i32,
+    /// It has been homed: the origin is at home.
+    pub is_homed: bool,
+    /// The operator knows that it is not homed.
+    pub is_announced: bool,
+    /// It stands at its end switch, or leaves it.
+    pub is_at_end: bool,
+    /// Consecutive readings with an open end switch.
+    pub open_readings: u32,
+    /// Its end switch is searched for: the closed switch is no fault.
+    pub is_end_sought: bool,
+    /// Its module watches the end switch.
+    pub is_end_armed: bool,
 }
 
 impl Servo {
@@ -24,6 +36,12 @@ impl Servo {
             settings,
             origin: 0,
             held: 0,
+            is_homed: false,
+            is_announced: false,
+            is_at_end: false,
+            open_readings: 0,
+            is_end_sought: false,
+            is_end_armed: false,
         }
     }
 
@@ -38,9 +56,25 @@ impl Servo {
         i32::try_from(counts).unwrap_or(if counts < 0 { i32::MIN } else { i32::MAX })
     }
 
+    /// Both ends of the travel, counts. They count from home or, before the axis is homed, from
+    /// where it stood.
+    pub fn travel_counts(&self) -> [i32; 2] {
+        let ends = self.settings.travel;
+        ends.map(|end| end.saturating_add(self.origin))
+    }
+
     /// The travel as positions.
     pub fn travel(&self, scale: Scale) -> [i64; 2] {
-        self.settings.travel.map(|end| self.position(scale, end))
+        self.travel_counts().map(|end| self.position(scale, end))
+    }
+
+    /// The highest speed, counts/s. Before it is homed the axis moves as slowly as in a search: its
+    /// travel is not where the machine file has it. It also leaves an end switch so slowly.
+    pub fn rate(&self, search_rate: u32) -> u32 {
+        match self.is_homed && !self.is_at_end {
+            true => self.settings.rate,
+            false => self.settings.rate.min(search_rate),
+        }
     }
 
     /// Whether two positions are within the distance at which a move may end.

@@ -54,7 +54,7 @@ impl<P: Port> Head<P> {
 
     /// Longest braking time of an axis, us. An oblique move has one time law for all axes. It comes
     /// from the limits of one of them, so braking takes no longer.
-    fn braking_us(&self) -> u64 {
+    pub(super) fn braking_us(&self) -> u64 {
         let axes = self.axes.iter().map(|axis| {
             // No acceleration in a machine file is 0. The result is at most 2^32 s.
             u64::from(axis.settings.rate) * 1_000_000 / u64::from(axis.settings.acceleration.max(1))

@@ -48,9 +48,12 @@ impl<P: Port> Head<P> {
         rate: Option<u32>,
         search: Option<Search>,
     ) -> Result<FinishedMove, Trouble> {
-        self.guarded(|head| match search {
-            Some(search) => head.go_along(goal, rate, search),
-            None => head.go_clear(goal, rate),
+        self.guarded(|head| {
+            head.check_ends(goal)?;
+            match search {
+                Some(search) => head.go_along(goal, rate, search),
+                None => head.go_clear(goal, rate),
+            }
         })
     }
 
@@ -60,7 +63,7 @@ impl<P: Port> Head<P> {
         rate: Option<u32>,
         search: Search,
     ) -> Result<FinishedMove, Trouble> {
-        let mut watch = (!search.is_touch()).then(|| self.watch(goal));
+        let mut watch = self.watch(goal);
         let Some(line) = self.line_to(goal, rate) else {
             let replies = self.stand(Some(goal))?;
             return Ok(FinishedMove {
@@ -72,14 +75,12 @@ impl<P: Port> Head<P> {
         self.start_line(goal, &line, Some(search))?;
         let end_us = self.latest_end_us(&line);
         loop {
-            let mut replies = self.read()?;
-            if let Some(watch) = &mut watch {
-                self.look_in_search(watch, &replies)?;
-            }
+            let mut replies = self.read_moving(&watch)?;
+            self.look_in_search(search, &mut watch, &replies)?;
             let found = search.found_by(&replies);
             if found.iter().any(|(_, is_found)| *is_found) {
                 // Modules that were read before the event have seen it by now.
-                replies = self.read()?;
+                replies = self.read_moving(&watch)?;
                 let found = search.found_by(&replies);
                 if let Some((index, _)) = found.iter().find(|(_, is_found)| !is_found) {
                     let axis = self.axes[*index].settings.letter;
@@ -91,9 +92,7 @@ impl<P: Port> Head<P> {
                     let axis = self.axes[index].settings.letter;
                     return Err(Trouble::NotSeen { axis });
                 }
-                if let Some(watch) = &mut watch {
-                    self.look_in_search(watch, &replies)?;
-                }
+                self.look_in_search(search, &mut watch, &replies)?;
                 return Ok(FinishedMove {
                     replies,
                     is_found: true,
@@ -116,11 +115,17 @@ impl<P: Port> Head<P> {
 
     /// Arms the search on the searching axes.
     pub(super) fn arm(&mut self, search: Search) -> Result<(), Trouble> {
-        for (index, axis) in self.axes.iter().enumerate() {
+        for (index, axis) in self.axes.iter_mut().enumerate() {
             if !search.is_for(index) {
                 continue;
             }
-            let command = Command::SetHoming(search.events.with(search.stop));
+            // The module sees any change of its end switch, also when it opens.
+            axis.is_end_armed = !axis.is_at_end;
+            let ends = match axis.is_end_armed {
+                true => axis.settings.end_events(),
+                false => Homing::default(),
+            };
+            let command = Command::SetHoming(search.events.with(ends).with(search.stop));
             let reply = self.line.command(axis.settings.module, command)?;
             if !searches(&reply) {
                 // The module has received another command, and its latch belongs to another search.
@@ -135,8 +140,9 @@ impl<P: Port> Head<P> {
 
     /// Ends the search.
     pub(super) fn disarm(&mut self, search: Search) -> Result<(), Trouble> {
-        for (index, axis) in self.axes.iter().enumerate() {
+        for (index, axis) in self.axes.iter_mut().enumerate() {
             if search.is_for(index) {
+                axis.is_end_armed = false;
                 let command = Command::SetHoming(Homing::default());
                 self.line.command(axis.settings.module, command)?;
             }
@@ -151,7 +157,7 @@ impl<P: Port> Head<P> {
             let coordinate = axis.settings.coordinate();
             // A saturated distance only makes the move slower.
             ways[coordinate] = goal.saturating_sub(axis.held);
-            rates[coordinate] = axis.settings.rate;
+            rates[coordinate] = axis.rate(self.probe.rate);
             accelerations[coordinate] = axis.settings.acceleration.into();
         }
         let direction = Direction::new(ways.map(i64::from))?;
@@ -167,6 +173,19 @@ impl<P: Port> Head<P> {
         self.line.elapsed_us() + (seconds * 1.5e6) as u64 + SETTLING_US
     }
 
+    /// Tells the operator, once per axis, that a moving axis is not homed.
+    pub(super) fn announce(&mut self, goal: &[i32]) {
+        for (axis, goal) in self.axes.iter_mut().zip(goal) {
+            if axis.is_homed || axis.is_announced || axis.held == *goal {
+                continue;
+            }
+            axis.is_announced = true;
+            let rate = self.scale.text_of_rate(axis.rate(self.probe.rate).into());
+            let operator = self.line.operator();
+            operator.moves_without_home(axis.settings.letter, &rate);
+        }
+    }
+
     /// Loads the trapezoids and starts all of them together.
     pub(super) fn start_line(
         &mut self,
@@ -174,6 +193,7 @@ impl<P: Port> Head<P> {
         line: &ServoLine<3>,
         search: Option<Search>,
     ) -> Result<(), Trouble> {
+        self.announce(goal);
         let is_alone = self.axes.len() == 1;
         let fastest = |of: [u32; 3]| of.into_iter().max().unwrap_or(1);
         for (index, goal) in goal.iter().enumerate() {

@@ -209,7 +209,7 @@ impl<P: Port> Head<P> {
     /// The goal, or the point before it at which the travel ends.
     fn within_travel(&self, goal: &[i32]) -> Vec<i32> {
         let parts = self.axes.iter().zip(goal).map(|(axis, goal)| {
-            let [low, high] = axis.settings.travel;
+            let [low, high] = axis.travel_counts();
             let (held, goal) = (f64::from(axis.held), f64::from(*goal));
             let end = goal.clamp(f64::from(low), f64::from(high));
             if end == goal {
@@ -224,7 +224,7 @@ impl<P: Port> Head<P> {
         pairs
             .map(|(axis, goal)| {
                 let delta = (f64::from(*goal) - f64::from(axis.held)) * part;
-                let [low, high] = axis.settings.travel;
+                let [low, high] = axis.travel_counts();
                 // Rounding may lead beyond the travel by half a count.
                 (f64::from(axis.held) + delta.round()).clamp(low.into(), high.into()) as i32
             })

@@ -4,7 +4,7 @@ use super::contact::Contact;
 use super::piece::Mounted;
 #[cfg(test)]
 use crate::heads::operator::StopButton;
-use crate::heads::{Machine, Switches};
+use crate::heads::{End, Machine, Switches, Wiring};
 use husillo_sim::{ChainModule, DcMotor, DcMotorModel, IoInputs, Noise, ServoChain, Surroundings};
 
 /// Servo period, ns.
@@ -23,6 +23,10 @@ pub struct SimulatedChain {
     contacts: Vec<Contact>,
     piece: Option<Mounted>,
     switches: Switches,
+    /// End switches, each with the place of its module and the limit input it is wired to, 0 or 1.
+    ends: Vec<(Contact, usize)>,
+    /// What the limit inputs of the modules of axes are wired to.
+    wiring: Vec<(u8, [Wiring; 2])>,
     /// The contact of the probe is held closed or open by hand.
     held: Option<bool>,
     #[cfg(test)]
@@ -65,7 +69,11 @@ impl SimulatedChain {
         };
         let modules: Vec<_> = (1..=machine.modules()).map(servo).collect();
         let chain = Self::of_modules(&modules, contacts, piece)?;
-        Ok(chain.with_switches(machine.probe.switches))
+        let axes = machine.axes.iter();
+        Ok(Self {
+            wiring: axes.map(|axis| (axis.module, axis.limits)).collect(),
+            ..chain.with_switches(machine.probe.switches)
+        })
     }
 
     /// Modules of any kind. The first is at the far end.
@@ -98,6 +106,8 @@ impl SimulatedChain {
             contacts: contacts.to_vec(),
             piece,
             switches: Switches::One,
+            ends: Vec::new(),
+            wiring: Vec::new(),
             held: None,
             #[cfg(test)]
             interruption: None,
@@ -111,6 +121,36 @@ impl SimulatedChain {
     #[must_use]
     pub fn with_switches(self, switches: Switches) -> Self {
         Self { switches, ..self }
+    }
+
+    /// The same chain with end switches. Each is written like a face: the high one closes from a
+    /// count on, the low one up to a count.
+    ///
+    /// # Errors
+    ///
+    /// A module to which the machine has no such end switch wired.
+    pub fn with_ends(mut self, ends: &[Contact]) -> Result<Self, String> {
+        for switch in ends {
+            let end = match switch.is_touched_upwards() {
+                true => End::High,
+                false => End::Low,
+            };
+            let mut axes = self.wiring.iter();
+            let wired = axes.find(|(module, _)| *module == switch.module);
+            let input = wired.and_then(|(_, limits)| {
+                let mut inputs = limits.iter();
+                inputs.position(|wiring| *wiring == Wiring::End(end))
+            });
+            let Some(input) = input else {
+                let module = switch.module;
+                return Err(format!(
+                    "an end switch at module {module}: no axis of the machine has a {end} end \
+                     switch there"
+                ));
+            };
+            self.ends.push((*switch, input));
+        }
+        Ok(self)
     }
 
     /// The same chain, whose modules hear nothing for this time after a reset.
@@ -245,6 +285,17 @@ impl SimulatedChain {
             },
         };
         for module in 0..self.chain.len() {
+            let mut around = around;
+            for (switch, input) in &self.ends {
+                if usize::from(switch.module) == module + 1 {
+                    let motor = self.chain.motor(module);
+                    let is_closed = switch.is_closed(motor.map_or(0, DcMotor::counts));
+                    match input {
+                        0 => around.limit_1 |= is_closed,
+                        _ => around.limit_2 |= is_closed,
+                    }
+                }
+            }
             self.chain.surround(module, around);
         }
         self.chain.tick()

@@ -1,7 +1,7 @@
 //! Settings of machines that suit the simulated motors.
 
 use crate::heads::{
-    AxisSettings, Errors, Machine, ProbeSettings, Stylus, Switches, pre_travel_by_sign,
+    AxisSettings, Errors, Machine, ProbeSettings, Stylus, Switches, Wiring, pre_travel_by_sign,
 };
 use crate::quantity::Fraction;
 use crate::scale::Scale;
@@ -30,6 +30,7 @@ const fn axis(letter: char, module: u8, travel: i32) -> AxisSettings {
         in_position: 1,
         rate: 1200,
         acceleration: 6000,
+        limits: [Wiring::Probe, Wiring::Nothing],
         gains: GAINS,
         motor: DcMotorModel::PROTOTYPE,
     }
@@ -49,8 +50,8 @@ fn probe(radius_nm: i32) -> ProbeSettings {
     }
 }
 
-/// A machine with one axis X. Its travel is 8000 counts to each side of its position at reset. The
-/// length of a count is not known.
+/// A machine with one axis X. Its travel is 8000 counts to each side of home. The length of a
+/// count is not known.
 #[must_use]
 pub fn one_axis() -> Machine {
     Machine {
@@ -63,8 +64,8 @@ pub fn one_axis() -> Machine {
     }
 }
 
-/// A machine with three axes and scales of 2 um. The travel of each is 200 mm to each side of its
-/// position at reset. The ball has a radius of 1 mm.
+/// A machine with three axes and scales of 2 um. The travel of each is 200 mm to each side of
+/// home. The ball has a radius of 1 mm.
 #[must_use]
 pub fn three_axes() -> Machine {
     Machine {

@@ -25,6 +25,7 @@ impl<P: Port> Head<P> {
             }
             checked?;
         }
+        self.look_at_ends(&replies)?;
         Ok(replies)
     }
 
@@ -94,7 +95,11 @@ impl<P: Port> Head<P> {
             .collect()
     }
 
-    pub(super) fn read_axis_twice(&mut self, axis: &Servo, items: Items) -> Result<Reply, Trouble> {
+    pub(in crate::heads) fn read_axis_twice(
+        &mut self,
+        axis: &Servo,
+        items: Items,
+    ) -> Result<Reply, Trouble> {
         let jitter_counts = axis.settings.in_position.saturating_mul(2);
         self.line
             .read_twice(axis.settings.module, items, jitter_counts)

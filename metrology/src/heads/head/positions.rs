@@ -87,13 +87,13 @@ impl<P: Port> Head<P> {
     /// The first axis that may not.
     pub(crate) fn check_travel(&self, goal: &[i32], meant: [i64; 3]) -> Result<(), Trouble> {
         for (index, (axis, goal)) in self.axes.iter().zip(goal).enumerate() {
-            let [low, high] = axis.settings.travel;
+            let [low, high] = axis.travel_counts();
             if !(low..=high).contains(goal) {
                 let there = self.view.position(meant)[axis.settings.coordinate()];
                 let text = |counts| self.scale.text(self.seen(index, meant, counts));
                 return Err(Trouble::OutsideTravel {
                     goal: format!("{} {}", axis.settings.letter, self.scale.text(there)),
-                    travel: axis.settings.travel.map(text),
+                    travel: axis.travel_counts().map(text),
                 });
             }
         }

@@ -1,17 +1,17 @@
 //! A stop for modules that another program has set up and left.
 
 use super::Line;
-use crate::heads::head::stop;
+use crate::heads::head::{READ, stop};
 use crate::heads::{AxisSettings, Machine, Port};
 use crate::trouble::Trouble;
-use husillo_transports::nmc::{Baud, EVERY_GROUP, Group, Items, StopWay};
+use husillo_transports::nmc::{Baud, EVERY_GROUP, Group, Items, Reply, StopWay};
 
 /// Silence after which the replies to the stops have passed, us.
 const SILENCE_US: u32 = 50_000;
 
 impl<P: Port> Line<P> {
     /// Stops every axis of the machine abruptly, with its servo on, and waits until each stands.
-    /// Returns their positions in counts. The modules keep their addresses, positions and settings.
+    /// Returns their readings, with the latched positions. The modules keep their addresses, positions and settings.
     ///
     /// It is for a machine whose program was killed. The modules answer at the rate of the machine
     /// or, without a start-up, at that of a reset.
@@ -19,7 +19,7 @@ impl<P: Port> Line<P> {
     /// # Errors
     ///
     /// [`Trouble`] of the axis that does not confirm. The stop was sent to all axes at both rates.
-    pub fn halt(&mut self, machine: &Machine) -> Result<Vec<i32>, Trouble> {
+    pub fn halt(&mut self, machine: &Machine) -> Result<Vec<Reply>, Trouble> {
         match self.halt_at(machine.baud, &machine.axes) {
             Err(_) if machine.baud != Baud::default() => {
                 self.halt_at(Baud::default(), &machine.axes)
@@ -28,7 +28,7 @@ impl<P: Port> Line<P> {
         }
     }
 
-    fn halt_at(&mut self, baud: Baud, axes: &[AxisSettings]) -> Result<Vec<i32>, Trouble> {
+    fn halt_at(&mut self, baud: Baud, axes: &[AxisSettings]) -> Result<Vec<Reply>, Trouble> {
         self.port.set_baud(baud)?;
         self.host.set_timing(self.port.timing_of_known(baud));
         let command = stop(StopWay::Abrupt);
@@ -49,8 +49,7 @@ impl<P: Port> Line<P> {
         addresses
             .map(|address| {
                 self.host.adopt(address, Items::NONE, group);
-                let reply = self.read_twice(address, Items::POSITION, 0)?;
-                Ok(reply.readings.position)
+                self.read_twice(address, READ.with(Items::AUXILIARY), 0)
             })
             .collect()
     }
@@ -99,7 +98,9 @@ mod tests {
             let before = counts(&mut port);
             let mut line = Line::new(port);
             let start_us = line.elapsed_us();
-            let positions = line.halt(&machine).unwrap();
+            let replies = line.halt(&machine).unwrap();
+            let positions = replies.iter().map(|reply| reply.readings.position);
+            let positions: Vec<i32> = positions.collect();
             assert!(line.elapsed_us() - start_us < 700_000);
             let mut port = line.into_port();
             let halted = counts(&mut port);

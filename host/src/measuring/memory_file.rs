@@ -1,0 +1,189 @@
+//! The file in which a session with a measuring machine keeps what the next one needs: homes, zeros
+//! and where the axes stand.
+
+use crate::cli::Measure;
+use husillo_backlash::Flank;
+use husillo_metrology::heads::{AxisMemory, Machine, Memory};
+use husillo_transports::nmc::Baud;
+use serde::{Deserialize, Serialize};
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// The contents of the file.
+#[derive(Serialize, Deserialize)]
+struct Kept {
+    port: String,
+    machine: String,
+    /// A million counts as a length, so that zeros are not taken over with another scale.
+    million_counts: String,
+    /// Rate of the line, bits/s.
+    baud: u32,
+    /// A session uses the machine, or was killed while it did.
+    in_use: bool,
+    axis: Vec<KeptAxis>,
+}
+
+/// An axis in the file.
+#[derive(Serialize, Deserialize)]
+struct KeptAxis {
+    letter: char,
+    module: u8,
+    counts: i32,
+    latched: i32,
+    held: bool,
+    homed: bool,
+    origin: i32,
+    /// Nanometres, or counts where the length of a count is not known.
+    zero: i64,
+    /// Direction of the last move: 1, -1, or 0 if it is not known.
+    direction: i8,
+}
+
+/// The file of a port.
+#[derive(Clone, Debug)]
+pub struct MemoryFile {
+    path: PathBuf,
+    port: String,
+    machine: String,
+    million_counts: String,
+}
+
+impl MemoryFile {
+    /// The file of the port of the arguments. `None`: the simulated port has no memory, or the user
+    /// has no folder for it.
+    pub fn of(args: &Measure, machine: &Machine) -> Option<Self> {
+        Self::at(
+            args.machine.as_deref().unwrap_or("cmm"),
+            &args.port,
+            machine,
+        )
+    }
+
+    /// The same, by the name of the machine and that of its port.
+    pub fn at(name: &str, port: &str, machine: &Machine) -> Option<Self> {
+        let (path, port) = place(port)?;
+        let scale = machine.scale;
+        Some(Self {
+            path,
+            port,
+            machine: absolute(name),
+            million_counts: scale.text(scale.of_counts(1_000_000)),
+        })
+    }
+
+    /// What is kept for this machine at this port, and whether a session was killed there.
+    pub fn read(&self) -> Option<(Memory, bool)> {
+        let kept: Kept = toml::from_str(&fs::read_to_string(&self.path).ok()?).ok()?;
+        let is_mine = kept.port == self.port
+            && kept.machine == self.machine
+            && kept.million_counts == self.million_counts;
+        let baud = Baud::ALL
+            .into_iter()
+            .find(|baud| baud.bits_per_s() == kept.baud)?;
+        let axes = kept.axis.iter().map(|axis| AxisMemory {
+            letter: axis.letter,
+            module: axis.module,
+            counts: axis.counts,
+            latched: axis.latched,
+            is_held: axis.held,
+            is_homed: axis.homed,
+            origin: axis.origin,
+            zero: axis.zero,
+            flank: match axis.direction {
+                1 => Flank::Positive,
+                -1 => Flank::Negative,
+                _ => Flank::Unknown,
+            },
+        });
+        let axes = axes.collect();
+        is_mine.then_some((Memory { baud, axes }, kept.in_use))
+    }
+
+    /// Keeps the memory. The file is written beside its place and then renamed, so it is whole at
+    /// any time. `in_use`: the session goes on.
+    ///
+    /// # Errors
+    ///
+    /// The folder or the file cannot be written.
+    pub fn write(&self, memory: &Memory, in_use: bool) -> io::Result<()> {
+        let axes = memory.axes.iter().map(|axis| KeptAxis {
+            letter: axis.letter,
+            module: axis.module,
+            counts: axis.counts,
+            latched: axis.latched,
+            held: axis.is_held,
+            homed: axis.is_homed,
+            origin: axis.origin,
+            zero: axis.zero,
+            direction: match axis.flank {
+                Flank::Positive => 1,
+                Flank::Negative => -1,
+                Flank::Unknown => 0,
+            },
+        });
+        let kept = Kept {
+            port: self.port.clone(),
+            machine: self.machine.clone(),
+            million_counts: self.million_counts.clone(),
+            baud: memory.baud.bits_per_s(),
+            in_use,
+            axis: axes.collect(),
+        };
+        let text = toml::to_string(&kept).map_err(io::Error::other)?;
+        if let Some(folder) = self.path.parent() {
+            fs::create_dir_all(folder)?;
+        }
+        let beside = self
+            .path
+            .with_extension(format!("{}.new", std::process::id()));
+        fs::write(&beside, text)?;
+        fs::rename(&beside, &self.path).inspect_err(|_| drop(fs::remove_file(&beside)))
+    }
+
+    /// Nothing is known of the modules from now on.
+    pub fn forget(&self) {
+        // A file that is not there is as good.
+        let _ = fs::remove_file(&self.path);
+    }
+}
+
+/// The modules at this port are about to be reset.
+pub fn forget(port: &str) {
+    if let Some((path, _)) = place(port) {
+        let _ = fs::remove_file(path);
+    }
+}
+
+/// The path of the file of a port, and the name of the port everywhere: that of its device.
+fn place(port: &str) -> Option<(PathBuf, String)> {
+    if matches!(port, "sim" | "line") {
+        return None;
+    }
+    let name = absolute(port);
+    let letter = |letter: char| match letter {
+        'a'..='z' | 'A'..='Z' | '0'..='9' | '.' => letter,
+        _ => '-',
+    };
+    let file: String = name.trim_start_matches('/').chars().map(letter).collect();
+    Some((folder()?.join(format!("measure-{file}.toml")), name))
+}
+
+/// The absolute path of a file, through links; any other name stays.
+fn absolute(name: &str) -> String {
+    let path = fs::canonicalize(name);
+    path.map_or_else(|_| name.to_owned(), |path| path.display().to_string())
+}
+
+/// `$XDG_STATE_HOME/husillo`, or `~/.local/state/husillo`.
+fn folder() -> Option<PathBuf> {
+    let absolute = |name| {
+        let path = PathBuf::from(std::env::var_os(name)?);
+        path.is_absolute().then_some(path)
+    };
+    let state = absolute("XDG_STATE_HOME").or_else(|| {
+        let home = absolute("HOME")?;
+        Some(home.join(Path::new(".local/state")))
+    });
+    Some(state?.join("husillo"))
+}

@@ -1,0 +1,296 @@
+//! What a session leaves in the modules. The next session goes on from there without a reset.
+
+use super::head::{Head, READ, is_done, stop};
+use super::line::Line;
+use super::machine::Machine;
+use super::port::Port;
+use super::standing::SETTLING_US;
+use crate::trouble::Trouble;
+use husillo_backlash::Flank;
+use husillo_transports::nmc::{Auxiliary, Baud, Command, Items, Reply, StopWay};
+
+/// The items that show whether a module is as it was left.
+const LEFT: Items = READ.with(Items::AUXILIARY);
+
+/// The axes of a machine as a session has left them. Modules keep their counts until they are reset
+/// or lose their supply.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Memory {
+    /// Rate of the modules.
+    pub baud: Baud,
+    /// The axes, in the order of the machine file.
+    pub axes: Vec<AxisMemory>,
+}
+
+/// An axis as a session has left it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AxisMemory {
+    /// `X`, `Y` or `Z`.
+    pub letter: char,
+    /// Address of its module.
+    pub module: u8,
+    /// Where it stands, counts.
+    pub counts: i32,
+    /// The counts that the module latched last. They are 0 after a reset.
+    pub latched: i32,
+    /// Its servo is on and holds it.
+    pub is_held: bool,
+    /// It has been homed.
+    pub is_homed: bool,
+    /// Counts at reading 0: at home, once it is homed.
+    pub origin: i32,
+    /// The position that counts as 0, an amount of the scale.
+    pub zero: i64,
+    /// Direction of its last move.
+    pub flank: Flank,
+}
+
+impl AxisMemory {
+    /// Whether the module is as it was left. Positions may differ by `in_position` counts.
+    fn is_still_true(&self, reply: &Reply, in_position: u32) -> bool {
+        let readings = &reply.readings;
+        readings.position.abs_diff(self.counts) <= in_position
+            && readings.home == self.latched
+            && readings.auxiliary.contains(Auxiliary::SERVO_ON) == self.is_held
+            && is_done(reply)
+    }
+}
+
+/// The result of [`Head::rejoin`].
+#[derive(Debug)]
+pub enum Rejoined<P> {
+    /// The modules are as they were left: the head goes on.
+    AsLeft(Box<Head<P>>),
+    /// A module was reset, moved, or does not answer: the line needs a start-up.
+    Changed(Box<Line<P>>),
+}
+
+impl<P: Port> Head<P> {
+    /// Goes on where an earlier session has left the modules. It asks them without a reset and
+    /// compares their answers with the memory. Origins and homes then hold as before.
+    ///
+    /// # Errors
+    ///
+    /// A machine without axes or with different periods, or a fault of an axis that is as it was
+    /// left.
+    pub fn rejoin(
+        line: Line<P>,
+        machine: &Machine,
+        touches: u8,
+        memory: &Memory,
+    ) -> Result<Rejoined<P>, Trouble> {
+        let mut head = Self::of(line, machine, touches)?;
+        let axes = machine.axes.iter().map(|axis| (axis.letter, axis.module));
+        let left = memory.axes.iter().map(|axis| (axis.letter, axis.module));
+        if !axes.eq(left) {
+            return Ok(Rejoined::Changed(Box::new(head.line)));
+        }
+        let Ok(versions) = head.versions_if_as_left(memory) else {
+            return Ok(Rejoined::Changed(Box::new(head.line)));
+        };
+        head.set_period(&versions)?;
+        head.lead_group()?;
+        // A program that was killed may have left the modules watching the contact.
+        head.disarm(head.guard())?;
+        for (index, left) in memory.axes.iter().enumerate() {
+            let axis = &mut head.axes[index];
+            axis.origin = left.origin;
+            axis.is_homed = left.is_homed;
+            // The machine file may have other gains by now.
+            let module = axis.settings.module;
+            let gains = axis.settings.gains;
+            head.line.command(module, Command::SetGain(gains))?;
+            if !left.is_held {
+                head.line.command(module, stop(StopWay::Abrupt))?;
+            }
+            head.line.command(module, Command::ClearBits)?;
+            head.hold_checked(index)?;
+        }
+        Ok(Rejoined::AsLeft(Box::new(head)))
+    }
+
+    /// The versions of the modules, if all are as they were left.
+    fn versions_if_as_left(&mut self, memory: &Memory) -> Result<Vec<u8>, Trouble> {
+        let modules: Vec<u8> = self.axes.iter().map(|axis| axis.settings.module).collect();
+        self.line.rejoin(memory.baud, &modules)?;
+        let pairs: Vec<_> = self.axes.iter().copied().zip(&memory.axes).collect();
+        let mut versions = Vec::with_capacity(pairs.len());
+        for (axis, left) in pairs {
+            let reply = self.read_axis_twice(&axis, LEFT.with(Items::DEVICE))?;
+            if !left.is_still_true(&reply, axis.settings.in_position) {
+                return Err(Trouble::NoModules);
+            }
+            versions.push(reply.readings.version);
+        }
+        Ok(versions)
+    }
+
+    /// What the session leaves, once the axes stand. Zeros and flanks are those of a head alone:
+    /// none. A fault of an axis is no error here.
+    ///
+    /// # Errors
+    ///
+    /// No answer, or an axis that does not come to rest.
+    pub(crate) fn memory(&mut self) -> Result<Memory, Trouble> {
+        let end_us = self.line.elapsed_us() + self.braking_us() + SETTLING_US;
+        let mut before: Vec<i32> = Vec::new();
+        loop {
+            let mut replies = Vec::with_capacity(self.axes.len());
+            for axis in &self.axes {
+                let read = Command::ReadStatus(READ);
+                replies.push(self.line.command(axis.settings.module, read)?);
+            }
+            let at: Vec<i32> = replies.iter().map(|one| one.readings.position).collect();
+            let mut pairs = self.axes.iter().zip(at.iter().zip(&before));
+            let is_still = pairs.all(|(axis, (at, before))| axis.is_near(*at, *before));
+            if is_still && !before.is_empty() && replies.iter().all(is_done) {
+                break;
+            }
+            if self.line.elapsed_us() > end_us {
+                return Err(self.late(None, &at, &replies));
+            }
+            before = at;
+        }
+        let axes = self.axes.clone();
+        let axes = axes.iter().map(|axis| {
+            let reply = self.read_axis_twice(axis, LEFT)?;
+            let readings = &reply.readings;
+            Ok(AxisMemory {
+                letter: axis.settings.letter,
+                module: axis.settings.module,
+                counts: readings.position,
+                latched: readings.home,
+                is_held: readings.auxiliary.contains(Auxiliary::SERVO_ON),
+                is_homed: axis.is_homed,
+                origin: axis.origin,
+                zero: 0,
+                flank: Flank::Unknown,
+            })
+        });
+        let axes: Result<Vec<_>, Trouble> = axes.collect();
+        Ok(Memory {
+            axes: axes?,
+            baud: self.line.baud(),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulated::{SimulatedChain, SimulatedPort, three_axes};
+    use husillo_transports::nmc::{Reset, Stop};
+
+    type Simulated = Head<SimulatedPort>;
+
+    /// A session that has homed X, moved Y and ended.
+    fn ended() -> (SimulatedPort, Memory) {
+        let chain = SimulatedChain::new(&[4; 3], &[], None).unwrap();
+        let line = Line::new(SimulatedPort::new(chain));
+        let mut head = Simulated::start(line, &three_axes(), 1).unwrap();
+        head.go_to([100_000, 3_000_000, 0]).unwrap();
+        head.home(0).unwrap();
+        let memory = head.memory().unwrap();
+        (head.line.into_port(), memory)
+    }
+
+    fn rejoin(port: SimulatedPort, machine: &Machine, memory: &Memory) -> Rejoined<SimulatedPort> {
+        Simulated::rejoin(Line::new(port), machine, 1, memory).unwrap()
+    }
+
+    #[test]
+    fn the_next_session_goes_on_from_the_same_positions() {
+        let (port, memory) = ended();
+        assert_eq!((memory.baud, memory.axes.len()), (Baud::B115200, 3));
+        assert!(memory.axes[0].is_homed && !memory.axes[1].is_homed);
+        assert!(memory.axes.iter().all(|axis| axis.is_held));
+        assert_ne!(memory.axes[0].origin, 0);
+        let Rejoined::AsLeft(mut head) = rejoin(port, &three_axes(), &memory) else {
+            panic!("the modules were not recognised");
+        };
+        let [x, y, z] = head.held();
+        assert!(x.abs() <= 2_000 && z.abs() <= 2_000, "{x} {z}");
+        assert!(y.abs_diff(3_000_000) <= 2_000, "{y}");
+        assert!(head.axes[0].is_homed && !head.axes[1].is_homed);
+        // It moves all axes together, as the leader of the group is known.
+        let there = head.go_to([1_000_000, 1_000_000, 0]).unwrap();
+        assert!(there[1].abs_diff(1_000_000) <= 2_000);
+    }
+
+    /// Supply, reset, a motion, a drive that was switched off: each ends what was known.
+    #[test]
+    fn modules_that_are_not_as_they_were_left_are_told_apart() {
+        type Change = fn(&mut SimulatedPort);
+        let changes: [Change; 4] = [
+            |port| {
+                port.chain.set_power(false);
+                port.receive(2_000).unwrap();
+                port.chain.set_power(true);
+            },
+            |port| {
+                let reset = Command::ResetPosition(Reset::Zero);
+                port.send(reset.frame(2).bytes()).unwrap();
+                port.receive(100_000).unwrap();
+            },
+            |port| {
+                let there = stop(StopWay::Here(20));
+                port.send(there.frame(3).bytes()).unwrap();
+                port.receive(2_000).unwrap();
+                for _ in 0..1000 {
+                    port.chain.tick();
+                }
+            },
+            |port| {
+                let off = Command::StopMotor(Stop {
+                    amplifier: false,
+                    way: Some(StopWay::Off),
+                });
+                port.send(off.frame(1).bytes()).unwrap();
+                port.receive(100_000).unwrap();
+            },
+        ];
+        for (index, change) in changes.into_iter().enumerate() {
+            let (mut port, memory) = ended();
+            change(&mut port);
+            let rejoined = rejoin(port, &three_axes(), &memory);
+            let Rejoined::Changed(line) = rejoined else {
+                panic!("change {index} was not noticed");
+            };
+            // The start-up finds the modules as ever.
+            Simulated::start(*line, &three_axes(), 1).unwrap();
+        }
+    }
+
+    /// After a fault an axis has no drive. It still counts, so nothing is lost.
+    #[test]
+    fn an_axis_without_drive_keeps_its_home() {
+        let (port, memory) = ended();
+        let Rejoined::AsLeft(mut head) = rejoin(port, &three_axes(), &memory) else {
+            panic!("the modules were not recognised");
+        };
+        let off = Command::StopMotor(Stop {
+            amplifier: false,
+            way: Some(StopWay::Off),
+        });
+        head.line.command(1, off).unwrap();
+        let memory = head.memory().unwrap();
+        assert!(!memory.axes[0].is_held && memory.axes[1].is_held);
+        let rejoined = rejoin(head.line.into_port(), &three_axes(), &memory);
+        let Rejoined::AsLeft(mut head) = rejoined else {
+            panic!("the modules were not recognised");
+        };
+        assert!(head.axes[0].is_homed);
+        head.go_to([500_000, 3_000_000, 0]).unwrap();
+    }
+
+    #[test]
+    fn another_machine_is_not_the_one_that_was_left() {
+        let (port, memory) = ended();
+        let mut machine = three_axes();
+        machine.axes.swap(0, 1);
+        assert!(matches!(
+            rejoin(port, &machine, &memory),
+            Rejoined::Changed(_)
+        ));
+    }
+}
