@@ -69,6 +69,8 @@ pub struct Drill<const N: usize> {
     /// Steps from the switches to zero: 0 except after `c` away from home.
     zero: [u16; 2],
     is_homed: bool,
+    /// The switch of the present search has opened behind its axis.
+    has_opened: bool,
     /// Whether the switches of X and Y were open at the last check.
     were_open: [bool; 2],
     /// The actual and the requested state of the spindle.
@@ -164,6 +166,7 @@ impl<const N: usize> Drill<N> {
             place: [0; 2],
             zero: [0; 2],
             is_homed: false,
+            has_opened: false,
             were_open: [false; 2],
             // The spindle may be on, so it is switched off first.
             spindle: [true, false],
@@ -359,6 +362,7 @@ impl<const N: usize> Drill<N> {
             }
             Task::Leave { axis, left } => self.leave(axis, left, inputs),
             Task::Search { axis, left } => self.search(axis, left, inputs),
+            Task::Open { axis, left } => self.open(axis, left, inputs),
             Task::Go { axis, to } => self.walk(axis, to, inputs),
             Task::Beyond { axis, gone } => self.look_beyond(axis, gone, inputs),
             Task::Return { axis, left } => {
@@ -394,6 +398,13 @@ impl<const N: usize> Drill<N> {
 
     fn search(&mut self, axis: u8, left: u32, inputs: &DrillInputs) -> Option<DrillEvent> {
         if is_home(inputs, axis) {
+            if self.config.switch_play_steps.is_some() && !self.has_opened {
+                self.task = Task::Open {
+                    axis,
+                    left: self.config.back_off_steps,
+                };
+                return None;
+            }
             let index = usize::from(axis);
             if let (Some(place), Some(zero)) = (self.place.get_mut(index), self.zero.get_mut(index))
             {
@@ -419,7 +430,26 @@ impl<const N: usize> Drill<N> {
         self.step(usize::from(axis), -1)
     }
 
+    /// Moves off a switch that was found, until it opens.
+    fn open(&mut self, axis: u8, left: u16, inputs: &DrillInputs) -> Option<DrillEvent> {
+        if !is_home(inputs, axis) {
+            self.has_opened = true;
+            self.task = Task::Search {
+                axis,
+                left: self.config.back_off_steps.into(),
+            };
+            return None;
+        }
+        let Some(left) = left.checked_sub(1) else {
+            self.task = self.fault(DrillFault::StillClosed { axis });
+            return None;
+        };
+        self.task = Task::Open { axis, left };
+        self.step(usize::from(axis), 1)
+    }
+
     fn begin_search(&mut self, axis: u8, inputs: &DrillInputs) {
+        self.has_opened = false;
         self.task = if is_home(inputs, axis) {
             Task::Leave {
                 axis,

@@ -24,6 +24,7 @@ impl<const N: usize> Drill<N> {
         self.task = match self.task {
             Task::Leave { .. }
             | Task::Search { .. }
+            | Task::Open { .. }
             | Task::Go { .. }
             | Task::JogZ { .. }
             | Task::Settle => Task::Settle,

@@ -56,6 +56,7 @@ impl<const N: usize> Drill<N> {
         let axis_of = |task: &Task| match *task {
             Task::Leave { axis, .. }
             | Task::Search { axis, .. }
+            | Task::Open { axis, .. }
             | Task::Go { axis, .. }
             | Task::Beyond { axis, .. }
             | Task::Return { axis, .. } => Some(axis),

@@ -13,6 +13,12 @@ pub(super) enum Task {
         axis: u8,
         left: u32,
     },
+    /// X or Y has found its switch and moves off until it opens: a switch that sticks is no home.
+    /// Another search follows.
+    Open {
+        axis: u8,
+        left: u16,
+    },
     /// X or Y moves to this position.
     Go {
         axis: u8,
