@@ -16,6 +16,7 @@ use std::time::{Duration, Instant};
 fn begin(folder: &Path, words: &[&str]) -> Child {
     Command::new(env!("CARGO_BIN_EXE_husillo"))
         .env("XDG_RUNTIME_DIR", folder)
+        .env("XDG_STATE_HOME", common::state())
         .args(words)
         .stdin(Stdio::null())
         .stdout(Stdio::piped())

@@ -89,7 +89,7 @@ impl Session {
                     self.keep(&mut head);
                     return Ok(head);
                 }
-                Rejoined::Changed(same) => line = same,
+                Rejoined::Changed(same) => line = *same,
             }
             eprintln!("note: the modules were reset or moved, so zero and home are lost");
         }

@@ -62,7 +62,7 @@ pub enum Rejoined<P> {
     /// The modules are as they were left: the head goes on.
     AsLeft(Box<Head<P>>),
     /// A module was reset, moved, or does not answer: the line needs a start-up.
-    Changed(Line<P>),
+    Changed(Box<Line<P>>),
 }
 
 impl<P: Port> Head<P> {
@@ -83,10 +83,10 @@ impl<P: Port> Head<P> {
         let axes = machine.axes.iter().map(|axis| (axis.letter, axis.module));
         let left = memory.axes.iter().map(|axis| (axis.letter, axis.module));
         if !axes.eq(left) {
-            return Ok(Rejoined::Changed(head.line));
+            return Ok(Rejoined::Changed(Box::new(head.line)));
         }
         let Ok(versions) = head.versions_if_as_left(memory) else {
-            return Ok(Rejoined::Changed(head.line));
+            return Ok(Rejoined::Changed(Box::new(head.line)));
         };
         head.set_period(&versions)?;
         head.lead_group()?;
@@ -257,7 +257,7 @@ mod tests {
                 panic!("change {index} was not noticed");
             };
             // The start-up finds the modules as ever.
-            Simulated::start(line, &three_axes(), 1).unwrap();
+            Simulated::start(*line, &three_axes(), 1).unwrap();
         }
     }
 
