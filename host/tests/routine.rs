@@ -279,7 +279,11 @@ fn recorded_and_run_again() {
         .write_stdin(typed)
         .assert()
         .success();
-    assert!(first.get_output().stdout.starts_with(b"touch P1\n"));
+    let shown = String::from_utf8(first.get_output().stdout.clone()).unwrap();
+    assert!(
+        shown.contains("Z home: at 0.0000 mm\ntouch P1\n"),
+        "{shown}"
+    );
     let text = fs::read_to_string(&routine).unwrap();
     assert!(
         text.contains("touch P1 -z within 10") && text.contains("touch corner +x"),

@@ -16,6 +16,7 @@ use std::time::{Duration, Instant};
 fn begin(folder: &Path, words: &[&str]) -> Child {
     Command::new(env!("CARGO_BIN_EXE_husillo"))
         .env("XDG_RUNTIME_DIR", folder)
+        .env("XDG_STATE_HOME", common::state())
         .args(words)
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
@@ -80,7 +81,7 @@ fn a_measuring_machine_is_stopped_while_held_and_after_a_kill() {
         let lines = BufReader::new(child.stderr.take().unwrap()).lines();
         let mut lines = lines.map(Result::unwrap);
         assert!(lines.any(|line| line.starts_with("> aa 01 ") && line.contains(" 9f 86 01 00 ")));
-        // At 1200 counts/s.
+        // At 200 counts/s, as it is not homed.
         std::thread::sleep(Duration::from_millis(500));
         let reader = std::thread::spawn(move || lines.count());
         if is_killed {
@@ -90,7 +91,7 @@ fn a_measuring_machine_is_stopped_while_held_and_after_a_kill() {
         assert!(stopped.status.success(), "{}", text(&stopped));
         assert_eq!(text(&stopped).contains("`husillo measure"), !is_killed);
         let at = number_after(&text(&stopped), "X at");
-        assert!(at > 100.0, "{}", text(&stopped));
+        assert!(at > 40.0, "{}", text(&stopped));
         if !is_killed {
             assert_eq!(child.wait().unwrap().code(), Some(130));
         }

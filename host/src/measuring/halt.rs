@@ -28,7 +28,8 @@ pub fn halt(machine: &str, port: &str, out: &mut dyn Write) -> Result<(), Stoppe
 }
 
 /// A session that was killed has left homes and zeros that are still true, as nothing was reset.
-/// They are kept with the positions at which the axes stand now. Other sessions have kept their own.
+/// They are kept with the positions at which the axes stand now. Other sessions have kept their
+/// own.
 fn keep(name: &str, port: &str, machine: &Machine, replies: &[Reply]) {
     let Some(file) = MemoryFile::at(name, port, machine) else {
         return;

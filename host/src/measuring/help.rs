@@ -75,7 +75,7 @@ pub const fn help(trouble: &Trouble) -> Option<&'static str> {
              and calibrate the probe again. `safe` in a routine leads over the part"
         }
         Trouble::EndSwitch { .. } => {
-            "go back the other way: slowly, until the switch opens. Then `home` the axis, and check \
+            "go back the other way: slowly, until the switch opens. Then `home` the axis. Check \
              that `travel` lies within the switches"
         }
         Trouble::NoEndSwitch { .. } => {
