@@ -3,11 +3,13 @@
 //!
 //! The machines run in simulated time. The results are the table of `docs/faults.md`.
 
+mod cmm;
 mod drill;
 mod microfactory;
 mod micromill;
 mod soak;
 
+use cmm::Cmm;
 use drill::Drill;
 use husillo_sim::device::LineFault;
 use microfactory::Microfactory;
@@ -40,6 +42,8 @@ struct Fault {
 /// A machine with its client.
 trait Subject: Sized {
     const MACHINE: &'static str;
+    /// What moves without a host has ended after this time, ms.
+    const REST_MS: u64 = 200_000;
     const FAULTS: &'static [Fault];
     /// The states of the machine, and the time from the start of the action to the fault, ms.
     const STATES: &'static [(State, u64)];
@@ -115,7 +119,7 @@ fn row<S: Subject>(fault: &'static Fault, state: State, after_ms: u64) -> Row {
     }
     let result = machine.act(state);
     // What moves without a host has an end, too.
-    machine.pass(200_000);
+    machine.pass(S::REST_MS);
     let moved_ms = (machine.last_step_ms()).saturating_sub(begin_ms + after_ms);
     if let (Some(most_ms), false) = (fault.most_ms, is_idle) {
         assert!(moved_ms <= most_ms, "{context}: it moves for {moved_ms} ms");
@@ -189,7 +193,13 @@ const HEAD_END: &str = "<!-- The tables are written by the tests of husillo-clie
 /// With `HUSILLO_WRITE` in the environment the tables are written anew.
 #[test]
 fn the_page_of_faults_is_what_happens() {
-    let rows = [rows::<Micromill>(), rows::<Drill>(), rows::<Microfactory>()].concat();
+    let rows = [
+        rows::<Micromill>(),
+        rows::<Drill>(),
+        rows::<Microfactory>(),
+        rows::<Cmm>(),
+    ]
+    .concat();
     let tables = table(&rows);
     let page = std::fs::read_to_string(PAGE).unwrap();
     let (head, old) = page.split_once(HEAD_END).unwrap();

@@ -98,6 +98,16 @@ impl DcMotor {
         }
     }
 
+    /// Drives the motor for `seconds` while something blocks it: the current rises, and the rotor
+    /// stands.
+    pub fn push_against_a_stop(&mut self, duty: f64, seconds: f64) {
+        self.speed_rad_s = 0.0;
+        let m = &self.model;
+        let voltage = duty.clamp(-1.0, 1.0) * m.supply_v;
+        self.current_a = (self.current_a + seconds / m.inductance_h * voltage)
+            / (1.0 + seconds * m.resistance_ohm / m.inductance_h);
+    }
+
     fn step(&mut self, voltage: f64, load_nm: f64, step_s: f64) {
         let m = &self.model;
         // The current is integrated implicitly, which is stable for any step.

@@ -44,6 +44,10 @@ pub struct Surroundings {
     pub load_nm: f64,
     /// Whether the motor supply is missing.
     pub without_power: bool,
+    /// Whether something blocks the motor.
+    pub is_blocked: bool,
+    /// Whether the encoder is silent: its cable is broken, and its counts are lost.
+    pub encoder_is_silent: bool,
 }
 
 /// A chain of modules behind one host.

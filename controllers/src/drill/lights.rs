@@ -78,7 +78,8 @@ impl<const N: usize> Drill<N> {
         }
     }
 
-    /// Whether the lamp of the heartbeat is lit, with [`DrillConfig::blinks`].
+    /// Whether the lamp of the heartbeat is lit. It needs
+    /// [`DrillConfig::blinks`](super::DrillConfig::blinks).
     pub const fn heartbeat(&self) -> bool {
         self.heartbeat
     }

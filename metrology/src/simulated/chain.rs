@@ -6,6 +6,7 @@ use super::piece::Mounted;
 use crate::heads::operator::StopButton;
 use crate::heads::{End, Machine, Switches, Wiring};
 use husillo_sim::{ChainModule, DcMotor, DcMotorModel, IoInputs, Noise, ServoChain, Surroundings};
+use std::collections::BTreeSet;
 
 /// Servo period, ns.
 pub const PERIOD_NS: u64 = 512_000;
@@ -29,10 +30,22 @@ pub struct SimulatedChain {
     wiring: Vec<(u8, [Wiring; 2])>,
     /// The contact of the probe is held closed or open by hand.
     held: Option<bool>,
+    /// Modules whose motors are blocked, and those whose encoders are silent.
+    blocked: BTreeSet<usize>,
+    silent: BTreeSet<usize>,
     #[cfg(test)]
     interruption: Option<(usize, u64)>,
     #[cfg(test)]
     question: Option<(u64, StopButton)>,
+}
+
+/// Adds a number to a set, or removes it.
+fn set(numbers: &mut BTreeSet<usize>, number: usize, is_in: bool) {
+    if is_in {
+        numbers.insert(number);
+    } else {
+        numbers.remove(&number);
+    }
 }
 
 impl SimulatedChain {
@@ -109,6 +122,8 @@ impl SimulatedChain {
             ends: Vec::new(),
             wiring: Vec::new(),
             held: None,
+            blocked: BTreeSet::new(),
+            silent: BTreeSet::new(),
             #[cfg(test)]
             interruption: None,
             #[cfg(test)]
@@ -240,6 +255,21 @@ impl SimulatedChain {
         self.held = is_closed;
     }
 
+    /// Blocks the motor of a module, or releases it.
+    pub fn block(&mut self, module: usize, is_blocked: bool) {
+        set(&mut self.blocked, module, is_blocked);
+    }
+
+    /// Breaks the cable of the encoder of a module, or repairs it.
+    pub fn silence(&mut self, module: usize, is_silent: bool) {
+        set(&mut self.silent, module, is_silent);
+    }
+
+    /// The motor of a module. `None` if it has none.
+    pub fn motor(&self, module: usize) -> Option<&DcMotor> {
+        self.chain.motor(module.checked_sub(1)?)
+    }
+
     /// Switches the supply of all modules.
     pub fn set_power(&mut self, is_on: bool) {
         for module in 0..self.chain.len() {
@@ -286,6 +316,8 @@ impl SimulatedChain {
         };
         for module in 0..self.chain.len() {
             let mut around = around;
+            around.is_blocked = self.blocked.contains(&(module + 1));
+            around.encoder_is_silent = self.silent.contains(&(module + 1));
             for (switch, input) in &self.ends {
                 if usize::from(switch.module) == module + 1 {
                     let motor = self.chain.motor(module);

@@ -4,7 +4,8 @@ use super::SimulatedChain;
 use husillo_sim::device::Emulation;
 
 /// The commands of the panel of a simulated chain.
-pub const PANEL: &str = "close probe, open probe, free probe, power off|on, unplug, plug";
+pub const PANEL: &str = "close probe, open probe, free probe, power off|on, block MODULE, \
+                         unblock MODULE, encoder MODULE off|on, unplug, plug";
 /// The commands of the panel for a chain with input and output modules.
 pub const IO_PANEL: &str = "pin MODULE PIN high|low, analogue MODULE 1|2|3 VALUE, outputs MODULE";
 
@@ -77,6 +78,20 @@ impl Emulation for SimulatedChain {
                 self.set_power(power == "on");
                 format!("power is {power}")
             }
+            [word @ ("block" | "unblock"), module] => match module.parse() {
+                Ok(number) => {
+                    self.block(number, word == "block");
+                    format!("the motor of module {number}: {word}")
+                }
+                Err(_) => format!("{word} MODULE"),
+            },
+            ["encoder", module, state @ ("off" | "on")] => match module.parse() {
+                Ok(number) => {
+                    self.silence(number, state == "off");
+                    format!("the encoder of module {number}: {state}")
+                }
+                Err(_) => "encoder MODULE off|on".into(),
+            },
             ["pin", module, pin, level @ ("high" | "low")] => pin_of(self, module, pin, level)
                 .unwrap_or_else(|| format!("pin MODULE 0..{} high|low", PINS - 1)),
             ["analogue", module, input, value] => analogue(self, module, input, value)

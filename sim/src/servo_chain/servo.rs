@@ -18,6 +18,9 @@ pub(super) struct Servo {
     pub(super) module: ServoModule,
     pub(super) motor: DcMotor,
     duty: f64,
+    /// Count at the module, and counts that a silent encoder has lost.
+    seen_counts: i64,
+    lost_counts: i64,
     pub(super) around: Surroundings,
     /// Follows the packets for a Hard Reset, which the module does not report.
     receiver: Receiver,
@@ -34,6 +37,8 @@ impl Servo {
             module: ServoModule::new(version),
             motor: DcMotor::new(motor),
             duty: 0.0,
+            seen_counts: 0,
+            lost_counts: 0,
             around: Surroundings::default(),
             receiver: Receiver::new(),
             is_enabled: false,
@@ -72,6 +77,16 @@ impl Servo {
         }
     }
 
+    /// Counts the edges of the encoder. Those of a silent one are lost.
+    fn count(&mut self) {
+        let counts = self.motor.counts();
+        if self.around.encoder_is_silent {
+            self.lost_counts = counts - self.seen_counts;
+        } else {
+            self.seen_counts = counts - self.lost_counts;
+        }
+    }
+
     /// Runs motor and module for one servo period; a dead module drives nothing.
     pub(super) fn tick(&mut self, is_alive: bool) -> Option<Change> {
         let duty = if self.around.without_power || !is_alive {
@@ -79,18 +94,22 @@ impl Servo {
         } else {
             self.duty
         };
-        self.motor
-            .advance(duty, self.around.load_nm, SERVO_PERIOD_S);
+        if self.around.is_blocked {
+            self.motor.push_against_a_stop(duty, SERVO_PERIOD_S);
+        } else {
+            self.motor
+                .advance(duty, self.around.load_nm, SERVO_PERIOD_S);
+        }
+        self.count();
         if !is_alive {
             return None;
         }
-        let counts = self.motor.counts();
         let current = self.motor.current_a().abs() / FULL_CURRENT_A * 255.0;
         let output = self.module.tick(&ServoInputs {
-            counts: counts as i32, // modulo 2^32, as the counter of a module
+            counts: self.seen_counts as i32, // modulo 2^32, as the counter of a module
             limit_1: self.around.limit_1,
             limit_2: self.around.limit_2,
-            index: self.motor.is_at_index(),
+            index: self.motor.is_at_index() && !self.around.encoder_is_silent,
             current: current.min(255.0) as u8,
             has_power: !self.around.without_power,
         });

@@ -1,0 +1,244 @@
+//! A measuring machine of one axis with its faults.
+
+use super::{Fault, State, Subject};
+use husillo_metrology::Trouble;
+use husillo_metrology::heads::{Head, Line, Port, Prober};
+use husillo_metrology::simulated::{SimulatedChain, SimulatedPort, one_axis};
+use husillo_probe::UnitVector;
+use husillo_sim::device::{Emulation, LineFault};
+use husillo_transports::nmc::{Baud, Timing};
+use std::cell::RefCell;
+use std::io;
+use std::rc::Rc;
+
+/// Module of the axis.
+const MODULE: usize = 1;
+/// Counts of a revolution, each with an index.
+const TURN: i64 = 400;
+/// The counts of a short move, and of a long one.
+const SHORT: i64 = 40;
+const LONG: i64 = 2800;
+/// A face before the probe.
+const FACE: &str = "1:3018";
+/// The time without power of a reset, us.
+const OUTAGE_US: u64 = 100_000;
+
+/// The simulated line, and the lines of the panel that are due.
+struct Bench {
+    port: SimulatedPort,
+    due: Vec<(u64, String)>,
+    is_plugged: bool,
+    counts: i64,
+    moved_us: u64,
+}
+
+impl Bench {
+    /// A period of the servos.
+    fn tick(&mut self) -> Vec<u8> {
+        let now_us = self.port.elapsed_us();
+        let is_due = |(at_us, _): &mut (u64, String)| *at_us <= now_us;
+        let due: Vec<_> = self.due.extract_if(.., is_due).collect();
+        for (_, line) in due {
+            match &*line {
+                "plug" | "unplug" => self.is_plugged = line == "plug",
+                "reset" => {
+                    self.port.chain.control("power off");
+                    self.due.push((now_us + OUTAGE_US, "power on".into()));
+                }
+                line => drop(self.port.chain.control(line)),
+            }
+        }
+        let bytes = self.port.receive(1).unwrap();
+        let counts = self.port.chain.motor(MODULE).unwrap().counts();
+        if counts.abs_diff(self.counts) > 0 {
+            self.counts = counts;
+            self.moved_us = self.port.elapsed_us();
+        }
+        if self.is_plugged { bytes } else { Vec::new() }
+    }
+}
+
+/// The port of a head on the shared line.
+#[derive(Clone)]
+struct Shared(Rc<RefCell<Bench>>);
+
+impl Port for Shared {
+    fn timing(&self, baud: Baud) -> Timing {
+        self.0.borrow().port.timing(baud)
+    }
+
+    fn elapsed_us(&self) -> u64 {
+        self.0.borrow().port.elapsed_us()
+    }
+
+    fn set_baud(&mut self, baud: Baud) -> io::Result<()> {
+        self.0.borrow_mut().port.set_baud(baud)
+    }
+
+    fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
+        let mut bench = self.0.borrow_mut();
+        match bench.is_plugged {
+            true => bench.port.send(bytes),
+            false => Ok(()),
+        }
+    }
+
+    fn receive(&mut self, wait_us: u32) -> io::Result<Vec<u8>> {
+        let mut bench = self.0.borrow_mut();
+        let end_us = bench.port.elapsed_us() + u64::from(wait_us.max(1));
+        while bench.port.elapsed_us() < end_us {
+            let bytes = bench.tick();
+            if !bytes.is_empty() {
+                return Ok(bytes);
+            }
+        }
+        Ok(Vec::new())
+    }
+}
+
+pub struct Cmm {
+    head: Head<Shared>,
+    bench: Shared,
+}
+
+fn begun(bench: &Shared) -> Result<Head<Shared>, Trouble> {
+    let line = Line::new(bench.clone());
+    let mut head = Head::start(line, &one_axis(), 1)?;
+    // The operator goes back from the face, slowly. The probe may touch once more at first.
+    for _ in 0..4 {
+        let _ = head.jog(0, false, 3.0, true);
+    }
+    head.home(0)?;
+    head.go_to([SHORT, 0, 0])?;
+    Ok(head)
+}
+
+impl Subject for Cmm {
+    const MACHINE: &'static str = "Measuring machine";
+    const REST_MS: u64 = 20_000;
+    const STATES: &'static [(State, u64)] = &[
+        (State::Idle, 0),
+        (State::Homing, 700),
+        (State::Jog, 800),
+        (State::Program, 1000),
+        (State::Probing, 6000),
+    ];
+    const FAULTS: &'static [Fault] = &[
+        Fault {
+            name: "host killed, cable pulled",
+            begins: "unplug",
+            ends: &["plug"],
+            most_ms: None, // the move ends at its goal
+            is_hidden: false,
+        },
+        Fault {
+            name: "module reset",
+            begins: "reset",
+            ends: &["plug"],
+            most_ms: Some(300), // without a drive it coasts
+            is_hidden: false,
+        },
+        Fault {
+            name: "power lost",
+            begins: "power off",
+            ends: &["power on"],
+            most_ms: Some(300),
+            is_hidden: false,
+        },
+        Fault {
+            name: "contact stuck open",
+            begins: "open probe",
+            ends: &["free probe"],
+            most_ms: None,
+            is_hidden: false,
+        },
+        Fault {
+            name: "contact stuck closed",
+            begins: "close probe",
+            ends: &["free probe"],
+            most_ms: Some(1000),
+            is_hidden: false,
+        },
+        Fault {
+            name: "encoder silent",
+            begins: "encoder 1 off",
+            ends: &["encoder 1 on"],
+            most_ms: Some(11_000), // the limit of the position error at the slowest rate
+            is_hidden: false,
+        },
+        Fault {
+            name: "motor stalled",
+            begins: "block 1",
+            ends: &["unblock 1"],
+            most_ms: Some(1000),
+            is_hidden: false,
+        },
+    ];
+
+    fn new(_: State) -> Self {
+        let contacts = [FACE.parse().unwrap()];
+        let chain = SimulatedChain::of_machine(&one_axis(), &contacts, None).unwrap();
+        let bench = Shared(Rc::new(RefCell::new(Bench {
+            port: SimulatedPort::new(chain),
+            due: Vec::new(),
+            is_plugged: true,
+            counts: 0,
+            moved_us: 0,
+        })));
+        Self {
+            head: begun(&bench).unwrap(),
+            bench,
+        }
+    }
+
+    fn schedule(&mut self, after_ms: u64, line: &str) {
+        let mut bench = self.bench.0.borrow_mut();
+        let at_us = bench.port.elapsed_us() + after_ms * 1000;
+        bench.due.push((at_us, line.to_owned()));
+    }
+
+    /// Bytes of this line are disturbed in the tests of its protocol.
+    fn disturb(&mut self, _: Option<(u64, LineFault)>) {}
+
+    fn act(&mut self, state: State) -> Result<String, String> {
+        let done = match state {
+            State::Idle => self.head.go_to([2 * SHORT, 0, 0]).map(drop),
+            State::Homing => self.head.home(0),
+            State::Jog => self.head.jog(0, true, 2.0, false),
+            State::Program => self.head.go_to([LONG, 0, 0]).map(drop),
+            State::Probing => self.head.touch(&UnitVector::X, 4000).map(drop),
+        };
+        done.map(|()| "done".into())
+            .map_err(|trouble| trouble.to_string())
+    }
+
+    fn pass(&mut self, ms: u64) {
+        let end_us = self.bench.elapsed_us() + ms * 1000;
+        while self.bench.elapsed_us() < end_us {
+            self.bench.0.borrow_mut().tick();
+        }
+    }
+
+    fn now_ms(&mut self) -> u64 {
+        self.bench.elapsed_us() / 1000
+    }
+
+    fn last_step_ms(&mut self) -> u64 {
+        self.bench.0.borrow().moved_us / 1000
+    }
+
+    fn is_true(&mut self) -> bool {
+        let Ok([position, ..]) = self.head.position() else {
+            return true; // it says that it does not know
+        };
+        // Home is an index.
+        let counts = self.bench.0.borrow().counts;
+        let off = (counts - position).rem_euclid(TURN);
+        off.min(TURN - off) <= 2
+    }
+
+    fn begin_again(mut self) -> Result<Self, String> {
+        self.head = begun(&self.bench).map_err(|trouble| trouble.to_string())?;
+        Ok(self)
+    }
+}
