@@ -81,8 +81,8 @@ const CARRIED_OUT: &str = "carried out";
 /// What the operator reads where the machine cannot notice the fault.
 const UNSEEN: &str = "nothing: the steps are lost unseen";
 
-/// Time of the last row with a step of one of the motors, ms. The columns of the motors follow those
-/// of the number, the time and the wait.
+/// Time of the last row with a step of one of the motors, ms. The columns of the motors follow
+/// those of the number, the time and the wait.
 fn last_step_ms(rows: &str, motors: usize) -> Option<u64> {
     let step = |row: &str| {
         let columns = row

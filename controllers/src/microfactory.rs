@@ -205,7 +205,8 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
         self.last = None;
     }
 
-    /// Ends a task because the host is silent. The machine reports it, and its position stays known.
+    /// Ends a task because the host is silent. The machine reports it, and its position stays
+    /// known.
     pub fn expire(&mut self) {
         if self.is_moving() {
             self.due = None;

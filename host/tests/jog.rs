@@ -8,8 +8,8 @@ use emulated::Emulated;
 use predicates::prelude::*;
 use predicates::str::contains;
 
-/// A device 50 times as fast as a real one, whose leases are as much shorter; `None` where there are
-/// no pseudo-terminals.
+/// A device 50 times as fast as a real one, whose leases are as much shorter; `None` where there
+/// are no pseudo-terminals.
 fn device(name: &str, args: &[&str]) -> Option<Emulated> {
     Emulated::new("microfactory", name, &[&["--speed", "50"], args].concat())
 }

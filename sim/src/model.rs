@@ -86,7 +86,8 @@ impl AxisModel {
         }
     }
 
-    /// Sets a mechanical end as [`with_end_below`](Self::with_end_below) does, in forward direction.
+    /// Sets a mechanical end as [`with_end_below`](Self::with_end_below) does, in forward
+    /// direction.
     #[must_use]
     pub const fn with_end_above(self, steps: u32) -> AxisModel {
         let [below, _] = self.ends_steps;

@@ -37,10 +37,10 @@
 //! # Lease
 //!
 //! With a lease every motion needs its host. Each byte on the line renews it; a host that waits for
-//! an answer sends `p`. After a silence of the whole lease the device takes no further record. X and
-//! Y stop with the present step, and their positions stay known. A hole that is being drilled ends
-//! upwards and is not counted. Then the spindle stops, and `>` is sent instead of the answer, unless
-//! it differs from the expected echo by less than two bits. The lease has ended with that.
+//! an answer sends `p`. After a silence of the whole lease the device takes no further record. X
+//! and Y stop with the present step, and their positions stay known. A hole that is being drilled
+//! ends upwards and is not counted. Then the spindle stops, and `>` is sent instead of the answer,
+//! unless it differs from the expected echo by less than two bits. The lease has ended with that.
 //!
 //! A host with a lease does not store beyond the memory of the device ([`Refused::Leased`]): it has
 //! to be silent while a full memory is run. The original has no lease.

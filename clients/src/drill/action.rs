@@ -101,8 +101,8 @@ impl Action {
         let unknown = || {
             format!(
                 "unknown action `{word}`: a drill has home, steps as in `x -25`, a length as in \
-                 `x 2.5mm` or `x 0.1in`, a jog as in `x+ 2s`, spindle on, spindle off, stop, where, \
-                 teach, save FILE, run, clear, test, help"
+                 `x 2.5mm` or `x 0.1in`, a jog as in `x+ 2s`, spindle on, spindle off, stop, \
+                 where, teach, save FILE, run, clear, test, help"
             )
         };
         let letter = word.trim_end_matches(['+', '-']);

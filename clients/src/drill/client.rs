@@ -169,9 +169,9 @@ impl Client {
     }
 
     /// All motion ends this many milliseconds after the last byte of this client, in units of 50 ms
-    /// and at most 12.75 s; 0: it needs no client. [`reach`](Self::reach) fails at an original, which
-    /// has no lease, unless this is 0. Without this call the lease is [`LEASE_MS`], and an original
-    /// does without.
+    /// and at most 12.75 s; 0: it needs no client. [`reach`](Self::reach) fails at an original,
+    /// which has no lease, unless this is 0. Without this call the lease is [`LEASE_MS`], and an
+    /// original does without.
     pub const fn with_lease(mut self, lease_ms: u16) -> Self {
         self.lease_ms = lease_ms;
         self.needs_lease = lease_ms > 0;
@@ -222,8 +222,8 @@ impl Client {
     /// # Errors
     ///
     /// [`Trouble::AtWork`]: it runs a program, and says so. [`Failure::Fault`]: it has stopped with
-    /// a fault, and says so. [`Trouble::NoLease`]: it has none. Another: it does not answer within about seven seconds. It is off or
-    /// absent, it homes, or it is an original at work.
+    /// a fault, and says so. [`Trouble::NoLease`]: it has none. Another: it does not answer within
+    /// about seven seconds. It is off or absent, it homes, or it is an original at work.
     pub fn reach(&mut self) -> Result<(), Trouble> {
         let mut last = Trouble::Link(Failure::Silent);
         let mut is_second = false;

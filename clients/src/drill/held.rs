@@ -5,8 +5,8 @@ use super::load::{Load, MEMORY_RECORDS, loads_from};
 use super::part::Part;
 use husillo_transports::drill::Reading;
 
-/// The number of holes of this board that a drill with extras has done, by the program in its memory
-/// and its own count. `None`: it holds another program, none, or part of one, or has drilled
+/// The number of holes of this board that a drill with extras has done, by the program in its
+/// memory and its own count. `None`: it holds another program, none, or part of one, or has drilled
 /// nothing.
 pub(super) fn holes_done(client: &mut Client, parts: &[Part]) -> Option<usize> {
     let count = usize::from(client.drillings().ok()??);

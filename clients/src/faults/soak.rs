@@ -1,5 +1,5 @@
-//! Faults at random instants, of the machine or of one byte on its line: nothing ends wrong without a
-//! report, and nothing moves longer than stated.
+//! Faults at random instants, of the machine or of one byte on its line: nothing ends wrong without
+//! a report, and nothing moves longer than stated.
 
 use super::{Fault, Subject};
 use super::{drill::Drill, microfactory::Microfactory, micromill::Micromill};

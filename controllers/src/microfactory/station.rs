@@ -146,8 +146,8 @@ impl<const MOVES: usize, const MACHINES: usize> MicrofactoryStation<MOVES, MACHI
         self.machines.get_mut(usize::from(machine))
     }
 
-    /// Carries out commands without motion: those for the figure of a machine and for the lease, and
-    /// status requests.
+    /// Carries out commands without motion: those for the figure of a machine and for the lease,
+    /// and status requests.
     fn keep(&mut self, machine: u8, command: Order) {
         if let Order::Lease(time) = command {
             self.lease = time;

@@ -1,10 +1,10 @@
 //! ARM's MPS2 board with a Cortex-M4F (QEMU: `mps2-an386`), 25 MHz.
 //!
 //! UART0 is the link. GPIO0 has the motors at pins 0 to 7 and other outputs at pins 8 to 11. GPIO1
-//! has switches to ground at pins 0 to 4. With the feature `wide`, the motors are at pins 0 to 15 of
-//! GPIO2 and at pins 0 and 1 of GPIO3. TIMER0 makes the step interrupt. Its reload value is 0, so it
-//! counts down once. TIMER1 counts freely, so the time that an interrupt takes does not add up over
-//! successive waits.
+//! has switches to ground at pins 0 to 4. With the feature `wide`, the motors are at pins 0 to 15
+//! of GPIO2 and at pins 0 and 1 of GPIO3. TIMER0 makes the step interrupt. Its reload value is 0,
+//! so it counts down once. TIMER1 counts freely, so the time that an interrupt takes does not add
+//! up over successive waits.
 //: MEMORY
 //: {
 //:   FLASH : ORIGIN = 0x00000000, LENGTH = 64K

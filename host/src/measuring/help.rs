@@ -4,9 +4,9 @@ use husillo_metrology::Trouble;
 use husillo_metrology::routine::Failure;
 use husillo_transports::nmc;
 
-const SILENT: &str = "is it the right port, are the modules powered, is ADDR_IN of the farthest one \
-                      low? After power off and on the modules accept group commands again. --raw \
-                      shows the bytes";
+const SILENT: &str = "is it the right port, are the modules powered, is ADDR_IN of the farthest \
+                      one low? After power off and on the modules accept group commands again. \
+                      --raw shows the bytes";
 
 /// The hint for a failure of the link.
 const fn link(failure: nmc::Failure) -> &'static str {

@@ -1,5 +1,5 @@
-//! The drivers of the motors, with all their inputs: six lines for each motor, PH, I0 and I1 of phase
-//! A, then those of phase B. X has the lowest ones.
+//! The drivers of the motors, with all their inputs: six lines for each motor, PH, I0 and I1 of
+//! phase A, then those of phase B. X has the lowest ones.
 
 use board::Pins;
 use husillo_stepper::{CoilDriver, Levels, Sequencer};

@@ -11,7 +11,8 @@ const SILENCE_US: u32 = 50_000;
 
 impl<P: Port> Line<P> {
     /// Stops every axis of the machine abruptly, with its servo on, and waits until each stands.
-    /// Returns their readings, with the latched positions. The modules keep their addresses, positions and settings.
+    /// Returns their readings, with the latched positions. The modules keep their addresses,
+    /// positions and settings.
     ///
     /// It is for a machine whose program was killed. The modules answer at the rate of the machine
     /// or, without a start-up, at that of a reset.
