@@ -39,7 +39,7 @@ pub fn settings_of(machine: &MachineFile) -> Option<Settings> {
         },
         table,
         pull_out_ticks: x.pull_out_ticks(MicrofactoryConfig::ORIGINAL.timer_hz),
-        steps: [x, z].map(|axis| [axis.step.num, axis.step.den].map(i128::from)),
+        steps: [x, y, z].map(|axis| [axis.step.num, axis.step.den].map(i128::from)),
     })
 }
 

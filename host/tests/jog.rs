@@ -31,6 +31,20 @@ fn a_session_in_simulated_time() {
         .stdout(contains("x +400: 1.").and(contains("z -5: 0.")));
 }
 
+/// Before homing the position is unknown, so there are no lengths.
+#[test]
+fn where_has_steps_millimetres_and_inches() {
+    husillo()
+        .args(["jog", "where", "home", "x", "400", "z", "-5", "where"])
+        .assert()
+        .success()
+        .stdout(contains("x 0 y 0 z 0 spindle 0 steps, not homed\n"))
+        .stdout(contains(
+            "x 400 y 0 z -5 spindle 0 steps, from home; x 0.748 y 0.000 z -0.009 mm; \
+             x 0.0294 y 0.0000 z -0.0004 in\n",
+        ));
+}
+
 #[test]
 fn the_same_over_a_pseudo_terminal() {
     let made = std::env::temp_dir().join(format!("husillo-cell-made-{}.csv", std::process::id()));

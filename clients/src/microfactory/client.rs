@@ -1,7 +1,9 @@
 //! The host's side of the microfactory's link.
 
 use super::action::Action;
+use super::settings::{Settings, length};
 use crate::{StopRequests, Wire};
+use husillo_gcode::Nm;
 use husillo_sim::device::microfactory::{self as device, Device};
 use husillo_transports::microfactory::{
     ByteTable, REJECTED, Report, STATUS_BYTES, Status, figure_check, move_bytes,
@@ -57,6 +59,8 @@ pub struct Client {
     stop: StopRequests,
     /// Longest silence of this program during a motion, in units of 10 ms; 0 for any.
     lease: u8,
+    /// A step of X, Y and Z in nm, as numerator and denominator.
+    steps: [[i128; 2]; 3],
     is_reached: bool,
     /// The machine was homed. If its status loses that, it was reset.
     is_homed: bool,
@@ -112,6 +116,7 @@ impl Client {
             has_turn: false,
             stop,
             lease: LEASE,
+            steps: Settings::ORIGINAL.steps,
             is_reached: false,
             is_homed: false,
             figure_end: None,
@@ -129,6 +134,13 @@ impl Client {
     /// motion needs no host. The other machine of the same controller has the same lease.
     pub const fn with_lease(mut self, lease: u8) -> Self {
         self.lease = lease;
+        self
+    }
+
+    /// Steps of this length, for positions in millimetres and inches. Without this call they are
+    /// those of the original.
+    pub const fn with_steps(mut self, steps: [[i128; 2]; 3]) -> Self {
+        self.steps = steps;
         self
     }
 
@@ -234,7 +246,10 @@ impl Client {
                 time,
             } => self.talk(|client| client.jog(*motor, *forward, *time)),
             Action::Where => Ok(match self.answers {
-                true => place(&self.ask()?),
+                true => {
+                    let status = self.ask()?;
+                    format!("{}{}", place(&status), self.lengths(&status))
+                }
                 false => "it does not answer".into(),
             }),
             // Reaching it has stopped it.
@@ -274,6 +289,22 @@ impl Client {
             **well = result.is_ok();
         }
         result
+    }
+
+    /// The position of a homed machine in millimetres and inches.
+    fn lengths(&self, status: &Status) -> String {
+        if !status.is_homed {
+            return String::new();
+        }
+        let axes = status.position_steps.into_iter().zip(self.steps);
+        let [mut mm, mut inch] = [String::new(), String::new()];
+        for (letter, (steps, step)) in ["x", "y", "z"].into_iter().zip(axes) {
+            let Nm(nm) = length(steps.into(), step);
+            // Below 2^53 nm, so both are right to the last printed digit.
+            mm += &format!("{letter} {:.3} ", nm as f64 / 1e6);
+            inch += &format!("{letter} {:.4} ", nm as f64 / 25.4e6);
+        }
+        format!("; {mm}mm; {inch}in")
     }
 
     /// Brings the device to rest and checks that it can be driven.

@@ -44,7 +44,9 @@ impl Links<'_> {
             Wire::open(port, self.bits_per_s).map_err(|error| format!("{port}: {error}"))?
         };
         let client = Client::new(wire, self.settings.table, self.answers, self.stop.clone());
-        let client = client.with_lease(self.lease);
+        let client = client
+            .with_lease(self.lease)
+            .with_steps(self.settings.steps);
         Ok(client.of_machine(place.number()))
     }
 

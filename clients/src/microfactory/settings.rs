@@ -13,8 +13,8 @@ pub struct Settings {
     pub table: ByteTable,
     /// Shortest interval between two steps that a motor follows, in ticks of the controller.
     pub pull_out_ticks: u32,
-    /// A step of X and of Z in nm, as numerator and denominator.
-    pub steps: [[i128; 2]; 2],
+    /// A step of X, Y and Z in nm, as numerator and denominator.
+    pub steps: [[i128; 2]; 3],
 }
 
 impl Settings {
@@ -23,13 +23,19 @@ impl Settings {
         config: MicrofactoryConfig::ORIGINAL,
         table: ByteTable::DEFAULT,
         pull_out_ticks: 1905,
-        steps: [[1870, 1]; 2],
+        steps: [[1870, 1]; 3],
     };
+
+    /// The steps of the axes of a figure.
+    const fn figure_steps(&self) -> [[i128; 2]; 2] {
+        let [x, _, z] = self.steps;
+        [x, z]
+    }
 
     /// The step nearest to a position in X and Z, halves rounded away from zero.
     pub fn nearest(&self, place: [Nm; 2]) -> [i64; 2] {
         let mut steps = [0; 2];
-        for ((steps, Nm(nm)), [num, den]) in steps.iter_mut().zip(place).zip(self.steps) {
+        for ((steps, Nm(nm)), [num, den]) in steps.iter_mut().zip(place).zip(self.figure_steps()) {
             let half_up = (2 * i128::from(nm).abs() * den + num).div_euclid(2 * num);
             let signed = half_up * i128::from(nm.signum());
             *steps = i64::try_from(signed).unwrap_or(i64::MAX);
@@ -40,10 +46,15 @@ impl Settings {
     /// The position of these steps of X and Z, to the nearest nanometre.
     pub fn place(&self, steps: [i64; 2]) -> [Nm; 2] {
         let mut place = [Nm(0); 2];
-        for ((nm, steps), [num, den]) in place.iter_mut().zip(steps).zip(self.steps) {
-            let rounded = (2 * i128::from(steps) * num + den).div_euclid(2 * den);
-            *nm = Nm(i64::try_from(rounded).unwrap_or(i64::MAX));
+        for ((nm, steps), [num, den]) in place.iter_mut().zip(steps).zip(self.figure_steps()) {
+            *nm = length(steps, [num, den]);
         }
         place
     }
+}
+
+/// The length of a number of steps, to the nearest nanometre.
+pub fn length(steps: i64, [num, den]: [i128; 2]) -> Nm {
+    let rounded = (2 * i128::from(steps) * num + den).div_euclid(2 * den);
+    Nm(i64::try_from(rounded).unwrap_or(i64::MAX))
 }
