@@ -682,7 +682,7 @@ fn where_is_answered_in_every_state() {
         .stdout(contains("stopped with a fault").and(contains(unknown)));
     jog(&device, &["home"])
         .code(1)
-        .stderr(contains("stopped for a fault"));
+        .stderr(contains("stopped because of a fault"));
     device.type_line("unplug", "unplugged");
     jog(&device, &["where"])
         .code(1)

@@ -105,6 +105,7 @@ impl Trouble {
     /// A sentence about a drill that does not answer from the start, and what to do.
     pub fn unreached(&self) -> String {
         match self {
+            Trouble::Link(Failure::Fault) => self.text(),
             Trouble::Link(_) => format!(
                 "{}. Is it still at work? Otherwise press its button R, wait until it has homed, \
                  and try again",

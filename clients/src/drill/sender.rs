@@ -105,7 +105,7 @@ impl<O: Operator> Sender<'_, O> {
         }
         if self.has_depths() {
             return Err(
-                "this is an original drill: it knows no depths, and would drill each hole through"
+                "this is an original drill: it ignores depths, and would drill through every hole"
                     .into(),
             );
         }
