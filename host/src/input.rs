@@ -63,14 +63,33 @@ pub fn open(path: impl AsRef<Path>) -> io::Result<File> {
     Ok(file)
 }
 
+/// Most bytes that are read as a whole. A device such as `/dev/zero` has no end.
+const MOST_BYTES: u64 = 512 << 20;
+
 /// Reads the bytes of a file.
 ///
 /// # Errors
 ///
-/// The file cannot be read.
+/// The file cannot be read, or is larger than 512 MiB.
 pub fn read(path: impl AsRef<Path>) -> io::Result<Vec<u8>> {
+    to_end(open(path)?)
+}
+
+/// Reads to the end.
+///
+/// # Errors
+///
+/// Reading fails, or there are more than 512 MiB.
+pub fn to_end(input: impl Read) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    open(path)?.read_to_end(&mut bytes)?;
+    input.take(MOST_BYTES + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > MOST_BYTES {
+        let kind = io::ErrorKind::FileTooLarge;
+        return Err(io::Error::new(
+            kind,
+            "more than 512 MiB, the most that is read as a whole",
+        ));
+    }
     Ok(bytes)
 }
 
@@ -80,9 +99,8 @@ pub fn read(path: impl AsRef<Path>) -> io::Result<Vec<u8>> {
 ///
 /// The file cannot be read, or is not text in UTF-8.
 pub fn read_to_string(path: impl AsRef<Path>) -> io::Result<String> {
-    let mut text = String::new();
-    open(path)?.read_to_string(&mut text)?;
-    Ok(text)
+    let text = String::from_utf8(read(path)?);
+    text.map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "the file is not text in UTF-8"))
 }
 
 /// Standard input. If it comes from a file, that file is remembered too.

@@ -253,13 +253,11 @@ pub fn displayed(file: &str) -> &str {
 
 /// A whole file, or standard input.
 pub fn whole(file: &str) -> Result<Vec<u8>, Failure> {
-    let mut text = Vec::new();
     let read = match file {
-        "-" => input::stdin().read_to_end(&mut text),
-        _ => input::open(file).and_then(|mut file| file.read_to_end(&mut text)),
+        "-" => input::to_end(input::stdin()),
+        _ => input::read(file),
     };
-    read.map_err(|error| Failure::Usage(format!("{file}: {error}")))?;
-    Ok(text)
+    read.map_err(|error| Failure::Usage(format!("{file}: {error}")))
 }
 
 pub fn load(machine: &str) -> Result<MachineFile, Failure> {

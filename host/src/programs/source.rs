@@ -104,9 +104,15 @@ impl Source {
     ///
     /// # Errors
     ///
-    /// The file cannot be opened.
+    /// The file cannot be opened, or is text in UTF-16.
     pub fn open(path: &str) -> io::Result<Self> {
-        Ok(Self::from_reader(open(path)?))
+        let mut reader = open(path)?;
+        // An editor begins such a text with this mark, in one of both orders.
+        if let [0xff, 0xfe, ..] | [0xfe, 0xff, ..] = fill(&mut *reader)? {
+            let kind = io::ErrorKind::InvalidData;
+            return Err(io::Error::new(kind, "text in UTF-16: save it as UTF-8"));
+        }
+        Ok(Self::from_reader(reader))
     }
 
     /// Reads from any reader.
