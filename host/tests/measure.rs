@@ -852,9 +852,18 @@ fn the_next_command_goes_on_where_the_last_one_ended() {
         return;
     };
     let port = chain.port().to_owned();
+    // A file of the name of the machine is not the machine.
+    let folder = scratch("memory-folder");
+    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::write(folder.join("cmm"), "").unwrap();
+    let folders = std::cell::Cell::new(0);
     let run = |actions: &[&str]| {
         let mut command = husillo();
         command.args(["measure", "--port", &port, "--format", "json"]);
+        folders.set(folders.get() + 1);
+        if folders.get() % 2 == 0 {
+            command.current_dir(&folder);
+        }
         let output = command.args(actions).output().unwrap();
         let errors = String::from_utf8(output.stderr).unwrap();
         assert!(output.status.success(), "{actions:?}: {errors}");
@@ -940,7 +949,7 @@ fn where_tells_all_coordinates() {
     assert!(text.contains("    length     unknown, as the machine file has no `count`\n"));
 }
 
-/// An axis that is not homed moves slowly, and the user is told once.
+/// An axis that is not homed moves slowly. A note says so once.
 #[test]
 fn an_axis_that_is_not_homed_is_announced_once() {
     let note = "note: X is not homed: it moves at 200 counts/s, and its travel counts from where \

@@ -2,6 +2,7 @@
 //! and where the axes stand.
 
 use crate::cli::Measure;
+use crate::machines::machine_file::MachineFile;
 use husillo_backlash::Flank;
 use husillo_metrology::heads::{AxisMemory, Machine, Memory};
 use husillo_transports::nmc::Baud;
@@ -67,7 +68,10 @@ impl MemoryFile {
         Some(Self {
             path,
             port,
-            machine: absolute(name),
+            machine: match MachineFile::is_built_in(name) {
+                true => name.to_owned(),
+                false => absolute(name),
+            },
             million_counts: scale.text(scale.of_counts(1_000_000)),
         })
     }
