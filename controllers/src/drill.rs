@@ -69,7 +69,7 @@ pub struct Drill<const N: usize> {
     /// Steps from the switches to zero: 0 except after `c` away from home.
     zero: [u16; 2],
     is_homed: bool,
-    /// The switch of the present search has opened behind its axis.
+    /// Whether the switch of the present search was found and has opened again.
     has_opened: bool,
     /// Whether the switches of X and Y were open at the last check.
     were_open: [bool; 2],

@@ -1,6 +1,8 @@
 //! Properties of the drill's controller for any bytes of its link and any levels of its switches.
 
-use husillo_controllers::{Controller, Drill, DrillConfig, DrillEvent, DrillInputs, DrillReport};
+use husillo_controllers::{
+    Controller, Drill, DrillConfig, DrillEvent, DrillFault, DrillInputs, DrillReport,
+};
 use husillo_transports::drill::Rules;
 use proptest::prelude::*;
 
@@ -302,5 +304,41 @@ fn every_motion_has_a_lease() {
             assert_eq!(bench.answers, b"r", "{context}");
         }
         assert!(ended > 1 && done == 1, "{context}: {ended} {done}");
+    }
+}
+
+/// A home switch that sticks closed is no home, wherever it sticks on the way to it: the axis finds
+/// that it does not open again.
+#[test]
+fn a_home_switch_that_sticks_is_no_home() {
+    for (axis, start) in [(0, 30), (1, 20)] {
+        for stuck_at in 0..start {
+            let mut drill = Drill::<64>::new(DrillConfig::FIXED);
+            let mut place = [30, 20, 10];
+            let mut sticks = false;
+            let fault = loop {
+                sticks |= place[axis] <= stuck_at;
+                let mut home = [place[0] <= 0, place[1] <= 0];
+                home[axis] |= sticks;
+                let inputs = DrillInputs {
+                    home,
+                    is_up: place[2] <= 0,
+                    is_down: false,
+                };
+                match drill.next_event(&inputs) {
+                    DrillEvent::Step(step) => {
+                        for (place, delta) in place.iter_mut().zip(step.delta) {
+                            *place += i32::from(delta);
+                        }
+                    }
+                    DrillEvent::Report(DrillReport::Fault(fault)) => break fault,
+                    DrillEvent::Report(DrillReport::Homed) => panic!("homed at {stuck_at}"),
+                    _ => {}
+                }
+            };
+            let number = axis as u8;
+            assert_eq!(fault, DrillFault::StillClosed { axis: number });
+            assert!(!drill.is_homed());
+        }
     }
 }
