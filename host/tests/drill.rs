@@ -618,7 +618,7 @@ fn a_drill_that_worked_alone_is_asked_for_its_holes() {
         .code(1)
         .stderr(contains("by its own count").and(contains("30 of 30 holes are drilled")));
     device.type_line("holes", "30 holes");
-    // Stopped on its way: the number that it says goes on.
+    // Stopped during the program: it goes on with the number that is reported.
     jog(&device, &["clear"]).success();
     device.type_line("board", "without holes");
     send(&device, &file, &["--detach"]).success();

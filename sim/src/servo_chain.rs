@@ -76,7 +76,7 @@ pub struct ServoChain {
     host_rate: Option<u32>,
     /// The rate that was set last, of a host that has none of its own.
     baud: Baud,
-    /// Bytes on their way to the modules, with the rate of the host when it sent them.
+    /// Bytes that the modules have not received yet, with the rate of the host when it sent them.
     to_modules: VecDeque<(Byte, Option<u32>)>,
     /// Bytes take no time.
     is_fast: bool,

@@ -92,7 +92,7 @@ impl<O: Operator> Sender<'_, O> {
         Ok(self.send_loads(&loads, detach))
     }
 
-    /// An original does less. The operator is told what.
+    /// Checks that an original drill can do the job, and tells the operator how it differs.
     ///
     /// # Errors
     ///
@@ -157,7 +157,9 @@ impl<O: Operator> Sender<'_, O> {
     fn expect_homed(&mut self) -> Result<(), String> {
         match Place::read(&mut self.client) {
             Ok(place) if place.machine.is_homed && place.machine.zero_steps == [0; 2] => Ok(()),
-            Ok(_) => Err("the drill is not homed with its zero there: leave --no-home out".into()),
+            Ok(_) => {
+                Err("the drill is not homed, or its zero is elsewhere: leave --no-home out".into())
+            }
             Err(trouble) => Err(format!(
                 "the drill does not say that it is homed: leave --no-home out ({})",
                 trouble.text()
