@@ -11,7 +11,7 @@ mod soak;
 
 use cmm::Cmm;
 use drill::Drill;
-use husillo_sim::device::LineFault;
+use husillo_sim::device::{Device, Emulation, LineFault, Machine};
 use microfactory::Microfactory;
 use micromill::Micromill;
 use std::collections::BTreeMap;
@@ -39,6 +39,85 @@ struct Fault {
     is_hidden: bool,
 }
 
+impl Fault {
+    const fn new(name: &'static str, begins: &'static str, ends: &'static [&'static str]) -> Self {
+        Self {
+            name,
+            begins,
+            ends,
+            most_ms: None,
+            is_hidden: false,
+        }
+    }
+
+    /// The machine stands this long afterwards, ms.
+    const fn ends_within(self, ms: u64) -> Self {
+        Self {
+            most_ms: Some(ms),
+            ..self
+        }
+    }
+
+    /// The machine has no means to notice it.
+    const fn unnoticed(self) -> Self {
+        Self {
+            is_hidden: true,
+            ..self
+        }
+    }
+}
+
+/// A simulated machine with its panel and its line.
+trait Bench {
+    /// Carries out the line of the panel later.
+    fn schedule(&mut self, after_ms: u64, line: &str);
+
+    /// A fault of the line hits the byte this many bytes from now. `None`: no fault follows.
+    fn disturb(&mut self, fault: Option<(u64, LineFault)>);
+
+    /// Simulates the machine alone.
+    fn pass(&mut self, ms: u64);
+
+    /// Simulated time, ms.
+    fn now_ms(&self) -> u64;
+
+    /// Time of the last step since the last call, ms. 0: there was none.
+    fn last_step_ms(&mut self) -> u64;
+}
+
+impl<M: Machine> Bench for Device<M> {
+    fn schedule(&mut self, after_ms: u64, line: &str) {
+        Device::schedule(self, after_ms * 1000, line);
+    }
+
+    fn disturb(&mut self, fault: Option<(u64, LineFault)>) {
+        let line = self.line();
+        line.fault = fault.map(|(bytes, fault)| (line.carried + bytes, fault));
+    }
+
+    fn pass(&mut self, ms: u64) {
+        (0..ms).for_each(|_| drop(self.tick()));
+    }
+
+    fn now_ms(&self) -> u64 {
+        self.now_us() / 1000
+    }
+
+    /// The columns of the motors follow those of the number, the time and the wait of a row.
+    fn last_step_ms(&mut self) -> u64 {
+        let motors = M::COLUMNS.split(',').filter(|name| name.starts_with('d'));
+        let motors = motors.count();
+        let step = |row: &str| {
+            let columns = row.split(',').map(|column| column.parse::<i64>());
+            let columns: Vec<i64> = columns.map(|column| column.unwrap_or(0)).collect();
+            let steps = columns.get(3..3 + motors)?;
+            let is_step = steps.iter().any(|delta| *delta != 0);
+            is_step.then(|| columns[1].unsigned_abs() / 1000)
+        };
+        self.made().lines().rev().find_map(step).unwrap_or(0)
+    }
+}
+
 /// A machine with its client.
 trait Subject: Sized {
     const MACHINE: &'static str;
@@ -51,23 +130,11 @@ trait Subject: Sized {
     /// A homed machine with a client for this state.
     fn new(state: State) -> Self;
 
-    /// Carries out the line of the panel later.
-    fn schedule(&mut self, after_ms: u64, line: &str);
-
-    /// A fault of the line hits the byte this many bytes from now. `None`: no fault follows.
-    fn disturb(&mut self, fault: Option<(u64, LineFault)>);
+    /// The simulated machine behind the client.
+    fn bench(&mut self) -> &mut dyn Bench;
 
     /// Begins the motion of a state and waits for its end. For [`State::Idle`] it is a short move.
     fn act(&mut self, state: State) -> Result<String, String>;
-
-    /// Simulates the machine alone.
-    fn pass(&mut self, ms: u64);
-
-    /// Simulated time, ms.
-    fn now_ms(&mut self) -> u64;
-
-    /// Time of the last step so far, ms.
-    fn last_step_ms(&mut self) -> u64;
 
     /// Whether the machine is where it reports to be.
     fn is_true(&mut self) -> bool;
@@ -80,21 +147,6 @@ trait Subject: Sized {
 const CARRIED_OUT: &str = "carried out";
 /// What the operator reads where the machine cannot notice the fault.
 const UNSEEN: &str = "nothing: the steps are lost unseen";
-
-/// Time of the last row with a step of one of the motors, ms. The columns of the motors follow
-/// those of the number, the time and the wait.
-fn last_step_ms(rows: &str, motors: usize) -> Option<u64> {
-    let step = |row: &str| {
-        let columns = row
-            .split(',')
-            .map(|column| column.parse::<i64>().unwrap_or(0));
-        let columns: Vec<i64> = columns.collect();
-        let steps = columns.get(3..3 + motors)?;
-        let time_us = steps.iter().any(|delta| *delta != 0).then(|| columns[1])?;
-        Some(time_us.unsigned_abs() / 1000)
-    };
-    rows.lines().rev().find_map(step)
-}
 
 /// What became of a machine.
 #[derive(Clone)]
@@ -111,16 +163,16 @@ struct Row {
 fn row<S: Subject>(fault: &'static Fault, state: State, after_ms: u64) -> Row {
     let context = format!("{}, {}, {state:?}", S::MACHINE, fault.name);
     let mut machine = S::new(state);
-    let begin_ms = machine.now_ms();
+    let begin_ms = machine.bench().now_ms();
     let is_idle = state == State::Idle;
-    machine.schedule(after_ms, fault.begins);
+    machine.bench().schedule(after_ms, fault.begins);
     if is_idle {
-        machine.pass(after_ms + 1);
+        machine.bench().pass(after_ms + 1);
     }
     let result = machine.act(state);
     // What moves without a host has an end, too.
-    machine.pass(S::REST_MS);
-    let moved_ms = (machine.last_step_ms()).saturating_sub(begin_ms + after_ms);
+    machine.bench().pass(S::REST_MS);
+    let moved_ms = (machine.bench().last_step_ms()).saturating_sub(begin_ms + after_ms);
     if let (Some(most_ms), false) = (fault.most_ms, is_idle) {
         assert!(moved_ms <= most_ms, "{context}: it moves for {moved_ms} ms");
     }
@@ -133,9 +185,9 @@ fn row<S: Subject>(fault: &'static Fault, state: State, after_ms: u64) -> Row {
             UNSEEN.into()
         }
     };
-    (fault.ends.iter()).for_each(|line| machine.schedule(0, line));
+    (fault.ends.iter()).for_each(|line| machine.bench().schedule(0, line));
     // A drill homes when its power returns.
-    machine.pass(60_000);
+    machine.bench().pass(60_000);
     let again = machine.begin_again();
     let mut machine = again.unwrap_or_else(|why| panic!("{context}: {why}"));
     assert!(

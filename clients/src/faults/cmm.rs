@@ -1,6 +1,6 @@
 //! A measuring machine of one axis with its faults.
 
-use super::{Fault, State, Subject};
+use super::{Bench, Fault, State, Subject};
 use husillo_metrology::Trouble;
 use husillo_metrology::heads::{Head, Line, Port, Prober};
 use husillo_metrology::simulated::{SimulatedChain, SimulatedPort, one_axis};
@@ -24,7 +24,7 @@ const FACE: &str = "1:3018";
 const OUTAGE_US: u64 = 100_000;
 
 /// The simulated line, and the lines of the panel that are due.
-struct Bench {
+struct SimulatedLine {
     port: SimulatedPort,
     due: Vec<(u64, String)>,
     is_plugged: bool,
@@ -32,7 +32,7 @@ struct Bench {
     moved_us: u64,
 }
 
-impl Bench {
+impl SimulatedLine {
     /// A period of the servos.
     fn tick(&mut self) -> Vec<u8> {
         let now_us = self.port.elapsed_us();
@@ -60,7 +60,7 @@ impl Bench {
 
 /// The port of a head on the shared line.
 #[derive(Clone)]
-struct Shared(Rc<RefCell<Bench>>);
+struct Shared(Rc<RefCell<SimulatedLine>>);
 
 impl Port for Shared {
     fn timing(&self, baud: Baud) -> Timing {
@@ -96,6 +96,32 @@ impl Port for Shared {
     }
 }
 
+impl Bench for Shared {
+    fn schedule(&mut self, after_ms: u64, line: &str) {
+        let mut line_of = self.0.borrow_mut();
+        let at_us = line_of.port.elapsed_us() + after_ms * 1000;
+        line_of.due.push((at_us, line.to_owned()));
+    }
+
+    /// Bytes of this line are disturbed in the tests of its protocol.
+    fn disturb(&mut self, _: Option<(u64, LineFault)>) {}
+
+    fn pass(&mut self, ms: u64) {
+        let end_us = self.elapsed_us() + ms * 1000;
+        while self.elapsed_us() < end_us {
+            self.0.borrow_mut().tick();
+        }
+    }
+
+    fn now_ms(&self) -> u64 {
+        self.elapsed_us() / 1000
+    }
+
+    fn last_step_ms(&mut self) -> u64 {
+        self.0.borrow().moved_us / 1000
+    }
+}
+
 pub struct Cmm {
     head: Head<Shared>,
     bench: Shared,
@@ -124,61 +150,22 @@ impl Subject for Cmm {
         (State::Probing, 6000),
     ];
     const FAULTS: &'static [Fault] = &[
-        Fault {
-            name: "host killed, cable pulled",
-            begins: "unplug",
-            ends: &["plug"],
-            most_ms: None, // the move ends at its goal
-            is_hidden: false,
-        },
-        Fault {
-            name: "module reset",
-            begins: "reset",
-            ends: &["plug"],
-            most_ms: Some(300), // without a drive it coasts
-            is_hidden: false,
-        },
-        Fault {
-            name: "power lost",
-            begins: "power off",
-            ends: &["power on"],
-            most_ms: Some(300),
-            is_hidden: false,
-        },
-        Fault {
-            name: "contact stuck open",
-            begins: "open probe",
-            ends: &["free probe"],
-            most_ms: None,
-            is_hidden: false,
-        },
-        Fault {
-            name: "contact stuck closed",
-            begins: "close probe",
-            ends: &["free probe"],
-            most_ms: Some(1000),
-            is_hidden: false,
-        },
-        Fault {
-            name: "encoder silent",
-            begins: "encoder 1 off",
-            ends: &["encoder 1 on"],
-            most_ms: Some(11_000), // the limit of the position error at the slowest rate
-            is_hidden: false,
-        },
-        Fault {
-            name: "motor stalled",
-            begins: "block 1",
-            ends: &["unblock 1"],
-            most_ms: Some(1000),
-            is_hidden: false,
-        },
+        // the move ends at its goal
+        Fault::new("host killed, cable pulled", "unplug", &["plug"]),
+        // without a drive it coasts
+        Fault::new("module reset", "reset", &["plug"]).ends_within(300),
+        Fault::new("power lost", "power off", &["power on"]).ends_within(300),
+        Fault::new("contact stuck open", "open probe", &["free probe"]),
+        Fault::new("contact stuck closed", "close probe", &["free probe"]).ends_within(1000),
+        // the limit of the position error at the slowest rate
+        Fault::new("encoder silent", "encoder 1 off", &["encoder 1 on"]).ends_within(11_000),
+        Fault::new("motor stalled", "block 1", &["unblock 1"]).ends_within(1000),
     ];
 
     fn new(_: State) -> Self {
         let contacts = [FACE.parse().unwrap()];
         let chain = SimulatedChain::of_machine(&one_axis(), &contacts, None).unwrap();
-        let bench = Shared(Rc::new(RefCell::new(Bench {
+        let bench = Shared(Rc::new(RefCell::new(SimulatedLine {
             port: SimulatedPort::new(chain),
             due: Vec::new(),
             is_plugged: true,
@@ -191,14 +178,9 @@ impl Subject for Cmm {
         }
     }
 
-    fn schedule(&mut self, after_ms: u64, line: &str) {
-        let mut bench = self.bench.0.borrow_mut();
-        let at_us = bench.port.elapsed_us() + after_ms * 1000;
-        bench.due.push((at_us, line.to_owned()));
+    fn bench(&mut self) -> &mut dyn Bench {
+        &mut self.bench
     }
-
-    /// Bytes of this line are disturbed in the tests of its protocol.
-    fn disturb(&mut self, _: Option<(u64, LineFault)>) {}
 
     fn act(&mut self, state: State) -> Result<String, String> {
         let done = match state {
@@ -210,21 +192,6 @@ impl Subject for Cmm {
         };
         done.map(|()| "done".into())
             .map_err(|trouble| trouble.to_string())
-    }
-
-    fn pass(&mut self, ms: u64) {
-        let end_us = self.bench.elapsed_us() + ms * 1000;
-        while self.bench.elapsed_us() < end_us {
-            self.bench.0.borrow_mut().tick();
-        }
-    }
-
-    fn now_ms(&mut self) -> u64 {
-        self.bench.elapsed_us() / 1000
-    }
-
-    fn last_step_ms(&mut self) -> u64 {
-        self.bench.0.borrow().moved_us / 1000
     }
 
     fn is_true(&mut self) -> bool {

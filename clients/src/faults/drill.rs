@@ -1,11 +1,10 @@
 //! The drill with its faults.
 
-use super::{Fault, State, Subject, last_step_ms};
+use super::{Bench, Fault, State, Subject};
 use crate::drill::{Action, Axis, Client, End, Hand, Operator, Part, Sender, sentence};
 use crate::{StopRequests, Wire};
 use husillo_gcode::Nm;
 use husillo_sim::device::drill::Device;
-use husillo_sim::device::{Emulation, LineFault};
 use husillo_transports::drill::Record;
 use std::time::Duration;
 
@@ -22,7 +21,6 @@ pub struct Drill {
     /// `None`: a program runs, or has run.
     hand: Option<Hand>,
     client: Option<Client>,
-    last_step_ms: u64,
 }
 
 /// An operator who looks on.
@@ -89,62 +87,19 @@ impl Subject for Drill {
         (State::Program, 30_000),
     ];
     const FAULTS: &'static [Fault] = &[
-        Fault {
-            name: "host killed, cable pulled",
-            begins: "unplug",
-            ends: &["plug"],
-            most_ms: Some(UP_MS),
-            is_hidden: false,
-        },
-        Fault {
-            name: "controller reset",
-            begins: "reset",
-            ends: &["where"],
-            most_ms: None, // it homes
-            is_hidden: false,
-        },
-        Fault {
-            name: "power lost",
-            begins: "power off",
-            ends: &["power on"],
-            most_ms: Some(0),
-            is_hidden: false,
-        },
-        Fault {
-            name: "home switch stuck open",
-            begins: "open x",
-            ends: &["free x", "reset"],
-            most_ms: None,
-            is_hidden: false,
-        },
-        Fault {
-            name: "home switch stuck closed",
-            begins: "close x",
-            ends: &["free x", "reset"],
-            most_ms: None,
-            is_hidden: false,
-        },
-        Fault {
-            name: "upper sensor stuck open",
-            begins: "open up",
-            ends: &["free up", "reset"],
-            most_ms: None,
-            is_hidden: false,
-        },
-        Fault {
-            name: "lower sensor stuck open",
-            begins: "open down",
-            ends: &["free down", "reset"],
-            most_ms: None,
-            is_hidden: false,
-        },
-        Fault {
-            name: "motor stalled",
-            begins: "block x",
-            ends: &["unblock x", "reset"],
-            most_ms: None,
-            is_hidden: true,
-        },
+        Fault::new("host killed, cable pulled", "unplug", &["plug"]).ends_within(UP_MS),
+        // it homes
+        Fault::new("controller reset", "reset", &["where"]),
+        Fault::new("power lost", "power off", &["power on"]).ends_within(0),
+        Fault::new("home switch stuck open", "open x", &["free x", "reset"]),
+        Fault::new("home switch stuck closed", "close x", &["free x", "reset"]),
+        Fault::new("upper sensor stuck open", "open up", &["free up", "reset"]),
+        Fault::new(
+            "lower sensor stuck open",
+            "open down",
+            &["free down", "reset"],
+        ),
+        Fault::new("motor stalled", "block x", &["unblock x", "reset"]).unnoticed(),
     ];
 
     fn new(state: State) -> Self {
@@ -153,7 +108,6 @@ impl Subject for Drill {
         let mut machine = Self {
             hand: None,
             client: None,
-            last_step_ms: 0,
         };
         let mut hand = Hand::new(client, |_, _| Ok(()));
         hand.carry_out(&Action::Home).unwrap();
@@ -166,13 +120,8 @@ impl Subject for Drill {
         machine
     }
 
-    fn schedule(&mut self, after_ms: u64, line: &str) {
-        self.device().schedule(after_ms * 1000, line);
-    }
-
-    fn disturb(&mut self, fault: Option<(u64, LineFault)>) {
-        let line = self.device().line();
-        line.fault = fault.map(|(bytes, fault)| (line.carried + bytes, fault));
+    fn bench(&mut self) -> &mut dyn Bench {
+        self.device()
     }
 
     fn act(&mut self, state: State) -> Result<String, String> {
@@ -185,20 +134,6 @@ impl Subject for Drill {
             Some(hand) => hand.carry_out(&action),
             None => self.board(),
         }
-    }
-
-    fn pass(&mut self, ms: u64) {
-        (0..ms).for_each(|_| drop(self.device().tick()));
-    }
-
-    fn now_ms(&mut self) -> u64 {
-        self.device().now_us() / 1000
-    }
-
-    fn last_step_ms(&mut self) -> u64 {
-        let rows = self.device().made();
-        self.last_step_ms = last_step_ms(&rows, 3).unwrap_or(self.last_step_ms);
-        self.last_step_ms
     }
 
     fn is_true(&mut self) -> bool {

@@ -1,10 +1,9 @@
 //! The microfactory with its faults.
 
-use super::{Fault, State, Subject, last_step_ms};
+use super::{Bench, Fault, State, Subject};
 use crate::microfactory::{Action, Client, Settings};
 use crate::{StopRequests, Wire};
 use husillo_sim::device::microfactory::Device;
-use husillo_sim::device::{Emulation, LineFault};
 use std::time::Duration;
 
 /// A lease, the next question, and the time of a byte.
@@ -14,7 +13,6 @@ const SHORT: i32 = 40;
 
 pub struct Microfactory {
     client: Client,
-    last_step_ms: u64,
     /// Position of the simulated tool at zero.
     zero: [i32; 4],
 }
@@ -51,62 +49,14 @@ impl Subject for Microfactory {
         (State::Probing, 1500),
     ];
     const FAULTS: &'static [Fault] = &[
-        Fault {
-            name: "host killed, cable pulled",
-            begins: "unplug",
-            ends: &["plug"],
-            most_ms: Some(SILENT_MS),
-            is_hidden: false,
-        },
-        Fault {
-            name: "controller reset",
-            begins: "reset",
-            ends: &["where"],
-            most_ms: Some(0),
-            is_hidden: false,
-        },
-        Fault {
-            name: "power lost",
-            begins: "power off",
-            ends: &["power on"],
-            most_ms: Some(0),
-            is_hidden: false,
-        },
-        Fault {
-            name: "home switch stuck open",
-            begins: "open x",
-            ends: &["free x"],
-            most_ms: None,
-            is_hidden: false,
-        },
-        Fault {
-            name: "home switch stuck closed",
-            begins: "close x",
-            ends: &["free x"],
-            most_ms: None,
-            is_hidden: false,
-        },
-        Fault {
-            name: "contact stuck open",
-            begins: "open contact",
-            ends: &["free contact"],
-            most_ms: None,
-            is_hidden: false,
-        },
-        Fault {
-            name: "contact stuck closed",
-            begins: "close contact",
-            ends: &["free contact"],
-            most_ms: None,
-            is_hidden: true,
-        },
-        Fault {
-            name: "motor stalled",
-            begins: "block x",
-            ends: &["unblock x"],
-            most_ms: None,
-            is_hidden: true,
-        },
+        Fault::new("host killed, cable pulled", "unplug", &["plug"]).ends_within(SILENT_MS),
+        Fault::new("controller reset", "reset", &["where"]).ends_within(0),
+        Fault::new("power lost", "power off", &["power on"]).ends_within(0),
+        Fault::new("home switch stuck open", "open x", &["free x"]),
+        Fault::new("home switch stuck closed", "close x", &["free x"]),
+        Fault::new("contact stuck open", "open contact", &["free contact"]),
+        Fault::new("contact stuck closed", "close contact", &["free contact"]).unnoticed(),
+        Fault::new("motor stalled", "block x", &["unblock x"]).unnoticed(),
     ];
 
     fn new(_: State) -> Self {
@@ -116,22 +66,13 @@ impl Subject for Microfactory {
         let mut client = connected(Wire::simulated(device.with_rows()));
         client.carry_out(&Action::Home).unwrap();
         let zero = client.device().rig(0).unwrap().tool();
-        let mut machine = Self {
-            client,
-            last_step_ms: 0,
-            zero,
-        };
+        let mut machine = Self { client, zero };
         machine.short_move().unwrap();
         machine
     }
 
-    fn schedule(&mut self, after_ms: u64, line: &str) {
-        self.device().schedule(after_ms * 1000, line);
-    }
-
-    fn disturb(&mut self, fault: Option<(u64, LineFault)>) {
-        let line = self.device().line();
-        line.fault = fault.map(|(bytes, fault)| (line.carried + bytes, fault));
+    fn bench(&mut self) -> &mut dyn Bench {
+        self.device()
     }
 
     fn act(&mut self, state: State) -> Result<String, String> {
@@ -146,20 +87,6 @@ impl Subject for Microfactory {
             State::Program | State::Probing => Action::Figure,
         };
         self.client.carry_out(&action)
-    }
-
-    fn pass(&mut self, ms: u64) {
-        (0..ms).for_each(|_| drop(self.device().tick()));
-    }
-
-    fn now_ms(&mut self) -> u64 {
-        self.device().now_us() / 1000
-    }
-
-    fn last_step_ms(&mut self) -> u64 {
-        let rows = self.device().made();
-        self.last_step_ms = last_step_ms(&rows, 4).unwrap_or(self.last_step_ms);
-        self.last_step_ms
     }
 
     fn is_true(&mut self) -> bool {

@@ -1,11 +1,10 @@
 //! The micro mill with its faults.
 
-use super::{Fault, State, Subject, last_step_ms};
+use super::{Bench, Fault, State, Subject};
 use crate::micromill::{Action, BAUD, Frame, Hand, LEASE_MS, LengthUnit, Sender, Sending, Session};
 use crate::{StopRequests, Wire};
 use husillo_controllers::MicromillConfig;
 use husillo_sim::device::micromill::Device;
-use husillo_sim::device::{Emulation, LineFault};
 use husillo_transports::micromill::{Axis, Line, Point};
 use std::time::Duration;
 
@@ -22,7 +21,6 @@ enum Client {
 
 pub struct Micromill {
     client: Client,
-    last_step_ms: u64,
     /// Position of the simulated tool at machine zero.
     zero: [i32; 3],
 }
@@ -73,48 +71,12 @@ impl Subject for Micromill {
         (State::Program, 3000),
     ];
     const FAULTS: &'static [Fault] = &[
-        Fault {
-            name: "host killed, cable pulled",
-            begins: "unplug",
-            ends: &["plug"],
-            most_ms: Some(SILENT_MS),
-            is_hidden: false,
-        },
-        Fault {
-            name: "controller reset",
-            begins: "reset",
-            ends: &["where"],
-            most_ms: Some(0),
-            is_hidden: false,
-        },
-        Fault {
-            name: "power lost",
-            begins: "power off",
-            ends: &["power on"],
-            most_ms: Some(0),
-            is_hidden: false,
-        },
-        Fault {
-            name: "home switch stuck open",
-            begins: "open x",
-            ends: &["free x"],
-            most_ms: None,
-            is_hidden: false,
-        },
-        Fault {
-            name: "home switch stuck closed",
-            begins: "close x",
-            ends: &["free x"],
-            most_ms: None,
-            is_hidden: true,
-        },
-        Fault {
-            name: "motor stalled",
-            begins: "block x",
-            ends: &["unblock x"],
-            most_ms: None,
-            is_hidden: true,
-        },
+        Fault::new("host killed, cable pulled", "unplug", &["plug"]).ends_within(SILENT_MS),
+        Fault::new("controller reset", "reset", &["where"]).ends_within(0),
+        Fault::new("power lost", "power off", &["power on"]).ends_within(0),
+        Fault::new("home switch stuck open", "open x", &["free x"]),
+        Fault::new("home switch stuck closed", "close x", &["free x"]).unnoticed(),
+        Fault::new("motor stalled", "block x", &["unblock x"]).unnoticed(),
     ];
 
     fn new(state: State) -> Self {
@@ -123,7 +85,6 @@ impl Subject for Micromill {
         let zero = hand.session().device().rig(0).unwrap().place();
         let mut machine = Self {
             client: Client::Hand(Box::new(hand)),
-            last_step_ms: 0,
             zero,
         };
         if state == State::Program {
@@ -141,13 +102,8 @@ impl Subject for Micromill {
         machine
     }
 
-    fn schedule(&mut self, after_ms: u64, line: &str) {
-        self.device().schedule(after_ms * 1000, line);
-    }
-
-    fn disturb(&mut self, fault: Option<(u64, LineFault)>) {
-        let line = self.device().line();
-        line.fault = fault.map(|(bytes, fault)| (line.carried + bytes, fault));
+    fn bench(&mut self) -> &mut dyn Bench {
+        self.device()
     }
 
     fn act(&mut self, state: State) -> Result<String, String> {
@@ -160,20 +116,6 @@ impl Subject for Micromill {
             Client::Hand(hand) => hand.carry_out(&action),
             Client::Sender(sender) => program(sender),
         }
-    }
-
-    fn pass(&mut self, ms: u64) {
-        (0..ms).for_each(|_| drop(self.device().tick()));
-    }
-
-    fn now_ms(&mut self) -> u64 {
-        self.device().now_us() / 1000
-    }
-
-    fn last_step_ms(&mut self) -> u64 {
-        let rows = self.device().made();
-        self.last_step_ms = last_step_ms(&rows, 3).unwrap_or(self.last_step_ms);
-        self.last_step_ms
     }
 
     fn is_true(&mut self) -> bool {

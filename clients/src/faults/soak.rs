@@ -29,13 +29,13 @@ fn session<S: Subject>(random: &mut Random, tally: &mut Tally) {
     }
     let (state, _) = *one(random, S::STATES);
     let mut machine = S::new(state);
-    let begin_ms = machine.now_ms();
+    let begin_ms = machine.bench().now_ms();
     let on_line = random.below(2) > 0;
     let fault: Option<&Fault> = (!on_line).then(|| one(random, S::FAULTS));
     let after_ms = 1 + random.below(LATEST_MS);
     let context = match fault {
         Some(fault) => {
-            machine.schedule(after_ms, fault.begins);
+            machine.bench().schedule(after_ms, fault.begins);
             format!(
                 "{}, {state:?}: {} after {after_ms} ms",
                 S::MACHINE,
@@ -51,15 +51,15 @@ fn session<S: Subject>(random: &mut Random, tally: &mut Tally) {
                 _ => LineFault::Flipped(random.below(8) as u8),
             };
             let place = random.below(BYTES);
-            machine.disturb(Some((place, kind)));
+            machine.bench().disturb(Some((place, kind)));
             format!("{}, {state:?}: {kind:?} at byte {place}", S::MACHINE)
         }
     };
     let result = machine.act(state);
     // Until the fault has occurred, and what moves without a host has ended.
-    let left_ms = (begin_ms + after_ms).saturating_sub(machine.now_ms());
-    machine.pass(left_ms + 20_000);
-    let moved_ms = (machine.last_step_ms()).saturating_sub(begin_ms + after_ms);
+    let left_ms = (begin_ms + after_ms).saturating_sub(machine.bench().now_ms());
+    machine.bench().pass(left_ms + 20_000);
+    let moved_ms = (machine.bench().last_step_ms()).saturating_sub(begin_ms + after_ms);
     if let Some(most_ms) = fault
         .and_then(|fault| fault.most_ms)
         .filter(|_| result.is_err())
@@ -75,12 +75,12 @@ fn session<S: Subject>(random: &mut Random, tally: &mut Tally) {
     );
     tally.reported += u32::from(result.is_err());
     tally.carried_out += u32::from(result.is_ok() && is_true);
-    machine.disturb(None);
+    machine.bench().disturb(None);
     for line in fault.iter().flat_map(|fault| fault.ends) {
-        machine.schedule(0, line);
+        machine.bench().schedule(0, line);
     }
     // A drill homes when its power returns, and after a reset.
-    machine.pass(60_000);
+    machine.bench().pass(60_000);
     let again = machine.begin_again();
     let mut machine = again.unwrap_or_else(|why| panic!("{context}: {why}"));
     assert!(
@@ -88,7 +88,7 @@ fn session<S: Subject>(random: &mut Random, tally: &mut Tally) {
         "{context}: work goes on at a wrong position"
     );
     tally.sessions += 1;
-    tally.hours += machine.now_ms() as f64 / 3.6e6;
+    tally.hours += machine.bench().now_ms() as f64 / 3.6e6;
 }
 
 /// Sessions for so many simulated hours.
