@@ -426,10 +426,11 @@ fn check_says_whether_it_fits(file: &str, holes: &[[f64; 3]], has_slots: bool) {
         }
         if !has_slots && off > 0 {
             let width = places().fold(f64::MIN, f64::max) - places().fold(f64::MAX, f64::min);
-            let moving_helps = said.split(&beyond).nth(1).is_some_and(|rest| {
-                rest.find("it fits when") < rest.find("it cannot fit").or(Some(usize::MAX))
-                    && rest.contains("it fits when")
-            });
+            let moving_helps = said
+                .split(&beyond)
+                .nth(1)
+                .and_then(|rest| rest.split("= help: ").nth(1))
+                .is_some_and(|help| help.starts_with("it fits after a shift"));
             assert_eq!(moving_helps, width <= travel, "{file}, {name}: {said}");
         }
     }

@@ -20,8 +20,6 @@ from husillo_firmware.registers import Made, Switched
 
 from products.drill import interrupt, lights
 
-# Virtual time may run ahead of the host, so a lease in wall-clock time does not fit.
-IN_VIRTUAL_TIME = ("--lease", "0")
 FILE = FIRMWARE / "products/drill/small.drl"
 SPEED = 1000
 
@@ -34,8 +32,7 @@ def pins(row: Row) -> tuple[int, int]:
 
 def drilled(port: str) -> int:
     """Drills the board. Returns the number of holes."""
-    options = ("--yes", *IN_VIRTUAL_TIME)
-    return int(host.send(FILE, "drill", port, *options, answer=r"(\d+) holes drilled")[-1])
+    return int(host.send(FILE, "drill", port, "--yes", answer=r"(\d+) holes drilled")[-1])
 
 
 def drill(board: Board, is_faithful: bool) -> Iterator[tuple[str, int]]:

@@ -16,7 +16,7 @@ from husillo_firmware.boards import MPS2, Board
 from husillo_firmware.build import FIRMWARE
 
 from products.micromill.link import DONE, Micromill
-from products.micromill.program import IN_VIRTUAL_TIME, Wiring, compare, lines_of
+from products.micromill.program import Wiring, compare, lines_of
 
 MACHINE = FIRMWARE.parent / "machines/micromill.toml"
 # A slope, an arc and a reversal of X. Each axis makes more than a cycle of its levels.
@@ -91,4 +91,4 @@ def compare_mode(board: Board, steps: Steps, folder: Path) -> None:
     part.write_text("\n".join(STRINGS) + "\n")
     with Micromill(board, features=steps.features, is_connected=False) as mill:
         mill.booted()
-        host.send(part, str(machine), mill.tcp, *IN_VIRTUAL_TIME)
+        host.send(part, str(machine), mill.tcp)

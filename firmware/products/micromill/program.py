@@ -21,8 +21,6 @@ from products.micromill.link import DONE, STEPS, add_steps
 AXES = "xyz"
 # The host asks for the state after homing and at the end.
 REPORT = re.compile(rb"I;[\x90-\x9f]{73}\x8c")
-# Virtual time may run ahead of the host, so a lease in wall-clock time does not fit.
-IN_VIRTUAL_TIME = ("--lease", "0")
 # Strings that switch the spindle: forwards, backwards, off.
 SPINDLE = {"M03": 1, "M04": 2, "M05": 0, "M30": 0}
 
@@ -46,7 +44,7 @@ def cut(board: Board, program: Path, is_traced: bool) -> Iterator[tuple[str, int
         trace = (*registers.ARGUMENTS, "-D", str(log)) if is_traced else ()
         with Firmware("micromill", board, *trace) as firmware:
             firmware.booted()
-            steps = int(host.send(program, "micromill", firmware.tcp, *IN_VIRTUAL_TIME)[0])
+            steps = int(host.send(program, "micromill", firmware.tcp)[0])
             ram = firmware.ram()
         # The host has compared the reported steps with those of the strings on the simulator. The
         # simulator's reports of the strings and of the program must be equal.

@@ -13,6 +13,8 @@ from husillo_firmware.waiting import fail
 # No command of a check takes longer than this.
 LONGEST_S = 600
 STEPS_AS_SIMULATED = r"Steps +(\d+), each as in the simulator"
+# Virtual time may run ahead of the host, so a lease in wall-clock time does not fit.
+IN_VIRTUAL_TIME = ("--lease", "0")
 
 
 @cache
@@ -48,8 +50,12 @@ def send(
     *arguments: str,
     answer: str = STEPS_AS_SIMULATED,
 ) -> list[str]:
-    """Has the host send a file. Returns all matches of the pattern's group in its output."""
-    said = says("send", file, "-m", machine, "--port", port, *arguments)
+    """Has the host send a file to a machine in virtual time.
+
+    Returns all matches of the pattern's group in its output.
+    """
+    to = ("-m", machine, "--port", port)
+    said = says("send", file, *to, *IN_VIRTUAL_TIME, *arguments)
     found: list[str] = re.findall(answer, said)
     if not found:
         fail(said)
