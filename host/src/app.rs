@@ -11,6 +11,7 @@ mod rewrite;
 mod simulate;
 mod stop;
 
+use husillo_sim::observers::AXES;
 use job::{Job, displayed, load, not_loaded, whole};
 use reporting::{colour, verdict, with_findings};
 
@@ -196,7 +197,7 @@ fn jog(args: &Jog) -> Result<u8, Failure> {
         "drill" => drill::jog(args, out)?,
         machine if milling::is_mill(machine) => {
             let file = load(machine)?;
-            let config = setup::config(&file, Dialect::MICROMILL)?;
+            let config = setup::first_three(&setup::config(&file, Dialect::MICROMILL)?);
             if let [port] = &args.port[..] {
                 milling::expect_a_port(port, &config)?;
             }
@@ -428,7 +429,7 @@ fn compare_methods(args: &Compare) -> Result<u8, Failure> {
 
 /// Makes every feed move of a program; `None` if it has errors.
 fn compare_program(job: &Job, mut bench: Bench) -> Result<Option<Bench>, Failure> {
-    let mut make = |command: &husillo_gcode::Command<3>, from| {
+    let mut make = |command: &husillo_gcode::Command<AXES>, from| {
         let made = match command {
             husillo_gcode::Command::Linear { to, .. } => grid_moves::line(&job.config, from, *to),
             husillo_gcode::Command::Arc { arc, .. } => grid_moves::arc(&job.config, from, arc),

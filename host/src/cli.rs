@@ -24,7 +24,7 @@ pub use reproduce::{Original, Reproduce};
 use servo::TUNE_HELP;
 pub use servo::{Emulate, Measure, Tune, TuneMethod, TuneRule, words};
 pub use stop::Stop;
-pub use zero::Zero;
+pub use zero::{LETTERS, Zero};
 
 /// Check, simulate and draw programs for small machines
 #[derive(Debug, Parser)]

@@ -4,6 +4,7 @@ use crate::programs::source::Source;
 use husillo_gcode::contour::{Contours, needs_contours};
 use husillo_gcode::parameters::{Program, needs_program};
 use husillo_gcode::{Block, Dialect, Error, ErrorKind, FramingError, Modal, Receiver, words};
+use husillo_sim::observers::AXES;
 use std::io;
 use std::ops::ControlFlow;
 
@@ -167,7 +168,7 @@ pub fn each_block<C>(
     source: &mut Source,
     dialect: Dialect,
     context: &mut C,
-    modal: impl Fn(&C) -> &Modal<3>,
+    modal: impl Fn(&C) -> &Modal<AXES>,
     mut each: impl FnMut(&mut C, &Given<'_>, Result<Block, Error>) -> io::Result<ControlFlow<()>>,
 ) -> io::Result<()> {
     let mut percent = Percent::default();
@@ -247,7 +248,7 @@ fn as_a_whole<C>(
     dialect: Dialect,
     percent: &mut Percent,
     context: &mut C,
-    modal: impl Fn(&C) -> &Modal<3>,
+    modal: impl Fn(&C) -> &Modal<AXES>,
     mut each: impl FnMut(&mut C, &Given<'_>, Result<Block, Error>) -> io::Result<ControlFlow<()>>,
 ) -> io::Result<()> {
     let text = percent.before_all(text);

@@ -7,6 +7,7 @@ use crate::programs::spindle_time::Turning;
 use husillo_backlash::Lash;
 use husillo_interp::Path;
 use husillo_machine::{Event, Followed, Machine, Pause, Refused};
+use husillo_sim::observers::AXES;
 use std::io;
 use std::ops::ControlFlow;
 
@@ -16,17 +17,18 @@ use std::ops::ControlFlow;
 ///
 /// Reading or writing fails, or the machine refuses a line. It refuses no line of a program that
 /// was checked before.
-pub fn feed<L: Lash<3>>(
+pub fn feed<L: Lash<AXES>>(
     source: &mut Source,
-    machine: &mut Machine<3, Path<3>, L>,
-    mut each: impl FnMut(&Machine<3, Path<3>, L>, &Event<3>) -> io::Result<()>,
+    machine: &mut Machine<AXES, Path<AXES>, L>,
+    mut each: impl FnMut(&Machine<AXES, Path<AXES>, L>, &Event<AXES>) -> io::Result<()>,
 ) -> io::Result<()> {
     let config = machine.config();
     let dialect = config.dialect;
     let mut turning = config
         .spindle_counts
         .map(|counts| Turning::new(counts, config.timer_hz));
-    let mut each = |machine: &Machine<3, Path<3>, L>, event: &Event<3>| match &mut turning {
+    let mut each = |machine: &Machine<AXES, Path<AXES>, L>, event: &Event<AXES>| match &mut turning
+    {
         None => each(machine, event),
         Some(turning) => each(machine, &turning.timed(event)?),
     };
@@ -72,8 +74,8 @@ pub fn feed<L: Lash<3>>(
 pub fn feed_followed(
     source: &mut Source,
     machine: &mut ClosedMicromill,
-    mut counts: [i64; 3],
-    mut each: impl FnMut(&ClosedMicromill, &Followed<3>) -> io::Result<[i64; 3]>,
+    mut counts: [i64; AXES],
+    mut each: impl FnMut(&ClosedMicromill, &Followed<AXES>) -> io::Result<[i64; AXES]>,
 ) -> io::Result<()> {
     let config = machine.machine().config();
     let dialect = config.dialect;
@@ -140,9 +142,9 @@ enum Pulled {
 }
 
 #[inline]
-fn pull<L: Lash<3>>(
-    machine: &mut Machine<3, Path<3>, L>,
-    each: &mut impl FnMut(&Machine<3, Path<3>, L>, &Event<3>) -> io::Result<()>,
+fn pull<L: Lash<AXES>>(
+    machine: &mut Machine<AXES, Path<AXES>, L>,
+    each: &mut impl FnMut(&Machine<AXES, Path<AXES>, L>, &Event<AXES>) -> io::Result<()>,
 ) -> io::Result<Pulled> {
     // By reference for speed: a move would read the event as a whole right after it was written in
     // parts, and the processor would wait for the writes.

@@ -7,6 +7,7 @@ use crate::programs::blocks::{self, Given};
 use crate::programs::explain::{self, At};
 use crate::programs::source::{LONGEST_LINE, Source};
 use husillo_gcode::{Block, Command, Compensated, Compensation, Dialect, Error, Modal, Nm, words};
+use husillo_sim::observers::AXES;
 use std::collections::VecDeque;
 use std::fmt::Write;
 use std::io;
@@ -23,10 +24,12 @@ const MOST_COMMANDS: u64 = 50_000_000;
 pub struct Start {
     /// Its language.
     pub dialect: Dialect,
-    /// Work zero of all work frames, in machine coordinates.
-    pub zero: [Nm; 3],
+    /// Work zero of the work frames that have none of their own, in machine coordinates.
+    pub zero: [Nm; AXES],
+    /// The zeros of work frames that the machine file states.
+    pub frames: Frames,
     /// Position of the tool, in machine coordinates.
-    pub at: [Nm; 3],
+    pub at: [Nm; AXES],
 }
 
 impl From<Dialect> for Start {
@@ -34,18 +37,19 @@ impl From<Dialect> for Start {
     fn from(dialect: Dialect) -> Self {
         Self {
             dialect,
-            zero: [Nm(0); 3],
-            at: [Nm(0); 3],
+            zero: [Nm(0); AXES],
+            frames: [None; WORK_FRAMES],
+            at: [Nm(0); AXES],
         }
     }
 }
 
 impl Start {
     /// The initial modal state.
-    fn modal(&self) -> Modal<3> {
+    fn modal(&self) -> Modal<AXES> {
         let mut modal = Modal::new(self.dialect);
-        for system in 0..WORK_FRAMES {
-            modal.set_work_zero(system, self.zero);
+        for (system, own) in (0..).zip(self.frames) {
+            modal.set_work_zero(system, own.unwrap_or(self.zero));
         }
         modal.set_position(self.at);
         modal
@@ -53,7 +57,9 @@ impl Start {
 }
 
 /// G54 to G59.3.
-const WORK_FRAMES: u8 = 9;
+pub const WORK_FRAMES: usize = 9;
+/// The zero of each work frame in machine coordinates, where it is stated.
+pub type Frames = [Option<[Nm; AXES]>; WORK_FRAMES];
 
 /// The origin of a command.
 #[derive(Debug)]
@@ -69,13 +75,13 @@ struct Walker<'a> {
     dialect: Dialect,
     /// Commands that a program with loops may still give.
     left: u64,
-    modal: Modal<3>,
+    modal: Modal<AXES>,
     /// Computes the path of the tool under compensation. Otherwise it passes commands unchanged.
-    stage: Compensation<3>,
+    stage: Compensation<AXES>,
     /// Places of the commands that wait in it, in their order.
     waiting: VecDeque<Held>,
     /// End of the last command.
-    from: [Nm; 3],
+    from: [Nm; AXES],
     last_line: usize,
     has_ended: bool,
 }
@@ -115,7 +121,7 @@ impl Held {
 
 /// Receives each command with its place and the position of the tool before it.
 type Each<'e> =
-    &'e mut dyn FnMut(&Meaning<'_>, &Command<3>, [Nm; 3], &mut Findings) -> io::Result<()>;
+    &'e mut dyn FnMut(&Meaning<'_>, &Command<AXES>, [Nm; AXES], &mut Findings) -> io::Result<()>;
 
 impl<'a> Walker<'a> {
     fn new(left: u64, file: &'a str, start: Start) -> Self {
@@ -134,7 +140,7 @@ impl<'a> Walker<'a> {
     }
 
     /// Interprets a block. An error leaves the state unchanged.
-    fn plan(&mut self, given: &Given<'_>, block: &Block) -> Result<Compensated<3>, Error> {
+    fn plan(&mut self, given: &Given<'_>, block: &Block) -> Result<Compensated<AXES>, Error> {
         let (next, commands) = self.modal.plan(block)?;
         let (after, commands) = self.stage.plan(commands).map_err(|kind| Error {
             kind,
@@ -148,7 +154,7 @@ impl<'a> Walker<'a> {
 
     /// The end that the axis words of a refused move give. `None` without such words, and in a
     /// block whose axis words are not the end of a move.
-    fn end_of(&self, given: &Given<'_>, block: &Block) -> Option<[Nm; 3]> {
+    fn end_of(&self, given: &Given<'_>, block: &Block) -> Option<[Nm; AXES]> {
         let mut line = String::from("G0");
         // Units and distances of this line count.
         for word in words(given.text).map_while(Result::ok) {
@@ -165,8 +171,8 @@ impl<'a> Walker<'a> {
             }
         }
         let modes = line.len();
-        for letter in [b'X', b'Y', b'Z'] {
-            if let Some(value) = block.word(letter) {
+        for (axis, letter) in self.dialect.axes().letters().enumerate() {
+            if let Some(value) = block.axis(axis) {
                 let _ = write!(line, " {}{value}", char::from(letter));
             }
         }
@@ -176,7 +182,7 @@ impl<'a> Walker<'a> {
     }
 
     /// Continues after a refused move as if it had been made, so that one error is reported once.
-    fn assume(&mut self, end: [Nm; 3]) {
+    fn assume(&mut self, end: [Nm; AXES]) {
         if !self.stage.is_active() {
             self.modal.set_position(end);
             self.stage = Compensation::new(end);
@@ -262,7 +268,7 @@ impl<'a> Walker<'a> {
         &mut self,
         waited: Option<Held>,
         meaning: &Meaning<'_>,
-        command: &Command<3>,
+        command: &Command<AXES>,
         findings: &mut Findings,
         each: Each<'_>,
     ) -> io::Result<()> {
@@ -331,8 +337,8 @@ pub fn walk(
     file: &str,
     start: impl Into<Start>,
     findings: &mut Findings,
-    each: impl FnMut(&Meaning<'_>, &Command<3>, [Nm; 3], &mut Findings) -> io::Result<()>,
-) -> io::Result<Modal<3>> {
+    each: impl FnMut(&Meaning<'_>, &Command<AXES>, [Nm; AXES], &mut Findings) -> io::Result<()>,
+) -> io::Result<Modal<AXES>> {
     walk_within(MOST_COMMANDS, source, file, start.into(), findings, each)
 }
 
@@ -342,8 +348,8 @@ fn walk_within(
     file: &str,
     start: Start,
     findings: &mut Findings,
-    mut each: impl FnMut(&Meaning<'_>, &Command<3>, [Nm; 3], &mut Findings) -> io::Result<()>,
-) -> io::Result<Modal<3>> {
+    mut each: impl FnMut(&Meaning<'_>, &Command<AXES>, [Nm; AXES], &mut Findings) -> io::Result<()>,
+) -> io::Result<Modal<AXES>> {
     let mut walker = Walker::new(left, file, start);
     blocks::each_block(
         source,

@@ -1,7 +1,7 @@
 //! The built-in machines.
 
 /// Name, path and text of each built-in machine.
-pub const BUILT_IN: [(&str, &str, &str); 6] = [
+pub const BUILT_IN: [(&str, &str, &str); 7] = [
     (
         "micromill",
         "machines/micromill.toml",
@@ -16,6 +16,11 @@ pub const BUILT_IN: [(&str, &str, &str); 6] = [
         "router",
         "machines/router.toml",
         include_str!("../../../../machines/router.toml"),
+    ),
+    (
+        "router4",
+        "machines/router4.toml",
+        include_str!("../../../../machines/router4.toml"),
     ),
     (
         "lathe",
