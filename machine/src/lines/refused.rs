@@ -66,8 +66,14 @@ pub enum Means {
     Probe,
     /// G41, G42: a stage of radius compensation before the machine.
     RadiusCompensation,
-    /// M60, M62 to M68: inputs, outputs, pallets.
+    /// M62 to M68: an input or output of this number.
     InputsAndOutputs,
+    /// M60: pallets.
+    Pallets,
+    /// M52 P1: an input that scales the feed.
+    AdaptiveFeed,
+    /// G38 under G95: a feed per turn cannot brake at a contact.
+    ProbeFeed,
 }
 
 impl Means {
@@ -80,7 +86,10 @@ impl Means {
             Self::SpindleAngle => "a spindle held at an angle",
             Self::Probe => "a probe",
             Self::RadiusCompensation => "cutter compensation",
-            Self::InputsAndOutputs => "inputs and outputs",
+            Self::InputsAndOutputs => "an input or output of this number",
+            Self::Pallets => "pallets",
+            Self::AdaptiveFeed => "a feed from an input",
+            Self::ProbeFeed => "probing at a feed per turn",
         }
     }
 }
