@@ -160,6 +160,43 @@ pub enum Command<const N: usize> {
         /// Its speed.
         feed: Feed,
     },
+    /// Begins a NURBS in the XY plane at the present position (G5.2). Its first control point is
+    /// that position; the others follow, each as a [`Command::NurbsPoint`]. Nothing moves before
+    /// [`Command::NurbsEnd`], and no other command comes in between except those that do not move.
+    ///
+    /// The knots are those of LinuxCNC: the first and the last as often as the order, and equal
+    /// distances between them, so the curve begins and ends in a control point.
+    NurbsBegin {
+        /// The order (`L`), the degree plus one, 2 to 16.
+        order: u8,
+        /// Weight of the first point, in millionths, above zero.
+        micro_weight: u64,
+        /// The speed along the curve.
+        feed: Feed,
+    },
+    /// A further control point of a NURBS.
+    NurbsPoint {
+        /// X and Y, exact, machine frame.
+        at: [Nm; 2],
+        /// Its weight (`P`), in millionths, above zero.
+        micro_weight: u64,
+    },
+    /// The end of a NURBS (G5.3): the curve is complete, and has at least as many control points as
+    /// its order.
+    NurbsEnd {
+        /// The last control point, with the other axes as before.
+        to: [Nm; N],
+    },
+    /// Rigid tapping (G33.1): a move that follows the spindle to the bottom, and back with the
+    /// spindle reversed. The spindle then turns as before.
+    Tap {
+        /// The bottom of the thread.
+        bottom: [Nm; N],
+        /// The start, to which the tap returns.
+        to: [Nm; N],
+        /// Distance along the move per spindle revolution.
+        lead: Nm,
+    },
     /// A straight move synchronised with the spindle (G33, and within G76 and the threading cycles
     /// of lathes).
     Thread {
@@ -305,6 +342,8 @@ impl<const N: usize> Command<N> {
             Command::Rapid { to }
             | Command::Linear { to, .. }
             | Command::Thread { to, .. }
+            | Command::Tap { to, .. }
+            | Command::NurbsEnd { to }
             | Command::Probe { to, .. } => Some(*to),
             Command::Arc { arc, .. } => Some(arc.to),
             Command::Spline { spline, .. } => Some(spline.to),
@@ -376,7 +415,24 @@ impl<const N: usize> fmt::Display for Command<N> {
                 }
                 write!(f, " {feed}")
             }
+            Command::NurbsBegin {
+                order,
+                micro_weight,
+                feed,
+            } => {
+                let weight = Millionths(*micro_weight);
+                write!(f, "nurbs order {order} weight {weight} {feed}")
+            }
+            Command::NurbsPoint {
+                at: [x, y],
+                micro_weight,
+            } => {
+                let weight = Millionths(*micro_weight);
+                write!(f, "nurbs point X{x} Y{y} weight {weight}")
+            }
+            Command::NurbsEnd { to } => write!(f, "nurbs end{}", Point(to)),
             Command::Thread { to, lead } => write!(f, "thread{} lead {lead}", Point(to)),
+            Command::Tap { bottom, lead, .. } => write!(f, "tap{} lead {lead}", Point(bottom)),
             Command::Probe {
                 to,
                 feed,

@@ -190,6 +190,8 @@ impl<const N: usize> Modal<N> {
 
     fn execute(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Fault> {
         self.check_axes(block)?;
+        #[cfg(feature = "extended")]
+        block.check_needs_no_program()?;
         self.set_feed(block)?;
         self.set_outputs(block, commands)?;
         self.set_dwell(block, commands)?;
@@ -276,6 +278,7 @@ impl<const N: usize> Modal<N> {
         {
             self.modes.sticky = Sticky::NONE;
             (self.modes.more.tail, self.modes.more.compensation) = (None, None);
+            self.modes.more.nurbs = None;
         }
         self.stop_outputs();
     }

@@ -60,6 +60,12 @@ pub(crate) enum Reason {
     SplinePlane,
     NoProbeMove,
     #[cfg(feature = "extended")]
+    NurbsOpen,
+    #[cfg(feature = "extended")]
+    TooFewPoints,
+    #[cfg(feature = "extended")]
+    NeedsProgram,
+    #[cfg(feature = "extended")]
     UnderCompensation,
 }
 
@@ -191,6 +197,12 @@ impl Fault {
             #[cfg(feature = "extended")]
             n if n == Reason::SplinePlane as u8 => ErrorKind::SplinePlane,
             n if n == Reason::NoProbeMove as u8 => ErrorKind::NoProbeMove,
+            #[cfg(feature = "extended")]
+            n if n == Reason::NurbsOpen as u8 => ErrorKind::NurbsOpen,
+            #[cfg(feature = "extended")]
+            n if n == Reason::TooFewPoints as u8 => ErrorKind::TooFewPoints,
+            #[cfg(feature = "extended")]
+            n if n == Reason::NeedsProgram as u8 => ErrorKind::NeedsProgram,
             #[cfg(feature = "extended")]
             n if n == Reason::UnderCompensation as u8 => ErrorKind::UnderCompensation,
             // Reason::NumberTooLarge.

@@ -380,6 +380,24 @@ impl<const N: usize> Modal<N> {
         Ok(())
     }
 
+    /// G52: shifts all work frames by the axis words. The shift is that of G92, as in LinuxCNC.
+    #[cfg(feature = "extended")]
+    #[inline(never)]
+    pub(crate) fn set_local_shift(
+        &mut self,
+        block: &Block,
+        commands: &mut Commands<N>,
+    ) -> Result<(), Fault> {
+        if block.axes() == 0 {
+            return Err(Fault::at_code(Reason::NoAxisWords, Group::NonModal));
+        }
+        let to = &mut commands.arc.to;
+        *to = self.modes.shift;
+        self.read_axes(block, Terms::NONE, to)?;
+        (self.modes.shift, self.modes.kept_shift) = (*to, *to);
+        Ok(())
+    }
+
     /// G28 and G30: through the given point to the stored position, with the named axes only.
     /// Without axis words all axes go straight.
     #[inline(never)]

@@ -13,7 +13,8 @@ const MOST: u32 = 1 << 20;
 ///
 /// With h = 1/n a chord of a curve C is at most h^2 max |C''| / 8 from it, and the second derivative
 /// of a cubic curve is largest at its ends: six times the second difference of the control points.
-/// The ends of the chords are points of the curve, rounded to within 3 nm.
+/// The ends of the chords are points of the curve, rounded to within 3 nm. The steps are those of
+/// lines between the nearest steps of these points, so they are within 1.46 steps of the curve.
 #[derive(Clone, Debug)]
 pub struct Chords<const N: usize> {
     /// The curve.

@@ -78,6 +78,10 @@ impl Equipment {
             } => Means::ProbeFeed,
             Command::Surface { .. } if self.surface_milli_rpm.is_none() => Means::SurfaceSpeed,
             Command::Spline { .. } if !self.splines => Means::Splines,
+            Command::NurbsBegin { .. } | Command::NurbsPoint { .. } | Command::NurbsEnd { .. } => {
+                Means::Splines
+            }
+            Command::Tap { .. } => Means::RigidTapping,
             Command::Orient { .. } if !self.spindle_angle => Means::SpindleAngle,
             Command::Probe { .. } if !self.probe => Means::Probe,
             Command::Compensation { side: Some(_), .. } => Means::RadiusCompensation,

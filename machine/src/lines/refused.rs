@@ -58,6 +58,8 @@ pub enum Means {
     Splines,
     /// G33, G76, G95: a spindle encoder.
     SpindleFeedback,
+    /// G33.1: a feed axis that follows the spindle while it reverses.
+    RigidTapping,
     /// G96: a spindle whose speed follows a diameter.
     SurfaceSpeed,
     /// M19: a spindle that can be held at an angle.
@@ -82,6 +84,7 @@ impl Means {
         match self {
             Self::Splines => "splines",
             Self::SpindleFeedback => "moves synchronised with the spindle",
+            Self::RigidTapping => "rigid tapping",
             Self::SurfaceSpeed => "constant surface speed",
             Self::SpindleAngle => "a spindle held at an angle",
             Self::Probe => "a probe",

@@ -162,11 +162,10 @@ fn commands_are_taken_all_or_none() {
 #[test]
 fn an_error_of_the_stage_changes_nothing() {
     let mut machine = Mill::new(config(false));
-    run(
-        &mut machine,
-        &["G10 L1 P1 R2", "G0 X50 Y50", "G1 G41 X60 D1 F600", "X62"],
-        |_, _| (),
-    );
+    for line in ["G10 L1 P1 R2", "G0 X50 Y50", "G1 G41 X60 D1 F600", "X62"] {
+        machine.line(line.as_bytes()).unwrap();
+        while machine.next_event().is_some() {}
+    }
     let before = (machine.position_steps(), machine.modal().position());
     // The inside corner leaves no room for the tool.
     let refused = machine.line(b"Y50.5");

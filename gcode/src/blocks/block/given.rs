@@ -138,6 +138,17 @@ impl Block {
         }
     }
 
+    /// Refuses codes that need the lines around this one.
+    #[cfg(feature = "extended")]
+    pub(crate) fn check_needs_no_program(&self) -> Result<(), Fault> {
+        for group in [Group::Override, Group::Stop] {
+            if self.code(group).is_some_and(Code::needs_program) {
+                return Err(Fault::at_code(Reason::NeedsProgram, group));
+            }
+        }
+        Ok(())
+    }
+
     /// Refuses all codes except the motion, and all words except these and N.
     #[cfg(all(feature = "program", feature = "extended"))]
     pub(crate) fn check_alone(&self, letters: &[u8]) -> Result<(), Fault> {

@@ -180,7 +180,9 @@ impl<const N: usize> System for Modal<N> {
                 Some(Motion::CounterClockwise) => 30,
                 Some(Motion::Cubic) => 50,
                 Some(Motion::Quadratic) => 51,
+                Some(Motion::Nurbs) => 52,
                 Some(Motion::Thread) => 330,
+                Some(Motion::Tap) => 331,
                 Some(_) => return None,
             }),
             b"COORD_SYSTEM" => {
