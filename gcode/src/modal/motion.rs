@@ -231,7 +231,8 @@ impl<const N: usize> Modal<N> {
         commands: &mut Commands<N>,
     ) -> Result<(), Fault> {
         // Only code system A has increments (U, V, W), and there X is always a diameter.
-        if ROOMY && !self.is_diameter() {
+        // They, and wrapped axes, take the longer way.
+        if ROOMY && !self.is_diameter() && !self.modes.dialect.axes().has_wrapped() {
             return self.read_end(block, terms, &mut commands.arc.to);
         }
         commands.arc.to = self.modes.position;
