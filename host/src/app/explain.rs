@@ -143,7 +143,7 @@ mod tests {
             };
             let mut source = Source::from_reader(Box::new(line.as_bytes()));
             let mut findings = Findings::new(9);
-            let start = Dialect::RS274;
+            let start = Dialect::RS274.with_axes(Axes::XYZ);
             program::walk(&mut source, "p", start, &mut findings, |_, _, _, _| Ok(())).unwrap();
             let found = findings.short().concat();
             assert!(found.contains(code), "{line}: {found}, not {code}");

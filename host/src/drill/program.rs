@@ -4,7 +4,7 @@ use crate::diagnostics::{Finding, Findings};
 use crate::programs::program;
 use crate::programs::source::Source;
 use husillo_clients::drill::{Part, millimetres};
-use husillo_gcode::{Command, Dialect, Nm};
+use husillo_gcode::{Axes, Command, Dialect, Nm};
 use husillo_sim::device::drill::STROKE_STEPS;
 use husillo_sim::observers::AXES;
 use husillo_transports::drill::{Record, STEPS_PER_MM, Table};
@@ -56,7 +56,7 @@ impl Translation {
         program::walk(
             source,
             file,
-            self.dialect,
+            self.dialect.with_axes(Axes::XYZ),
             findings,
             |meaning, command, from, findings| {
                 let at = &meaning.at;

@@ -430,7 +430,7 @@ mod tests {
 
     #[test]
     fn a_missing_axis_makes_no_key_unknown() {
-        let found = findings_with("[axis.z]", "[axis.w]");
+        let found = findings_with("[axis.z]", "[axis.q]");
         assert_eq!(found.len(), 2, "{found:?}");
         assert!(
             found.iter().all(|message| message.contains("axis")),

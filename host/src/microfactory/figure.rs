@@ -4,7 +4,7 @@ use crate::diagnostics::Findings;
 use crate::programs::program;
 use crate::programs::source::Source;
 use husillo_clients::microfactory::{Figure, Settings, listed};
-use husillo_gcode::{Command, Dialect, Nm};
+use husillo_gcode::{Axes, Command, Dialect, Nm};
 use husillo_sim::observers::AXES;
 
 /// End of the name of a list of moves: one move per line, X and Z in steps; `;` begins a comment.
@@ -77,7 +77,7 @@ fn programmed(file: &str, settings: &Settings) -> Result<Vec<[i16; 2]>, String> 
     program::walk(
         &mut source,
         file,
-        Dialect::RS274,
+        Dialect::RS274.with_axes(Axes::XYZ),
         &mut findings,
         |meaning, command, from, _| {
             if refused.is_none() {

@@ -4,7 +4,9 @@ use crate::machines::machine_file::{AxisFile, Driver, Idle, MachineFile, StepMod
 use husillo_backlash::{Flank, LashMap, MappedBacklash};
 use husillo_gcode::{Dialect, Nm};
 use husillo_interp::Path;
-use husillo_machine::{Axis, AxisEncoder, AxisRamp, ClosedLoop, Config, Machine, Motors, Scale};
+use husillo_machine::{
+    Axis, AxisEncoder, AxisRamp, ClosedLoop, Config, Equipment, Machine, Motors, Scale,
+};
 use husillo_metrology::calibration::backlash::Map;
 use husillo_sim::observers::AXES;
 use husillo_sim::observers::phases;
@@ -153,6 +155,7 @@ pub fn config(file: &MachineFile, dialect: Dialect) -> Result<Config<AXES>, Stri
         top_feed: file.top_feed.map(Nm),
         corner_deviation: file.corner_deviation.map(Nm),
         spindle_counts: file.spindle_counts,
+        equipment: Equipment::NONE,
     })
 }
 
@@ -194,6 +197,7 @@ pub const fn first_three(config: &Config<AXES>) -> Config<3> {
         top_feed: config.top_feed,
         corner_deviation: config.corner_deviation,
         spindle_counts: config.spindle_counts,
+        equipment: config.equipment,
     }
 }
 

@@ -152,7 +152,7 @@ mod tests {
             // 1/1000 of a turn of 0.1 s.
             let follow = Event::Follow(FollowEvent {
                 wait_counts_q16: 65_536,
-                delta: [0, 0, 1],
+                delta: [0, 0, 1, 0, 0, 0],
             });
             let Event::Step(step) = turning.timed(&follow).unwrap() else {
                 panic!("a step")

@@ -132,7 +132,7 @@ mod tests {
             let mut ends = String::new();
             program
                 .line(line.as_bytes(), &mut findings, |_, command, _, _| {
-                    if let Some([x, y, z]) = command.end() {
+                    if let Some([x, y, z, ..]) = command.end() {
                         ends += &format!("{x} {y} {z};");
                     }
                     Ok(())
