@@ -7,6 +7,8 @@ mod drill;
 mod frames;
 pub(crate) mod modes;
 mod motion;
+#[cfg(feature = "extended")]
+mod printer;
 mod settings;
 #[cfg(feature = "extended")]
 mod special;

@@ -193,6 +193,10 @@ pub(crate) struct More {
     pub(crate) compensation: Option<Side>,
     /// `P` of G64.
     pub(crate) tolerance: Option<Nm>,
+    /// M83: words of the extruder are increments.
+    pub(crate) feeds_increments: bool,
+    /// G10 of printers: the filament is drawn back.
+    pub(crate) is_retracted: bool,
 }
 
 #[cfg(feature = "extended")]
@@ -203,6 +207,8 @@ impl More {
         nurbs: None,
         compensation: None,
         tolerance: None,
+        feeds_increments: false,
+        is_retracted: false,
     };
 }
 
