@@ -138,6 +138,15 @@ impl Block {
         }
     }
 
+    /// The code that needs the lines around this one, with its group.
+    #[cfg(all(feature = "program", feature = "extended"))]
+    pub(crate) fn flow_code(&self) -> Option<(Code, Group)> {
+        [Group::Override, Group::Stop]
+            .into_iter()
+            .filter_map(|group| Some((self.code(group)?, group)))
+            .find(|(code, _)| code.needs_program())
+    }
+
     /// Refuses codes that need the lines around this one.
     #[cfg(feature = "extended")]
     pub(crate) fn check_needs_no_program(&self) -> Result<(), Fault> {

@@ -6,6 +6,8 @@ use crate::command::SpindleDirection;
 use crate::command::arc::Plane;
 use crate::modal::Modal;
 use crate::modal::modes::{Distance, FeedMode, Motion, Units};
+#[cfg(feature = "extended")]
+use crate::modal::saved::SavedModes;
 use crate::values::nm::Nm;
 
 /// The state of the machine that expressions can read: positions, the work system, the tool. It is
@@ -28,6 +30,12 @@ pub trait System {
     fn has_subroutine(&self, name: &[u8]) -> bool {
         let _ = name;
         false
+    }
+
+    /// The modes that M70 and M73 save; `None` in a system without modes.
+    #[cfg(feature = "extended")]
+    fn modes(&self) -> Option<SavedModes> {
+        None
     }
 }
 
@@ -122,6 +130,11 @@ impl<const N: usize> System for Modal<N> {
             5420..=5428 => in_units(axis_from(5420), self.work_position()),
             _ => None,
         }
+    }
+
+    #[cfg(feature = "extended")]
+    fn modes(&self) -> Option<SavedModes> {
+        Some(self.saved_modes())
     }
 
     fn named(&self, name: &[u8]) -> Option<Value> {
