@@ -92,7 +92,7 @@ fn the_end_of_a_subprogram() {
         ("M98", "1: E0213 0-3"),
         ("M98 P5", "1: E0633 0-3"),
         ("M98 P1.5", "1: E0505 4-8"),
-        ("M98 P1\nM2\nO1\nM99 P7", "4: E0642 0-3"),
+        ("M98 P1\nM2\nO1\nM99 P7", "4: E0643 0-3"),
         ("M98 P1\nM2\nO1\nG0", "3: E0634 0-2"),
         ("o1 sub\nM99\no1 endsub\no1 call", "2: E0636 0-3"),
         ("M98 P1\nM2\nO1\no1 endsub", "4: E0634 0-9"),
@@ -137,7 +137,7 @@ fn modes_come_back() {
         "5: rapid X25.4 Y0 Z0",
         "8: rapid X1 Y0 Z0",
         "10: rapid X50.8 Y0 Z0",
-        "12: E0640 0-3",
+        "12: E0641 0-3",
     ];
     assert_eq!(run(text), wanted);
     // Coolants, in all combinations.
@@ -214,5 +214,5 @@ fn the_number_of_files_is_bounded() {
                 .map(|error| (line.number, error.kind.code())),
         );
     }
-    assert_eq!(codes, [(2, 641)]);
+    assert_eq!(codes, [(2, 642)]);
 }

@@ -1,6 +1,6 @@
 //! A block: the words of one line, checked as far as the line alone allows.
 
-mod given;
+pub(crate) mod given;
 
 use crate::blocks::fault::{Fault, Reason};
 use crate::codes::code::{Code, Group};

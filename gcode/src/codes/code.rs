@@ -459,8 +459,9 @@ impl Code {
     }
 
     /// Whether the code needs the lines around its own: M70 to M73, M98, M99.
+    #[cfg(feature = "extended")]
     pub(crate) const fn needs_program(self) -> bool {
-        EXTENDED && self.since(Code::SaveModes) <= Code::Return.since(Code::SaveModes)
+        self.since(Code::SaveModes) <= Code::Return.since(Code::SaveModes)
     }
 
     /// A canned cycle.

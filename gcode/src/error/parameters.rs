@@ -102,9 +102,9 @@ impl Fault {
             Fault::TooDeep => 637,
             Fault::OutOfSteps => 638,
             Fault::FlowNotOfDialect => 639,
-            Fault::NothingSaved => 640,
-            Fault::TooManyFiles => 641,
-            Fault::NoSuchLine => 642,
+            Fault::NothingSaved => 641,
+            Fault::TooManyFiles => 642,
+            Fault::NoSuchLine => 643,
         }
     }
 }

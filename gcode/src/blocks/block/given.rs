@@ -14,6 +14,16 @@ use crate::values::nm::Measure;
 /// Slot of U; the slots of V and W follow.
 const INCREMENTS: u8 = 21;
 
+/// The words of axes, those of polar coordinates included.
+const AXIS_WORDS: u32 = Letters::new(b"XYZABC@^").0;
+
+/// Slot of `@`; that of `^` follows, and there are no others.
+const POLAR_SLOT: u8 = 24;
+
+/// The letters of polar coordinates.
+#[cfg(feature = "extended")]
+pub(crate) const POLAR: Letters = Letters::new(b"@^");
+
 /// The letters that need a code that uses them.
 const CLAIMED: Letters = Letters::new(b"IJKRPDEHLQ");
 
@@ -45,6 +55,9 @@ impl Block {
     pub(crate) fn most_places(&self, letters: Letters) -> u8 {
         let (mut given, mut most) = (self.present & letters.0, 0);
         for value in &self.values {
+            if given == 0 {
+                break;
+            }
             if given & 1 != 0 {
                 most = value.places().max(most);
             }
@@ -108,7 +121,9 @@ impl Block {
     pub(crate) fn axes(&self) -> u16 {
         // The slots of U, V and W are those of X, Y and Z in the same order.
         let increments = if EXTENDED {
-            (self.present >> INCREMENTS) & 0b111
+            // Polar coordinates are X and Y; their two bits are the highest.
+            let polar = u32::from(self.present >> POLAR_SLOT != 0).wrapping_mul(0b11);
+            (self.present >> INCREMENTS) & 0b111 | polar
         } else {
             0
         };
@@ -298,7 +313,7 @@ impl Block {
             None => {
                 let words = match place {
                     Place::Word => bit(fault.letter()),
-                    _ => 0b11_1111,
+                    _ => AXIS_WORDS,
                 };
                 self.span_of(words, place == Place::Motion)
             }

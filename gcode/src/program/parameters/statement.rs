@@ -140,21 +140,17 @@ pub fn needs_program(line: &[u8], dialect: &Dialect) -> bool {
             b')' => is_comment = false,
             b';' if !is_comment => return false,
             b'#' | b'[' if !is_comment => return true,
-            b'm' | b'M' if EXTENDED && !is_comment => {
-                if is_flow_code(line.get(at..).unwrap_or_default()) {
-                    return true;
-                }
-            }
+            b'm' | b'M' if EXTENDED && !is_comment && is_flow_code(line, at) => return true,
             _ => {}
         }
     }
     false
 }
 
-/// Whether the text after an `M` is the number of M70 to M73, M98 or M99.
-fn is_flow_code(text: &[u8]) -> bool {
+/// Whether the text after an `M`, from `at` on, is the number of M70 to M73, M98 or M99.
+fn is_flow_code(line: &[u8], at: usize) -> bool {
     let mut number = 0u32;
-    for byte in text {
+    for byte in line.get(at..).unwrap_or_default() {
         match byte {
             b'0'..=b'9' => {
                 let digit = u32::from(byte.wrapping_sub(b'0'));
