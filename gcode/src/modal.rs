@@ -131,7 +131,11 @@ impl<const N: usize> Modal<N> {
         };
         done.map_err(|fault| {
             commands.clear();
-            block.error(fault, Measure::of(commands.arc.mismatch))
+            block.error_on(
+                self.modes.dialect.axes(),
+                fault,
+                Measure::of(commands.arc.mismatch),
+            )
         })
     }
 
@@ -317,10 +321,19 @@ impl<const N: usize> Modal<N> {
     /// The unit of a word: millionths of a degree, the unit of length, or half of it.
     fn scale_of(&self, letter: u8) -> (u8, u8) {
         match letter {
-            b'A' | b'B' | b'C' => Units::Millimetres.scale(false),
+            // The letters under which the words of the axes after Z are stored.
+            b'A'..=b'C' if self.is_rotary(usize::from(letter.wrapping_sub(b'A'))) => {
+                Units::Millimetres.scale(false)
+            }
             b'X' | b'U' if self.is_diameter() => self.units().scale(true),
             _ => self.units().scale(false),
         }
+    }
+
+    /// Whether the axis of this number after Z is rotary.
+    fn is_rotary(&self, after_z: usize) -> bool {
+        // At most 2, so the sum fits.
+        !EXTENDED || self.modes.dialect.axes().is_rotary(after_z.wrapping_add(3))
     }
 
     /// A word as a length, if the block has it.

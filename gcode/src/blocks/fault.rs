@@ -130,6 +130,15 @@ impl Fault {
         Fault(self.0.saturating_add((letter as u32) << 8))
     }
 
+    /// The same fault about the word of another letter.
+    pub(crate) const fn with_letter(self, letter: u8) -> Fault {
+        let others = self.0.get() & !0xff00;
+        match NonZeroU32::new(others | (letter as u32) << 8) {
+            Some(fault) => Fault(fault),
+            None => self,
+        }
+    }
+
     /// The letter of the word, or 0.
     pub(crate) const fn letter(self) -> u8 {
         (self.0.get() >> 8) as u8

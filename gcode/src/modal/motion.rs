@@ -263,7 +263,8 @@ impl<const N: usize> Modal<N> {
         commands: &mut Commands<N>,
     ) -> Result<(), Fault> {
         // Only code system A has increments (U, V, W), and there X is always a diameter.
-        if ROOMY && !self.is_diameter() {
+        // They, and wrapped axes, take the longer way.
+        if ROOMY && !self.is_diameter() && !self.modes.dialect.axes().has_wrapped() {
             if N > AXES {
                 commands.arc.to = self.modes.position; // Axes without a letter stay.
             }

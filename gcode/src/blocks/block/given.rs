@@ -2,6 +2,7 @@
 
 use super::{Block, Span};
 use crate::blocks::fault::{Fault, Place, Reason};
+use crate::codes::axes::Axes;
 use crate::codes::code::{Code, Group};
 #[cfg(all(feature = "program", feature = "extended"))]
 use crate::codes::letters::LETTERS;
@@ -96,9 +97,10 @@ impl Block {
         self.values.get(usize::from(slot))
     }
 
-    /// The word of axis 0..6.
+    /// The word of axis 0..6, whatever its letter. ([`Block::word`] knows an axis that has not its
+    /// place in X Y Z A B C by the letter of that place.)
     #[inline]
-    pub(crate) fn axis(&self, axis: usize) -> Option<&Decimal> {
+    pub fn axis(&self, axis: usize) -> Option<&Decimal> {
         if axis < AXES {
             self.slot(axis as u8)
         } else {
@@ -302,6 +304,12 @@ impl Block {
     #[cold]
     #[inline(never)]
     pub(crate) fn error(&self, fault: Fault, measure: Measure) -> Error {
+        self.error_on(&Axes::XYZABC, fault, measure)
+    }
+
+    /// The same on a machine with these axes, with their letters as they are written.
+    #[cold]
+    pub(crate) fn error_on(&self, axes: &Axes, fault: Fault, measure: Measure) -> Error {
         let place = fault.place();
         let code = match place {
             Place::Code(group) => Some(usize::from(group)),
@@ -318,7 +326,12 @@ impl Block {
                 self.span_of(words, place == Place::Motion)
             }
         };
-        span.unwrap_or_default().error(fault.kind(measure))
+        let written = if EXTENDED {
+            fault.with_letter(axes.written(fault.letter()))
+        } else {
+            fault
+        };
+        span.unwrap_or_default().error(written.kind(measure))
     }
 
     /// The columns of the first of these words, or of all of them, as far as they are given.
