@@ -6,6 +6,7 @@ use husillo_gcode::{Dialect, Nm};
 use husillo_interp::Path;
 use husillo_machine::{Axis, AxisEncoder, AxisRamp, ClosedLoop, Config, Machine, Motors, Scale};
 use husillo_metrology::calibration::backlash::Map;
+use husillo_sim::observers::phases;
 use husillo_sim::{AxisModel, Rig};
 use husillo_stepper::{Drive, Mode, Sequencer, StepDirection, StepToggle};
 use std::sync::Arc;
@@ -209,8 +210,16 @@ pub fn rig(file: &MachineFile, motors: &Motors<3, Drive>) -> Rig<3> {
     Rig::new(models, *motors.levels())
 }
 
+/// The motors whose currents a report draws, not yet turned.
+pub fn phases(file: &MachineFile) -> [phases::Motor; 3] {
+    file.axes.each_ref().map(|axis| {
+        let name = format!("{:?}, {:?}", axis.driver, axis.mode).to_lowercase();
+        phases::Motor::new(char::from(axis.letter), name, driver(axis.driver))
+    })
+}
+
 /// The coil driver of an axis; `None` for both kinds of step and direction.
-pub const fn driver(driver: Driver) -> Option<husillo_stepper::Driver> {
+const fn driver(driver: Driver) -> Option<husillo_stepper::Driver> {
     match driver {
         Driver::Pbl3717a => Some(husillo_stepper::Driver::Pbl3717a),
         Driver::A3988 => Some(husillo_stepper::Driver::A3988),

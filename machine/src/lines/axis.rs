@@ -59,7 +59,8 @@ impl Axis {
     }
 }
 
-/// Configuration of a machine with `N` axes, in the order X, Y, Z, A, B, C.
+/// Configuration of a machine with `N` axes, in the order of the axes of its dialect
+/// ([`Dialect::axes`]).
 #[derive(Copy, Clone, Debug)]
 pub struct Config<const N: usize> {
     /// The axes.

@@ -144,7 +144,7 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
         let ways = directions(&self.lattice, &end);
         self.programmed = to;
         self.lattice = end;
-        let counts_q16 = config.counts_q16(&command, tempo.length_nm);
+        let counts_q16 = config.counts_q16(&segment, &tempo);
         let is_thread = matches!(command, Command::Thread { .. });
         // A thread of several moves continues without waiting for the index.
         let is_indexed = is_thread && !self.is_thread;

@@ -45,7 +45,11 @@ const fn missing<const N: usize>(command: &Command<N>, has_encoder: bool) -> Opt
             Means::SpindleFeedback
         }
         Command::Surface { .. } => Means::SurfaceSpeed,
-        Command::Spline { .. } => Means::Splines,
+        Command::Spline { .. }
+        | Command::NurbsBegin { .. }
+        | Command::NurbsPoint { .. }
+        | Command::NurbsEnd { .. } => Means::Splines,
+        Command::Tap { .. } => Means::SpindleFeedback,
         Command::Orient { .. } => Means::SpindleAngle,
         Command::Probe { .. } => Means::Probe,
         Command::Compensation { side: Some(_), .. } => Means::RadiusCompensation,

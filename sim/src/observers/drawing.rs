@@ -49,9 +49,9 @@ const MOST_POINTS: usize = 40_000;
 /// Most take-up marks kept.
 const MOST_MARKS: usize = 2_000;
 
-impl Drawing {
+impl Default for Drawing {
     /// An empty drawing.
-    pub const fn new() -> Self {
+    fn default() -> Self {
         Self {
             strokes: Vec::new(),
             take_ups: Vec::new(),
@@ -60,7 +60,9 @@ impl Drawing {
             last: [f64::MAX; 2],
         }
     }
+}
 
+impl Drawing {
     /// Whether a point at `tool` is far enough from the last one to be kept.
     #[inline]
     pub fn wants(&self, tool: [f64; 2]) -> bool {
@@ -172,7 +174,7 @@ mod tests {
 
     #[test]
     fn memory_is_bounded() {
-        let mut drawing = Drawing::new();
+        let mut drawing = Drawing::default();
         let at = |k: u32| {
             let angle = f64::from(k) * 0.001;
             let tool = [angle * 1000.0 * angle.cos(), angle * 1000.0 * angle.sin()];

@@ -1,11 +1,9 @@
 //! Assigns steps to programmed moves, and finds where moves and take-ups begin and end.
 
-use crate::programs::program;
-use crate::programs::setup::Micromill;
-use crate::simulation::observer::Begun;
+use crate::geometry::path::Path;
+use crate::observers::Begun;
 use husillo_gcode::Nm;
-use husillo_machine::{Origin, Segment, StepEvent};
-use husillo_sim::geometry::path::Path;
+use husillo_machine::{Config, Origin, Segment, StepEvent};
 
 /// The move under execution.
 #[derive(Debug)]
@@ -68,11 +66,15 @@ impl Moves {
         self.is_arrived || origin != self.origin
     }
 
-    /// Call it if [`is_turn`](Self::is_turn). Returns the programmed move that begins, if it is a
-    /// new one.
+    /// Call it if [`is_turn`](Self::is_turn), with the move that the machine is executing. Returns
+    /// the programmed move that begins, if it is a new one.
     #[cold]
-    pub fn turn(&mut self, machine: &Micromill, origin: Origin) -> Option<Move> {
-        let executing = machine.executing().copied();
+    pub fn turn(
+        &mut self,
+        executing: Option<Segment<3>>,
+        config: &Config<3>,
+        origin: Origin,
+    ) -> Option<Move> {
         let is_other = executing != self.segment;
         self.segment = executing;
         self.is_arrived = false;
@@ -82,9 +84,9 @@ impl Moves {
         self.origin = origin;
         let segment = executing.filter(|_| is_other)?;
         let path = Path::programmed(segment.from, &segment.command, self.half_step_nm)?;
-        let to = program::target(&segment.command).unwrap_or(segment.from);
+        let to = segment.command.end().unwrap_or(segment.from);
         for (axis, target) in self.target.iter_mut().enumerate() {
-            let scale = machine.config().axes[axis].scale;
+            let scale = config.axes[axis].scale;
             *target = scale.nearest(to[axis].0).unwrap_or(0);
         }
         Some(Move {

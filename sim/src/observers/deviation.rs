@@ -1,8 +1,8 @@
 //! The distance of the tool from the programmed path while it cuts.
 
-use crate::simulation::observer::{Begun, Now, Observer};
+use crate::geometry::path::Path;
+use crate::observers::{Begun, Now, Observer};
 use husillo_machine::Origin;
-use husillo_sim::geometry::path::Path;
 use std::io;
 
 /// Largest and root-mean-square deviation of feed moves.
@@ -14,9 +14,9 @@ pub struct Deviation {
     count: u64,
 }
 
-impl Deviation {
+impl Default for Deviation {
     /// Starts without measurements.
-    pub fn new() -> Self {
+    fn default() -> Self {
         Self {
             path: Path::line([0.0; 3], [0.0; 3]),
             largest_squared: 0.0,
@@ -24,7 +24,9 @@ impl Deviation {
             count: 0,
         }
     }
+}
 
+impl Deviation {
     /// Takes one squared distance.
     #[inline]
     fn add(&mut self, squared: f64) {
@@ -64,12 +66,12 @@ impl Observer for Deviation {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulation::observer::tests::{begun, line, now};
+    use crate::observers::tests::{begun, line, now};
     use husillo_gcode::Nm;
 
     #[test]
     fn only_feeds_are_measured() {
-        let mut deviation = Deviation::new();
+        let mut deviation = Deviation::default();
         let (segment, path) = (line(Nm(9000)), Path::line([0.0; 3], [9000.0, 0.0, 0.0]));
         deviation.begin(&begun(&segment, &path));
         for (origin, y) in [

@@ -1,6 +1,6 @@
 //! Statistics of a run: extents, reversals, and the time of take-ups.
 
-use crate::simulation::observer::{Now, Observer};
+use crate::observers::{Now, Observer};
 use husillo_machine::Origin;
 use std::io;
 
@@ -48,7 +48,7 @@ impl Observer for Statistics {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulation::observer::tests::now;
+    use crate::observers::tests::now;
 
     #[test]
     fn extents_and_take_ups_are_counted() {

@@ -1,4 +1,4 @@
-//! Guards so that no axis runs on: checked readings, stops, and the recovery after a stop.
+//! Supervision so that no axis runs on: checked readings, stops, and the recovery after a stop.
 
 use super::{Head, READ, stop};
 use crate::heads::port::Port;
@@ -35,7 +35,7 @@ impl<P: Port> Head<P> {
     /// # Errors
     ///
     /// Those of `what`, and a stop that the operator wanted.
-    pub(crate) fn guarded<T>(
+    pub(crate) fn supervised<T>(
         &mut self,
         what: impl FnOnce(&mut Self) -> Result<T, Trouble>,
     ) -> Result<T, Trouble> {

@@ -1,6 +1,6 @@
 //! Compares the right side of a cut figure with the mirror image of its left side.
 
-use crate::simulation::observer::{Now, Observer};
+use crate::observers::{Now, Observer};
 use husillo_machine::Origin;
 use serde::Serialize;
 use std::collections::HashMap;
@@ -97,7 +97,7 @@ impl Observer for Symmetry {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulation::observer::tests::now;
+    use crate::observers::tests::now;
 
     #[test]
     fn only_cuts_are_compared() {

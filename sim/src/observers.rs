@@ -1,8 +1,24 @@
-//! Observers of a run, and the state of the machine that they get after each step.
+//! Observers of a simulated run, and the state of the machine that they get after each step.
+//!
+//! They compare what the tool does with the programmed path, which the simulated machine does not
+//! know.
 
+pub mod deviation;
+pub mod drawing;
+pub mod encoders;
+pub mod losses;
+pub mod moves;
+mod pace;
+pub mod phases;
+pub mod picture;
+pub mod speed;
+pub mod statistics;
+pub mod symmetry;
+pub mod trace;
+
+use crate::geometry::path::Path;
 use husillo_gcode::Nm;
 use husillo_machine::{Origin, Segment, StepEvent};
-use husillo_sim::geometry::path::Path;
 use husillo_stepper::Levels;
 use std::io;
 
@@ -97,7 +113,7 @@ impl<O: Observer> Observer for Option<O> {
 }
 
 #[cfg(test)]
-pub mod tests {
+pub(crate) mod tests {
     use super::*;
 
     /// A step of X, 1000 ticks after the one before.
@@ -175,7 +191,7 @@ pub mod tests {
     pub fn begun<'a>(segment: &'a Segment<3>, path: &'a Path) -> Begun<'a> {
         Begun {
             segment,
-            to: crate::programs::program::target(&segment.command).unwrap(),
+            to: segment.command.end().unwrap(),
             path,
             milli_rpm: 0,
         }

@@ -1,28 +1,29 @@
 //! The position of the simulated tool after each step, as CSV.
 
-use crate::simulation::observer::{Now, Observer};
+use crate::observers::{Now, Observer};
 use husillo_machine::Origin;
 use std::io::{self, Write};
 
 /// Writes `event,t_us,x_nm,y_nm,z_nm,kind`, one row per step.
-pub struct Trace {
-    out: Box<dyn Write>,
+#[derive(Debug)]
+pub struct Trace<W> {
+    out: W,
     timer_hz: u32,
 }
 
-impl Trace {
+impl<W: Write> Trace<W> {
     /// Writes the heading.
     ///
     /// # Errors
     ///
     /// It cannot be written.
-    pub fn new(mut out: Box<dyn Write>, timer_hz: u32) -> io::Result<Self> {
+    pub fn new(mut out: W, timer_hz: u32) -> io::Result<Self> {
         out.write_all(b"event,t_us,x_nm,y_nm,z_nm,kind\n")?;
         Ok(Self { out, timer_hz })
     }
 }
 
-impl Observer for Trace {
+impl<W: Write> Observer for Trace<W> {
     #[cold]
     fn step(&mut self, now: &Now<'_>) -> io::Result<()> {
         let micros = u128::from(now.ticks) * 1_000_000 / u128::from(self.timer_hz);
@@ -44,7 +45,7 @@ impl Observer for Trace {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulation::observer::tests::now;
+    use crate::observers::tests::now;
     use std::cell::RefCell;
     use std::rc::Rc;
 
@@ -64,7 +65,7 @@ mod tests {
     #[test]
     fn each_step_is_a_row() {
         let out = Shared::default();
-        let mut trace = Trace::new(Box::new(out.clone()), 2_000_000).unwrap();
+        let mut trace = Trace::new(out.clone(), 2_000_000).unwrap();
         trace.step(&now(1)).unwrap();
         let seen = Now {
             origin: Origin::TakeUp,

@@ -1,10 +1,10 @@
 //! The path of the tool and the programmed moves, for the pictures of the report.
 
-use crate::simulation::drawing::{Class, Drawing, Point};
-use crate::simulation::observer::{Begun, Now, Observer};
+use crate::geometry::path::Path;
+use crate::observers::drawing::{Class, Drawing, Point};
+use crate::observers::{Begun, Now, Observer};
 use husillo_gcode::{Command, Direction, Nm};
 use husillo_machine::Origin;
-use husillo_sim::geometry::path::Path;
 use std::io;
 
 /// A programmed move in the axes of the picture, nm.
@@ -40,7 +40,7 @@ impl Picture {
         Self {
             view,
             path: Path::line([0.0; 3], [0.0; 3]),
-            drawing: Drawing::new(),
+            drawing: Drawing::default(),
             ideal: Vec::new(),
             ideal_is_whole: true,
         }
@@ -130,7 +130,7 @@ impl Observer for Picture {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulation::observer::tests::{begun, line, now};
+    use crate::observers::tests::{begun, line, now};
 
     #[test]
     fn strokes_take_ups_and_the_programmed_line_are_kept() {

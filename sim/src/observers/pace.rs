@@ -1,10 +1,10 @@
 //! The programmed speed and the curve of a move, and the observer that measures the speed.
 
-use crate::simulation::observer::{Begun, Now, Observer};
-use crate::simulation::speed::{Circle, Move, Speed, Stop};
+use crate::geometry::path::Path;
+use crate::observers::speed::{Circle, Move, Speed, Stop};
+use crate::observers::{Begun, Now, Observer};
 use husillo_gcode::{Command, Feed, Nm};
 use husillo_machine::Origin;
-use husillo_sim::geometry::path::Path;
 use std::io;
 
 /// Speed and curve of a move.
@@ -59,7 +59,7 @@ impl Observer for Speed {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulation::observer::tests::{begun, line, now};
+    use crate::observers::tests::{begun, line, now};
 
     #[test]
     fn feed_dwell_and_take_up_are_recorded() {
@@ -81,7 +81,7 @@ mod tests {
         // A step of 1 um per millisecond, as programmed.
         let first = columns[0];
         assert_eq!((first.feed.high, first.programmed.high), (1e6, 1e6));
-        let has = |what: fn(&crate::simulation::speed::Column) -> bool| columns.iter().any(what);
+        let has = |what: fn(&crate::observers::speed::Column) -> bool| columns.iter().any(what);
         assert!(has(|column| column.dwell) && has(|column| column.take_up));
     }
 }
