@@ -33,7 +33,7 @@ use sweeps::{Law, Span};
 ///   pieces are, so nothing drifts. At constant speed the times add up to exactly the programmed
 ///   ones. The fraction of a tick is carried from event to event and from move to move.
 /// - **Within a piece** an event is at most 0.04 of its interval off, and the acceleration is at
-///   most 1.035 times the limit in the first 200 events from standstill and 1.01 times later.
+///   most 1.035 times the limit in the first 300 events from standstill and 1.02 times later.
 /// - **A change of mind** (limits, hold, resume) acts at the next event. The speed there is exact;
 ///   the difference between the true time and the time given so far is part of the next piece.
 /// - The event in which the acceleration changes takes the time of the mean of its end speeds.
@@ -97,8 +97,8 @@ pub struct Ramp {
     top: u32,
     programmed_top: u32,
     start: u32,
-    /// The speed from which the speed may fall to any lower one at once: the start speed of the move
-    /// of the last event.
+    /// The speed from which the speed may fall to any lower one at once: the start speed of the
+    /// move of the last event.
     drop: u32,
     cruise_ticks_q16: u64,
     total_sweep: u64,
@@ -219,6 +219,10 @@ impl Ramp {
         .saturating_add(1);
         let wide = 66_u32.saturating_sub(gain.leading_zeros());
         self.course.path = gain.wrapping_shr(wide) as u64;
+        if wide != 0 {
+            // At most 2^62.
+            self.course.path = self.course.path.wrapping_add(1).min((1 << 62) - 1);
+        }
         // At most 62.
         self.course.wide = wide as u8;
     }
@@ -293,7 +297,7 @@ impl Ramp {
         }
         if self.piece.count == 0 {
             let single = if self.table.left != 0 {
-                Some(self.from_table())
+                Some(self.next_of_table())
             } else {
                 self.next_events()?
             };
@@ -316,7 +320,7 @@ impl Ramp {
             return self.wait_swept(sweep);
         }
         let single = if self.table.left != 0 {
-            Some(self.from_table())
+            Some(self.next_of_table())
         } else if self.piece.count == 0 {
             self.next_events()?
         } else {
@@ -379,7 +383,7 @@ impl Ramp {
                     return Some(None);
                 }
                 if count > 1 && self.fill_table(count, time, from.speed == 0) {
-                    return Some(Some(self.from_table()));
+                    return Some(Some(self.next_of_table()));
                 }
                 time
             }
@@ -441,7 +445,7 @@ impl Ramp {
     }
 
     /// The next event next to standstill; the last one takes the rest of the time.
-    fn from_table(&mut self) -> u64 {
+    fn next_of_table(&mut self) -> u64 {
         let table = &mut self.table;
         table.left = table.left.wrapping_sub(1);
         if table.left == 0 {

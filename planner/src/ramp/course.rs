@@ -73,7 +73,12 @@ impl Course {
     /// Change of the square over a grain; limited to 64 bits, above all squares.
     #[inline]
     pub(crate) fn gain(&self) -> u64 {
-        if self.wide == 0 { self.path } else { u64::MAX }
+        match self.wide {
+            0 => self.path,
+            // The path has 62 bits.
+            1 | 2 => self.path.wrapping_shl(self.wide.into()),
+            _ => u64::MAX,
+        }
     }
 
     /// Makes the next part choose its phase.
@@ -257,21 +262,24 @@ impl Course {
         Part::Corner { from, change, path }
     }
 
+    /// The root of half the gain of a path.
+    fn peak(&self, path: u64) -> u64 {
+        let wide = u32::from(self.wide);
+        // An even number of bits goes out of the root.
+        let odd = wide & 1;
+        let root = Root::of(path.wrapping_shr(1_u32.wrapping_sub(odd)));
+        u64::from(root.speed).wrapping_shl(wide.wrapping_sub(odd) >> 1)
+    }
+
     /// The time of a corner: its path at the mean of the speeds.
     pub(crate) fn corner_time(&self, from: &Root, path: u64) -> u64 {
         let mut speeds = u64::from(from.speed).wrapping_add(self.root.speed.into());
-        let half = path.wrapping_shr(1);
-        // The first square is that of the sum, at most four times too large.
-        if self.wide != 0 || speeds.wrapping_mul(speeds) < half {
+        let peak = self.peak(path);
+        if speeds < peak {
             // It starts and ends nearly at rest: the speed rises and falls within it. The mean is
             // half of the peak sqrt(a s), which is the root of half the gain.
             let top = u64::from(Root::of(self.top).speed).wrapping_mul(2);
-            let peak = if self.wide == 0 {
-                top.min(Root::of(half).speed.into())
-            } else {
-                top
-            };
-            speeds = speeds.max(peak);
+            speeds = speeds.max(peak.min(top));
         }
         // The time of a change of speed by path / speeds. The divisor has 32 bits, the quotient at
         // least 31.
