@@ -1,7 +1,9 @@
 //! Machines of four to six axes: what a feed measures, exact ends, limits and ramps of each axis.
 
 use husillo_gcode::{Axes, Dialect, Nm};
-use husillo_machine::{Axis, AxisRamp, Config, Event, Machine, MoveError, Refused, Scale};
+use husillo_machine::{
+    Axis, AxisRamp, Config, Equipment, Event, Machine, MoveError, Refused, Scale,
+};
 use proptest::prelude::*;
 use std::collections::VecDeque;
 
@@ -29,6 +31,7 @@ fn config(timer_hz: u32, max_rate_hz: u32, ramp: Option<AxisRamp>) -> Config<6> 
         top_feed: None,
         corner_deviation: None,
         spindle_counts: None,
+        equipment: Equipment::NONE,
     }
 }
 

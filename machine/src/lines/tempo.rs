@@ -64,7 +64,7 @@ impl<const N: usize> Config<N> {
         let hz = u64::from(self.timer_hz);
         let (feed, to) = match &segment.command {
             Command::Rapid { to } => (None, to),
-            Command::Linear { to, feed } => (Some(feed), to),
+            Command::Linear { to, feed } | Command::Probe { to, feed, .. } => (Some(feed), to),
             Command::Thread { to, .. } => (None, to),
             Command::Arc { arc, feed } => (Some(feed), &arc.to),
             _ => return Tempo::NONE,

@@ -1,7 +1,7 @@
 //! Measures one method on one or many moves: iterations, error, speed and ripple.
 
-use crate::methods::curve::Curve;
-use crate::methods::method::{AXES, Method, Shape};
+use crate::curve::Curve;
+use crate::method::{AXES, Method, Shape};
 use serde::Serialize;
 
 /// Numbers of events of the windows of the ripple.
@@ -226,7 +226,7 @@ pub fn stepped(at: &[f64; AXES], delta: &[i8; AXES]) -> [f64; AXES] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::methods::method::{ARCS, by_name};
+    use crate::method::{ARCS, by_name};
     use husillo_interp::{ArcMove, Direction, Rim};
 
     fn circle(name: &str, radius: i32) -> Tally {

@@ -1,9 +1,8 @@
 //! Tables 7 to 12 of the micro mill: interpolators, phase sequences, the power chip.
 
-use crate::cli::Turning;
-use crate::methods::compare::{self, Bench};
-use crate::methods::decision::Weights;
-use husillo_metrology::originals::{Parameter, Row, Table};
+use crate::originals::{Parameter, Row, Table};
+use husillo_interp::Direction;
+use husillo_methods::{Comparer, Move, Weights};
 use husillo_stepper::{CoilDriver, Driver, FULL_CURRENT, Mode, Sequencer};
 
 /// Radius of the circle, steps. The original prints um, but its counts are those of 30 steps.
@@ -63,9 +62,9 @@ const INTERPOLATORS: [Interpolator; 3] = [
 /// Iterations and largest error in nm of each interpolator on the circle.
 fn walked() -> Result<[(f64, f64); 3], String> {
     let names = INTERPOLATORS.map(|one| one.method).join(",");
-    let mut bench = Bench::new(Some(&names))?;
-    bench.add(&compare::circle(RADIUS, Turning::Ccw));
-    let rows = bench.finish(String::new(), None, Weights(WEIGHTS)).rows;
+    let mut comparer = Comparer::new(Some(&names))?;
+    comparer.add(&Move::circle(RADIUS, Direction::CounterClockwise));
+    let rows = comparer.finish(String::new(), None, Weights(WEIGHTS)).rows;
     let of = |one: &Interpolator| {
         let row = rows.iter().find(|row| row.method == one.method);
         let row = row.ok_or_else(|| format!("{} makes no circle", one.method))?;
@@ -76,6 +75,10 @@ fn walked() -> Result<[(f64, f64); 3], String> {
 }
 
 /// Table 7: iterations, errors and times of the interpolators.
+///
+/// # Errors
+///
+/// A method refuses its circle.
 pub fn interpolators() -> Result<Table, String> {
     let mut rows = Vec::new();
     for (one, (iterations, error_nm)) in INTERPOLATORS.iter().zip(walked()?) {
@@ -104,6 +107,10 @@ pub fn interpolators() -> Result<Table, String> {
 }
 
 /// Table 9: the marks of the interpolators by the rules of the original.
+///
+/// # Errors
+///
+/// A method refuses its circle.
 pub fn marks() -> Result<Table, String> {
     let walked = walked()?;
     let fewest = walked
@@ -185,6 +192,10 @@ const SEQUENCES: [(&str, Mode, &[Phases]); 3] = [
 ];
 
 /// Table 10: the terms of each phase sequence that the sequencer passes too.
+///
+/// # Errors
+///
+/// The chip does not have a mode.
 pub fn sequences() -> Result<Table, String> {
     let mut rows = Vec::new();
     for (name, mode, printed) in SEQUENCES {

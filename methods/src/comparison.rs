@@ -1,11 +1,9 @@
-//! `husillo compare`: runs all methods on one move, or on every feed move of a program.
+//! Runs all methods on one move, or on every feed move of a program.
 
-use crate::cli::{Compare, Turning};
-use crate::methods::curve::Curve;
-use crate::methods::decision::{self, Points, Weights};
-use crate::methods::interpolate::{integers, pair, scaled};
-use crate::methods::method::{self, AXES, Method, Shape};
-use crate::methods::trial::{Speed, Tally};
+use crate::curve::Curve;
+use crate::decision::{self, Points, Weights};
+use crate::method::{self, AXES, Method, Shape};
+use crate::trial::{Speed, Tally};
 use husillo_interp::{ArcMove, Direction, Rim};
 use serde::Serialize;
 
@@ -67,6 +65,37 @@ pub struct Move {
 }
 
 impl Move {
+    /// A line from zero. `None` if it has no step.
+    pub fn line(delta: [i32; AXES]) -> Option<Self> {
+        (delta != [0; AXES]).then(|| Self {
+            shape: Shape::Line(delta),
+            rounded: None,
+            curve: Curve::line([0.0; AXES], delta.map(f64::from)),
+        })
+    }
+
+    /// An arc, with its exact curve.
+    pub fn arc(arc: ArcMove) -> Self {
+        Self {
+            rounded: None,
+            curve: Curve::of(&arc, None),
+            shape: Shape::Arc(arc),
+        }
+    }
+
+    /// A full circle about zero, of a radius in steps.
+    pub fn circle(radius: i32, direction: Direction) -> Self {
+        Self::arc(ArcMove {
+            from: [radius, 0],
+            to: [radius, 0],
+            centre: [0; 2],
+            fraction_bits: 0,
+            direction,
+            turns: 0,
+            rim: Rim::Spiral,
+        })
+    }
+
     /// The move in the form that a method accepts.
     fn shape_for(&self, method: &Method) -> &Shape {
         match &self.rounded {
@@ -93,13 +122,13 @@ pub struct Comparison {
 
 /// Runs the methods and sums their results over all moves.
 #[derive(Debug)]
-pub struct Bench {
+pub struct Comparer {
     only: Option<Vec<String>>,
     tallies: Vec<(&'static Method, bool, Tally)>,
     notes: Vec<(String, u64)>,
 }
 
-impl Bench {
+impl Comparer {
     /// Compares all methods, or `only` some.
     ///
     /// # Errors
@@ -227,132 +256,5 @@ fn row(method: &Method, shape: &'static str, tally: &Tally) -> Row {
         },
         points: Points::default(),
         worst_at: tally.worst_at,
-    }
-}
-
-/// Reads a centre `X,Y`. Also returns its number of fractional bits, which is 0 for whole
-/// coordinates, because the published methods take no others.
-fn centre_of(text: &str) -> Result<([i64; 2], u8), String> {
-    let centre = text.split(',').map(|text| scaled(text, 16));
-    let centre: [i64; 2] = centre
-        .collect::<Result<Vec<_>, _>>()?
-        .try_into()
-        .map_err(|_| "--centre takes X,Y".to_owned())?;
-    let is_whole = centre.iter().all(|at| at & 0xffff == 0);
-    Ok(match is_whole {
-        true => (centre.map(|at| at >> 16), 0),
-        false => (centre, 16),
-    })
-}
-
-/// A full circle of a radius in steps.
-pub fn circle(radius: i32, direction: Turning) -> Move {
-    job_of(arc_move([radius, 0], [radius, 0], [0; 2], 0, direction))
-}
-
-/// The move of `circle`, `arc` or `line`, and its title. `None` for the name of a file.
-///
-/// # Errors
-///
-/// A message about a wrong option.
-pub fn one_move(args: &Compare) -> Result<Option<(Move, String)>, String> {
-    let needs = |option: &Option<String>, name: &str| {
-        option
-            .clone()
-            .ok_or_else(|| format!("{} needs {name}", args.job))
-    };
-    let refuse = |given: bool, name: &str| match given {
-        true => Err(format!("{} takes no {name}", args.job)),
-        false => Ok(()),
-    };
-    match args.job.as_str() {
-        "line" => {
-            refuse(args.radius.is_some(), "--radius")?;
-            refuse(
-                args.from.is_some() || args.centre.is_some(),
-                "--from or --centre",
-            )?;
-            let to = integers(&needs(&args.to, "--to X,Y")?, "--to")?;
-            if !(2..=AXES).contains(&to.len()) {
-                return Err(format!(
-                    "--to has {} axes; two to six are possible",
-                    to.len()
-                ));
-            }
-            let mut delta = [0; AXES];
-            delta[..to.len()].copy_from_slice(&to);
-            if delta == [0; AXES] {
-                return Err("--to is the start of the line".to_owned());
-            }
-            let curve = Curve::line([0.0; AXES], delta.map(f64::from));
-            let title = format!("Line to {}", list(&to));
-            let shape = Shape::Line(delta);
-            Ok(Some((
-                Move {
-                    shape,
-                    rounded: None,
-                    curve,
-                },
-                title,
-            )))
-        }
-        "circle" => {
-            refuse(args.from.is_some() || args.to.is_some(), "--from or --to")?;
-            refuse(args.centre.is_some(), "--centre")?;
-            let radius = args.radius.unwrap_or(30);
-            let title = format!("Circle of radius {radius}");
-            Ok(Some((circle(radius, args.direction), title)))
-        }
-        "arc" => {
-            refuse(args.radius.is_some(), "--radius")?;
-            let from = pair(&needs(&args.from, "--from X,Y")?, "--from")?;
-            let to = pair(&needs(&args.to, "--to X,Y")?, "--to")?;
-            let (centre, bits) = centre_of(&needs(&args.centre, "--centre X,Y")?)?;
-            let arc = arc_move(from, to, centre, bits, args.direction);
-            let title = format!("Arc from {} to {}", list(&from), list(&to));
-            Ok(Some((job_of(arc), title)))
-        }
-        _ => {
-            let given = args.radius.is_some() || args.to.is_some() || args.from.is_some();
-            refuse(
-                given || args.centre.is_some(),
-                "--radius, --from, --to or --centre: it is a program",
-            )?;
-            Ok(None)
-        }
-    }
-}
-
-fn list(numbers: &[i32]) -> String {
-    let numbers: Vec<String> = numbers.iter().map(i32::to_string).collect();
-    numbers.join(",")
-}
-
-fn arc_move(
-    from: [i32; 2],
-    to: [i32; 2],
-    centre: [i64; 2],
-    fraction_bits: u8,
-    direction: Turning,
-) -> ArcMove {
-    ArcMove {
-        from,
-        to,
-        centre,
-        fraction_bits,
-        direction: match direction {
-            Turning::Cw => Direction::Clockwise,
-            Turning::Ccw => Direction::CounterClockwise,
-        },
-        turns: 0,
-        rim: Rim::Spiral,
-    }
-}
-
-fn job_of(arc: ArcMove) -> Move {
-    Move {
-        rounded: None,
-        curve: Curve::of(&arc, None),
-        shape: Shape::Arc(arc),
     }
 }

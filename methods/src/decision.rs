@@ -1,14 +1,10 @@
 //! The decision matrix: rates the methods by weighted criteria.
 
-use crate::methods::compare::Row;
+use crate::comparison::Row;
 use serde::Serialize;
 
 /// Names of the criteria, in the order of the weights.
 pub const CRITERIA: [&str; 4] = ["error", "iterations", "evenness", "work"];
-/// The points that the builders of the micro mill gave.
-pub const ORIGINAL: &str = "The builders of the micro mill used the same weights with their own \
-     criteria. They gave direct search 90.5, DDA 84.4 and the staircase 72.1 points: see `husillo \
-     reproduce micromill 9`.";
 
 /// Weights of the criteria: none negative, some positive.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,22 +26,16 @@ pub struct Points {
 }
 
 impl Weights {
-    /// Reads `3,3,3,1`.
-    ///
-    /// # Errors
-    ///
-    /// The text is not four such numbers.
-    pub fn parse(text: &str) -> Result<Self, String> {
-        let wrong =
-            || format!("--weights: `{text}` is not four numbers from 0 up, one of them above 0");
-        let weights: Vec<f64> = text
+    /// Reads `3,3,3,1`. `None` if the text is not four numbers from 0 up, one of them above 0.
+    pub fn parse(text: &str) -> Option<Self> {
+        let weights: Result<Vec<f64>, _> = text
             .split(',')
-            .map(|weight| weight.trim().parse().map_err(|_| wrong()))
-            .collect::<Result<_, _>>()?;
-        let weights: [f64; CRITERIA.len()] = weights.try_into().map_err(|_| wrong())?;
+            .map(|weight| weight.trim().parse())
+            .collect();
+        let weights: [f64; CRITERIA.len()] = weights.ok()?.try_into().ok()?;
         let is_fine = weights.iter().all(|w| (0.0..=1e6).contains(w))
             && weights.iter().any(|weight| *weight > 0.0);
-        is_fine.then_some(Self(weights)).ok_or_else(wrong)
+        is_fine.then_some(Self(weights))
     }
 
     /// Weighted mean of four values.
@@ -120,9 +110,12 @@ mod tests {
 
     #[test]
     fn weights_are_read_and_averaged() {
-        assert_eq!(Weights::parse("3,3,3,1"), Ok(Weights([3.0, 3.0, 3.0, 1.0])));
+        assert_eq!(
+            Weights::parse("3,3,3,1"),
+            Some(Weights([3.0, 3.0, 3.0, 1.0]))
+        );
         for text in ["", "1,2,3", "0,0,0,0", "1,1,1,-1", "1,1,1,nan", "1,2,3,4,5"] {
-            assert!(Weights::parse(text).is_err(), "{text}");
+            assert!(Weights::parse(text).is_none(), "{text}");
         }
         assert_eq!(
             Weights([3.0, 3.0, 3.0, 1.0]).mean([100.0, 100.0, 100.0, 0.0]),

@@ -1,8 +1,8 @@
 //! Puts programmed moves on the grid of a machine, for the methods.
 
-use crate::methods::compare::Move;
-use crate::methods::curve::Curve;
-use crate::methods::method::{AXES, Shape};
+use crate::comparison::Move;
+use crate::curve::Curve;
+use crate::method::{AXES, Shape};
 use husillo_gcode::{Arc, Direction, Nm};
 use husillo_interp::{ArcMove, Rim, fraction_bits_for};
 use husillo_machine::{Config, Scale};

@@ -1,7 +1,7 @@
 //! The exact curve of one move on the grid: distances from it and progress along it. All lengths
 //! are in BLU.
 
-use crate::methods::method::AXES;
+use crate::method::AXES;
 use husillo_interp::{ArcMove, Direction};
 use husillo_sim::geometry::turn;
 use std::f64::consts::TAU;

@@ -1,12 +1,11 @@
-//! A drill file as the records of the circuit-board drill, tool by tool.
+//! A board as the records of the circuit-board drill: options, errors, and what is printed.
 
-use crate::cli::{Layout, SlotHandling};
+use super::count;
+use crate::cli::Layout;
 use crate::diagnostics::{Finding, Severity};
-use crate::holes::drill_code::overlapping;
-use crate::holes::{Board, count};
 use crate::text::json::{self, Millimetres};
-use husillo_excellon::{Hole, Path, Tool};
 use husillo_gcode::Nm;
+use husillo_holes::{Board, RecordsError, SlotError, SlotHandling, ToolRecords, records};
 use husillo_transports::drill::{OffTable, Record, Table, record_bytes};
 use serde::Serialize;
 use std::io::{self, Write};
@@ -18,17 +17,6 @@ pub struct Compiler {
     slots: SlotHandling,
     /// The tools were chosen on the command line.
     chosen: bool,
-}
-
-/// The holes of one tool as records, three per hole.
-#[derive(Debug)]
-pub struct ToolRecords {
-    /// The tool.
-    pub tool: Tool,
-    /// Number of holes, including those of slots.
-    pub holes: usize,
-    /// Its records.
-    pub records: Vec<Record>,
 }
 
 /// Why there are no records.
@@ -49,7 +37,7 @@ impl Compiler {
             } else {
                 Table::DRILL
             },
-            slots: args.slots.unwrap_or(SlotHandling::Drill),
+            slots: args.slots.map_or(SlotHandling::Drill, Into::into),
             chosen: !args.only.is_empty(),
         }
     }
@@ -60,60 +48,15 @@ impl Compiler {
     ///
     /// Slots that cannot be drilled, holes off the table.
     pub fn compile(&self, board: &Board, file: &str) -> Result<Vec<ToolRecords>, Refusal> {
-        self.check_slots(board).map_err(Refusal::Usage)?;
-        let (mut off, mut first) = (0, None);
-        let mut all = Vec::new();
-        for number in board.tools_in_use() {
-            let holes = board.holes.iter().copied();
-            let mut holes: Vec<Hole> = holes.filter(|hole| hole.tool.number == number).collect();
-            let slots = board.slots.iter();
-            holes.extend(
-                slots
-                    .filter(|slot| slot.tool.number == number)
-                    .flat_map(overlapping),
-            );
-            let Some(tool) = holes.first().map(|hole| hole.tool) else {
-                continue;
-            };
-            let mut records = Vec::with_capacity(3 * holes.len());
-            for hole in &holes {
-                match self.table.hole(hole.at_nm) {
-                    Ok(hole) => records.extend(hole),
-                    Err(error) => {
-                        off += 1;
-                        first = first.or(Some(error));
-                    }
-                }
+        records(board, self.table, self.slots).map_err(|error| match error {
+            RecordsError::Slots(error @ SlotError::NoDiameter) => {
+                Refusal::Usage(format!("{error}: see --tool"))
             }
-            all.push(ToolRecords {
-                tool,
-                holes: holes.len(),
-                records,
-            });
-        }
-        match first {
-            Some(first) => Err(Refusal::Finding(Box::new(self.off_table(file, off, first)))),
-            None => Ok(all),
-        }
-    }
-
-    fn check_slots(&self, board: &Board) -> Result<(), String> {
-        let slots = &board.slots;
-        let refused = match self.slots {
-            _ if slots.is_empty() => return Ok(()),
-            SlotHandling::Rout => "this drill cannot rout",
-            SlotHandling::Refuse => {
-                return Err(format!("the file has {}", count(slots.len(), "slot")));
+            RecordsError::Slots(error) => Refusal::Usage(error.to_string()),
+            RecordsError::OffTable { holes, first } => {
+                Refusal::Finding(Box::new(self.off_table(file, holes, first)))
             }
-            SlotHandling::Drill if slots.iter().any(|slot| slot.path != Path::Straight) => {
-                "a curved slot cannot be drilled"
-            }
-            SlotHandling::Drill if slots.iter().any(|slot| slot.tool.diameter_nm.is_none()) => {
-                "a slot cannot be drilled without its diameter: see --tool"
-            }
-            SlotHandling::Drill => return Ok(()),
-        };
-        Err(refused.to_owned())
+        })
     }
 
     fn off_table(&self, file: &str, off: usize, first: OffTable) -> Finding {

@@ -1,28 +1,90 @@
 //! The position of a board on the machine: mirrored, turned, fitted to measured holes, moved.
 
-use crate::cli::{Layout, Mirror};
-use crate::holes::{Board, length};
+use crate::Board;
 use husillo_excellon::{LIMIT_NM, Path};
 use husillo_gcode::Nm;
+use std::error::Error;
 use std::fmt;
 
-/// The position of a board from the command line.
-#[derive(Debug, Default)]
-pub struct Placement {
-    mirror: Option<Mirror>,
-    turn_degrees: f64,
-    /// Position of a hole in the file, and its measured position, nm.
-    references: Vec<[[f64; 2]; 2]>,
-    stretches: bool,
-    shift: Option<Shift>,
+/// The axis whose sign changes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mirror {
+    /// X.
+    X,
+    /// Y.
+    Y,
 }
 
 /// Where a board is moved.
-#[derive(Clone, Copy, Debug)]
-enum Shift {
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shift {
+    /// By X and Y.
     By([Nm; 2]),
+    /// Its smallest X and Y go to zero.
     Corner,
 }
+
+/// The position of a board: first mirrored, then turned, fitted and moved.
+#[derive(Clone, Debug, Default)]
+pub struct Placement {
+    /// Turns the board over.
+    pub mirror: Option<Mirror>,
+    /// Counter-clockwise.
+    pub turn_degrees: f64,
+    /// Positions of holes in the file, and their measured positions, nm. Two or more turn and shift
+    /// the board onto them.
+    pub references: Vec<[[f64; 2]; 2]>,
+    /// Whether the references also correct scale and skew.
+    pub stretches: bool,
+    /// The last movement.
+    pub shift: Option<Shift>,
+}
+
+/// Why a board cannot be placed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PlacementError {
+    /// A position is out of reach.
+    Far,
+    /// There is one reference, which does not determine the turn.
+    OneReference,
+    /// All references are within a millimetre.
+    NearReferences,
+    /// The measured positions are the mirror image of the file.
+    MirrorImage,
+    /// The board would be this long in X and Y, relative to the file.
+    Stretched([f64; 2]),
+    /// When the others fit, one reference is this far off, in nm.
+    Residual(f64),
+}
+
+impl fmt::Display for PlacementError {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Far => out.write_str("the board is moved out of reach"),
+            Self::OneReference => out.write_str("one reference does not determine the turn"),
+            Self::NearReferences => {
+                out.write_str("the reference holes are less than a millimetre apart")
+            }
+            Self::MirrorImage => {
+                out.write_str("the measured positions are the mirror image of the file")
+            }
+            Self::Stretched([x, y]) => write!(
+                out,
+                "the measured board is {:.1} % as long as the file in X and {:.1} % in Y; are \
+                 these the holes, and the unit?",
+                100.0 * x,
+                100.0 * y
+            ),
+            Self::Residual(nm) => write!(
+                out,
+                "one reference is {:.3} mm off when the others fit; are these the holes?",
+                nm / 1e6
+            ),
+        }
+    }
+}
+
+impl Error for PlacementError {}
 
 /// The result of a fit to measured holes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -110,40 +172,15 @@ impl Affine {
 }
 
 impl Placement {
-    /// Reads the options.
-    ///
-    /// # Errors
-    ///
-    /// A sentence about the option that is wrong.
-    pub fn new(args: &Layout) -> Result<Self, String> {
-        let references: Vec<_> = args
-            .reference
-            .iter()
-            .map(|text| reference(text))
-            .collect::<Result<_, _>>()?;
-        if references.len() == 1 {
-            return Err(
-                "one --reference does not determine the turn: give two, or use --shift".into(),
-            );
-        }
-        if args.stretch && references.is_empty() {
-            return Err("--stretch needs --reference".into());
-        }
-        Ok(Self {
-            mirror: args.mirror,
-            turn_degrees: args.turn,
-            references,
-            stretches: args.stretch,
-            shift: args.shift.as_deref().map(shift).transpose()?,
-        })
-    }
-
     /// Moves holes and slots. Returns the fit, if there is one.
     ///
     /// # Errors
     ///
-    /// A position is out of reach, or all references are at one position.
-    pub fn apply(&self, board: &mut Board) -> Result<Option<Fit>, String> {
+    /// A position is out of reach, or the references do not fit: see [`PlacementError`].
+    pub fn apply(&self, board: &mut Board) -> Result<Option<Fit>, PlacementError> {
+        if self.references.len() == 1 {
+            return Err(PlacementError::OneReference);
+        }
         let mirrored = Affine {
             matrix: match self.mirror {
                 None => Affine::NONE.matrix,
@@ -177,8 +214,8 @@ impl Placement {
     }
 }
 
-fn move_all(map: &Affine, board: &mut Board) -> Result<(), String> {
-    let far = "the board is moved out of reach: see --shift, --turn and --reference";
+fn move_all(map: &Affine, board: &mut Board) -> Result<(), PlacementError> {
+    let far = PlacementError::Far;
     for hole in &mut board.holes {
         hole.at_nm = map.place(hole.at_nm).ok_or(far)?;
     }
@@ -235,7 +272,7 @@ impl Moments {
 
 /// The map that brings the first of each pair nearest to the second, by least squares: a turn and
 /// an offset; with `stretches` also scales and skew.
-fn fit(pairs: &[[[f64; 2]; 2]], stretches: bool) -> Result<(Affine, Fit), String> {
+fn fit(pairs: &[[[f64; 2]; 2]], stretches: bool) -> Result<(Affine, Fit), PlacementError> {
     let Moments {
         means: [from, to],
         own,
@@ -243,13 +280,11 @@ fn fit(pairs: &[[[f64; 2]; 2]], stretches: bool) -> Result<(Affine, Fit), String
     } = Moments::of(pairs);
     let size = own[0][0] + own[1][1];
     if size < 1e12 {
-        return Err("the holes of --reference are less than a millimetre apart".into());
+        return Err(PlacementError::NearReferences);
     }
     let (along, across) = (cross[0][0] + cross[1][1], cross[1][0] - cross[0][1]);
     if cross[0][0] * cross[1][1] - cross[0][1] * cross[1][0] < -1e-6 * size * size {
-        return Err(
-            "what --reference measured is the mirror image of the file: see --mirror".into(),
-        );
+        return Err(PlacementError::MirrorImage);
     }
     let angle = across.atan2(along);
     let rigid = Affine::turned(angle.to_degrees()).matrix;
@@ -303,23 +338,13 @@ fn fit(pairs: &[[[f64; 2]; 2]], stretches: bool) -> Result<(Affine, Fit), String
 }
 
 /// Refuses a fit with a larger error than a drill has: it is that of another file, unit, or hole.
-fn check_fit(scale: [f64; 2], residual_nm: f64) -> Result<(), String> {
-    if scale
-        .iter()
-        .any(|scale| !(scale - 1.0).abs().le(&MAX_STRETCH))
-    {
-        let percent = scale.map(|scale| 100.0 * scale);
-        return Err(format!(
-            "--reference: what was measured is {:.1} % as long as the file in X and {:.1} % in Y; \
-             are these the holes, and the unit?",
-            percent[0], percent[1]
-        ));
+fn check_fit(scale: [f64; 2], residual_nm: f64) -> Result<(), PlacementError> {
+    let is_near = |scale: &f64| (scale - 1.0).abs().le(&MAX_STRETCH);
+    if !scale.iter().all(is_near) {
+        return Err(PlacementError::Stretched(scale));
     }
     if residual_nm > MAX_RESIDUAL_NM {
-        return Err(format!(
-            "--reference: one place is {:.3} mm off when the others fit; are these the holes?",
-            residual_nm / 1e6
-        ));
+        return Err(PlacementError::Residual(residual_nm));
     }
     Ok(())
 }
@@ -341,33 +366,6 @@ impl fmt::Display for Fit {
             self.residual_nm / 1e3
         )
     }
-}
-
-/// `X,Y=X,Y`: in the file, and measured.
-fn reference(text: &str) -> Result<[[f64; 2]; 2], String> {
-    let point = |text: &str| {
-        let (x, y) = text.split_once(',')?;
-        Some([length(x)?, length(y)?].map(|nm| nm.0 as f64))
-    };
-    let pair = text
-        .split_once('=')
-        .and_then(|(file, measured)| Some([point(file)?, point(measured)?]));
-    pair.ok_or_else(|| {
-        format!(
-            "--reference {text}: a place in the file and where it was measured, as in 5,5=5.02,4.97"
-        )
-    })
-}
-
-fn shift(text: &str) -> Result<Shift, String> {
-    if text == "corner" {
-        return Ok(Shift::Corner);
-    }
-    let by = text
-        .split_once(',')
-        .and_then(|(x, y)| Some([length(x)?, length(y)?]));
-    by.map(Shift::By)
-        .ok_or_else(|| format!("--shift {text}: two lengths as in 5,-2.5 or 0.1in,0, or corner"))
 }
 
 #[cfg(test)]
