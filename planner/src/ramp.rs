@@ -391,13 +391,15 @@ impl Ramp {
         Some(Some(self.paid(time)))
     }
 
-    /// A time together with what is owed, which is then paid.
+    /// A time together with what is owed, which is then paid. Events that were too late make the
+    /// next ones at most 1/128 faster, so that no speed is exceeded by more; the rest is owed for
+    /// longer.
     fn paid(&mut self, time: u64) -> u64 {
-        let sum = time.checked_add_signed(self.late);
-        // More is owed than the event takes, or it never comes.
-        let paid = sum.unwrap_or(if self.late < 0 { 0 } else { u64::MAX });
-        self.late = self.late.wrapping_sub(paid.wrapping_sub(time) as i64);
-        paid
+        // Times are below 2^63.
+        let most = (time >> 7) as i64;
+        let late = self.late.max(most.wrapping_neg());
+        self.late = self.late.wrapping_sub(late);
+        time.saturating_add_signed(late)
     }
 
     /// Begins a piece at constant speed. Its time is rounded up, so the programmed time is never
@@ -416,7 +418,8 @@ impl Ramp {
         let share = if rest > 0 {
             share.wrapping_add(1)
         } else {
-            share.wrapping_neg()
+            // At most 1/128 faster, as in `paid`.
+            share.min(interval >> 7).wrapping_neg()
         };
         self.late = rest.wrapping_sub(share.wrapping_mul(count.into()) as i64);
         self.piece = Piece {

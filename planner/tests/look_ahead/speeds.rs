@@ -55,6 +55,9 @@ fn check_against_optimum(moves: &[Move], percent: u8) -> Result<(), TestCaseErro
         } else {
             0.0
         };
+        // The model knows the place to 1e-6 nm.
+        let place = 2e-6 * one.stretch.acceleration_nm_per_s2 as f64;
+        let corner = corner + place / (speed + place.sqrt());
         prop_assert!(
             error <= 2.0 + speed * 1e-6 + 8.0 / speed.max(1.0).sqrt() + corner,
             "{speed} for {event:?}"
