@@ -1,6 +1,6 @@
 //! Lengths for people.
 
-use crate::text::number::shortest;
+use crate::text::shortest;
 
 /// Millimetres with six decimals, which show nanometres.
 pub fn millimetres(nm: f64) -> String {

@@ -1,11 +1,11 @@
 //! The measuring report: one self-contained HTML file without scripts.
 
-use super::heading::Heading;
+use super::Heading;
 use super::listing::{limits, summary};
 use super::picture::{self, ABOVE, FRONT};
-use crate::page::frame;
-use crate::text::escape::escape;
-use crate::text::length::length;
+use crate::frame;
+use crate::text::escape;
+use crate::text::length;
 use husillo_metrology::routine::{Dimension, Feature, Site, Verdict, decimal, signed};
 use std::fmt::Write;
 

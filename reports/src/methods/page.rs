@@ -1,8 +1,8 @@
 //! The page of `husillo compare`: tables, the matrix with adjustable weights, the picture.
 
-use crate::methods::compare_picture;
-use crate::methods::compare_text::{ORIGINAL, instructions};
-use crate::page::frame;
+use super::picture;
+use super::text::{ORIGINAL, instructions};
+use crate::frame;
 use husillo_methods::trial::{Speed, WINDOWS};
 use husillo_methods::{CRITERIA, Comparison, Row};
 use std::fmt::Write;
@@ -62,8 +62,8 @@ pub fn html(of: &Comparison) -> String {
             matrix(&mut page, of, &rows);
         }
     }
-    if let Some(one) = of.one.as_ref().filter(|one| compare_picture::is_flat(one)) {
-        compare_picture::section(&mut page, one, &of.rows);
+    if let Some(one) = of.one.as_ref().filter(|one| picture::is_flat(one)) {
+        picture::section(&mut page, one, &of.rows);
     }
     frame::notes(&mut page, &of.notes);
     frame::close(page, Some(SCRIPT))

@@ -1,6 +1,6 @@
 //! The common parts of all pages: head, style, header, figures, notes.
 
-use crate::text::escape::escape;
+use crate::text::escape;
 use std::fmt::{Display, Write};
 
 /// Colours and shapes of all pages, light and dark.

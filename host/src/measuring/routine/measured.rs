@@ -1,19 +1,6 @@
-//! What a report of a routine begins with.
+//! The time at which a routine was measured.
 
 use jiff::Timestamp;
-
-/// The routine, the part, the machine and the time.
-#[derive(Debug)]
-pub struct Heading<'a> {
-    /// Name of the routine.
-    pub routine: &'a str,
-    /// Name or number of the part, as the operator gave it.
-    pub part: Option<&'a str>,
-    /// The machine in words.
-    pub machine: &'a str,
-    /// Time of the measurement, UTC.
-    pub measured: String,
-}
 
 /// The present time, UTC, as in `2026-11-25 10:40`. `SOURCE_DATE_EPOCH` in the environment replaces
 /// it, so that a report can be made again byte by byte.

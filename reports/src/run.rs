@@ -1,9 +1,9 @@
 //! The report of a run: one self-contained HTML file without scripts, which needs no network.
 
-use crate::page::chart;
-use crate::page::frame;
-use crate::text::escape::escape;
-use crate::text::length::{length, millimetres};
+use crate::chart;
+use crate::frame;
+use crate::text::escape;
+use crate::text::{length, millimetres};
 use husillo_sim::observers::drawing::{Class, Drawing, Point};
 use husillo_sim::observers::phases::Motor;
 use husillo_sim::observers::picture::Ideal;
@@ -85,7 +85,8 @@ fn warnings(page: &mut String, warnings: &[String]) {
 }
 
 /// Maps nanometres to the picture; Y points up.
-pub struct Frame {
+#[derive(Clone, Copy, Debug)]
+pub struct View {
     low: [f64; 2],
     /// Units of the picture per nanometre.
     pub scale: f64,
@@ -95,7 +96,7 @@ pub struct Frame {
 const WIDTH: f64 = 1000.0;
 const MARGIN: f64 = 36.0;
 
-impl Frame {
+impl View {
     /// A frame around these corners. It is as large as the width, or a height of 800, allows.
     pub fn around([low, high]: [[f64; 2]; 2]) -> Self {
         let span = [(high[0] - low[0]).max(1.0), (high[1] - low[1]).max(1.0)];
@@ -166,7 +167,7 @@ fn bounds(report: &Report) -> [[f64; 2]; 2] {
 }
 
 fn path_section(page: &mut String, report: &Report) {
-    let frame = Frame::around(bounds(report));
+    let frame = View::around(bounds(report));
     let extents: Vec<String> = report
         .axes
         .iter()
@@ -213,7 +214,7 @@ fn path_section(page: &mut String, report: &Report) {
     page.push_str("</section>\n");
 }
 
-fn work_area(page: &mut String, frame: &Frame, low: [f64; 2], high: [f64; 2]) {
+fn work_area(page: &mut String, frame: &View, low: [f64; 2], high: [f64; 2]) {
     let ([x0, y1], [x1, y0]) = (frame.at(low), frame.at(high));
     let _ = writeln!(
         page,
@@ -234,7 +235,7 @@ fn work_area(page: &mut String, frame: &Frame, low: [f64; 2], high: [f64; 2]) {
     );
 }
 
-fn ideal(page: &mut String, frame: &Frame, report: &Report, class: &str) {
+fn ideal(page: &mut String, frame: &View, report: &Report, class: &str) {
     if !report.ideal_is_whole {
         strokes_as(page, frame, &report.drawing, class, |point| point.ideal);
         return;
@@ -282,7 +283,7 @@ fn ideal(page: &mut String, frame: &Frame, report: &Report, class: &str) {
 
 fn strokes(
     page: &mut String,
-    frame: &Frame,
+    frame: &View,
     drawing: &Drawing,
     at: impl Fn(&Point) -> [f64; 2] + Copy,
 ) {
@@ -297,7 +298,7 @@ fn strokes(
 
 fn strokes_as(
     page: &mut String,
-    frame: &Frame,
+    frame: &View,
     drawing: &Drawing,
     name: &str,
     at: impl Fn(&Point) -> [f64; 2] + Copy,
@@ -307,7 +308,7 @@ fn strokes_as(
 
 fn polyline(
     page: &mut String,
-    frame: &Frame,
+    frame: &View,
     drawing: &Drawing,
     name: &str,
     wanted: impl Fn(Class) -> bool,
@@ -379,7 +380,7 @@ fn deviation_section(page: &mut String, report: &Report) {
         return; // The picture of the tool path shows it without magnification.
     }
     let pad = 0.06 * size;
-    let frame = Frame::around([[low[0] - pad, low[1] - pad], [high[0] + pad, high[1] + pad]]);
+    let frame = View::around([[low[0] - pad, low[1] - pad], [high[0] + pad, high[1] + pad]]);
     let _ = writeln!(
         page,
         "<section><h2>Deviation, magnified {factor:.0} times</h2>\

@@ -1,13 +1,14 @@
 //! Pictures of rebuilt tables.
 
-use crate::page::chart::{LEFT, Panel, RIGHT, ceiling, round_up};
-use crate::text::escape::escape;
+use crate::chart::{LEFT, Panel, RIGHT, ceiling, round_up};
+use crate::text::escape;
 use husillo_metrology::originals::micromill::Circle;
 use husillo_metrology::originals::{Row, Table};
 use std::f64::consts::PI;
 use std::fmt::Write;
 
 /// A picture and its caption.
+#[derive(Clone, Debug)]
 pub struct Picture {
     /// An SVG element.
     pub svg: String,

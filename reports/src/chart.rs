@@ -1,6 +1,6 @@
 //! The picture of path speed and acceleration over time.
 
-use crate::text::duration::duration;
+use crate::text::duration;
 use husillo_sim::observers::speed::{Band, Column, Speed, WINDOW_EVENTS};
 use std::fmt::Write;
 
@@ -14,6 +14,7 @@ const MM_PER_MIN: f64 = 60.0 / 1e6;
 const MM: f64 = 1e-6;
 
 /// One of the two stacked charts.
+#[derive(Clone, Copy, Debug)]
 pub struct Panel {
     /// Top edge in the picture.
     pub top: f64,

@@ -1,6 +1,6 @@
 //! The report of `husillo calibrate backlash`: one value per axis and the map, side by side.
 
-use crate::page::frame;
+use crate::frame;
 use husillo_metrology::calibration::backlash::Field;
 use std::fmt::Write;
 

@@ -1,7 +1,7 @@
 //! A picture of the board: holes, order and travel.
 
-use crate::page::frame;
-use crate::text::escape::escape;
+use crate::frame;
+use crate::text::escape;
 use husillo_clients::drill::{Part, millimetres, seconds, spoken, travel_s, travel_steps};
 use husillo_transports::drill::{STEPS_PER_MM, Table};
 use std::fmt::Write;
@@ -21,6 +21,7 @@ const UNKNOWN_MM: f64 = 0.8;
 const MOST_NUMBERS: usize = 60;
 
 /// What the page is about.
+#[derive(Debug)]
 pub struct Board<'a> {
     /// Name of the file.
     pub name: &'a str,

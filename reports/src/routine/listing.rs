@@ -1,7 +1,7 @@
 //! Measured features as text, JSON and a table.
 
-use super::heading::Heading;
-use crate::text::length::length;
+use super::Heading;
+use crate::text::length;
 use husillo_metrology::routine::{Dimension, Feature, Verdict, decimal, number, signed};
 use serde_json::{Value, json};
 use std::fmt::Write;

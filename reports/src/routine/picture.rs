@@ -1,8 +1,8 @@
 //! Features and their points in a plan view. Deviations are magnified.
 
-use crate::page::report::{Frame as View, round_down};
-use crate::text::escape::escape;
-use crate::text::length::length;
+use crate::run::{View, round_down};
+use crate::text::escape;
+use crate::text::length;
 use husillo_metrology::routine::vector::{self, Vector, floats, minus, plus, scaled};
 use husillo_metrology::routine::{Feature, Frame, Mark, Shape};
 use std::fmt::Write;

@@ -1,9 +1,9 @@
 //! The page of an experiment: figures, pictures, trials.
 
 use super::listing::{figures, percent};
-use crate::page::chart::{LEFT, Panel, RIGHT, ceiling, time_scale};
-use crate::page::frame;
-use crate::text::escape::escape;
+use crate::chart::{LEFT, Panel, RIGHT, ceiling, time_scale};
+use crate::frame;
+use crate::text::escape;
 use husillo_metrology::tuning::{Outcome, Trace};
 use std::fmt::Write;
 

@@ -3,8 +3,8 @@
 use super::Rebuilt;
 use super::picture::Picture;
 use super::text::{figure, summary, verdict};
-use crate::page::frame;
-use crate::text::escape::escape;
+use crate::frame;
+use crate::text::escape;
 use husillo_metrology::originals::Table;
 use std::fmt::Write;
 
