@@ -1,6 +1,7 @@
 //! Lines in, events out.
 
 mod begin;
+mod direct;
 mod next_event;
 
 use husillo_backlash::{Backlash, Flank, Lash};
