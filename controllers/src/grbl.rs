@@ -20,7 +20,7 @@ mod words;
 use husillo_backlash::Backlash;
 use husillo_gcode::{Command, Commands, Dialect, Modal, Nm};
 use husillo_interp::Path;
-use husillo_machine::{Axis, AxisRamp, Config, Machine, Scale};
+use husillo_machine::{Axis, AxisRamp, Config, Equipment, Machine, Scale};
 use husillo_transports::grbl::{LineReader, Message, Receiver, Settings, Units};
 
 use crate::Controller;
@@ -327,6 +327,7 @@ fn config(settings: &Settings) -> Config<3> {
     };
     Config {
         axes: [axis(0), axis(1), axis(2)],
+        equipment: Equipment::NONE,
         timer_hz: TIMER_HZ,
         dialect: Dialect::GRBL,
         arc_tolerance: None,

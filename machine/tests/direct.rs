@@ -49,7 +49,7 @@ fn appended_moves_are_those_of_lines() {
     .into_iter()
     .enumerate()
     {
-        direct.check(&command).unwrap();
+        direct.check([command]).unwrap();
         direct.push(command, tag as u32).unwrap();
     }
     assert_eq!((direct.queued(), direct.executing_tag()), (3, Some(0)));

@@ -372,7 +372,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
     }
 
     fn take_move(&mut self, command: Command<3>) -> bool {
-        let along = matches!(self.machine.check(&command), Err(MoveError::Travel { .. }));
+        let along = matches!(self.machine.check([command]), Err(MoveError::Travel { .. }));
         if along || command.end().is_some_and(|to| self.leaves_travel(&to)) {
             self.task = Task::SoftLimit;
             if self.phase == Phase::Run {

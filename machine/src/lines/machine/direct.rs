@@ -5,14 +5,13 @@ use husillo_gcode::{Command, Nm};
 use husillo_interp::Moves;
 
 use super::Machine;
-use crate::{MoveError, Refused};
+use crate::Refused;
 
 impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, L, QUEUE> {
     /// Appends one move. The modal state is not used and not changed. `tag` is what
     /// [`Machine::executing_tag`] returns while the move is executed.
     ///
-    /// The caller has checked the move with [`Config::check`](crate::Config::check) from
-    /// [`Machine::end_position`], or wants it without regard to the travel, as homing does. A move
+    /// The caller has checked the move with [`Machine::check`], or wants it without regard to the travel, as homing does. A move
     /// that is not checked has to be within the reach of the axes.
     ///
     /// # Errors
@@ -32,19 +31,6 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
     pub const fn can_push(&self) -> bool {
         let has_room = !self.schedule.is_full() && self.schedule.is_whole();
         has_room && self.next.is_none() && self.waiting.is_none()
-    }
-
-    /// Checks a move that [`Machine::push`] would append.
-    ///
-    /// # Errors
-    /// See [`MoveError`].
-    pub fn check(&self, command: &Command<N>) -> Result<(), MoveError> {
-        let from = self.schedule.programmed();
-        if P::HAS_ELLIPSES {
-            self.config.check(&from, command)
-        } else {
-            self.config.check_arcs(&from, command, |_| true)
-        }
     }
 
     /// Position at the end of the last move in the queue.
