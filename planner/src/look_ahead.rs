@@ -29,6 +29,8 @@ pub struct Limits {
     pub top_nm_per_s: u32,
     /// Square of the highest speed at the end of the move, (nm/s)^2.
     pub exit_squared: u64,
+    /// Changes with the other two, so a comparison of this number finds every change; wraps.
+    pub version: u32,
 }
 
 /// A queue of up to `CAPACITY` moves, the executing one included. Each move carries a payload `M`.
@@ -96,6 +98,7 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
             limits: Limits {
                 top_nm_per_s: 0,
                 exit_squared: 0,
+                version: 0,
             },
         }
     }
@@ -123,7 +126,6 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
             None => {
                 self.front_end = gain;
                 self.end = gain;
-                self.limits.top_nm_per_s = stretch.top_under(self.percents);
             }
         }
         self.slots.push_back(Slot {
@@ -131,7 +133,7 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
             gain,
             payload,
         });
-        self.update_exit();
+        self.update_limits();
         Ok(())
     }
 
@@ -146,9 +148,8 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
         }
         if let Some(front) = self.slots.front() {
             self.front_end = self.front_end.wrapping_add(front.gain);
-            self.limits.top_nm_per_s = front.stretch.top_under(self.percents);
         }
-        self.update_exit();
+        self.update_limits();
         Some((slot.stretch, slot.payload))
     }
 
@@ -167,8 +168,8 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
     /// Current limits of the first move. Ask at every event: they may rise. All zero when the queue
     /// is empty.
     #[inline]
-    pub const fn limits(&self) -> Limits {
-        self.limits
+    pub const fn limits(&self) -> &Limits {
+        &self.limits
     }
 
     /// Scales the programmed speeds: 10 to 200 percent; other values are taken as the nearest of
@@ -202,7 +203,6 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
         let Some(front) = self.slots.front() else {
             return;
         };
-        self.limits.top_nm_per_s = front.stretch.top_under(percents);
         self.front_end = front.gain;
         self.end = front.gain;
         let mut last = front.stretch;
@@ -216,7 +216,7 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
             self.end = self.end.wrapping_add(gain);
             last = stretch;
         }
-        self.update_exit();
+        self.update_limits();
     }
 
     /// The override in percent.
@@ -243,7 +243,7 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
     pub fn clear(&mut self) {
         self.slots.clear();
         self.candidates.clear();
-        self.update_exit();
+        self.update_limits();
     }
 
     /// Adds the junction between the last move and a new one, and removes all candidates that it
@@ -263,18 +263,28 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
         });
     }
 
-    fn update_exit(&mut self) {
-        let Some(last) = self.slots.back() else {
-            self.limits = Limits::default();
-            return;
+    /// Computes the limits of the first move.
+    fn update_limits(&mut self) {
+        let (top_nm_per_s, exit_squared) = match (self.slots.front(), self.slots.back()) {
+            (Some(first), Some(last)) => {
+                let stop = square(last.stretch.start_nm_per_s);
+                let mut lowest = self.end.wrapping_add(stop.into());
+                if let Some(candidate) = self.candidates.front() {
+                    lowest = lowest.min(candidate.height_and_limit);
+                }
+                let exit = lowest.saturating_sub(self.front_end);
+                let exit = u64::try_from(exit).unwrap_or(u64::MAX);
+                (first.stretch.top_under(self.percents), exit)
+            }
+            _ => (0, 0),
         };
-        let stop = square(last.stretch.start_nm_per_s);
-        let mut lowest = self.end.wrapping_add(stop.into());
-        if let Some(candidate) = self.candidates.front() {
-            lowest = lowest.min(candidate.height_and_limit);
+        if top_nm_per_s != self.limits.top_nm_per_s || exit_squared != self.limits.exit_squared {
+            self.limits = Limits {
+                top_nm_per_s,
+                exit_squared,
+                version: self.limits.version.wrapping_add(1),
+            };
         }
-        let exit = lowest.saturating_sub(self.front_end);
-        self.limits.exit_squared = u64::try_from(exit).unwrap_or(u64::MAX);
     }
 }
 

@@ -49,7 +49,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
     }
 
     /// Present speed along the path in nm/s; 0 where there are no ramps.
-    pub const fn speed_nm_per_s(&self) -> u32 {
+    pub fn speed_nm_per_s(&self) -> u32 {
         self.ramp.speed_nm_per_s()
     }
 
