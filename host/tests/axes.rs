@@ -298,3 +298,51 @@ fn a_new_machine_is_made_and_checked() {
     let made = text(&output.stdout);
     assert!(made.contains("acceleration = \"500 mm/s^2\""), "{made}");
 }
+
+/// A sliced file is checked, timed and drawn; its temperatures are commands.
+#[test]
+fn a_printer_prints() {
+    let part = file(
+        "print.gcode",
+        "M140 S60\nM109 S205.5\nG28\nG92 E0\nG1 Z0.2 F600\nG1 X100 Y100 F6000\nM106 S255\n\
+         G1 X150 E2.5 F1500\nM83\nG1 Y150 E2.5\nG10\nG0 X10 F6000\nG11\nM107\nM84\n",
+    );
+    let output = run(&["run", &part, "-m", "printer", "--format", "json"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let results: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(
+        results["end_nm"],
+        serde_json::json!([10_000_000, 150_000_000, 200_000, 5_000_000])
+    );
+    let output = run(&["commands", &part, "-m", "printer", "--format", "json"]);
+    let lines: Vec<Value> = text(&output.stdout)
+        .lines()
+        .map(|line| serde_json::from_str(line).unwrap())
+        .collect();
+    assert_eq!(lines[1]["kind"], "heat");
+    assert_eq!(lines[1]["heater"], "extruder 0");
+    assert_eq!(
+        (&lines[1]["celsius"], &lines[1]["wait"]),
+        (&205.5.into(), &"heated".into())
+    );
+    assert!(
+        lines
+            .iter()
+            .any(|line| line["kind"] == "fan" && line["per_mille"] == 1000)
+    );
+    // Its own words make it the machine of such a program.
+    let output = run(&["run", &part, "-o", scratch("print.html").to_str().unwrap()]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert!(
+        text(&output.stderr).contains("for printer"),
+        "{}",
+        text(&output.stderr)
+    );
+    // A mill with the words of a printer has no heaters.
+    let output = run(&["check", &part, "-m", "router", "--dialect", "printer"]);
+    assert!(
+        text(&output.stdout).contains("E0404"),
+        "{}",
+        text(&output.stdout)
+    );
+}

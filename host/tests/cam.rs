@@ -37,9 +37,14 @@ fn programs_of_cam_systems_run_on_the_router() {
         let results: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
         assert!(results["events"].as_u64().unwrap() > 1000, "{name}");
         // Half of the longer step, its rounding at both ends of an arc, and G64 where a program
-        // permits it.
+        // permits it. A printer has longer steps.
+        let most = if name.ends_with(".gcode") {
+            9000.0
+        } else {
+            3000.0
+        };
         assert!(
-            results["max_deviation_nm"].as_f64().unwrap() < 3000.0,
+            results["max_deviation_nm"].as_f64().unwrap() < most,
             "{name}: {results}"
         );
         assert!(
@@ -48,5 +53,5 @@ fn programs_of_cam_systems_run_on_the_router() {
         );
         programs += 1;
     }
-    assert_eq!(programs, 12);
+    assert_eq!(programs, 14);
 }

@@ -210,6 +210,7 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
             Line {
                 number: place.number,
                 at: place.at,
+                file: None,
                 text,
                 block: Block::parse(text, &self.dialect),
             },
@@ -238,6 +239,7 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
                         return Some(Line {
                             number: here.number,
                             at: here.at,
+                            file: None,
                             text,
                             block: Block::parse(text, &self.dialect),
                         });
@@ -263,6 +265,9 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
     /// pass unchanged. A cycle in progress is dropped.
     pub fn take<const N: usize>(&mut self, line: Line<'t>, modal: &Modal<N>) -> Line<'t> {
         (self.work, self.resume) = (Work::None, None);
+        if line.file.is_some() {
+            return line; // The contour would be in another text.
+        }
         let Ok(block) = &line.block else { return line };
         let code = match block.code(Group::Motion) {
             Some(Code::ThreadCycle) if self.is_thread(block) => THREAD,
@@ -290,6 +295,7 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
                 Line {
                     number: refused.place.number,
                     at: refused.place.at,
+                    file: None,
                     text: refused.text,
                     block: Err(refused.error),
                 }
@@ -530,18 +536,7 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
             deep_up: deep > 0,
             far_up: far > 0,
         };
-        // Reads it once more to determine where it goes back.
-        let mut is_first = true;
-        let [_, far_letter] = ways.letters();
-        read(self.text, first, last, modal, |read| {
-            let back = if core::mem::replace(&mut is_first, false) {
-                let far = ways.course(minus(read.segment.to, read.from))[1];
-                (far < 0).then_some(far_letter)
-            } else {
-                ways.goes_back(read.from, &read.segment)
-            };
-            back.map_or(Ok(()), |letter| Err(ErrorKind::Pocket(letter)))
-        })?;
+        self.check_for_pockets(ways, (first, last), modal)?;
         let [u, w] = [b'U', b'W'].map(|letter| modal.length_of(block, letter));
         let x = u.map_err(refused)?.unwrap_or_default().0;
         let z = w.map_err(refused)?.unwrap_or_default().0;
@@ -566,12 +561,33 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
         Ok(())
     }
 
+    /// Reads a contour once more to determine where it goes back, which is refused.
+    fn check_for_pockets<const N: usize>(
+        &self,
+        ways: Ways,
+        (first, last): (Place, Place),
+        modal: &Modal<N>,
+    ) -> Result<(), Refused<'t>> {
+        let mut is_first = true;
+        let [_, far_letter] = ways.letters();
+        read(self.text, first, last, modal, |read| {
+            let back = if core::mem::replace(&mut is_first, false) {
+                let far = ways.course(minus(read.segment.to, read.from))[1];
+                (far < 0).then_some(far_letter)
+            } else {
+                ways.goes_back(read.from, &read.segment)
+            };
+            back.map_or(Ok(()), |letter| Err(ErrorKind::Pocket(letter)))
+        })
+    }
+
     /// A line with the number of the cycle.
     fn line(&self, block: Result<Block, Error>) -> Line<'t> {
         let (place, text, _) = &self.line;
         Line {
             number: place.number,
             at: place.at,
+            file: None,
             text,
             block,
         }

@@ -111,7 +111,7 @@ mod tests {
     use crate::diagnostics::Findings;
     use crate::programs::program;
     use crate::programs::source::Source;
-    use husillo_gcode::{Block, Dialect};
+    use husillo_gcode::{Axes, Block, Dialect};
 
     #[test]
     fn names_as_they_are_typed() {

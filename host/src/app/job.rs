@@ -12,6 +12,7 @@ use crate::programs::program::Start;
 use crate::programs::setup::{self, Micromill};
 use crate::programs::source::Source;
 use crate::programs::zero::{self, Lie};
+use crate::simulation::work_piece::WorkPiece;
 use husillo_gcode::Nm;
 use husillo_machine::Config;
 use husillo_sim::observers::AXES;
@@ -48,13 +49,15 @@ impl Job {
             None if microfactory::is_list(file) => return Err(super::only_microfactory(file)),
             None => None,
         };
+        let mut start = Start::from(setup::on_axes(dialect, &machine));
+        start.frames = machine.work;
+        for (place, tool) in start.tools.iter_mut().zip(&machine.tools) {
+            *place = Some(*tool);
+        }
         Ok(Self {
             file: file.to_owned(),
             config,
-            start: Start {
-                frames: machine.work,
-                ..setup::on_axes(dialect, &machine).into()
-            },
+            start,
             machine,
             is_placed: false,
             may_move: false,
@@ -262,7 +265,17 @@ impl Job {
                 machine.set_work_zero(system, zero);
             }
         }
+        for (number, tool) in self.start.tools.into_iter().flatten() {
+            machine.set_tool(number, tool);
+        }
+        machine.set_tip(setup::tip(&self.machine));
         Ok(machine)
+    }
+
+    /// What the simulated probe touches.
+    pub fn piece(&self) -> WorkPiece {
+        let [x, y, z, ..] = self.start.zero.map(|Nm(nm)| nm);
+        WorkPiece::new(self.machine.probe.as_ref(), [x, y, z])
     }
 }
 

@@ -64,18 +64,14 @@ fn axis(letter: char, given: &Given) -> Result<Axis, Failure> {
                     }
                 }
                 None => {
-                    eprint!("{question}: ");
+                    eprintln!("{question}:");
                     match typed_line(0) {
                         Some(line) => {
                             was_typed = true;
                             line.trim().to_owned()
                         }
-                        None if figure.is_optional() => {
-                            eprintln!();
-                            String::new()
-                        }
+                        None if figure.is_optional() => String::new(),
                         None => {
-                            eprintln!();
                             return Err(Failure::Usage(format!("missing: {question}")));
                         }
                     }

@@ -3,6 +3,7 @@
 mod axis_file;
 mod built_in;
 mod driver;
+mod equipment;
 mod home;
 mod idle;
 mod load_error;
@@ -16,6 +17,7 @@ pub mod work;
 
 pub use axis_file::AxisFile;
 pub use driver::Driver;
+pub use equipment::Probe;
 pub use idle::Idle;
 pub use load_error::{LoadError, read_text};
 pub use step_mode::StepMode;
@@ -28,7 +30,8 @@ use crate::machines::table::{Table, document};
 use crate::programs::program::Frames;
 use built_in::BUILT_IN;
 pub use built_in::MEASURING;
-use husillo_gcode::{Axes, Dialect};
+use husillo_gcode::{Axes, Dialect, Tool};
+use husillo_machine::Equipment;
 use husillo_metrology::quantity::Fraction;
 use husillo_sim::observers::AXES;
 use husillo_transports::microfactory::ByteTable;
@@ -65,6 +68,12 @@ pub struct MachineFile {
     pub corner_deviation: Option<i64>,
     /// Counts per turn of the spindle's encoder; `None`: it has no encoder.
     pub spindle_counts: Option<u32>,
+    /// What it has besides its axes.
+    pub equipment: Equipment,
+    /// Its probe.
+    pub probe: Option<Probe>,
+    /// Its tools, by number.
+    pub tools: Vec<(u32, Tool<AXES>)>,
     /// Axes that may move at once; more give a warning.
     pub simultaneous_axes: u32,
     /// Backlash by position.
@@ -172,6 +181,11 @@ impl MachineFile {
                     .and_then(|counts| u32::try_from(counts).ok())
             })
             .flatten();
+        let equipment = root
+            .optional_table("equipment", equipment::equipment)
+            .unwrap_or(equipment::PLAIN);
+        let probe = root.optional_table("probe", equipment::probe);
+        let tools = Self::tools(&mut root);
         let idle = root
             .optional_table("idle", Idle::read)
             .unwrap_or(Idle::Hold);
@@ -224,6 +238,13 @@ impl MachineFile {
                 corner_deviation: motion.corner_deviation,
                 spindle_counts,
                 work: work.unwrap_or_default(),
+                equipment: Equipment {
+                    heaters: dialect == Some(Dialect::PRINTER),
+                    probe: probe.is_some(),
+                    ..equipment
+                },
+                probe,
+                tools,
                 lash,
                 bytes,
                 idle,
@@ -249,6 +270,25 @@ impl MachineFile {
         self.letters.letter(axis).unwrap_or(b'?')
     }
 
+    /// Reads the tools. Each number is used once, and the table of a controller has eight places.
+    fn tools(root: &mut Table<'_, '_>) -> Vec<(u32, Tool<AXES>)> {
+        let tools = root.optional_tables("tool", equipment::tool);
+        let tools: Vec<_> = tools.unwrap_or_default().into_iter().flatten().collect();
+        let number = |tool: &(u32, Tool<AXES>)| tool.0;
+        let mut numbers: Vec<_> = tools.iter().map(number).collect();
+        numbers.sort_unstable();
+        numbers.dedup();
+        if let Some((_, span)) = root.value("tool") {
+            if numbers.len() < tools.len() {
+                root.wrong(span.clone(), "a number of a tool is used twice", "tools");
+            }
+            if tools.len() > MOST_TOOLS {
+                root.wrong(span, "too many tools", "at most eight");
+            }
+        }
+        tools
+    }
+
     /// The text of the file.
     ///
     /// # Errors
@@ -270,6 +310,9 @@ impl MachineFile {
         Some(Place::in_text(&self.path, &text, span))
     }
 }
+
+/// Tools in the table of a controller.
+const MOST_TOOLS: usize = 8;
 
 /// The axes that a machine may have after X, Y and Z.
 const MORE: [(&str, u8); 7] = [

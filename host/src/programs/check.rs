@@ -7,11 +7,12 @@ use crate::programs::program::{self, Meaning, Start};
 use crate::programs::reversals::Turns;
 use crate::programs::setup;
 use crate::programs::source::Source;
-use crate::text::duration::duration;
-use crate::text::length::length;
-use crate::text::number::shortest;
 use husillo_gcode::{Arc, Axes, Command, Feed, Nm};
 use husillo_machine::{Config, MoveError};
+use husillo_reports::text::duration;
+use husillo_reports::text::length;
+use husillo_reports::text::shortest;
+use husillo_sim::geometry::path::Path;
 use husillo_sim::observers::AXES;
 use std::io;
 
@@ -164,6 +165,10 @@ impl Checker<'_> {
                 self.turns.arc(from, arc);
                 arc_length(from, arc)
             }
+            Command::Spline { .. } => {
+                self.turns.line(from, to);
+                Path::programmed(from, command, 0.0).map_or(0.0, |path| path.length())
+            }
             _ => {
                 self.turns.line(from, to);
                 fed_length(command, from, self.config.dialect.axes())
@@ -173,7 +178,10 @@ impl Checker<'_> {
         match command {
             Command::Rapid { .. } => self.rapid_nm += length,
             Command::Thread { .. } => self.feed_nm += length,
-            Command::Linear { feed, .. } | Command::Arc { feed, .. } => {
+            Command::Linear { feed, .. }
+            | Command::Probe { feed, .. }
+            | Command::Spline { feed, .. }
+            | Command::Arc { feed, .. } => {
                 self.feed_nm += length;
                 self.feed(feed, command, from, to, length, &meaning.at, findings);
             }
@@ -401,7 +409,7 @@ pub fn fed_length(command: &Command<AXES>, from: [Nm; AXES], axes: &Axes) -> f64
 
 /// Length of an arc in nm.
 pub fn arc_length(from: [Nm; AXES], arc: &Arc<AXES>) -> f64 {
-    husillo_sim::geometry::path::Path::programmed(
+    Path::programmed(
         from,
         &Command::Arc {
             arc: *arc,

@@ -5,8 +5,11 @@ mod lines;
 use crate::diagnostics::{Finding, Findings};
 use crate::programs::blocks::{self, Given};
 use crate::programs::explain::{self, At};
+use crate::programs::reading::{Reading, Results};
 use crate::programs::source::{LONGEST_LINE, Source};
-use husillo_gcode::{Block, Command, Compensated, Compensation, Dialect, Error, Modal, Nm, words};
+use husillo_gcode::{
+    Block, Command, Compensated, Compensation, Dialect, Error, Modal, Nm, Tool, words,
+};
 use husillo_sim::observers::AXES;
 use std::collections::VecDeque;
 use std::fmt::Write;
@@ -30,6 +33,8 @@ pub struct Start {
     pub frames: Frames,
     /// Position of the tool, in machine coordinates.
     pub at: [Nm; AXES],
+    /// The tools of the machine, by number.
+    pub tools: [Option<(u32, Tool<AXES>)>; 8],
 }
 
 impl From<Dialect> for Start {
@@ -40,6 +45,7 @@ impl From<Dialect> for Start {
             zero: [Nm(0); AXES],
             frames: [None; WORK_FRAMES],
             at: [Nm(0); AXES],
+            tools: [None; 8],
         }
     }
 }
@@ -52,6 +58,9 @@ impl Start {
             modal.set_work_zero(system, own.unwrap_or(self.zero));
         }
         modal.set_position(self.at);
+        for (number, tool) in self.tools.into_iter().flatten() {
+            modal.set_tool(number, tool);
+        }
         modal
     }
 }
@@ -76,6 +85,8 @@ struct Walker<'a> {
     /// Commands that a program with loops may still give.
     left: u64,
     modal: Modal<AXES>,
+    /// What a probe and inputs are assumed to find.
+    results: Results<AXES>,
     /// Computes the path of the tool under compensation. Otherwise it passes commands unchanged.
     stage: Compensation<AXES>,
     /// Places of the commands that wait in it, in their order.
@@ -132,10 +143,19 @@ impl<'a> Walker<'a> {
             left,
             from: modal.position(),
             modal,
+            results: Results::NONE,
             stage: Compensation::new(start.at),
             waiting: VecDeque::new(),
             last_line: 1,
             has_ended: false,
+        }
+    }
+
+    /// What expressions can read.
+    const fn reading(&self) -> Reading<'_, AXES> {
+        Reading {
+            modal: &self.modal,
+            results: self.results,
         }
     }
 
@@ -245,6 +265,7 @@ impl<'a> Walker<'a> {
                 return Ok(ControlFlow::Break(()));
             }
             self.give(freed.pop_front(), &meaning, &command, findings, each)?;
+            self.results.assume(&command, &self.modal);
             self.has_ended |= matches!(command, Command::End { .. });
         }
         if self.has_ended {
@@ -355,7 +376,7 @@ fn walk_within(
         source,
         start.dialect,
         &mut walker,
-        |walker| &walker.modal,
+        Walker::reading,
         |walker, given, block| walker.block(given, block, findings, &mut each),
     )?;
     walker.finish(findings, &mut each)?;

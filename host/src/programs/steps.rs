@@ -3,6 +3,7 @@
 use crate::programs::feeder;
 use crate::programs::setup::Micromill;
 use crate::programs::source::Source;
+use crate::simulation::work_piece::WorkPiece;
 use husillo_machine::{Event, Motors};
 use husillo_sim::observers::AXES;
 use husillo_stepper::{Drive, Levels};
@@ -19,6 +20,7 @@ use std::io::{self, Write};
 pub fn write(
     source: &mut Source,
     machine: &mut Micromill,
+    piece: &WorkPiece,
     mut motors: Option<Motors<AXES, Drive>>,
     out: &mut impl Write,
 ) -> io::Result<u64> {
@@ -38,7 +40,7 @@ pub fn write(
     let axes = axes.len();
     let mut count = 0_u64;
     let mut changes = Vec::new();
-    feeder::feed(source, machine, |_, event| {
+    feeder::feed(source, machine, piece, |_, event| {
         let (wait_ticks, delta) = match event {
             Event::Step(step) => (step.wait_ticks, step.delta),
             Event::Dwell { wait_ticks } => (*wait_ticks, [0; AXES]),

@@ -3,9 +3,9 @@
 use crate::diagnostics::{Finding, Findings, Place};
 use crate::machines::machine_file::MachineFile;
 use crate::programs::explain::At;
-use crate::programs::program::{self, Frames, Start};
+use crate::programs::program::{self, Start};
 use crate::programs::source::Source;
-use husillo_gcode::{Dialect, Nm};
+use husillo_gcode::Nm;
 use husillo_machine::{Config, MoveError, extent};
 use husillo_sim::observers::AXES;
 use std::io;
@@ -45,18 +45,17 @@ impl Reach {
     fn of(
         source: &mut Source,
         file: &str,
-        dialect: Dialect,
+        start: Start,
         config: &Config<AXES>,
-        (zero, frames): ([Nm; AXES], Frames),
+        zero: [Nm; AXES],
     ) -> io::Result<Self> {
         let mut reach = Self::default();
         let far = [Nm(FAR); AXES];
         let start = Start {
-            dialect,
             zero: far,
-            frames,
             // 1 nm from work zero, so that a move to work zero counts. It is far less than a step.
             at: far.map(|Nm(nm)| Nm(nm + 1)),
+            ..start
         };
         // The check has already reported other errors.
         let mut found = Findings::new(0);
@@ -169,8 +168,7 @@ pub fn placing(
     config: &Config<AXES>,
     lie: Lie,
 ) -> io::Result<Option<[Nm; AXES]>> {
-    let there = ([Nm(0); AXES], start.frames);
-    let reach = Reach::of(source, file, start.dialect, config, there)?;
+    let reach = Reach::of(source, file, start, config, [Nm(0); AXES])?;
     if reach.has_errors {
         return Ok(None);
     }
@@ -225,8 +223,7 @@ pub fn report_beyond(
     first: &(Place, MoveError),
     findings: &mut Findings,
 ) -> io::Result<()> {
-    let there = (start.zero, start.frames);
-    let reach = Reach::of(source, file, start.dialect, config, there)?;
+    let reach = Reach::of(source, file, start, config, start.zero)?;
     let mut leaves = reach.part_leaves.iter().chain(&reach.machine_leaves);
     if leaves.all(Option::is_none) {
         // An axis that does not move is beyond: machine zero, where the program begins, is outside

@@ -1,7 +1,7 @@
 //! The built-in machines.
 
 /// Name, path and text of each built-in machine.
-pub const BUILT_IN: [(&str, &str, &str); 7] = [
+pub const BUILT_IN: [(&str, &str, &str); 8] = [
     (
         "micromill",
         "machines/micromill.toml",
@@ -26,6 +26,11 @@ pub const BUILT_IN: [(&str, &str, &str); 7] = [
         "lathe",
         "machines/lathe.toml",
         include_str!("../../../../machines/lathe.toml"),
+    ),
+    (
+        "printer",
+        "machines/printer.toml",
+        include_str!("../../../../machines/printer.toml"),
     ),
     (
         "drill",

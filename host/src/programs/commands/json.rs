@@ -2,7 +2,9 @@
 
 use crate::programs::check::fed_length;
 use crate::text::json::decimal;
-use husillo_gcode::{Axes, Command, Direction, Feed, Nm, Plane, Side, SpindleDirection};
+use husillo_gcode::{
+    Axes, Command, Direction, Feed, HeatWait, Heater, Nm, Plane, Side, SpindleDirection,
+};
 use husillo_sim::observers::AXES;
 use serde::Serialize;
 use serde_json::value::RawValue;
@@ -103,6 +105,16 @@ enum Object {
         plane: &'static str,
         radius_nm: i64,
     },
+    Heat {
+        heater: String,
+        celsius: Box<RawValue>,
+        wait: &'static str,
+    },
+    Fan {
+        number: u8,
+        per_mille: u16,
+    },
+    MotorsOff,
     Drill,
     Other {
         text: String,
@@ -260,6 +272,28 @@ fn other(command: &Command<AXES>) -> Option<Object> {
             optional: *optional,
         },
         Command::End { rewind } => Object::End { rewind: *rewind },
+        Command::Heat {
+            heater,
+            milli_celsius,
+            wait,
+        } => Object::Heat {
+            heater: match heater {
+                Heater::Extruder(number) => format!("extruder {number}"),
+                Heater::Bed => "bed".to_owned(),
+                Heater::Chamber => "chamber".to_owned(),
+            },
+            celsius: decimal(thousandths((*milli_celsius).into())),
+            wait: match wait {
+                HeatWait::None => "none",
+                HeatWait::Heated => "heated",
+                HeatWait::Reached => "reached",
+            },
+        },
+        Command::Fan { number, per_mille } => Object::Fan {
+            number: *number,
+            per_mille: *per_mille,
+        },
+        Command::MotorsOff => Object::MotorsOff,
         Command::Drill => Object::Drill,
         Command::Surface { .. }
         | Command::Orient { .. }
