@@ -37,6 +37,7 @@ pub(super) fn equipment(table: &mut Table<'_, '_>) -> Equipment {
             .integer("surface_speed_rpm", 1..=1_000_000)
             .and_then(|rpm| u32::try_from(rpm * 1000).ok()),
         pallets: table.flag("pallets").unwrap_or(false),
+        heaters: false,
     }
 }
 
