@@ -4,7 +4,7 @@
 use crate::cli::Measure;
 use crate::machines::machine_file::MachineFile;
 use husillo_backlash::Flank;
-use husillo_metrology::heads::{AxisMemory, Machine, Memory};
+use husillo_metrology::heads::{AxisMemory, End, Machine, Memory};
 use husillo_transports::nmc::Baud;
 use serde::{Deserialize, Serialize};
 use std::fs;
@@ -39,6 +39,9 @@ struct KeptAxis {
     zero: i64,
     /// Direction of the last move: 1, -1, or 0 if it is not known.
     direction: i8,
+    /// The end at which it stands: 1 high, -1 low, 0 none, or not known.
+    #[serde(default)]
+    end: i8,
 }
 
 /// The file of a port.
@@ -99,6 +102,11 @@ impl MemoryFile {
                 -1 => Flank::Negative,
                 _ => Flank::Unknown,
             },
+            end: match axis.end {
+                1 => Some(End::High),
+                -1 => Some(End::Low),
+                _ => None,
+            },
         });
         let axes = axes.collect();
         is_mine.then_some((Memory { baud, axes }, kept.in_use))
@@ -124,6 +132,11 @@ impl MemoryFile {
                 Flank::Positive => 1,
                 Flank::Negative => -1,
                 Flank::Unknown => 0,
+            },
+            end: match axis.end {
+                Some(End::High) => 1,
+                Some(End::Low) => -1,
+                None => 0,
             },
         });
         let kept = Kept {

@@ -151,7 +151,11 @@ impl<P: Port> Head<P> {
         let reply = self.read_axis_twice(&axis, READ)?;
         let at = reply.readings.position;
         axis.check(&reply, || self.axis_text(index, at))?;
-        self.axes[index].is_at_end = axis.settings.closed_end(&reply).is_some();
+        let axis = &mut self.axes[index];
+        axis.is_at_end = false;
+        if axis.settings.is_end_closed(&reply) {
+            axis.meet_end(&reply);
+        }
         self.hold(index, reply.readings.position)
     }
 

@@ -36,11 +36,19 @@ impl<P: Port> Head<P> {
         let [low, high] = axis.travel_counts();
         // The axis may stop this far beyond its goal.
         let slack = axis.settings.in_position as i32;
-        let goal = if is_positive {
+        let mut goal = if is_positive {
             high.saturating_sub(slack)
         } else {
             low.saturating_add(slack)
         };
+        if axis.is_at_end && axis.end.is_none() {
+            // Until its switch opens, it must not go far.
+            let most = self.leaving();
+            goal = goal.clamp(
+                axis.held.saturating_sub(most),
+                axis.held.saturating_add(most),
+            );
+        }
         if (goal > axis.held) != is_positive || goal == axis.held {
             // The axis is at the end of the travel already.
             return Ok(());
@@ -58,6 +66,7 @@ impl<P: Port> Head<P> {
             axis.rate(self.probe.rate)
         };
         self.announce(&goals);
+        self.head_for(&goals);
         let (velocity, acceleration) =
             per_period(rate, axis.settings.acceleration.into(), self.period_s);
         self.line.command(

@@ -6,6 +6,7 @@ use super::line::Line;
 use super::machine::Machine;
 use super::port::Port;
 use super::standing::SETTLING_US;
+use super::wiring::End;
 use crate::trouble::Trouble;
 use husillo_backlash::Flank;
 use husillo_transports::nmc::{Auxiliary, Baud, Command, Items, Reply, StopWay};
@@ -44,6 +45,8 @@ pub struct AxisMemory {
     pub zero: i64,
     /// Direction of its last move.
     pub flank: Flank,
+    /// The end switch at which it stands, if it does and if it is known which.
+    pub end: Option<End>,
 }
 
 impl AxisMemory {
@@ -97,6 +100,7 @@ impl<P: Port> Head<P> {
             let axis = &mut head.axes[index];
             axis.origin = left.origin;
             axis.is_homed = left.is_homed;
+            axis.heading = left.end;
             // The machine file may have other gains by now.
             let module = axis.settings.module;
             let gains = axis.settings.gains;
@@ -166,6 +170,7 @@ impl<P: Port> Head<P> {
                 origin: axis.origin,
                 zero: 0,
                 flank: Flank::Unknown,
+                end: axis.end.filter(|_| axis.is_at_end),
             })
         });
         let axes: Result<Vec<_>, Trouble> = axes.collect();
