@@ -79,8 +79,8 @@ impl MemoryFile {
         })
     }
 
-    /// What is kept for this machine at this port, and whether a session was killed there.
-    pub fn read(&self) -> Option<(Memory, bool)> {
+    /// What is kept for this machine at this port.
+    pub fn read(&self) -> Option<Memory> {
         let kept: Kept = toml::from_str(&fs::read_to_string(&self.path).ok()?).ok()?;
         let is_mine = kept.port == self.port
             && kept.machine == self.machine
@@ -109,16 +109,20 @@ impl MemoryFile {
             },
         });
         let axes = axes.collect();
-        is_mine.then_some((Memory { baud, axes }, kept.in_use))
+        is_mine.then_some(Memory {
+            baud,
+            in_use: kept.in_use,
+            axes,
+        })
     }
 
     /// Keeps the memory. The file is written beside its place and then renamed, so it is whole at
-    /// any time. `in_use`: the session goes on.
+    /// any time.
     ///
     /// # Errors
     ///
     /// The folder or the file cannot be written.
-    pub fn write(&self, memory: &Memory, in_use: bool) -> io::Result<()> {
+    pub fn write(&self, memory: &Memory) -> io::Result<()> {
         let axes = memory.axes.iter().map(|axis| KeptAxis {
             letter: axis.letter,
             module: axis.module,
@@ -144,7 +148,7 @@ impl MemoryFile {
             machine: self.machine.clone(),
             million_counts: self.million_counts.clone(),
             baud: memory.baud.bits_per_s(),
-            in_use,
+            in_use: memory.in_use,
             axis: axes.collect(),
         };
         let text = toml::to_string(&kept).map_err(io::Error::other)?;
