@@ -919,6 +919,14 @@ fn the_next_command_goes_on_where_the_last_one_ended() {
         jog.kill().unwrap();
         jog.wait().unwrap();
     };
+    let origins = || {
+        let (rows, told) = run(&["where"]);
+        assert!(!told.contains("killed") && !told.contains("lost"), "{told}");
+        let of = |name: &str| number(&rows[0][name]);
+        // Of the module at home, and from home to the zero.
+        [of("steps") - of("machine"), of("machine") - of("work")]
+    };
+    let before = origins();
     killed();
     let (rows, told) = run(&["status"]);
     assert!(
@@ -926,12 +934,7 @@ fn the_next_command_goes_on_where_the_last_one_ended() {
         "{told}"
     );
     assert!(number(&rows[0]["position"]) > 5.0, "{rows}");
-    // The index at 400 counts is 0 of the machine still, and 0 of the work is at 50.
-    let (rows, told) = run(&["where"]);
-    assert!(!told.contains("killed") && !told.contains("lost"), "{told}");
-    let of = |name: &str| number(&rows[0][name]);
-    near(&(of("machine") - of("work")).into(), 50.0, 1.0);
-    near(&(of("steps") - of("machine")).into(), 400.0, 1.0);
+    assert_eq!(origins(), before);
     run(&["goto", "0"]);
     killed();
     let stopped = printed(&["stop", "-m", "cmm", "--port", &port]);
