@@ -2,8 +2,8 @@
 
 pub(crate) mod arc;
 
+use crate::codes::axes::Axes;
 use crate::codes::code::Side;
-use crate::codes::letters::axis_letter;
 use crate::command::arc::{Arc, Direction, Plane};
 use crate::values::nm::Nm;
 use core::fmt;
@@ -350,18 +350,34 @@ impl<const N: usize> Command<N> {
             _ => None,
         }
     }
+
+    /// The command to be printed with the letters of these axes, and only with these axes.
+    /// `Display` of the command itself prints its coordinates as X Y Z A B C.
+    pub const fn shown(&self, axes: Axes) -> Shown<'_, N> {
+        Shown {
+            command: self,
+            axes,
+        }
+    }
 }
 
 /// The end of a move as ` X1 Y2 Z3`.
-struct Point<'a, const N: usize>(&'a [Nm; N]);
+struct Point<'a, const N: usize>(&'a [Nm; N], Axes);
 
 impl<const N: usize> fmt::Display for Point<'_, N> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (axis, at) in (0..N).zip(self.0) {
-            write!(f, " {}{at}", char::from(axis_letter(axis)))?;
+        for (letter, at) in self.1.letters().zip(self.0) {
+            write!(f, " {}{at}", char::from(letter))?;
         }
         Ok(())
     }
+}
+
+/// A command with the letters of the axes of a machine; see [`Command::shown`].
+#[derive(Copy, Clone, Debug)]
+pub struct Shown<'a, const N: usize> {
+    command: &'a Command<N>,
+    axes: Axes,
 }
 
 /// `F120` in mm/min, or `F2/min` for inverse time.
@@ -388,9 +404,16 @@ impl fmt::Display for Millionths {
 
 impl<const N: usize> fmt::Display for Command<N> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Command::Rapid { to } => write!(f, "rapid{}", Point(to)),
-            Command::Linear { to, feed } => write!(f, "linear{} {feed}", Point(to)),
+        self.shown(Axes::XYZABC).fmt(f)
+    }
+}
+
+impl<const N: usize> fmt::Display for Shown<'_, N> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let axes = self.axes;
+        match self.command {
+            Command::Rapid { to } => write!(f, "rapid{}", Point(to, axes)),
+            Command::Linear { to, feed } => write!(f, "linear{} {feed}", Point(to, axes)),
             Command::Arc { arc, feed } => {
                 let direction = match arc.direction {
                     Direction::Clockwise => "cw",
@@ -400,8 +423,8 @@ impl<const N: usize> fmt::Display for Command<N> {
                     f,
                     "arc {direction} {}{} centre{}",
                     arc.plane.name(),
-                    Point(&arc.to),
-                    Point(&arc.centre)
+                    Point(&arc.to, axes),
+                    Point(&arc.centre, axes)
                 )?;
                 if arc.turns != 0 {
                     write!(f, " turns {}", arc.turns)?;
@@ -409,7 +432,7 @@ impl<const N: usize> fmt::Display for Command<N> {
                 write!(f, " {feed}")
             }
             Command::Spline { spline, feed } => {
-                write!(f, "spline{} through", Point(&spline.to))?;
+                write!(f, "spline{} through", Point(&spline.to, axes))?;
                 for [x, y] in spline.points.iter().skip(1).take(2) {
                     write!(f, " X{x} Y{y}")?;
                 }
@@ -430,9 +453,11 @@ impl<const N: usize> fmt::Display for Command<N> {
                 let weight = Millionths(*micro_weight);
                 write!(f, "nurbs point X{x} Y{y} weight {weight}")
             }
-            Command::NurbsEnd { to } => write!(f, "nurbs end{}", Point(to)),
-            Command::Thread { to, lead } => write!(f, "thread{} lead {lead}", Point(to)),
-            Command::Tap { bottom, lead, .. } => write!(f, "tap{} lead {lead}", Point(bottom)),
+            Command::NurbsEnd { to } => write!(f, "nurbs end{}", Point(to, axes)),
+            Command::Thread { to, lead } => write!(f, "thread{} lead {lead}", Point(to, axes)),
+            Command::Tap { bottom, lead, .. } => {
+                write!(f, "tap{} lead {lead}", Point(bottom, axes))
+            }
             Command::Probe {
                 to,
                 feed,
@@ -441,7 +466,7 @@ impl<const N: usize> fmt::Display for Command<N> {
             } => {
                 let way = if *away { " away" } else { "" };
                 let must = if *must { "" } else { " optional" };
-                write!(f, "probe{way}{must}{} {feed}", Point(to))
+                write!(f, "probe{way}{must}{} {feed}", Point(to, axes))
             }
             Command::Surface {
                 direction,
@@ -461,7 +486,7 @@ impl<const N: usize> fmt::Display for Command<N> {
             }
             Command::ToolIs { number } => write!(f, "tool is {number}"),
             Command::ToolLength { number, offset } => {
-                write!(f, "tool length {number}{}", Point(offset))
+                write!(f, "tool length {number}{}", Point(offset, axes))
             }
             Command::Compensation { side: None, .. } => f.write_str("compensation off"),
             Command::Compensation {

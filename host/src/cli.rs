@@ -13,12 +13,12 @@ use crate::diagnostics::Format;
 pub use calibrate::{AxisArgs, BacklashArgs, Calibrate, CirclesArgs, SquarenessArgs, What};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 pub use drilling::{
-    Compile, Cycle, DrillOrder, DrillOutput, DrillProfile, DrillUnits, DrillZeros, Drilling, Holes,
-    Layout, Mirror, Send, SlotHandling,
+    Compile, DrillOrder, DrillOutput, DrillProfile, DrillUnits, DrillZeros, Drilling, Holes,
+    Layout, Send,
 };
 pub use jog::Jog;
 use moves::COMPARE_HELP;
-pub use moves::{ArcShape, Compare, Interpolate, LineShape, Shape, Turning};
+pub use moves::{ArcShape, Compare, Interpolate, LineShape, Shape};
 use reproduce::REPRODUCE_HELP;
 pub use reproduce::{Original, Reproduce};
 use servo::TUNE_HELP;

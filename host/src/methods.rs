@@ -1,12 +1,4 @@
-//! Compares interpolation methods on the bare grid.
+//! Compares interpolation methods: options of `husillo_methods`.
 
-pub mod compare;
-pub mod compare_page;
-pub mod compare_picture;
-pub mod compare_text;
-pub mod curve;
-pub mod decision;
-pub mod grid_moves;
 pub mod interpolate;
-pub mod method;
-pub mod trial;
+pub mod one_move;

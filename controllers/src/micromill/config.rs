@@ -1,7 +1,7 @@
 //! Configuration of a mill.
 
 use husillo_gcode::{Dialect, Nm};
-use husillo_machine::{Axis, Config, Scale};
+use husillo_machine::{Axis, Config, Equipment, Scale};
 
 /// The fixed properties of a mill, a constant of its firmware.
 #[derive(Copy, Clone, Debug)]
@@ -108,5 +108,6 @@ const fn micromill(parts: u16) -> Config<3> {
         top_feed: None,
         spindle_counts: None,
         corner_deviation: None,
+        equipment: Equipment::NONE,
     }
 }

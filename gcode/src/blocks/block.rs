@@ -1,12 +1,13 @@
 //! A block: the words of one line, checked as far as the line alone allows.
 
-mod given;
+pub(crate) mod given;
 
 use crate::blocks::fault::{Fault, Reason};
 use crate::codes::code::{Code, Group};
 use crate::codes::dialect::Dialect;
 use crate::codes::letters::{Letters, SLOTS, bit, slot_of};
 use crate::error::{Error, ErrorKind};
+use crate::features::EXTENDED;
 use crate::values::decimal::Decimal;
 use crate::values::nm::{Measure, Nm};
 use crate::words::word::{Word, words};
@@ -157,6 +158,47 @@ impl Block {
         Ok(block)
     }
 
+    /// Creates a block of codes and words without columns.
+    #[cfg(all(feature = "program", feature = "extended"))]
+    pub(crate) fn of(
+        codes: impl IntoIterator<Item = Code>,
+        words: impl IntoIterator<Item = (u8, Decimal)>,
+    ) -> Block {
+        let mut block = Block::EMPTY;
+        for code in codes {
+            block.set_code(code.group(), Some(code));
+        }
+        for (letter, value) in words {
+            let slot = usize::from(slot_of(letter));
+            if let Some(entry) = block.values.get_mut(slot) {
+                *entry = value;
+                block.present |= bit(letter);
+            }
+        }
+        block
+    }
+
+    /// Replaces or removes the code of a group, and keeps its columns.
+    #[cfg(all(feature = "program", feature = "extended"))]
+    pub(crate) fn set_code(&mut self, group: Group, code: Option<Code>) {
+        let bit = 1u32.wrapping_shl(group as u32);
+        self.groups = match code {
+            Some(_) => self.groups | bit,
+            None => self.groups & !bit,
+        };
+        if let Some(slot) = self.codes.get_mut(group as usize) {
+            *slot = code;
+        }
+    }
+
+    /// Removes a word and returns its value.
+    #[cfg(all(feature = "program", feature = "extended"))]
+    pub(crate) fn take_word(&mut self, letter: u8) -> Option<Decimal> {
+        let value = self.word(letter);
+        self.present &= !bit(letter);
+        value
+    }
+
     #[cfg_attr(target_has_atomic = "32", inline(always))]
     #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
     fn push(&mut self, word: &Word, dialect: &Dialect) -> Result<(), ErrorKind> {
@@ -250,10 +292,12 @@ impl Block {
         span: Span,
         dialect: &Dialect,
     ) -> Result<(), ErrorKind> {
-        let slot = slot_of(letter);
-        let bit = 1u32.wrapping_shl(u32::from(slot));
+        let mut slot = slot_of(letter);
+        let mut bit = 1u32.wrapping_shl(u32::from(slot));
         if dialect.letters().0 & bit == 0 {
-            return Err(ErrorKind::UnknownWord(letter));
+            let axis = dialect.axes().slot(letter).filter(|_| EXTENDED);
+            slot = axis.ok_or(ErrorKind::UnknownWord(letter))?;
+            bit = 1u32.wrapping_shl(u32::from(slot));
         }
         if self.present & bit != 0 {
             return Err(ErrorKind::RepeatedWord(letter));

@@ -173,6 +173,11 @@ impl<'a> Formatted<'a> {
                 self.heads = [space, letter, &[]];
                 self.word(rest, letter)
             }
+            b'@' | b'^' if !self.strings => {
+                let letter = rest.get(..1).unwrap_or_default();
+                self.heads = [space, letter, &[]];
+                self.word(rest, letter)
+            }
             b'(' => rest
                 .split_inclusive(|&byte| byte == b')')
                 .next()
@@ -185,7 +190,8 @@ impl<'a> Formatted<'a> {
             }
             _ => 1,
         };
-        if !byte.is_ascii_alphabetic() {
+        let is_word = byte.is_ascii_alphabetic() || !self.strings && matches!(byte, b'@' | b'^');
+        if !is_word {
             self.body = rest.get(..length).unwrap_or(rest);
         }
         // Parts end inside the line.
@@ -253,7 +259,9 @@ impl<'a> Formatted<'a> {
             }
         }
         let needs_zero = !matches!(number.first(), Some(b'0'..=b'9'));
-        let lead: &[u8] = match (negative && !is_zero, needs_zero) {
+        // The sign of a zero is a direction on wrapped rotary axes.
+        let signed = negative && (!is_zero || matches!(letter, b"A" | b"B" | b"C"));
+        let lead: &[u8] = match (signed, needs_zero) {
             (true, true) => b"-0",
             (true, false) => b"-",
             (false, true) => b"0",

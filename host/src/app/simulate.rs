@@ -13,7 +13,6 @@ use crate::cli::{CuttingOrder, Output, Run as RunArgs};
 use crate::console;
 use crate::diagnostics::Findings;
 use crate::output::{Outputs, Writer};
-use crate::page;
 use crate::programs::check::Facts;
 use crate::programs::feeder;
 use crate::programs::mirror;
@@ -78,7 +77,7 @@ fn simulate_job(job: &mut Job, args: &RunArgs) -> Result<u8, Failure> {
         let figures = report::figures(&results, &facts, take_up_s);
         let warnings = findings.short();
         let report = report::made(job, &run, &results, figures, end.offset_nm, warnings);
-        page::report::html(&report)
+        husillo_reports::run::html(&report)
     })?;
     outputs.finish()?;
     if let (true, Some(path), Some(size)) = (is_text, &files.report_path, size) {

@@ -7,11 +7,11 @@ use crate::programs::program::{self, Meaning, Start};
 use crate::programs::reversals::Turns;
 use crate::programs::setup;
 use crate::programs::source::Source;
-use crate::text::duration::duration;
-use crate::text::length::length;
-use crate::text::number::shortest;
 use husillo_gcode::{Arc, Command, Feed, Nm};
 use husillo_machine::{Config, MoveError};
+use husillo_reports::text::duration;
+use husillo_reports::text::length;
+use husillo_reports::text::shortest;
 use std::io;
 
 /// The figures of a checked program.

@@ -4,7 +4,9 @@ use crate::machines::machine_file::{Driver, Idle, MachineFile, StepMode, Travel}
 use husillo_backlash::{Flank, LashMap, MappedBacklash};
 use husillo_gcode::{Dialect, Nm};
 use husillo_interp::Path;
-use husillo_machine::{Axis, AxisEncoder, AxisRamp, ClosedLoop, Config, Machine, Motors, Scale};
+use husillo_machine::{
+    Axis, AxisEncoder, AxisRamp, ClosedLoop, Config, Equipment, Machine, Motors, Scale,
+};
 use husillo_metrology::calibration::backlash::Map;
 use husillo_sim::observers::phases;
 use husillo_sim::{AxisModel, Rig};
@@ -158,6 +160,7 @@ pub fn config(file: &MachineFile, dialect: Dialect) -> Result<Config<3>, String>
         top_feed: file.top_feed.map(Nm),
         corner_deviation: file.corner_deviation.map(Nm),
         spindle_counts: file.spindle_counts,
+        equipment: Equipment::NONE,
     })
 }
 

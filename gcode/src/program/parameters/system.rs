@@ -6,6 +6,8 @@ use crate::command::SpindleDirection;
 use crate::command::arc::Plane;
 use crate::modal::Modal;
 use crate::modal::modes::{Distance, FeedMode, Motion, Units};
+#[cfg(feature = "extended")]
+use crate::modal::saved::SavedModes;
 use crate::values::nm::Nm;
 
 /// The state of the machine that expressions can read: positions, the work system, the tool. It is
@@ -28,6 +30,12 @@ pub trait System {
     fn has_subroutine(&self, name: &[u8]) -> bool {
         let _ = name;
         false
+    }
+
+    /// The modes that M70 and M73 save; `None` in a system without modes.
+    #[cfg(feature = "extended")]
+    fn modes(&self) -> Option<SavedModes> {
+        None
     }
 }
 
@@ -56,24 +64,24 @@ fn length(nm: Nm, units: Units) -> Option<Value> {
     }
 }
 
-/// `left - right` per axis; both are below 2^52.
-fn difference<const N: usize>(left: [Nm; N], right: [Nm; N]) -> [Nm; N] {
-    let mut difference = left;
-    for (left, right) in difference.iter_mut().zip(right) {
-        left.0 = left.0.saturating_sub(right.0);
+impl<const N: usize> Modal<N> {
+    /// The coordinate of the axis of a letter in the units in effect, degrees for a rotary axis; 0
+    /// where there is no such axis.
+    fn coordinate(&self, letter: u8, lengths: [Nm; N]) -> Option<Value> {
+        let axes = self.modes.dialect.axes();
+        let axis = axes.index(letter);
+        match axis.and_then(|axis| lengths.get(axis)) {
+            Some(&angle) if axis.is_some_and(|axis| axes.is_rotary(axis)) => {
+                length(angle, Units::Millimetres)
+            }
+            Some(&nm) => length(nm, self.units()),
+            None => Some(Value::ZERO),
+        }
     }
-    difference
 }
 
-impl<const N: usize> Modal<N> {
-    /// The programmed point in the work frame.
-    fn work_position(&self) -> [Nm; N] {
-        difference(
-            difference(self.position(), self.work_offset()),
-            self.tool_length(),
-        )
-    }
-}
+/// The letters of axes in the order of the numbers of their parameters.
+const LETTERS: &[u8; 9] = b"XYZABCUVW";
 
 /// | number | name | what |
 /// | --- | --- | --- |
@@ -83,6 +91,7 @@ impl<const N: usize> Modal<N> {
 /// | #5211 to #5219 | | the shift of G92 |
 /// | #5220 | `_coord_system` (540 for G54) | the work system, 1 to 9 |
 /// | #5221 to #5229, #5241 to #5249, ... | | zeros of G54, G55, ... |
+/// | #5230, #5250, ... | | rotations of G54, G55, ... in degrees |
 /// | #5400 | `_current_tool`, `_selected_tool` | tool in the spindle |
 /// | #5401 to #5409 | | tool length in effect |
 /// | #5410 | | diameter of the tool in the spindle |
@@ -92,10 +101,10 @@ impl<const N: usize> Modal<N> {
 /// | | `_feed _rpm` | feed of G94, spindle speed |
 impl<const N: usize> System for Modal<N> {
     fn numbered(&self, number: u16) -> Option<Value> {
-        let in_units = |axis: usize, lengths: [Nm; N]| match lengths.get(axis) {
-            Some(&nm) => length(nm, self.units()),
-            None if axis < 9 => Some(Value::ZERO),
-            None => None,
+        // `place` counts in the order X Y Z A B C U V W.
+        let in_units = |place: usize, lengths: [Nm; N]| {
+            let letter = *LETTERS.get(place)?;
+            self.coordinate(letter, lengths)
         };
         let axis_from = |first: u16| usize::from(number.wrapping_sub(first));
         match number {
@@ -108,8 +117,12 @@ impl<const N: usize> System for Modal<N> {
             5221..=5389 => {
                 let place = number.wrapping_sub(5221);
                 // Below 9.
-                let zero = self.work_zero((place / 20) as u8);
-                zero.and_then(|zero| in_units(usize::from(place % 20), zero))
+                let (system, axis) = ((place / 20) as u8, usize::from(place % 20));
+                match axis {
+                    #[cfg(feature = "extended")]
+                    9 => Value::new(self.rotation(system)?, 9),
+                    axis => in_units(axis, self.work_zero(system)?),
+                }
             }
             5400 => Value::new(i64::from(self.loaded_tool()), 0),
             5401..=5409 => in_units(axis_from(5401), self.tool_length()),
@@ -124,29 +137,27 @@ impl<const N: usize> System for Modal<N> {
         }
     }
 
+    #[cfg(feature = "extended")]
+    fn modes(&self) -> Option<SavedModes> {
+        Some(self.saved_modes())
+    }
+
     fn named(&self, name: &[u8]) -> Option<Value> {
         let truth = |value| Some(Value::truth(value));
         let number = |value: u32| Value::new(i64::from(value), 0);
         let (spindle, milli_rpm) = self.spindle();
         let (mist, flood) = self.coolant();
-        let axis = |letter: u8| {
-            b"XYZABCUVW"
-                .iter()
-                .zip(0usize..9)
-                .find(|&(&known, _)| known == letter)
-        };
         match name {
             [letter] | [b'A', b'B', b'S', b'_', letter] => {
-                let (_, axis) = axis(*letter)?;
+                if !LETTERS.contains(letter) {
+                    return None;
+                }
                 let lengths = if name.len() == 1 {
                     self.work_position()
                 } else {
                     self.position()
                 };
-                match lengths.get(axis) {
-                    Some(&nm) => length(nm, self.units()),
-                    None => Some(Value::ZERO),
-                }
+                self.coordinate(*letter, lengths)
             }
             b"METRIC" => truth(self.units() == Units::Millimetres),
             b"IMPERIAL" => truth(self.units() == Units::Inches),

@@ -5,8 +5,8 @@ use crate::app::job::Job;
 use crate::console;
 use crate::programs::check::Facts;
 use crate::simulation::run::Run;
-use crate::text::duration::duration;
-use crate::text::length::{length, millimetres};
+use husillo_reports::text::duration;
+use husillo_reports::text::{length, millimetres};
 use husillo_sim::observers::symmetry::Difference;
 use std::io::{self, Write};
 
