@@ -410,7 +410,7 @@ mod tests {
             let mut module = addressed();
             assert_eq!(timer(&mut module, &none, TIMER), 0, "off at first");
             ask(&mut module, &none, set);
-            (0..99).for_each(|_| drop(module.tick(&none)));
+            (0..99).for_each(|_| assert!(module.tick(&none).is_none()));
             assert_eq!(timer(&mut module, &none, TIMER), 100 * counts);
             ask(&mut module, &none, "aa 02 0c 0e");
             assert_eq!(timer(&mut module, &none, CAPTURED), 101 * counts);
