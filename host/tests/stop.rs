@@ -77,10 +77,10 @@ fn a_measuring_machine_is_stopped_while_held_and_after_a_kill() {
     for is_killed in [false, true] {
         let jog = ["--raw", "--port", chain.port(), "jog", "+x", "60s"];
         let mut child = begin(&folder, &[&["measure", "-m", "cmm3"], &jog[..]].concat());
-        // A trajectory of 60 s at 200 counts/s.
+        // A trajectory of 60 s at 200 counts/s, which starts at once.
         let lines = BufReader::new(child.stderr.take().unwrap()).lines();
         let mut lines = lines.map(Result::unwrap);
-        assert!(lines.any(|line| line.starts_with("> aa 01 ") && line.contains(" e0 2e 00 00 ")));
+        assert!(lines.any(|line| line.starts_with("> aa 01 d4 97 ")));
         // At 200 counts/s, as it is not homed. The readings follow at the pace of the line.
         let position = lines.find_map(|line| {
             let bytes: Vec<u8> = line
