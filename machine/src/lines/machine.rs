@@ -1,6 +1,7 @@
 //! Lines in, events out.
 
 mod begin;
+mod direct;
 mod extended;
 mod next_event;
 
@@ -130,7 +131,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
             schedule: Schedule::new(&config),
             run: None,
             ramp: Ramp::new(config.timer_hz),
-            mode: PathMode::Blend { tolerance: None },
+            mode: PathMode::default(),
             has_ended: false,
             segment: None,
             take_up: TakeUp::new(lash),
