@@ -46,6 +46,8 @@ pub enum MoveError {
     },
     /// An arc with a radius of 2^28 steps or more.
     ArcTooLarge,
+    /// A NURBS of more than 64 control points.
+    TooManyPoints,
     /// A command that needs a function this machine does not have.
     Unsupported(Means),
 }
@@ -54,7 +56,7 @@ pub enum MoveError {
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Means {
-    /// G5, G5.1: an interpolator of splines.
+    /// G5 to G5.3: curves.
     Splines,
     /// G33, G76, G95: a spindle encoder.
     SpindleFeedback,
@@ -117,6 +119,7 @@ impl fmt::Display for MoveError {
             ),
             Self::ArcTolerance { .. } => f.write_str("the end point is not on the arc"),
             Self::ArcTooLarge => f.write_str("arc radius too large"),
+            Self::TooManyPoints => f.write_str("a curve of more than 64 control points"),
             Self::Unsupported(means) => write!(f, "this machine has no means for {}", means.name()),
         }
     }
