@@ -17,6 +17,7 @@ use crate::{Config, Equipment, Event, MoveError, Refused, Segment};
 
 /// Kind of motion to which the last event belongs.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Origin {
     /// No motion yet, or an output, a dwell or a pause.
     Rest,

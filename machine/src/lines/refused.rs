@@ -6,6 +6,7 @@ use husillo_gcode::{Error, Nm};
 
 /// Reason why [`Machine::line`](crate::Machine::line) refused a line. The state is unchanged.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Refused {
     /// The previous line still has commands to begin. Pull events, then offer this line again.
     Busy,
@@ -17,6 +18,7 @@ pub enum Refused {
 
 /// Reason why this machine cannot make a move.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum MoveError {
     /// The path leaves the travel of an axis.
@@ -54,6 +56,7 @@ pub enum MoveError {
 
 /// Function that a command needs.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum Means {
     /// G5 to G5.3: curves.

@@ -13,6 +13,7 @@ const MAX_EVENTS: u64 = 1 << 31;
 
 /// A move as it was programmed.
 #[derive(Copy, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Segment<const N: usize> {
     /// Start position in the machine frame.
     pub from: [Nm; N],

@@ -44,6 +44,7 @@ pub(crate) struct Probing<const N: usize> {
 
 /// Result of the last probing move.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Probed<const N: usize> {
     /// Position at the contact in the machine frame, or the end of a move without contact. If a tip
     /// is set, it is the point of contact.
