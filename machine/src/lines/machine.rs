@@ -132,7 +132,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
             schedule: Schedule::new(&config),
             run: None,
             ramp: Ramp::new(config.timer_hz),
-            mode: PathMode::Blend { tolerance: None },
+            mode: PathMode::default(),
             has_ended: false,
             segment: None,
             take_up: TakeUp::new(lash),
