@@ -7,6 +7,7 @@ pub mod explain;
 pub mod explain_flow;
 pub mod feeder;
 pub mod format;
+pub mod library;
 pub mod mirror;
 pub mod program;
 pub mod reversals;
