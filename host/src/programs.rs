@@ -15,4 +15,5 @@ pub mod setup;
 pub mod source;
 pub mod spindle_time;
 pub mod steps;
+pub mod translate;
 pub mod zero;
