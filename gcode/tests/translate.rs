@@ -53,7 +53,10 @@ fn commands(text: &[u8], dialect: Dialect, compensates: bool) -> Result<Vec<Stri
     let mut stage = Compensation::new(modal.position());
     let mut at = modal.position();
     let mut made = Vec::new();
-    let push = |command: Command<3>, at: &mut [husillo_gcode::Nm; 3], made: &mut Vec<String>| {
+    let mut length = [husillo_gcode::Nm(0); 3];
+    let mut push = |command: Command<3>,
+                    at: &mut [husillo_gcode::Nm; 3],
+                    made: &mut Vec<String>| {
         let from = *at;
         *at = command.end().unwrap_or(from);
         match command {
@@ -65,7 +68,12 @@ fn commands(text: &[u8], dialect: Dialect, compensates: bool) -> Result<Vec<Stri
                 made.pop();
                 made.push(command.to_string());
             }
-            Command::ToolLength { offset, .. } => made.push(format!("length {offset:?}")),
+            // The numbers of tools, and a length that stays, are not compared.
+            Command::ToolLength { offset, .. } => {
+                if core::mem::replace(&mut length, offset) != offset {
+                    made.push(format!("length {offset:?}"));
+                }
+            }
             // The centre of an arc by its radius is rounded.
             Command::Arc { arc, feed } => made.push(format!(
                 "arc {:?} {:?} {:?} {} {feed}",

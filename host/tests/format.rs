@@ -467,7 +467,7 @@ fn a_program_is_translated() {
         command.args(["format", "--to", to]).arg(file).assert()
     };
     translate(&cycles, "grbl").success().stdout(
-        "G20 G90 F10\nG21\nG0 Z2.54\nG0 X25.4\nG1 Z-2.54 F254\nG0 Z2.54\nG0 X50.8\nG1 Z-2.54\n\
+        "G20 G90 F10\nG21\nG0 Z2.54\nG0 X25.4\nG1 Z-2.54\nG0 Z2.54\nG0 X50.8\nG1 Z-2.54\n\
          G0 Z2.54\nG80\nM2\n",
     );
     translate(&cycles, "linuxcnc")

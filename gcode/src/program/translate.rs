@@ -43,7 +43,7 @@ const GRBL_LINE: usize = 79;
 ///     assert!(done.is_ok());
 /// }
 /// assert_eq!(String::from_utf8_lossy(&text), "G20 G90 (inches) F10\nG0 X1\nG21\nG0 Z2.54\n\
-///     G0 X50.8\nG1 Z-2.54 F254\nG0 Z2.54 (hole)\nG0 X76.2\nG1 Z-2.54\nG0 Z2.54\nM2\n");
+///     G0 X50.8\nG1 Z-2.54\nG0 Z2.54 (hole)\nG0 X76.2\nG1 Z-2.54\nG0 Z2.54\nM2\n");
 /// # Ok::<(), husillo_gcode::Error>(())
 /// ```
 ///
