@@ -30,8 +30,6 @@ use crate::lash;
 use crate::machines::listing;
 use crate::machines::machine_file::{MEASURING, MachineFile};
 use crate::measuring::{self, Stopped};
-use crate::methods::compare_page;
-use crate::methods::compare_text;
 use crate::methods::interpolate;
 use crate::methods::one_move::one_move;
 use crate::microfactory;
@@ -47,6 +45,7 @@ use husillo_clients::microfactory::Settings;
 use husillo_gcode::Dialect;
 use husillo_holes::Metric;
 use husillo_methods::{Comparer, Weights, programmed};
+use husillo_reports::methods;
 use std::io::{self, BufWriter, IsTerminal, Write};
 
 /// The program has no errors.
@@ -411,7 +410,7 @@ fn compare_methods(args: &Compare) -> Result<u8, Failure> {
         None => Box::new(console::stdout()),
     };
     match format {
-        Page::Text => compare_text::print(&comparison, &mut out)?,
+        Page::Text => methods::print(&comparison, &mut out)?,
         Page::Json => {
             let json = serde_json::to_string_pretty(&comparison.rows).map_err(io::Error::other)?;
             writeln!(out, "{json}")?;
@@ -419,7 +418,7 @@ fn compare_methods(args: &Compare) -> Result<u8, Failure> {
                 eprintln!("note: {note}");
             }
         }
-        Page::Html => out.write_all(compare_page::html(&comparison).as_bytes())?,
+        Page::Html => out.write_all(methods::html(&comparison).as_bytes())?,
     }
     out.flush()?;
     outputs.finish()?;
@@ -625,7 +624,7 @@ fn write_steps(args: &Steps) -> Result<u8, Failure> {
         .transpose()?;
     let mut outputs = Outputs::new();
     let mut out = outputs.create(&args.output)?;
-    let count = steps::write(&mut source, &mut machine, motors, &mut out)?;
+    let count = steps::write(&mut source, &mut machine, &job.piece(), motors, &mut out)?;
     out.flush()?;
     outputs.finish()?;
     if args.output != "-" {

@@ -10,6 +10,7 @@ pub mod format;
 pub mod library;
 pub mod mirror;
 pub mod program;
+pub mod reading;
 pub mod reversals;
 pub mod setup;
 pub mod source;

@@ -1,10 +1,5 @@
 //! `husillo tune`: finds and tests the gains of a servo.
 
-mod listing;
-mod page;
-
-pub use listing::percent;
-
 use crate::cli::{Output, Tune, TuneMethod, TuneRule};
 use crate::console::sharing::share;
 use crate::console::stop::INTERRUPTED;
@@ -20,6 +15,7 @@ use husillo_metrology::tuning::{
     Direct, Experiment, Failed, Linked, Method, NoRelay, Outcome, RelaySettings, Rig, Stand,
 };
 use husillo_pid::tuning::Rule;
+use husillo_reports::tuning;
 use husillo_transports::nmc::Gains;
 use std::io::{self, Write};
 
@@ -52,13 +48,13 @@ pub fn tune(args: &Tune, out: &mut dyn Write, page: &mut String) -> Result<(), S
     };
     outcome.aborted = result.is_err().then(|| message.clone()).flatten();
     let written = match args.format {
-        Output::Text => write!(out, "{}", listing::text(&outcome)),
+        Output::Text => write!(out, "{}", tuning::text(&outcome)),
         Output::Json => serde_json::to_string_pretty(&outcome)
             .map_err(io::Error::from)
             .and_then(|json| writeln!(out, "{json}")),
     }
     .and_then(|()| out.flush());
-    *page = page::html(&outcome, &stand.traces);
+    *page = tuning::html(&outcome, &stand.traces);
     match message {
         Some(message) if interrupt.has_stopped() => {
             eprintln!("error: {message}");

@@ -216,6 +216,12 @@ impl<const N: usize> Modal<N> {
         rate.map(Nm)
     }
 
+    /// The last F in millionths of its unit, millimetres (or revolutions, moves) per minute; 0
+    /// without one.
+    pub fn feed_word(&self) -> u64 {
+        self.modes.feed
+    }
+
     /// Switches spindle and coolant off, as M5 and M9 do, for an abort outside the program.
     pub fn stop_outputs(&mut self) {
         self.set_active(Group::Spindle, Code::SpindleOff);

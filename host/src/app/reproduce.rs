@@ -4,7 +4,8 @@ use super::{Failure, OK};
 use crate::cli::{Page, Reproduce};
 use crate::console;
 use crate::output::Outputs;
-use crate::reproducing::{self, page, text};
+use crate::reproducing;
+use husillo_reports::originals;
 use std::io::{self, Write};
 
 /// Prints the tables of an original, or writes them.
@@ -16,9 +17,9 @@ pub fn reproduce(args: &Reproduce) -> Result<u8, Failure> {
         _ => Page::Text,
     });
     let made = match format {
-        Page::Text => text::text(&rebuilt),
+        Page::Text => originals::text(&rebuilt),
         Page::Json => serde_json::to_string_pretty(&rebuilt).map_err(io::Error::other)? + "\n",
-        Page::Html => page::html(&rebuilt),
+        Page::Html => originals::html(&rebuilt),
     };
     let Some(path) = &args.output else {
         console::stdout().write_all(made.as_bytes())?;
@@ -27,6 +28,6 @@ pub fn reproduce(args: &Reproduce) -> Result<u8, Failure> {
     let mut outputs = Outputs::new();
     outputs.write(path, made.as_bytes())?;
     outputs.finish()?;
-    eprintln!("{path}: {}", text::verdict(&rebuilt));
+    eprintln!("{path}: {}", originals::verdict(&rebuilt));
     Ok(OK)
 }

@@ -4,6 +4,7 @@ use crate::diagnostics::{Finding, Findings};
 use crate::programs::blocks;
 use crate::programs::explain::{self, At};
 use crate::programs::format::Form;
+use crate::programs::reading::{Reading, Results};
 use crate::programs::source::Source;
 use husillo_gcode::{Command, Dialect, Translator, Untranslated};
 use std::io::{self, Write};
@@ -39,7 +40,10 @@ pub fn write(
         source,
         from,
         &mut work,
-        |work| work.translator.modal(),
+        |work| Reading {
+            modal: work.translator.modal(),
+            results: Results::NONE,
+        },
         |work, given, block| {
             let at = At {
                 file: given.file.unwrap_or(file),
