@@ -6,7 +6,6 @@ use crate::programs::source::Source;
 use husillo_gcode::contour::{Contours, needs_contours};
 use husillo_gcode::parameters::{Program, needs_program};
 use husillo_gcode::{Block, Dialect, Error, ErrorKind, FramingError, Receiver, words};
-use husillo_sim::observers::AXES;
 use std::io;
 use std::ops::ControlFlow;
 
@@ -168,11 +167,11 @@ pub fn is_numbering(text: &[u8]) -> bool {
 /// # Errors
 ///
 /// Reading fails, or `each` does.
-pub fn each_block<C>(
+pub fn each_block<C, const N: usize>(
     source: &mut Source,
     dialect: Dialect,
     context: &mut C,
-    reading: impl Fn(&C) -> Reading<'_, AXES>,
+    reading: impl Fn(&C) -> Reading<'_, N>,
     mut each: impl FnMut(&mut C, &Given<'_>, Result<Block, Error>) -> io::Result<ControlFlow<()>>,
 ) -> io::Result<()> {
     let mut percent = Percent::default();
@@ -261,12 +260,12 @@ struct Text<'a> {
 }
 
 /// Gives the blocks of a text in the order of execution.
-fn as_a_whole<C>(
+fn as_a_whole<C, const N: usize>(
     text: &Text<'_>,
     dialect: Dialect,
     percent: &mut Percent,
     context: &mut C,
-    reading: impl Fn(&C) -> Reading<'_, AXES>,
+    reading: impl Fn(&C) -> Reading<'_, N>,
     mut each: impl FnMut(&mut C, &Given<'_>, Result<Block, Error>) -> io::Result<ControlFlow<()>>,
 ) -> io::Result<()> {
     let program = Whole::new(text.bytes, dialect).with_first_line(text.first);
