@@ -319,7 +319,7 @@ mod tests {
             "%\n#1=1\nM30%\r\nrubbish\n",
         ] {
             let mut source = Source::from_reader(Box::new(text.as_bytes()));
-            let mut context = Modal::new(Dialect::RS274);
+            let mut context = Modal::<3>::new(Dialect::RS274);
             let error = |_: &mut _, given: &Given<'_>, block: Result<Block, Error>| {
                 assert!(block.is_ok(), "line {} of {text:?}", given.number);
                 Ok(ControlFlow::Continue(()))
