@@ -12,7 +12,7 @@ from pathlib import Path
 from husillo_firmware import host, registers
 from husillo_firmware.boards import Board
 from husillo_firmware.qemu import ANSWER_S, Firmware
-from husillo_firmware.waiting import require, until
+from husillo_firmware.waiting import require, settled, until
 
 # The most steps of the table, at 247 per second, from the last count before the kill to the last
 # step. They include the steps during that count.
@@ -38,15 +38,8 @@ class Interrupted:
 
     def ended(self) -> int:
         """Steps since the log was emptied, when no more are made."""
-        counts = [-1]
-
-        def is_quiet() -> bool:
-            time.sleep(QUIET_S)
-            counts.append(self.steps())
-            return counts[-1] == counts[-2]
-
-        until(is_quiet, ANSWER_S, f"{self.board}: it moves on without a host")
-        return counts[-1]
+        what = f"{self.board}: it moves on without a host"
+        return settled(self.steps, QUIET_S, ANSWER_S, what)
 
     def kill(self, words: list[str | Path], begun: int) -> int:
         """Starts a host and kills it after some steps. Returns how many were made after that."""
