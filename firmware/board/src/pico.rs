@@ -188,7 +188,7 @@ pub fn counts(simulated: u16) -> u16 {
 #[inline]
 pub fn write(levels: Pins) {
     // It is a byte, unless the feature `wide` is on.
-    #[allow(clippy::useless_conversion)]
+    #[cfg_attr(feature = "wide", expect(clippy::useless_conversion))]
     let high = u32::from(levels) << 2;
     set(SIO + OUT_CLR, MOTORS_NOW & !high);
     set(SIO + OUT_SET, high & MOTORS_NOW);
