@@ -624,7 +624,7 @@ fn write_steps(args: &Steps) -> Result<u8, Failure> {
         .transpose()?;
     let mut outputs = Outputs::new();
     let mut out = outputs.create(&args.output)?;
-    let count = steps::write(&mut source, &mut machine, motors, &mut out)?;
+    let count = steps::write(&mut source, &mut machine, &job.piece(), motors, &mut out)?;
     out.flush()?;
     outputs.finish()?;
     if args.output != "-" {

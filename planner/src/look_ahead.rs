@@ -18,7 +18,8 @@
 //! The lowest candidate is always the first one. This is the well-known minimum over a sliding
 //! window; the two passes of Grbl's planner.c give the same speeds.
 
-use crate::{Stretch, ring::Ring, stretch::square};
+use crate::stretch::{Percents, square};
+use crate::{Stretch, ring::Ring};
 
 /// Highest speeds of the executing move, now and at its end.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
@@ -65,7 +66,7 @@ pub struct LookAhead<M, const CAPACITY: usize> {
     end: u128,
     /// Sequence number of the first move; wraps.
     front_number: u32,
-    percent: u8,
+    percents: Percents,
     limits: Limits,
 }
 
@@ -93,7 +94,7 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
             front_end: 0,
             end: 0,
             front_number: 0,
-            percent: 100,
+            percents: Percents::FULL,
             limits: Limits {
                 top_nm_per_s: 0,
                 exit_squared: 0,
@@ -116,7 +117,7 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
         let gain = stretch.gain();
         match self.slots.back() {
             Some(last) => {
-                let limit = entry_squared(&last.stretch, &stretch, self.percent);
+                let limit = entry_squared(&last.stretch, &stretch, self.percents);
                 // At most 2^31 moves wait, so the numbers of the moves in the queue differ.
                 let number = self.front_number.wrapping_add(self.slots.len() as u32);
                 self.add_candidate(number, limit);
@@ -183,11 +184,26 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
     /// it cannot brake in time. [`Ramp`](crate::Ramp) then brakes as hard as allowed, and no
     /// junction is passed faster than its limit.
     pub fn set_override(&mut self, percent: u8) {
-        let percent = percent.clamp(10, 200);
-        if percent == self.percent {
+        self.set_percents(Percents {
+            feed: percent.clamp(10, 200),
+            ..self.percents
+        });
+    }
+
+    /// Scales the speeds of moves that obey no override, the rapids: 1 to 100 percent; other values
+    /// are taken as the nearest of these. Otherwise as [`LookAhead::set_override`].
+    pub fn set_rapid_override(&mut self, percent: u8) {
+        self.set_percents(Percents {
+            rapid: percent.clamp(1, 100),
+            ..self.percents
+        });
+    }
+
+    fn set_percents(&mut self, percents: Percents) {
+        if percents == self.percents {
             return;
         }
-        self.percent = percent;
+        self.percents = percents;
         self.candidates.clear();
         let Some(front) = self.slots.front() else {
             return;
@@ -201,7 +217,7 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
             };
             let (stretch, gain) = (slot.stretch, slot.gain);
             let number = self.front_number.wrapping_add(offset as u32);
-            self.add_candidate(number, entry_squared(&last, &stretch, percent));
+            self.add_candidate(number, entry_squared(&last, &stretch, percents));
             self.end = self.end.wrapping_add(gain);
             last = stretch;
         }
@@ -210,7 +226,7 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
 
     /// The override in percent.
     pub const fn percent(&self) -> u8 {
-        self.percent
+        self.percents.feed
     }
 
     /// Number of moves in the queue, the executing one included.
@@ -255,7 +271,7 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
     /// Top speed of the first move.
     fn top(&self) -> u32 {
         let front = self.slots.front();
-        front.map_or(0, |front| front.stretch.top_at(self.percent))
+        front.map_or(0, |front| front.stretch.top_under(self.percents))
     }
 
     /// Computes the limits of the first move, which has this top speed.
@@ -289,10 +305,10 @@ impl<M, const CAPACITY: usize> Default for LookAhead<M, CAPACITY> {
 /// Square of the highest speed from one move to the next: the junction limit and the top speeds of
 /// both moves. The start speed of the first move is always allowed, because the machine may stop
 /// from it and start again.
-fn entry_squared(before: &Stretch, after: &Stretch, percent: u8) -> u64 {
+fn entry_squared(before: &Stretch, after: &Stretch, percents: Percents) -> u64 {
     let speed = after
         .entry_limit_nm_per_s
-        .min(before.top_at(percent))
-        .min(after.top_at(percent));
+        .min(before.top_under(percents))
+        .min(after.top_under(percents));
     square(speed.max(before.start_nm_per_s))
 }

@@ -216,6 +216,12 @@ impl<const N: usize> Modal<N> {
         rate.map(Nm)
     }
 
+    /// The last F in millionths of its unit, millimetres (or revolutions, moves) per minute; 0
+    /// without one.
+    pub fn feed_word(&self) -> u64 {
+        self.modes.feed
+    }
+
     /// Switches spindle and coolant off, as M5 and M9 do, for an abort outside the program.
     pub fn stop_outputs(&mut self) {
         self.set_active(Group::Spindle, Code::SpindleOff);
@@ -247,17 +253,17 @@ impl<const N: usize> Modal<N> {
         self.modes.tool
     }
 
-    /// Path mode: how moves may be joined.
+    /// Path mode: how moves are joined. Initially that of G64 without a tolerance.
     pub fn path(&self) -> PathMode {
-        #[cfg(feature = "extended")]
         match self.active(Group::Path) {
-            Code::ExactStop => return PathMode::ExactStop,
-            Code::Blend => {
-                let tolerance = self.modes.more.tolerance;
-                return PathMode::Blend { tolerance };
-            }
-            _ => {}
+            Code::ExactPath => PathMode::ExactPath,
+            Code::ExactStop => PathMode::ExactStop,
+            #[cfg(feature = "extended")]
+            _ => PathMode::Blend {
+                tolerance: self.modes.more.tolerance,
+            },
+            #[cfg(not(feature = "extended"))]
+            _ => PathMode::default(),
         }
-        PathMode::ExactPath
     }
 }

@@ -179,20 +179,21 @@ fn feed(job: &Job, args: &RunArgs, run: &mut Run, events: f64) -> Result<End, Fa
         let [x, y, _] = run.mechanics.nm_per_step();
         Symmetry::new(mm * 1e6, [x, y])
     });
+    let piece = job.piece();
     let mut progress = Progress::new(events);
     let encoders = setup::encoders(&job.machine);
     let mut has_stopped = false;
     if encoders.iter().any(Option::is_some) {
         let mut closed = ClosedMicromill::new(machine, encoders);
         let counts = run.mechanics.counts();
-        feeder::feed_followed(&mut source, &mut closed, counts, |closed, entry| {
+        feeder::feed_followed(&mut source, &mut closed, &piece, counts, |closed, entry| {
             progress.event();
             run.followed(closed, entry)
         })?;
         has_stopped = closed.is_stopped();
         machine = closed.machine().clone();
     } else {
-        feeder::feed(&mut source, &mut machine, |machine, event| {
+        feeder::feed(&mut source, &mut machine, &piece, |machine, event| {
             progress.event();
             run.event(machine, event)
         })?;

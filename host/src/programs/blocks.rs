@@ -1,9 +1,10 @@
 //! The blocks of a program in the order of execution.
 
+use crate::programs::reading::Reading;
 use crate::programs::source::Source;
 use husillo_gcode::contour::{Contours, needs_contours};
 use husillo_gcode::parameters::{Program, needs_program};
-use husillo_gcode::{Block, Dialect, Error, ErrorKind, FramingError, Modal, Receiver, words};
+use husillo_gcode::{Block, Dialect, Error, ErrorKind, FramingError, Receiver, words};
 use std::io;
 use std::ops::ControlFlow;
 
@@ -157,8 +158,8 @@ pub fn is_numbering(text: &[u8]) -> bool {
 /// Calls `each` with every block until it breaks, or the program ends.
 ///
 /// Lines are read one at a time, up to the first one with a parameter, an expression, an O-word or
-/// a cycle along a contour. From that line on the program is kept in memory. `modal` returns the
-/// state of the machine, which expressions may read.
+/// a cycle along a contour. From that line on the program is kept in memory. `reading`
+/// returns the state of the machine, which expressions may read.
 ///
 /// # Errors
 ///
@@ -167,7 +168,7 @@ pub fn each_block<C>(
     source: &mut Source,
     dialect: Dialect,
     context: &mut C,
-    modal: impl Fn(&C) -> &Modal<3>,
+    reading: impl Fn(&C) -> Reading<'_, 3>,
     mut each: impl FnMut(&mut C, &Given<'_>, Result<Block, Error>) -> io::Result<ControlFlow<()>>,
 ) -> io::Result<()> {
     let mut percent = Percent::default();
@@ -176,7 +177,7 @@ pub fn each_block<C>(
         return Ok(());
     };
     let text = source.rest()?;
-    as_a_whole(&text, first, dialect, &mut percent, context, modal, each)
+    as_a_whole(&text, first, dialect, &mut percent, context, reading, each)
 }
 
 /// Gives the blocks of the lines that need no other line. Returns the number of the first line that
@@ -247,24 +248,24 @@ fn as_a_whole<C>(
     dialect: Dialect,
     percent: &mut Percent,
     context: &mut C,
-    modal: impl Fn(&C) -> &Modal<3>,
+    reading: impl Fn(&C) -> Reading<'_, 3>,
     mut each: impl FnMut(&mut C, &Given<'_>, Result<Block, Error>) -> io::Result<ControlFlow<()>>,
 ) -> io::Result<()> {
     let text = percent.before_all(text);
     let mut program = Box::new(Whole::new(text, dialect).with_first_line(first));
     let mut contours = Box::new(Turned::new(text, dialect));
     loop {
-        let state = modal(context);
-        let line = match contours.next_of_cycle(state) {
+        let state = reading(context);
+        let line = match contours.next_of_cycle(state.modal) {
             Some(line) => line,
             None => {
-                let Some(line) = program.next_line(state) else {
+                let Some(line) = program.next_line(&state) else {
                     return Ok(());
                 };
                 if percent.ends(line.text, &dialect) {
                     return Ok(());
                 }
-                let line = contours.take(line, state);
+                let line = contours.take(line, state.modal);
                 if let Some((at, number)) = contours.resume() {
                     program.go_to(at, number);
                 }
@@ -288,6 +289,8 @@ fn as_a_whole<C>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::programs::reading::Results;
+    use husillo_gcode::Modal;
 
     /// The file of some systems ends with `M30%`.
     #[test]
@@ -307,7 +310,10 @@ mod tests {
                 &mut source,
                 Dialect::RS274,
                 &mut context,
-                |modal| modal,
+                |modal| Reading {
+                    modal,
+                    results: Results::NONE,
+                },
                 error,
             )
             .unwrap();
@@ -322,7 +328,10 @@ mod tests {
             &mut source,
             dialect,
             &mut context,
-            |context| &context.0,
+            |context| Reading {
+                modal: &context.0,
+                results: Results::NONE,
+            },
             |context, given, _| {
                 context.1.push(given.number);
                 Ok(ControlFlow::Continue(()))

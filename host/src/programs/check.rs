@@ -12,6 +12,7 @@ use husillo_machine::{Config, MoveError};
 use husillo_reports::text::duration;
 use husillo_reports::text::length;
 use husillo_reports::text::shortest;
+use husillo_sim::geometry::path::Path;
 use std::io;
 
 /// The figures of a checked program.
@@ -35,6 +36,8 @@ pub struct Facts {
 pub struct Checker<'a> {
     machine: &'a MachineFile,
     config: &'a Config<3>,
+    /// What the machine says to each command.
+    checks: husillo_machine::Checker,
     turns: Turns,
     unknown_travel: [bool; 3],
     three_axes: bool,
@@ -96,6 +99,7 @@ impl<'a> Checker<'a> {
         Self {
             machine,
             config,
+            checks: husillo_machine::Checker::new(),
             turns: Turns::new(
                 // `run` reports a backlash that is out of range.
                 setup::maps(machine).unwrap_or_else(|_| setup::no_lash()),
@@ -127,7 +131,7 @@ impl Checker<'_> {
         findings: &mut Findings,
     ) {
         let end = command.end();
-        match self.config.check(&from, command) {
+        match self.checks.check(self.config, &from, command) {
             Ok(()) => {}
             // All moves beyond the travel have one cause. It is reported when all are known.
             Err(error @ MoveError::Travel { axis, .. }) => {
@@ -162,6 +166,10 @@ impl Checker<'_> {
                 self.turns.arc(from, arc);
                 arc_length(from, arc)
             }
+            Command::Spline { .. } => {
+                self.turns.line(from, to);
+                Path::programmed(from, command, 0.0).map_or(0.0, |path| path.length())
+            }
             _ => {
                 self.turns.line(from, to);
                 distance(from, to)
@@ -171,7 +179,10 @@ impl Checker<'_> {
         match command {
             Command::Rapid { .. } => self.rapid_nm += length,
             Command::Thread { .. } => self.feed_nm += length,
-            Command::Linear { feed, .. } | Command::Arc { feed, .. } => {
+            Command::Linear { feed, .. }
+            | Command::Probe { feed, .. }
+            | Command::Spline { feed, .. }
+            | Command::Arc { feed, .. } => {
                 self.feed_nm += length;
                 self.feed(feed, command, from, to, length, &meaning.at, findings);
             }
@@ -390,7 +401,7 @@ fn distance(from: [Nm; 3], to: [Nm; 3]) -> f64 {
 
 /// Length of an arc in nm.
 pub fn arc_length(from: [Nm; 3], arc: &Arc<3>) -> f64 {
-    husillo_sim::geometry::path::Path::programmed(
+    Path::programmed(
         from,
         &Command::Arc {
             arc: *arc,

@@ -5,8 +5,11 @@ mod lines;
 use crate::diagnostics::{Finding, Findings};
 use crate::programs::blocks::{self, Given};
 use crate::programs::explain::{self, At};
+use crate::programs::reading::{Reading, Results};
 use crate::programs::source::{LONGEST_LINE, Source};
-use husillo_gcode::{Block, Command, Compensated, Compensation, Dialect, Error, Modal, Nm, words};
+use husillo_gcode::{
+    Block, Command, Compensated, Compensation, Dialect, Error, Modal, Nm, Tool, words,
+};
 use std::collections::VecDeque;
 use std::fmt::Write;
 use std::io;
@@ -27,6 +30,8 @@ pub struct Start {
     pub zero: [Nm; 3],
     /// Position of the tool, in machine coordinates.
     pub at: [Nm; 3],
+    /// The tools of the machine, by number.
+    pub tools: [Option<(u32, Tool<3>)>; 8],
 }
 
 impl From<Dialect> for Start {
@@ -36,6 +41,7 @@ impl From<Dialect> for Start {
             dialect,
             zero: [Nm(0); 3],
             at: [Nm(0); 3],
+            tools: [None; 8],
         }
     }
 }
@@ -48,6 +54,9 @@ impl Start {
             modal.set_work_zero(system, self.zero);
         }
         modal.set_position(self.at);
+        for (number, tool) in self.tools.into_iter().flatten() {
+            modal.set_tool(number, tool);
+        }
         modal
     }
 }
@@ -70,6 +79,8 @@ struct Walker<'a> {
     /// Commands that a program with loops may still give.
     left: u64,
     modal: Modal<3>,
+    /// What a probe and inputs are assumed to find.
+    results: Results<3>,
     /// Computes the path of the tool under compensation. Otherwise it passes commands unchanged.
     stage: Compensation<3>,
     /// Places of the commands that wait in it, in their order.
@@ -126,10 +137,19 @@ impl<'a> Walker<'a> {
             left,
             from: modal.position(),
             modal,
+            results: Results::NONE,
             stage: Compensation::new(start.at),
             waiting: VecDeque::new(),
             last_line: 1,
             has_ended: false,
+        }
+    }
+
+    /// What expressions can read.
+    const fn reading(&self) -> Reading<'_, 3> {
+        Reading {
+            modal: &self.modal,
+            results: self.results,
         }
     }
 
@@ -239,6 +259,7 @@ impl<'a> Walker<'a> {
                 return Ok(ControlFlow::Break(()));
             }
             self.give(freed.pop_front(), &meaning, &command, findings, each)?;
+            self.results.assume(&command, &self.modal);
             self.has_ended |= matches!(command, Command::End { .. });
         }
         if self.has_ended {
@@ -349,7 +370,7 @@ fn walk_within(
         source,
         start.dialect,
         &mut walker,
-        |walker| &walker.modal,
+        Walker::reading,
         |walker, given, block| walker.block(given, block, findings, &mut each),
     )?;
     walker.finish(findings, &mut each)?;

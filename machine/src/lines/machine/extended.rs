@@ -11,8 +11,9 @@ use super::Machine;
 #[cfg(feature = "extended")]
 use crate::Extended;
 use crate::lines::extension::Extension;
+use crate::lines::nurbs::Nurbs;
 use crate::lines::state::{Probed, Probing, Surface};
-use crate::{Alarm, Event, Output, Pause};
+use crate::{Alarm, Event, MoveError, Output, Pause};
 
 impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N>>
     Machine<N, P, L, QUEUE, E>
@@ -23,9 +24,11 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
             self.waiting,
             Some(Command::Probe { .. } | Command::Wait { .. })
         );
+        // An alarm drops the lines before it, so no line may come before the alarm is given.
+        let is_raised = matches!(self.signals.last(), Some(Some(Event::Alarm(_))));
         self.extension
             .state()
-            .is_some_and(|state| waits || state.is_busy())
+            .is_some_and(|state| waits || is_raised || state.is_busy())
     }
 
     /// Whether an input was requested and its answer has not come.
@@ -40,6 +43,28 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
             .is_some_and(|state| state.probing.is_some() || state.is_awaited)
     }
 
+    /// Checks a curve of several commands. `nurbs` are the control points that these commands add
+    /// to those already taken.
+    pub(super) fn check_nurbs(
+        &self,
+        nurbs: &mut Option<Nurbs>,
+        from: &[Nm; N],
+        command: &Command<N>,
+    ) -> Result<(), MoveError> {
+        let (
+            Some(state),
+            Command::NurbsBegin { .. } | Command::NurbsPoint { .. } | Command::NurbsEnd { .. },
+        ) = (self.extension.state(), command)
+        else {
+            return Ok(());
+        };
+        let nurbs = nurbs.get_or_insert_with(|| state.nurbs.clone());
+        match nurbs.take(&self.config, from, command)? {
+            Some(chords) => self.config.check_chords(chords),
+            None => Ok(()),
+        }
+    }
+
     /// Takes a command of the queue that a plain machine does not have. Returns it if it is one
     /// that has to wait, or a plain move.
     pub(super) fn take_extended(&mut self, command: Command<N>) -> Option<Command<N>> {
@@ -51,6 +76,13 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
         match command {
             Command::Spline { spline, feed } => {
                 state.chords = Some(self.config.chords(from, &spline, feed));
+                None
+            }
+            Command::NurbsBegin { .. } | Command::NurbsPoint { .. } | Command::NurbsEnd { .. } => {
+                // `accept` has checked it.
+                if let Ok(Some(chords)) = state.nurbs.take(&self.config, &from, &command) {
+                    state.chords = Some(chords);
+                }
                 None
             }
             Command::Probe { .. } => {
@@ -322,6 +354,12 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize>
     /// Whether a probing move is being made.
     pub const fn is_probing(&self) -> bool {
         self.extension.state.probing.is_some()
+    }
+
+    /// Whether the level of the probe's input matters: a probing move is being made or waits for the
+    /// moves before it. Otherwise [`set_probe`](Machine::set_probe) need not be called.
+    pub const fn needs_probe(&self) -> bool {
+        self.is_probing() || matches!(self.waiting, Some(Command::Probe { .. }))
     }
 
     /// Sets the tip of the probe. Reported positions are then points of the surface, which is taken
