@@ -310,6 +310,16 @@ fn emulate(args: &Emulate) -> Result<u8, Failure> {
         return Ok(OK);
     }
     #[cfg(unix)]
+    if args.machine == "grbl" {
+        args.expect_micromill()?;
+        let settings = match &args.mechanics {
+            Some(name) => crate::grbl::settings(&load(name)?)?,
+            None => husillo_transports::grbl::Settings::DEFAULT,
+        };
+        crate::grbl::emulate(args, settings, made(args)?, &mut console::stdout())?;
+        return Ok(OK);
+    }
+    #[cfg(unix)]
     if args.machine == "drill" {
         args.expect_drill()?;
         drill::emulate(args, made(args)?, &mut console::stdout())?;
