@@ -341,7 +341,7 @@ mod tests {
     /// The numbers of the lines whose blocks are given.
     fn lines(dialect: Dialect, text: &'static str) -> Vec<usize> {
         let mut source = Source::from_reader(Box::new(text.as_bytes()));
-        let mut context = (Modal::new(dialect), Vec::new());
+        let mut context = (Modal::<3>::new(dialect), Vec::new());
         each_block(
             &mut source,
             dialect,
