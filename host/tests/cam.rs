@@ -37,7 +37,7 @@ fn programs_of_cam_systems_run_on_the_router() {
         let results: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
         assert!(results["events"].as_u64().unwrap() > 1000, "{name}");
         // Half of the longer step, its rounding at both ends of an arc, and G64 where a program
-        // permits it. A printer has longer steps.
+        // permits it. A printer has steps of 12.5 um.
         let most = if name.ends_with(".gcode") {
             9000.0
         } else {
