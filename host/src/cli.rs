@@ -299,6 +299,9 @@ pub struct Run {
     /// Push a motor by STEPS before a step event, as an overload does; may be repeated
     #[arg(long, value_name = "AXIS:EVENT:STEPS")]
     pub lose: Vec<crate::machines::encoder_file::Push>,
+    /// Print no more than this many findings
+    #[arg(long, value_name = "N", default_value_t = 50)]
+    pub limit: u64,
 }
 
 /// Order of cutting closed contours.
@@ -404,6 +407,9 @@ pub struct Commands {
     /// How to print the commands; gcode is for records of the drill
     #[arg(long, value_enum, default_value = "text")]
     pub format: Listing,
+    /// Print no more than this many findings
+    #[arg(long, value_name = "N", default_value_t = 50)]
+    pub limit: u64,
 }
 
 /// `husillo steps`.
@@ -427,6 +433,9 @@ pub struct Steps {
     /// is the first input
     #[arg(long)]
     pub levels: bool,
+    /// Print no more than this many findings
+    #[arg(long, value_name = "N", default_value_t = 50)]
+    pub limit: u64,
 }
 
 /// Text for people, JSON for programs, or a page with pictures.

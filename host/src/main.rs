@@ -49,7 +49,10 @@ fn main() -> ExitCode {
         Ok(cli) => cli,
         Err(error) => return answered(&error),
     };
-    let ended = app::run(&cli);
+    let ended = app::run(&cli).and_then(|code| {
+        console::flush()?;
+        Ok(code)
+    });
     console::sharing::end();
     match ended {
         Ok(code) => ExitCode::from(code),
@@ -63,7 +66,9 @@ fn main() -> ExitCode {
 
 /// Help, or what is wrong with the command line. Colours only where all escapes in it are our own.
 fn answered(error: &clap::Error) -> ExitCode {
-    let is_hostile = |text: String| text.chars().any(console::is_obeyed);
+    let is_hostile = |text: String| {
+        text.chars().any(console::is_obeyed) || text.len() != console::cut(&text).len()
+    };
     if std::env::args_os().any(|word| is_hostile(word.to_string_lossy().into_owned())) {
         eprintln!("{}", error.render().to_string().trim_end());
     } else {

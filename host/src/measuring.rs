@@ -38,7 +38,7 @@ use interrupt::{Interrupt, User};
 use result_row::{CSV_HEAD, ResultRow};
 use routine::{Ending, Routine};
 use session::{AnyPort, Session};
-use std::io::{self, ErrorKind, Write};
+use std::io::{self, BufRead, BufReader, ErrorKind, Write};
 
 /// Why a command on a measuring machine has failed.
 pub enum Stopped {
@@ -236,7 +236,7 @@ fn typed(
     mut report: impl FnMut(&ResultRow),
 ) -> Result<bool, Trouble> {
     let mut is_refused = false;
-    for line in std::io::stdin().lines() {
+    for line in BufReader::new(crate::input::bounded(std::io::stdin())).lines() {
         let line = line?;
         let words: Vec<String> = line.split_whitespace().map(str::to_owned).collect();
         if matches!(line.trim(), "end" | "quit") {

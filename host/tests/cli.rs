@@ -635,39 +635,3 @@ fn lines_with_checksums_are_checked() {
         .code(1)
         .stdout(contains("E0110").and(contains("line number 7 is not the next one")));
 }
-
-/// An editor may save text in UTF-16. That is said in words, not as wrong bytes.
-#[test]
-fn text_in_utf_16_is_named() {
-    let path = scratch("utf-16.nc");
-    for mark in [[0xff, 0xfe], [0xfe, 0xff]] {
-        std::fs::write(&path, [&mark[..], b"G\x000\x00"].concat()).unwrap();
-        husillo()
-            .arg("check")
-            .arg(&path)
-            .assert()
-            .code(2)
-            .stderr(contains("text in UTF-16: save it as UTF-8"));
-    }
-}
-
-/// A file without an end is refused before memory ends.
-#[cfg(target_os = "linux")]
-#[test]
-fn a_file_without_an_end_is_refused() {
-    let program = scratch("short.nc");
-    std::fs::write(&program, "G21\nG0 X1\nM30\n").unwrap();
-    let program = program.to_str().unwrap();
-    for args in [
-        &["check", program, "-m", "/dev/zero"][..],
-        &["check", "/dev/zero"],
-        &["holes", "/dev/zero"],
-        &["measure", "-m", "cmm", "run", "/dev/zero"],
-        &["measure", "-m", "/dev/zero", "status"],
-    ] {
-        let output = husillo().args(args).output().unwrap();
-        let told = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{args:?}: {told}");
-        assert!(told.contains("more than 512 MiB"), "{args:?}: {told}");
-    }
-}

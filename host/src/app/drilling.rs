@@ -244,7 +244,7 @@ pub(super) fn compile(args: &Compile) -> Result<u8, Failure> {
 }
 
 /// `send`.
-pub(super) fn send(args: &Send) -> Result<u8, Failure> {
+pub(super) fn send(args: &Send, out: &mut dyn Write) -> Result<u8, Failure> {
     expect_drill(args.target.machine.as_deref())?;
     let (file, _) = args.alone()?;
     let name = displayed(file);
@@ -256,7 +256,7 @@ pub(super) fn send(args: &Send) -> Result<u8, Failure> {
     if job.parts.is_empty() {
         return Err(Failure::Usage(format!("{name}: no hole")));
     }
-    let is_well = drill::send(args, &job.parts, &mut console::stdout())?;
+    let is_well = drill::send(args, &job.parts, out)?;
     Ok(if is_well { OK } else { ERRORS })
 }
 

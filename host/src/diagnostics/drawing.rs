@@ -1,7 +1,7 @@
 //! Prints findings as drawn text, as one line each, or as JSON.
 
 use super::{Finding, Place, Severity};
-use crate::console::{is_obeyed, shown};
+use crate::console::{cut, is_obeyed, shown};
 use annotate_snippets::{AnnotationKind, Group, Level, Patch, Renderer, Snippet};
 use serde::Serialize;
 use std::io::{self, Write};
@@ -17,6 +17,11 @@ pub enum Format {
     Json,
 }
 
+/// Longest mark under a line, characters.
+const LONGEST_MARK: usize = 100;
+/// Longest line that is drawn with the change that removes the finding, bytes.
+const LONGEST_FIX: usize = 200;
+
 impl Place {
     /// The same place without control characters. Those that the renderer does not replace become
     /// a character of the same length.
@@ -26,11 +31,15 @@ impl Place {
             3 if is_obeyed(one) => char::REPLACEMENT_CHARACTER,
             _ => one,
         };
+        // A mark of a whole long line would be printed with the whole line.
+        let mark = self.text.get(self.span.clone()).unwrap_or_default();
+        let longest = mark.char_indices().nth(LONGEST_MARK);
+        let length = longest.map_or(mark.len(), |(at, _)| at);
         Self {
-            file: shown(&self.file),
+            file: shown(&cut(&self.file)),
             line: self.line,
             text: self.text.chars().map(visible).collect(),
-            span: self.span.clone(),
+            span: self.span.start..self.span.start + length,
         }
     }
 }
@@ -59,15 +68,15 @@ impl Finding {
         Self {
             code: self.code.clone(),
             severity: self.severity,
-            message: shown(&self.message),
+            message: shown(&cut(&self.message)),
             place: self.place.as_ref().map(Place::shown),
-            label: shown(&self.label),
+            label: shown(&cut(&self.label)),
             elsewhere: self
                 .elsewhere
                 .as_ref()
-                .map(|(place, label)| (place.shown(), shown(label))),
-            notes: self.notes.iter().map(|note| shown(note)).collect(),
-            help: self.help.as_deref().map(shown),
+                .map(|(place, label)| (place.shown(), shown(&cut(label)))),
+            notes: self.notes.iter().map(|note| shown(&cut(note))).collect(),
+            help: self.help.as_deref().map(|help| shown(&cut(help))),
             fix: self.fix.clone(),
         }
     }
@@ -90,7 +99,7 @@ impl Finding {
         }
         let mut report = Vec::new();
         match (&self.help, &self.fix, &self.place) {
-            (Some(help), Some(fix), Some(place)) => {
+            (Some(help), Some(fix), Some(place)) if place.text.len() <= LONGEST_FIX => {
                 let patch = Patch::new(fix.span.clone(), &fix.text);
                 let snippet = Snippet::source(&place.text)
                     .line_start(place.line)
@@ -110,7 +119,7 @@ impl Finding {
     }
 
     pub(super) fn short(&self) -> String {
-        let (severity, code, message) = (self.severity.name(), &self.code, &self.message);
+        let (severity, code, message) = (self.severity.name(), &self.code, cut(&self.message));
         match &self.place {
             Some(place) => {
                 let (file, line, column) = (&place.file, place.line, place.column());

@@ -2,8 +2,10 @@
 
 use crate::programs::source::Source;
 use husillo_gcode::contour::{Contours, needs_contours};
-use husillo_gcode::parameters::{Program, needs_program};
+use husillo_gcode::parameters::{Fault, Program, needs_program};
 use husillo_gcode::{Block, Dialect, Error, ErrorKind, FramingError, Modal, Receiver, words};
+use std::fmt::{self, Debug, Write};
+use std::hash::{DefaultHasher, Hasher};
 use std::io;
 use std::ops::ControlFlow;
 
@@ -253,6 +255,7 @@ fn as_a_whole<C>(
     let text = percent.before_all(text);
     let mut program = Box::new(Whole::new(text, dialect).with_first_line(first));
     let mut contours = Box::new(Turned::new(text, dialect));
+    let mut repetition = Repetition::default();
     loop {
         let state = modal(context);
         let line = match contours.next_of_cycle(state) {
@@ -279,10 +282,71 @@ fn as_a_whole<C>(
             overlong: false,
             repeats: true,
         };
+        let state = || state_of(&(program.clone().with_steps(0), &contours, modal(context)));
+        if repetition.is_endless(line.number, state) {
+            let endless = Error {
+                kind: ErrorKind::Program(Fault::OutOfSteps),
+                at: 0,
+                end: line.text.trim_ascii_end().len(),
+            };
+            return each(context, &given, Err(endless)).map(drop);
+        }
         if each(context, &given, line.block)?.is_break() {
             return Ok(());
         }
     }
+}
+
+/// Notices that a program repeats itself with nothing changed. Such a program never ends, because
+/// the next state follows from the last one.
+#[derive(Default)]
+struct Repetition {
+    /// Lines so far.
+    lines: u64,
+    /// A line, and the state after it.
+    before: Option<(usize, u64)>,
+    /// How often the states at this line are still compared.
+    looks: u8,
+}
+
+impl Repetition {
+    /// A program has made this number of lines before it is suspected.
+    const SUSPECT: u64 = 1 << 12;
+    /// Comparisons with one state. A state of a large program takes milliseconds.
+    const LOOKS: u8 = 4;
+
+    /// Counts a line. Returns whether the state after it is that of the same line before.
+    fn is_endless(&mut self, line: usize, state: impl FnOnce() -> u64) -> bool {
+        self.lines += 1;
+        // A later state is kept from time to time, as the repetition may begin late.
+        if self.lines >= Self::SUSPECT && self.lines.is_power_of_two() {
+            self.before = Some((line, state()));
+            self.looks = Self::LOOKS;
+            return false;
+        }
+        match self.before {
+            Some((there, before)) if there == line && self.looks > 0 => {
+                self.looks -= 1;
+                state() == before
+            }
+            _ => false,
+        }
+    }
+}
+
+/// A number that equal states share. Two different states share it once in 2^64.
+fn state_of(state: &impl Debug) -> u64 {
+    struct Sum(DefaultHasher);
+    impl fmt::Write for Sum {
+        fn write_str(&mut self, text: &str) -> fmt::Result {
+            self.0.write(text.as_bytes());
+            Ok(())
+        }
+    }
+    let mut sum = Sum(DefaultHasher::new());
+    // The sum takes every text.
+    let _ = write!(sum, "{state:?}");
+    sum.0.finish()
 }
 
 #[cfg(test)]

@@ -192,14 +192,18 @@ pub fn recorded(
 ) -> io::Result<Ending> {
     let mut runner = Runner::new(Site::new(prober, stylus));
     // The file keeps the lines so far, however the session ends.
-    let mut routine = Outputs::stream(path)?;
-    let mut input = BufReader::new(io::stdin());
+    let mut outputs = Outputs::record();
+    let mut routine = outputs.create(path)?;
+    let mut input = BufReader::new(crate::input::bounded(io::stdin()));
     let each = |feature: &Feature| {
         writeln!(out, "{}", listing::text(feature))?;
         out.flush()
     };
     let refuse = |refused: &_| tell(&findings::of_refused(refused));
-    let refused = record(&mut input, &mut routine, &mut runner, each, refuse)?;
+    let refused = record(&mut input, &mut routine, &mut runner, each, refuse);
+    drop(routine);
+    outputs.finish()?;
+    let refused = refused?;
     let has_collided = runner.site.has_collided();
     if has_collided {
         runner.features.iter_mut().for_each(Feature::spoil);
@@ -225,7 +229,7 @@ fn pause(line: usize) {
 }
 
 fn tell(finding: &Finding) {
-    let is_colour = io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
+    let is_colour = crate::console::is_coloured(&io::stderr());
     // If standard error is closed, there is no place left for a message.
     let _ = finding.print(Format::Text, is_colour, &mut io::stderr());
 }
