@@ -18,7 +18,6 @@ mod place;
 mod sender;
 #[cfg(test)]
 mod tests;
-pub mod visiting_order;
 
 pub use action::{Action, Axis};
 pub use client::{Client, Trouble};

@@ -24,6 +24,8 @@ enum State {
     Homing,
     Jog,
     Program,
+    /// A guarded move of a measuring routine.
+    Guarded,
     Probing,
 }
 

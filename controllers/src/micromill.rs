@@ -101,6 +101,8 @@ pub struct Micromill<'a, const QUEUE: usize = 16, const AHEAD: usize = 8, const 
     ends_ahead: u16,
     lease: Lease,
     is_homed: bool,
+    /// It was homed when the present homing began.
+    was_homed: bool,
 }
 
 /// Whether a motion needs the host.
@@ -153,6 +155,7 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
             ends_ahead: 0,
             lease: Lease::None,
             is_homed: false,
+            was_homed: false,
         }
     }
 

@@ -187,6 +187,56 @@ fn a_missing_switch_ends_homing() {
     assert!(!bench.mill.is_homed());
 }
 
+/// A search does not go far beyond what is possible: from a known position a little beyond machine
+/// zero, away from a closed switch as deep as an axis may stand in it.
+#[test]
+fn homing_with_a_stuck_switch_is_short() {
+    let homed = || {
+        let mut bench = Bench::new(Micromill::new(&STATIC));
+        bench.switches = [-300, -200, -100];
+        assert_eq!(bench.does("H;"), [0x88, 0x8f]);
+        assert_eq!(bench.does("G00X01400Y01400;"), [0x8f]);
+        bench
+    };
+    // X at 10 000 load steps, ahead by its backlash. Its switch does not close any more.
+    let mut bench = homed();
+    let before = bench.motors[0];
+    bench.switches[0] = i32::MIN;
+    assert_eq!(bench.does("H;"), [0x89]);
+    assert_eq!(bench.motors[0], before - 10_000 - 5000);
+    assert!(!bench.mill.is_homed());
+    // The position is not known any more: the next search is as long as the travel.
+    let before = bench.motors[0];
+    assert_eq!(bench.does("H;"), [0x89]);
+    assert_eq!(bench.motors[0], before - 80_000);
+    // Y is the shorter axis.
+    let mut bench = Bench::new(Micromill::new(&STATIC));
+    bench.switches = [-300, i32::MIN, -100];
+    assert_eq!(bench.does("H;"), [0x88, 0x89]);
+    assert_eq!(bench.motors[1], -58_000);
+
+    // A switch that sticks closed.
+    let mut bench = homed();
+    let before = bench.motors[0];
+    bench.switches[0] = i32::MAX;
+    assert_eq!(bench.does("H;"), [0x89]);
+    assert_eq!(bench.motors[0], before + 5000);
+}
+
+/// An axis that lost steps within half a millimetre finds its switch nevertheless.
+#[test]
+fn homing_finds_a_switch_after_lost_steps() {
+    for lost in [-3000, 0, 3000] {
+        let mut bench = Bench::new(Micromill::new(&STATIC));
+        bench.switches = [-300, -200, -100];
+        assert_eq!(bench.does("H;"), [0x88, 0x8f]);
+        assert_eq!(bench.does("G00X01400Y01400;"), [0x8f]);
+        bench.loads[0] += lost;
+        assert_eq!(bench.does("H;"), [0x8f], "{lost}");
+        assert_eq!(bench.loads, [100, 200, 300]);
+    }
+}
+
 #[test]
 fn jogs_until_a_byte_and_remembers_where() {
     let mut bench = Bench::homed();

@@ -2,7 +2,7 @@
 
 use husillo_gcode::{Dialect, Nm};
 use husillo_machine::{
-    Axis, AxisEncoder, AxisRamp, ClosedLoop, Config, Event, Followed, MAX_WAIT_TICKS, Machine,
+    Axis, AxisEncoder, AxisRamp, ClosedLoop, Config, Equipment, Event, Followed, MAX_WAIT_TICKS, Machine,
     OnLoss, Refused, Scale,
 };
 
@@ -74,6 +74,7 @@ pub fn closed_loop(data: &[u8]) {
         rapid: None,
         top_feed: None,
         corner_deviation: None,
+        equipment: Equipment::NONE,
         spindle_counts: None,
     });
     let mut bench = Bench {

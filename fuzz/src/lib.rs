@@ -11,6 +11,7 @@ mod excellon;
 mod expressions;
 mod format;
 mod gcode;
+mod grbl;
 mod interp;
 mod link;
 mod machine;
@@ -32,6 +33,7 @@ pub use excellon::excellon;
 pub use expressions::expressions;
 pub use format::format;
 pub use gcode::gcode;
+pub use grbl::grbl;
 pub use interp::interp;
 pub use link::link;
 pub use machine::machine;
@@ -67,6 +69,7 @@ pub const TARGETS: [(&str, Target); 20] = [
     ("servo", servo),
     ("closed_loop", closed_loop),
     ("drill", drill),
+    ("grbl", grbl),
     ("microfactory", microfactory),
     ("micromill", micromill),
     ("link", link),

@@ -2,7 +2,7 @@
 
 use husillo_gcode::{Dialect, Nm};
 use husillo_machine::{
-    Axis, AxisRamp, Config, Event, MAX_WAIT_TICKS, Machine, Origin, Refused, Scale,
+    Axis, AxisRamp, Config, Equipment, Event, MAX_WAIT_TICKS, Machine, Origin, Refused, Scale,
 };
 
 /// Longest program in events.
@@ -43,6 +43,7 @@ pub fn machine(data: &[u8]) {
             rapid: None,
             top_feed: None,
             corner_deviation: None,
+            equipment: Equipment::NONE,
             spindle_counts: ramp.map(|_| 100),
         };
         run(config, data);
@@ -123,6 +124,7 @@ fn check(event: &Event<3>, machine: &Machine<3>) {
         Event::Dwell { wait_ticks } => assert!(*wait_ticks <= MAX_WAIT_TICKS),
         Event::Follow(step) => assert!(step.wait_counts_q16 <= MAX_WAIT_TICKS),
         Event::Output(_) | Event::Pause(_) | Event::Index => {}
+        other => panic!("{other:?} of a plain machine"),
     }
     // Half a step of rounding; the nearest point of an arc may be one step off it.
     assert!(

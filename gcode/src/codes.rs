@@ -1,5 +1,6 @@
 //! The letters and codes of the list, and the dialects that have them.
 
+pub(crate) mod axes;
 pub(crate) mod code;
 pub(crate) mod dialect;
 pub(crate) mod kind;

@@ -2,8 +2,8 @@
 
 pub(crate) mod arc;
 
+use crate::codes::axes::Axes;
 use crate::codes::code::Side;
-use crate::codes::letters::axis_letter;
 use crate::command::arc::{Arc, Direction, Plane};
 use crate::values::nm::Nm;
 use core::fmt;
@@ -160,6 +160,43 @@ pub enum Command<const N: usize> {
         /// Its speed.
         feed: Feed,
     },
+    /// Begins a NURBS in the XY plane at the present position (G5.2). Its first control point is
+    /// that position; the others follow, each as a [`Command::NurbsPoint`]. Nothing moves before
+    /// [`Command::NurbsEnd`], and no other command comes in between except those that do not move.
+    ///
+    /// The knots are those of LinuxCNC: the first and the last as often as the order, and equal
+    /// distances between them, so the curve begins and ends in a control point.
+    NurbsBegin {
+        /// The order (`L`), the degree plus one, 2 to 16.
+        order: u8,
+        /// Weight of the first point, in millionths, above zero.
+        micro_weight: u64,
+        /// The speed along the curve.
+        feed: Feed,
+    },
+    /// A further control point of a NURBS.
+    NurbsPoint {
+        /// X and Y, exact, machine frame.
+        at: [Nm; 2],
+        /// Its weight (`P`), in millionths, above zero.
+        micro_weight: u64,
+    },
+    /// The end of a NURBS (G5.3): the curve is complete, and has at least as many control points as
+    /// its order.
+    NurbsEnd {
+        /// The last control point, with the other axes as before.
+        to: [Nm; N],
+    },
+    /// Rigid tapping (G33.1): a move that follows the spindle to the bottom, and back with the
+    /// spindle reversed. The spindle then turns as before.
+    Tap {
+        /// The bottom of the thread.
+        bottom: [Nm; N],
+        /// The start, to which the tap returns.
+        to: [Nm; N],
+        /// Distance along the move per spindle revolution.
+        lead: Nm,
+    },
     /// A straight move synchronised with the spindle (G33, and within G76 and the threading cycles
     /// of lathes).
     Thread {
@@ -305,24 +342,42 @@ impl<const N: usize> Command<N> {
             Command::Rapid { to }
             | Command::Linear { to, .. }
             | Command::Thread { to, .. }
+            | Command::Tap { to, .. }
+            | Command::NurbsEnd { to }
             | Command::Probe { to, .. } => Some(*to),
             Command::Arc { arc, .. } => Some(arc.to),
             Command::Spline { spline, .. } => Some(spline.to),
             _ => None,
         }
     }
+
+    /// The command to be printed with the letters of these axes, and only with these axes.
+    /// `Display` of the command itself prints its coordinates as X Y Z A B C.
+    pub const fn shown(&self, axes: Axes) -> Shown<'_, N> {
+        Shown {
+            command: self,
+            axes,
+        }
+    }
 }
 
 /// The end of a move as ` X1 Y2 Z3`.
-struct Point<'a, const N: usize>(&'a [Nm; N]);
+struct Point<'a, const N: usize>(&'a [Nm; N], Axes);
 
 impl<const N: usize> fmt::Display for Point<'_, N> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (axis, at) in (0..N).zip(self.0) {
-            write!(f, " {}{at}", char::from(axis_letter(axis)))?;
+        for (letter, at) in self.1.letters().zip(self.0) {
+            write!(f, " {}{at}", char::from(letter))?;
         }
         Ok(())
     }
+}
+
+/// A command with the letters of the axes of a machine; see [`Command::shown`].
+#[derive(Copy, Clone, Debug)]
+pub struct Shown<'a, const N: usize> {
+    command: &'a Command<N>,
+    axes: Axes,
 }
 
 /// `F120` in mm/min, or `F2/min` for inverse time.
@@ -349,9 +404,16 @@ impl fmt::Display for Millionths {
 
 impl<const N: usize> fmt::Display for Command<N> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Command::Rapid { to } => write!(f, "rapid{}", Point(to)),
-            Command::Linear { to, feed } => write!(f, "linear{} {feed}", Point(to)),
+        self.shown(Axes::XYZABC).fmt(f)
+    }
+}
+
+impl<const N: usize> fmt::Display for Shown<'_, N> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let axes = self.axes;
+        match self.command {
+            Command::Rapid { to } => write!(f, "rapid{}", Point(to, axes)),
+            Command::Linear { to, feed } => write!(f, "linear{} {feed}", Point(to, axes)),
             Command::Arc { arc, feed } => {
                 let direction = match arc.direction {
                     Direction::Clockwise => "cw",
@@ -361,8 +423,8 @@ impl<const N: usize> fmt::Display for Command<N> {
                     f,
                     "arc {direction} {}{} centre{}",
                     arc.plane.name(),
-                    Point(&arc.to),
-                    Point(&arc.centre)
+                    Point(&arc.to, axes),
+                    Point(&arc.centre, axes)
                 )?;
                 if arc.turns != 0 {
                     write!(f, " turns {}", arc.turns)?;
@@ -370,13 +432,32 @@ impl<const N: usize> fmt::Display for Command<N> {
                 write!(f, " {feed}")
             }
             Command::Spline { spline, feed } => {
-                write!(f, "spline{} through", Point(&spline.to))?;
+                write!(f, "spline{} through", Point(&spline.to, axes))?;
                 for [x, y] in spline.points.iter().skip(1).take(2) {
                     write!(f, " X{x} Y{y}")?;
                 }
                 write!(f, " {feed}")
             }
-            Command::Thread { to, lead } => write!(f, "thread{} lead {lead}", Point(to)),
+            Command::NurbsBegin {
+                order,
+                micro_weight,
+                feed,
+            } => {
+                let weight = Millionths(*micro_weight);
+                write!(f, "nurbs order {order} weight {weight} {feed}")
+            }
+            Command::NurbsPoint {
+                at: [x, y],
+                micro_weight,
+            } => {
+                let weight = Millionths(*micro_weight);
+                write!(f, "nurbs point X{x} Y{y} weight {weight}")
+            }
+            Command::NurbsEnd { to } => write!(f, "nurbs end{}", Point(to, axes)),
+            Command::Thread { to, lead } => write!(f, "thread{} lead {lead}", Point(to, axes)),
+            Command::Tap { bottom, lead, .. } => {
+                write!(f, "tap{} lead {lead}", Point(bottom, axes))
+            }
             Command::Probe {
                 to,
                 feed,
@@ -385,7 +466,7 @@ impl<const N: usize> fmt::Display for Command<N> {
             } => {
                 let way = if *away { " away" } else { "" };
                 let must = if *must { "" } else { " optional" };
-                write!(f, "probe{way}{must}{} {feed}", Point(to))
+                write!(f, "probe{way}{must}{} {feed}", Point(to, axes))
             }
             Command::Surface {
                 direction,
@@ -405,7 +486,7 @@ impl<const N: usize> fmt::Display for Command<N> {
             }
             Command::ToolIs { number } => write!(f, "tool is {number}"),
             Command::ToolLength { number, offset } => {
-                write!(f, "tool length {number}{}", Point(offset))
+                write!(f, "tool length {number}{}", Point(offset, axes))
             }
             Command::Compensation { side: None, .. } => f.write_str("compensation off"),
             Command::Compensation {

@@ -150,6 +150,13 @@ pub enum ErrorKind {
     SplinePlane,
     /// A probe move without length.
     NoProbeMove,
+    /// A NURBS (G5.2) that another code or a move interrupts before its end (G5.3).
+    NurbsOpen,
+    /// The end of a NURBS (G5.3) with fewer control points than its order, or without a start.
+    TooFewPoints,
+    /// A code that needs the lines around its own (M70 to M73, M98, M99), where only one line is
+    /// available.
+    NeedsProgram,
     /// A code that is refused while cutter compensation is on.
     UnderCompensation,
     /// An arc or a rapid as the first or the last move of cutter compensation.
@@ -215,6 +222,7 @@ impl ErrorKind {
             ErrorKind::UnderCompensation => 217,
             ErrorKind::NoContour(_) => 218,
             ErrorKind::NotOfContour => 219,
+            ErrorKind::NeedsProgram => 220,
             ErrorKind::NoCentre | ErrorKind::HalfCentre => 301,
             ErrorKind::EndOffArc(_) => 302,
             ErrorKind::RadiusAndCentre => 303,
@@ -231,6 +239,8 @@ impl ErrorKind {
             ErrorKind::RetractBelowBottom => 310,
             ErrorKind::SplinePlane => 311,
             ErrorKind::NoProbeMove => 312,
+            ErrorKind::NurbsOpen => 313,
+            ErrorKind::TooFewPoints => 314,
             ErrorKind::CompensationEntry => 320,
             ErrorKind::EntryTooShort(_) => 321,
             ErrorKind::Gouge => 322,
@@ -391,6 +401,9 @@ impl fmt::Display for ErrorKind {
             }
             ErrorKind::SplinePlane => "spline outside of the XY plane",
             ErrorKind::NoProbeMove => "probe move without length",
+            ErrorKind::NurbsOpen => "NURBS is not ended by `G5.3`",
+            ErrorKind::TooFewPoints => "NURBS with fewer control points than its order",
+            ErrorKind::NeedsProgram => "code needs the whole program",
             ErrorKind::UnderCompensation => "not while cutter compensation is on",
             ErrorKind::CompensationEntry => {
                 "cutter compensation starts and ends with a straight move in its plane"

@@ -56,11 +56,14 @@ mod values;
 mod words;
 
 pub use blocks::block::Block;
+pub use codes::axes::Axes;
 pub use codes::code::Side;
 pub use codes::dialect::{Blocks, Dialect};
 pub use codes::kind::Kind as Cycle;
 pub use command::arc::{Arc, Direction, Plane};
-pub use command::{Command, Feed, Input, PathMode, SpindleDirection, Spline, Switch, WaitFor};
+pub use command::{
+    Command, Feed, Input, PathMode, Shown, SpindleDirection, Spline, Switch, WaitFor,
+};
 #[cfg(feature = "extended")]
 pub use compensation::{Compensated, Compensation};
 pub use error::framing::FramingError;

@@ -122,7 +122,11 @@ impl<const N: usize> Modal<N> {
         };
         done.map_err(|fault| {
             commands.clear();
-            block.error(fault, Measure::of(commands.arc.mismatch))
+            block.error_on(
+                self.modes.dialect.axes(),
+                fault,
+                Measure::of(commands.arc.mismatch),
+            )
         })
     }
 
@@ -190,6 +194,8 @@ impl<const N: usize> Modal<N> {
 
     fn execute(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Fault> {
         self.check_axes(block)?;
+        #[cfg(feature = "extended")]
+        block.check_needs_no_program()?;
         self.set_feed(block)?;
         self.set_outputs(block, commands)?;
         self.set_dwell(block, commands)?;
@@ -276,6 +282,7 @@ impl<const N: usize> Modal<N> {
         {
             self.modes.sticky = Sticky::NONE;
             (self.modes.more.tail, self.modes.more.compensation) = (None, None);
+            self.modes.more.nurbs = None;
         }
         self.stop_outputs();
     }
@@ -302,10 +309,19 @@ impl<const N: usize> Modal<N> {
     /// The unit of a word: millionths of a degree, the unit of length, or half of it.
     fn scale_of(&self, letter: u8) -> (u8, u8) {
         match letter {
-            b'A' | b'B' | b'C' => Units::Millimetres.scale(false),
+            // The letters under which the words of the axes after Z are stored.
+            b'A'..=b'C' if self.is_rotary(usize::from(letter.wrapping_sub(b'A'))) => {
+                Units::Millimetres.scale(false)
+            }
             b'X' | b'U' if self.is_diameter() => self.units().scale(true),
             _ => self.units().scale(false),
         }
+    }
+
+    /// Whether the axis of this number after Z is rotary.
+    fn is_rotary(&self, after_z: usize) -> bool {
+        // At most 2, so the sum fits.
+        !EXTENDED || self.modes.dialect.axes().is_rotary(after_z.wrapping_add(3))
     }
 
     /// A word as a length, if the block has it.

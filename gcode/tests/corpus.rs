@@ -132,6 +132,8 @@ fn ends(program: &[u8]) -> Option<Vec<[f64; 6]>> {
         for command in commands {
             match command {
                 Command::Spline { .. } | Command::Probe { .. } => return None,
+                // The reference has no coordinates of these.
+                Command::NurbsEnd { .. } | Command::Tap { .. } => continue,
                 _ => {}
             }
             if let Some(end) = command.end() {

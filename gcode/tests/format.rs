@@ -29,7 +29,15 @@ fn meaning(text: &[u8], dialect: &Dialect) -> Meaning {
     let letters =
         (b'A'..=b'Z').filter_map(|letter| block.word(letter).map(|value| (letter, value)));
     let mut words: Vec<_> = letters
-        .map(|(letter, value)| format!("{}{value}", char::from(letter)))
+        .map(|(letter, value)| {
+            let text = value.to_string();
+            // The sign of a zero has a meaning only where it is a direction.
+            let text = match value.is_zero() && !matches!(letter, b'A' | b'B' | b'C') {
+                true => text.trim_start_matches('-'),
+                false => &text,
+            };
+            format!("{}{text}", char::from(letter))
+        })
         .collect();
     // Codes have no accessor; their effect is compared by commands. Here they are in the order of
     // the text.
@@ -210,10 +218,10 @@ fn programs_of_cam_systems_mean_the_same() {
 /// Text that looks like G-code, right or wrong.
 fn line() -> impl Strategy<Value = String> {
     let part = prop_oneof![
-        4 => "[GXYZIJKFgxyzNTPSM] ?[+-]?[0-9 ]{0,4}\\.?[0-9]{0,4}",
+        4 => "[GXYZAIJKFgxyzNTPSM] ?[+-]?[0-9 ]{0,4}\\.?[0-9]{0,4}",
         1 => prop::sample::select(vec![
             "(c ; d)", "( x1 )", ";x (", "/", "%", "\t", "  ",
-            "G0", "g01.0", "X+00", "Y-0.0", "Z-.5", "#1=2",
+            "G0", "g01.0", "X+00", "Y-0.0", "A-.0", "Z-.5", "#1=2",
             "x[1 + 2]", "Y-#<a b>", "o100 sub", "z sin[3]", "X--5", "X1,5", "\r",
             "a atan[1]/[2]", "#<_x>=[", "]", "G[90]", "f##2",
         ]).prop_map(str::to_owned),

@@ -24,19 +24,16 @@ use crate::console::shown;
 use crate::diagnostics::{Findings, Format};
 use crate::drill;
 use crate::holes;
-use crate::holes::drill_code::Work;
-use crate::holes::drill_file::{Compiler, Refusal};
+use crate::holes::drill_records::{Compiler, Refusal};
 use crate::input;
 use crate::lash;
 use crate::machines::listing;
 use crate::machines::machine_file::{MEASURING, MachineFile};
 use crate::measuring::{self, Stopped};
-use crate::methods::compare::{self, Bench};
 use crate::methods::compare_page;
 use crate::methods::compare_text;
-use crate::methods::decision::Weights;
-use crate::methods::grid_moves;
 use crate::methods::interpolate;
+use crate::methods::one_move::one_move;
 use crate::microfactory;
 use crate::micromill;
 use crate::output::Outputs;
@@ -46,9 +43,10 @@ use crate::programs::setup;
 use crate::programs::steps;
 use crate::tuning;
 use clap::CommandFactory;
-use husillo_clients::drill::visiting_order::Metric;
 use husillo_clients::microfactory::Settings;
 use husillo_gcode::Dialect;
+use husillo_holes::Metric;
+use husillo_methods::{Comparer, Weights, programmed};
 use std::io::{self, BufWriter, IsTerminal, Write};
 
 /// The program has no errors.
@@ -398,27 +396,32 @@ fn ended(result: Result<(), Stopped>) -> Result<u8, Failure> {
 
 fn walk(args: &Interpolate) -> Result<u8, Failure> {
     match &args.shape {
-        Shape::Line(shape) => interpolate::line(shape)?.print(shape.format)?,
-        Shape::Arc(shape) => interpolate::arc(shape)?.print(shape.format)?,
+        Shape::Line(shape) => interpolate::print(&interpolate::line(shape)?, shape.format)?,
+        Shape::Arc(shape) => interpolate::print(&interpolate::arc(shape)?, shape.format)?,
     }
     Ok(OK)
 }
 
 fn compare_methods(args: &Compare) -> Result<u8, Failure> {
-    let weights = Weights::parse(&args.weights)?;
-    let mut bench = Bench::new(args.only.as_deref())?;
-    let comparison = match compare::one_move(args)? {
+    let weights = Weights::parse(&args.weights).ok_or_else(|| {
+        format!(
+            "--weights: `{}` is not four numbers from 0 up, one of them above 0",
+            args.weights
+        )
+    })?;
+    let mut comparer = Comparer::new(args.only.as_deref())?;
+    let comparison = match one_move(args)? {
         Some((one, title)) => {
-            bench.add(&one);
-            bench.finish(title, Some(one), weights)
+            comparer.add(&one);
+            comparer.finish(title, Some(one), weights)
         }
         None => {
             let mut job = Job::new(&args.job, &args.target, "free")?;
             job.keep_input()?;
-            let Some(bench) = compare_program(&job, bench)? else {
+            let Some(comparer) = compare_program(&job, comparer)? else {
                 return Ok(ERRORS);
             };
-            bench.finish(
+            comparer.finish(
                 format!("{} on {}", job.name(), job.machine.title),
                 None,
                 weights,
@@ -460,17 +463,17 @@ fn compare_methods(args: &Compare) -> Result<u8, Failure> {
 }
 
 /// Makes every feed move of a program; `None` if it has errors.
-fn compare_program(job: &Job, mut bench: Bench) -> Result<Option<Bench>, Failure> {
+fn compare_program(job: &Job, mut comparer: Comparer) -> Result<Option<Comparer>, Failure> {
     let mut make = |command: &husillo_gcode::Command<3>, from| {
         let made = match command {
-            husillo_gcode::Command::Linear { to, .. } => grid_moves::line(&job.config, from, *to),
-            husillo_gcode::Command::Arc { arc, .. } => grid_moves::arc(&job.config, from, arc),
+            husillo_gcode::Command::Linear { to, .. } => programmed::line(&job.config, from, *to),
+            husillo_gcode::Command::Arc { arc, .. } => programmed::arc(&job.config, from, arc),
             _ => Ok(None),
         };
         match made {
-            Ok(Some(one)) => bench.add_common(&one),
+            Ok(Some(one)) => comparer.add_common(&one),
             Ok(None) => {}
-            Err(why) => bench.note(why.to_owned()),
+            Err(why) => comparer.note(why.to_owned()),
         }
     };
     let mut source = job.open()?;
@@ -495,13 +498,13 @@ fn compare_program(job: &Job, mut bench: Bench) -> Result<Option<Bench>, Failure
         );
         return Ok(None);
     }
-    Ok(Some(bench))
+    Ok(Some(comparer))
 }
 
 fn list_holes(args: &Holes) -> Result<u8, Failure> {
     let options = holes::Options::new(&args.layout)?;
     let work = match args.make {
-        DrillOutput::Gcode => Some(Work::new(args)?),
+        DrillOutput::Gcode => Some(holes::work(args)?),
         DrillOutput::List | DrillOutput::Drill => None,
     };
     let is_drill = args.make == DrillOutput::Drill;
@@ -519,7 +522,7 @@ fn list_holes(args: &Holes) -> Result<u8, Failure> {
         eprintln!("{name}: {}; nothing written", verdict(errors, warnings));
         return Ok(ERRORS);
     }
-    if let Some(fit) = board.apply(&options)? {
+    if let Some(fit) = holes::apply(&mut board, &options)? {
         eprintln!("{name}: {fit}");
     }
     if args.layout.order == DrillOrder::Shortest {
@@ -528,7 +531,10 @@ fn list_holes(args: &Holes) -> Result<u8, Failure> {
     // Everything is computed before the file is written.
     let mut made = Vec::new();
     match (work, args.format) {
-        (Some(work), _) => work.write(&board, name, &mut made)??,
+        (Some(work), _) => {
+            work.check(&board).map_err(|error| holes::uncut(&error))?;
+            work.write(&board, name, &mut made)?;
+        }
         (None, format) if is_drill => {
             let compiler = Compiler::new(&args.layout);
             let tools = match compiler.compile(&board, name) {
@@ -544,8 +550,8 @@ fn list_holes(args: &Holes) -> Result<u8, Failure> {
                 Output::Json => compiler.print_json(&tools, &mut made)?,
             }
         }
-        (None, Output::Text) => board.print(name, &mut made)?,
-        (None, Output::Json) => board.print_json(errors, warnings, &mut made)?,
+        (None, Output::Text) => holes::listing::print(&board, name, &mut made)?,
+        (None, Output::Json) => holes::listing::print_json(&board, errors, warnings, &mut made)?,
     }
     match args.output.as_deref().unwrap_or("-") {
         // A list is text or one line of JSON; the other forms are bytes for a machine.
@@ -579,7 +585,7 @@ fn check_file(args: &Check, file: &str, findings: &mut Findings) -> Result<(), F
         let name = displayed(file);
         let board = holes::read(&whole(file)?, name, &holes::Options::default(), findings);
         if let Some(machine) = &args.target.machine {
-            board.check_travel(name, &load(machine)?, findings);
+            holes::check_travel(&board, name, &load(machine)?, findings);
         }
     } else {
         let mut job = Job::new(file, &args.target, "free")?;

@@ -13,12 +13,12 @@ use crate::diagnostics::Format;
 pub use calibrate::{AxisArgs, BacklashArgs, Calibrate, CirclesArgs, SquarenessArgs, What};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 pub use drilling::{
-    Compile, Cycle, DrillOrder, DrillOutput, DrillProfile, DrillUnits, DrillZeros, Drilling, Holes,
-    Layout, Mirror, Send, SlotHandling,
+    Compile, DrillOrder, DrillOutput, DrillProfile, DrillUnits, DrillZeros, Drilling, Holes,
+    Layout, Send,
 };
 pub use jog::Jog;
 use moves::COMPARE_HELP;
-pub use moves::{ArcShape, Compare, Interpolate, LineShape, Shape, Turning};
+pub use moves::{ArcShape, Compare, Interpolate, LineShape, Shape};
 use reproduce::REPRODUCE_HELP;
 pub use reproduce::{Original, Reproduce};
 use servo::TUNE_HELP;
@@ -35,7 +35,7 @@ pub use zero::Zero;
         husillo run examples/circles.nc     simulate a part and look at the report\n  \
         husillo check part.nc               find all errors without running it\n\n\
         Exit status: 0 ok, 1 the program has errors, 2 bad command line or file,\n\
-        3 trouble in measuring, 4 collision of the probe, 130 stopped by Ctrl-C"
+        3 trouble in measuring, 4 collision of the probe, 5 end switch, 130 stopped by Ctrl-C"
 )]
 pub struct Cli {
     /// What to do.
@@ -184,7 +184,9 @@ pub enum Command {
     #[command(after_help = "Actions, done in turn:\n  \
         goto POSITION         straight to X10 Y-2.5 Z0; in mm if the machine file has a \
         `count`,\n  \
-        \x20                     otherwise in counts\n  \
+        \x20                     otherwise in counts; with `guarded` so slowly that the axes \
+        stop\n  \
+        \x20                     gently at a contact\n  \
         zero [x y z]          make the present position of these axes 0\n  \
         home [x|y|z]          search the index of the encoder and make it 0\n  \
         jog DIRECTION TIME    run for a time such as 2s, at the speed of moves; with `slow` at \
@@ -209,8 +211,8 @@ pub enum Command {
         \x20                     fails is reported (exit status 3)\n\n\
         `run`, `record` and `session` are the last action: `home x home y run part.routine`.\n\
         A DIRECTION is +x, -z, a vector such as 1,0,-1, or + or - of --axis. A POSITION without a\n\
-        letter is one of --axis. The modules are reset first, so positions count from the present\n\
-        positions.\n\
+        letter is one of --axis. Positions count from home or zero, also of the command before;\n\
+        with --reset, and after a power-up, from where the axes stand.\n\
         Ctrl-C stops all axes smoothly: exit status 130.\n\n\
         Examples:\n  \
         husillo measure -m cmm goto 1200 touch + --contact 1:3018 --pretravel 18\n  \

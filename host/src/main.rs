@@ -4,12 +4,13 @@
 //! | --- | --- |
 //! | `cli`, `app` | the options, and the command that each starts |
 //! | `programs` | G-code: read, checked, explained, written back |
-//! | `simulation` | a program on the simulated machine, and its observers |
-//! | `methods` | interpolation methods, compared on the bare grid |
-//! | `holes` | drill files: read, placed, sorted, written back |
+//! | `simulation` | a program on the simulated machine |
+//! | `methods` | interpolation methods: options, texts and pages |
+//! | `holes` | drill files: options, findings and lists |
 //! | `machines` | machine files, and what follows from them |
 //! | `measuring` | the measuring machine and its errors |
 //! | `lash`, `tuning` | backlash by position; servo axes |
+//! | `reproducing` | the measured tables of the original machines |
 //! | `micromill`, `drill`, `microfactory` | programs and commands for these machines |
 //! | `console` | the terminal: what is shown, typed lines, Ctrl-C |
 //! | `emulate` | simulated controllers behind a port |

@@ -1,12 +1,7 @@
-//! Compares interpolation methods on the bare grid.
+//! Compares interpolation methods: options, texts and pages of what `husillo_methods` returns.
 
-pub mod compare;
 pub mod compare_page;
-pub mod compare_picture;
+mod compare_picture;
 pub mod compare_text;
-pub mod curve;
-pub mod decision;
-pub mod grid_moves;
 pub mod interpolate;
-pub mod method;
-pub mod trial;
+pub mod one_move;

@@ -1,6 +1,5 @@
 //! The measured tables of the original machines, rebuilt.
 
-mod choices;
 mod microfactory;
 mod micromill;
 pub mod page;

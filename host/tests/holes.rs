@@ -181,7 +181,7 @@ fn options_that_make_no_sense_are_refused() {
         (&["--tool", "1=-0.8"], "as in 1=0.8"),
         (
             &["--as", "gcode", "--depth", "1", "--slots", "refuse"],
-            "1 slots",
+            "1 slot",
         ),
     ] {
         let mut command = husillo();

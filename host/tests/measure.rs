@@ -104,6 +104,23 @@ fn a_goto_that_meets_something_stops_there() {
     );
 }
 
+/// `goto` is rapid on the command line, unless it is to be guarded.
+#[test]
+fn a_goto_may_be_guarded() {
+    for (words, speeds) in [
+        (&["goto", "4000"][..], 1150.0..1250.0),
+        (&["goto", "4000", "guarded"][..], 740.0..800.0),
+    ] {
+        let mut command = husillo();
+        command.args(["measure", "-m", "cmm", "home", "x", "--contact", "1:3018"]);
+        let run = command.args(words).assert().code(4);
+        let told = String::from_utf8_lossy(&run.get_output().stderr).into_owned();
+        let (_, speed) = told.split_once("moved at about ").expect("a speed");
+        let speed: f64 = speed.split(' ').next().unwrap().parse().unwrap();
+        assert!(speeds.contains(&speed), "{told}");
+    }
+}
+
 #[test]
 fn zero_moves_what_is_counted_and_not_the_travel() {
     let rows = measured(&["goto", "1000", "zero", "status", "goto", "-1000"]);

@@ -189,7 +189,8 @@ fn a_collision_is_exit_status_4_and_nothing_is_good() {
     let told = contains("through.routine:4:1")
         .and(contains("]: collision: a contact at X 30.0"))
         .and(contains(", Y 9.0"))
-        .and(contains("Y moved at about 2.").or(contains("YZ moved at about 2.")));
+        .and(contains("Y moved at about 1.5").or(contains("YZ moved at about 1.5")))
+        .and(contains("mm beyond it"));
     run("text", &page).stderr(told).stdout(
         contains("1 feature, spoiled by a collision: none of 1 tolerances counts as kept")
             .and(contains("tolerances kept").not()),
@@ -219,6 +220,42 @@ fn a_collision_is_exit_status_4_and_nothing_is_good() {
     let over = THROUGH.replace("goto x 30 y 58", "goto z -8\ngoto y 58\ngoto x 30 y 58");
     let over = result(measure_piece(PIECE, "8 um"), written("over.routine", &over));
     assert_eq!([&over["collision"], &over["in_tolerance"]], [false, true]);
+}
+
+/// Without a word the moves of a routine are guarded, so they are slower than rapid ones. 40 counts
+/// of half an over-travel of 100: v^2 = a s is 775 of 1200 counts/s.
+#[test]
+fn moves_of_a_routine_are_guarded_unless_it_says_so() {
+    let moved = |text: &str| {
+        let routine = written("approach.routine", text);
+        let run = measure_piece(PIECE, "8 um")
+            .arg("run")
+            .arg(&routine)
+            .assert();
+        let run = run.code(4).stdout(contains("spoiled by a collision"));
+        let told = String::from_utf8_lossy(&run.get_output().stderr).into_owned();
+        let (_, speed) = told.split_once("moved at about ").expect("a speed");
+        let speed: f64 = speed.split(' ').next().unwrap().parse().unwrap();
+        let (_, rest) = told
+            .split_once("all axes have been stopped, ")
+            .expect("a distance");
+        let beyond: f64 = rest.split(' ').next().unwrap().parse().unwrap();
+        (speed, beyond)
+    };
+    let last = "goto x 30 y 58 z -25\n";
+    let words = |word: &str| THROUGH.replace(last, &format!("goto x 30 y 58 z -25 {word}\n"));
+    let all = |word: &str| format!("moves {word}\n{THROUGH}");
+    for guarded in [THROUGH.into(), words("guarded"), all("guarded")] {
+        let (speed, beyond) = moved(&guarded);
+        assert!((1.45..1.6).contains(&speed), "{speed} mm/s: {guarded}");
+        // The over-travel of the probe.
+        assert!((0.08..0.2).contains(&beyond), "{beyond} mm: {guarded}");
+    }
+    for rapid in [words("rapid"), all("rapid")] {
+        let (speed, beyond) = moved(&rapid);
+        assert!((2.3..2.5).contains(&speed), "{speed} mm/s: {rapid}");
+        assert!(beyond < 0.06, "{beyond} mm: {rapid}");
+    }
 }
 
 #[test]

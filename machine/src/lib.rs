@@ -14,7 +14,17 @@ mod lines;
 #[cfg(feature = "nb")]
 mod poll;
 
+/// The crates whose types are part of this API.
+pub use husillo_backlash as backlash;
+#[cfg(feature = "gcode")]
+pub use husillo_gcode as gcode;
+pub use husillo_interp as interp;
 pub use husillo_interp::Scale;
+pub use husillo_pid as pid;
+pub use husillo_planner as planner;
+#[cfg(feature = "extended")]
+pub use husillo_probe as probe;
+pub use husillo_stepper as stepper;
 #[cfg(feature = "gcode")]
 pub use lines::*;
 pub use motors::{Idle, Motors};

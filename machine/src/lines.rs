@@ -1,6 +1,7 @@
 //! G-code lines in, events out: the part of the crate that needs `gcode`.
 
 mod axis;
+mod equipment;
 mod event;
 mod guard;
 mod refused;
@@ -10,6 +11,12 @@ mod duration;
 mod segment;
 mod tangent;
 mod tempo;
+
+mod chords;
+#[cfg(feature = "extended")]
+mod extended;
+mod extension;
+mod state;
 
 mod limits;
 mod schedule;
@@ -25,9 +32,14 @@ mod poll;
 
 pub use axis::{Axis, AxisRamp, Config};
 pub use closed_loop::{ClosedLoop, Followed};
-pub use event::{Event, FollowEvent, Output, Pause};
+pub use equipment::Equipment;
+pub use event::{Alarm, Event, FollowEvent, Output, Pause};
+#[cfg(feature = "extended")]
+pub use extended::Extended;
+pub use extension::Extension;
 pub use guard::StepGuard;
 pub use machine::{Machine, Origin};
 pub use refused::{Means, MoveError, Refused};
 pub use segment::{Segment, extent};
+pub use state::Probed;
 pub use step_encoder::{AxisEncoder, OnLoss};

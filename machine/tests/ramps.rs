@@ -6,7 +6,7 @@ use common::{LASH_STEPS, Screw};
 use husillo_backlash::Backlash;
 use husillo_gcode::Dialect;
 use husillo_interp::Path;
-use husillo_machine::{Axis, AxisRamp, Config, Event, Machine, Origin, Scale};
+use husillo_machine::{Axis, AxisRamp, Config, Equipment, Event, Machine, Origin, Scale};
 use proptest::prelude::*;
 
 const TIMER_HZ: u32 = 1_000_000;
@@ -39,6 +39,7 @@ fn config(lash_steps: [u32; 3]) -> Config<3> {
         rapid: None,
         top_feed: None,
         corner_deviation: None,
+        equipment: Equipment::NONE,
         spindle_counts: None,
     }
 }

@@ -6,6 +6,7 @@
 //!                                                                        └────► Operator
 //! ```
 
+mod approach;
 mod collision;
 mod ends;
 mod head;
@@ -31,6 +32,7 @@ mod wiring;
 
 pub(crate) use straight_move::per_period;
 
+pub use approach::Approach;
 pub use head::Head;
 pub use line::Line;
 pub use machine::{

@@ -107,6 +107,8 @@ pub enum Trouble {
         at: String,
         /// Their speed, from the last readings before the contact. `None`: they began to move.
         speed: Option<String>,
+        /// How far beyond the contact the axes stand. `None`: the contact was not latched.
+        beyond: Option<String>,
     },
     /// An end switch has closed, or an axis at its end switch shall move farther.
     EndSwitch {
@@ -225,13 +227,22 @@ impl fmt::Display for Trouble {
             ),
             Self::NoIndex { axis } => write!(out, "no index of {axis} up to the end of the travel"),
             Self::NoContact { from, to } => write!(out, "no contact from {from} to {to}"),
-            Self::Collision { axes, at, speed } => {
+            Self::Collision {
+                axes,
+                at,
+                speed,
+                beyond,
+            } => {
                 write!(out, "collision: a contact at {at}, outside of a search")?;
                 match speed {
                     Some(speed) => write!(out, ", while {axes} moved at about {speed}")?,
                     None => write!(out, ", when {axes} began to move")?,
                 }
-                out.write_str("; all axes have been stopped")
+                out.write_str("; all axes have been stopped")?;
+                match beyond {
+                    Some(beyond) => write!(out, ", {beyond} beyond it"),
+                    None => Ok(()),
+                }
             }
             Self::EndSwitch {
                 axis,

@@ -3,5 +3,6 @@
 //! A simulated machine is measured against it. No simulated machine uses it, and it is independent
 //! of the integer interpolators.
 
+mod curve;
 pub mod path;
 pub mod turn;

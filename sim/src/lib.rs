@@ -44,6 +44,7 @@ mod loss;
 mod microfactory_rig;
 mod micromill_rig;
 mod model;
+pub mod observers;
 mod place;
 mod random;
 mod rig;

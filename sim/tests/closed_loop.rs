@@ -4,8 +4,8 @@
 use husillo_encoder::Extended;
 use husillo_gcode::Dialect;
 use husillo_machine::{
-    Axis, AxisEncoder, AxisRamp, ClosedLoop, Config, Event, Followed, Machine, Motors, OnLoss,
-    Scale,
+    Axis, AxisEncoder, AxisRamp, ClosedLoop, Config, Equipment, Event, Followed, Machine, Motors,
+    OnLoss, Scale,
 };
 use husillo_sim::{AxisModel, Rig};
 use husillo_stepper::{Drive, Driver, Mode, Sequencer};
@@ -43,6 +43,7 @@ impl Cell {
             rapid: None,
             top_feed: None,
             corner_deviation: None,
+            equipment: Equipment::NONE,
             spindle_counts: None,
         });
         let drive = || Drive::Coils(Sequencer::new(Driver::Pbl3717a, Mode::Full).unwrap());

@@ -11,6 +11,9 @@
 //!  micromill     Order ─► string
 //!        host:   Order ─► Host ─► bytes, echoes
 //!        device: byte ─► Device ─► echo, Order for the machine, then step reports, Done
+//!  grbl
+//!        sender: line ─► Window; reply ─► Message
+//!        controller: byte ─► Receiver ─► LineReader ─► line; Message ─► reply
 //!  link          payloads ─► Frame, numbered and checked ─► bytes
 //!                Master, Station, Peer: repeat a frame until it arrives
 //!  rs485         Turnaround: when to drive the line
@@ -42,6 +45,7 @@
 
 mod buffer;
 pub mod drill;
+pub mod grbl;
 pub mod link;
 pub mod microfactory;
 pub mod micromill;

@@ -4,7 +4,7 @@ use std::hint::black_box;
 
 use criterion::{Criterion, Throughput};
 use husillo_gcode::Dialect;
-use husillo_machine::{Axis, Config, Event, Machine, Scale};
+use husillo_machine::{Axis, Config, Equipment, Event, Machine, Scale};
 
 /// A micro mill without limits.
 pub fn mill() -> Machine<3> {
@@ -24,6 +24,7 @@ pub fn mill() -> Machine<3> {
         rapid: None,
         top_feed: None,
         corner_deviation: None,
+        equipment: Equipment::NONE,
         spindle_counts: None,
     })
 }

@@ -147,6 +147,7 @@ impl Subject for Cmm {
         (State::Homing, 700),
         (State::Jog, 800),
         (State::Program, 1000),
+        (State::Guarded, 1500),
         (State::Probing, 6000),
     ];
     const FAULTS: &'static [Fault] = &[
@@ -188,6 +189,7 @@ impl Subject for Cmm {
             State::Homing => self.head.home(0),
             State::Jog => self.head.jog(0, true, 2.0, false),
             State::Program => self.head.go_to([LONG, 0, 0]).map(drop),
+            State::Guarded => self.head.guarded_to([LONG, 0, 0]).map(drop),
             State::Probing => self.head.touch(&UnitVector::X, 4000).map(drop),
         };
         done.map(|()| "done".into())

@@ -128,7 +128,9 @@ impl Subject for Drill {
         let action = match state {
             State::Homing => Action::Home,
             State::Jog => Action::Jog(Axis::X, true, Duration::from_secs(8)),
-            State::Idle | State::Program | State::Probing => Action::Steps(Axis::X, SHORT),
+            State::Idle | State::Program | State::Guarded | State::Probing => {
+                Action::Steps(Axis::X, SHORT)
+            }
         };
         match &mut self.hand {
             Some(hand) => hand.carry_out(&action),

@@ -84,7 +84,7 @@ impl Subject for Microfactory {
                 forward: true,
                 time: Duration::from_secs(2),
             },
-            State::Program | State::Probing => Action::Figure,
+            State::Program | State::Guarded | State::Probing => Action::Figure,
         };
         self.client.carry_out(&action)
     }

@@ -110,7 +110,9 @@ impl Subject for Micromill {
         let action = match state {
             State::Homing => Action::Home,
             State::Jog => Action::Run(Axis::X, 200, Duration::from_secs(2)),
-            State::Idle | State::Program | State::Probing => Action::Steps(Axis::X, SHORT),
+            State::Idle | State::Program | State::Guarded | State::Probing => {
+                Action::Steps(Axis::X, SHORT)
+            }
         };
         match &mut self.client {
             Client::Hand(hand) => hand.carry_out(&action),

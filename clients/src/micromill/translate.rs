@@ -144,6 +144,10 @@ impl Translator<'_> {
             Command::Thread { .. }
             | Command::Probe { .. }
             | Command::Spline { .. }
+            | Command::NurbsBegin { .. }
+            | Command::NurbsPoint { .. }
+            | Command::NurbsEnd { .. }
+            | Command::Tap { .. }
             | Command::Wait { .. } => {
                 self.error(format!("the mill cannot do this: {command}"));
             }

@@ -1,7 +1,7 @@
 //! Configuration of a mill.
 
 use husillo_gcode::{Dialect, Nm};
-use husillo_machine::{Axis, Config, Scale};
+use husillo_machine::{Axis, Config, Equipment, Scale};
 
 /// The fixed properties of a mill, a constant of its firmware.
 #[derive(Copy, Clone, Debug)]
@@ -19,8 +19,13 @@ pub struct MicromillConfig {
     pub top_hz: u16,
     /// Load steps from the position where a home switch closes to machine zero.
     pub back_off_steps: u16,
-    /// Steps of homing without a switch after which the search fails.
-    pub search_steps: u32,
+    /// Steps of homing towards each switch after which the search fails, where the position is not
+    /// known: travel, backlash, and the way to the switch.
+    pub search_steps: [u32; 3],
+    /// Steps of homing away from a closed switch after which it fails: the backlash, and how deep an
+    /// axis may stand in its switch. Where the position is known, a search for the switch ends this
+    /// many steps beyond machine zero.
+    pub leave_steps: u16,
 }
 
 impl MicromillConfig {
@@ -43,8 +48,14 @@ impl MicromillConfig {
             jog_change_hz: parts.wrapping_mul(10),
             top_hz: parts.wrapping_mul(390),
             back_off_steps: parts.wrapping_mul(400),
-            // 10 mm are 71 429 full steps, plus the backlash of 1457.
-            search_steps: (parts as u32).wrapping_mul(80_000),
+            // 10 mm and 7 mm are 71 429 and 50 000 full steps. Z has no travel: it is about X's.
+            search_steps: [
+                (parts as u32).wrapping_mul(80_000),
+                (parts as u32).wrapping_mul(58_000),
+                (parts as u32).wrapping_mul(80_000),
+            ],
+            // The backlash of 1457, and 0.5 mm.
+            leave_steps: parts.wrapping_mul(5000),
         }
     }
 }
@@ -97,5 +108,6 @@ const fn micromill(parts: u16) -> Config<3> {
         top_feed: None,
         spindle_counts: None,
         corner_deviation: None,
+        equipment: Equipment::NONE,
     }
 }

@@ -58,13 +58,13 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
             }
             Order::Backlash(axis, um) => self.set_lash(axis, um),
             Order::Home => {
-                self.is_homed = false;
+                self.was_homed = core::mem::take(&mut self.is_homed);
                 for play in &mut self.plays {
                     play.set_lash(0);
                 }
                 self.task = Task::Leave {
                     axis: Axis::Z,
-                    left: self.config.search_steps,
+                    left: self.config.leave_steps,
                 };
             }
             Order::Zero => {

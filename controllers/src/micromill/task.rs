@@ -30,7 +30,7 @@ pub(super) enum Task {
     /// determines the flank.
     Leave {
         axis: Axis,
-        left: u32,
+        left: u16,
     },
     /// Homing: moves towards the switch.
     Search {
@@ -82,11 +82,11 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
         }
     }
 
-    fn leave(&mut self, axis: Axis, left: u32, inputs: &MicromillInputs) -> Next {
+    fn leave(&mut self, axis: Axis, left: u16, inputs: &MicromillInputs) -> Next {
         if !is_closed(axis, inputs) {
             self.task = Task::Search {
                 axis,
-                left: self.config.search_steps,
+                left: self.search_steps(axis),
             };
             return Next::Again;
         }
@@ -155,9 +155,23 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
         };
         self.task = Task::Leave {
             axis: next,
-            left: self.config.search_steps,
+            left: self.config.leave_steps,
         };
         Next::Again
+    }
+
+    /// Longest search for the switch of an axis: over its travel, or from where it is.
+    fn search_steps(&self, axis: Axis) -> u32 {
+        let index = axis as usize;
+        let most = self.config.search_steps.get(index).copied().unwrap_or(0);
+        match self.plays.get(index) {
+            Some(play) if self.was_homed => {
+                let to_zero = play.load().max(0).unsigned_abs();
+                // Below 2^31 and 2^16.
+                most.min(to_zero.wrapping_add(self.config.leave_steps.into()))
+            }
+            _ => most,
+        }
     }
 
     /// Returns the take-up of the first axis that has one due, or the step itself. The flag is

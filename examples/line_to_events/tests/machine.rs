@@ -3,7 +3,7 @@
 use husillo_gcode::Dialect;
 use husillo_interp::Scale;
 use husillo_line_to_events::{Controller, Failure};
-use husillo_machine::{Axis, Config, Event, Machine};
+use husillo_machine::{Axis, Config, Equipment, Event, Machine};
 
 const TIMER_HZ: u32 = 1_000_000;
 
@@ -42,6 +42,7 @@ fn steps_are_those_of_the_machine() {
             top_feed: None,
             spindle_counts: None,
             corner_deviation: None,
+            equipment: Equipment::NONE,
         });
         let mut controller = Controller::new(Dialect::RS274, scale, TIMER_HZ, 200_000_000);
         for line in PROGRAM {

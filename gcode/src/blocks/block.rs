@@ -7,6 +7,7 @@ use crate::codes::code::{Code, Group};
 use crate::codes::dialect::Dialect;
 use crate::codes::letters::{Letters, SLOTS, bit, slot_of};
 use crate::error::{Error, ErrorKind};
+use crate::features::EXTENDED;
 use crate::values::decimal::Decimal;
 use crate::values::nm::{Measure, Nm};
 use crate::words::word::{Word, words};
@@ -250,10 +251,12 @@ impl Block {
         span: Span,
         dialect: &Dialect,
     ) -> Result<(), ErrorKind> {
-        let slot = slot_of(letter);
-        let bit = 1u32.wrapping_shl(u32::from(slot));
+        let mut slot = slot_of(letter);
+        let mut bit = 1u32.wrapping_shl(u32::from(slot));
         if dialect.letters().0 & bit == 0 {
-            return Err(ErrorKind::UnknownWord(letter));
+            let axis = dialect.axes().slot(letter).filter(|_| EXTENDED);
+            slot = axis.ok_or(ErrorKind::UnknownWord(letter))?;
+            bit = 1u32.wrapping_shl(u32::from(slot));
         }
         if self.present & bit != 0 {
             return Err(ErrorKind::RepeatedWord(letter));

@@ -60,6 +60,12 @@ pub(crate) enum Reason {
     SplinePlane,
     NoProbeMove,
     #[cfg(feature = "extended")]
+    NurbsOpen,
+    #[cfg(feature = "extended")]
+    TooFewPoints,
+    #[cfg(feature = "extended")]
+    NeedsProgram,
+    #[cfg(feature = "extended")]
     UnderCompensation,
 }
 
@@ -120,6 +126,15 @@ impl Fault {
     #[inline(always)]
     pub(crate) const fn of(self, letter: u8) -> Fault {
         Fault(self.0.saturating_add((letter as u32) << 8))
+    }
+
+    /// The same fault about the word of another letter.
+    pub(crate) const fn with_letter(self, letter: u8) -> Fault {
+        let others = self.0.get() & !0xff00;
+        match NonZeroU32::new(others | (letter as u32) << 8) {
+            Some(fault) => Fault(fault),
+            None => self,
+        }
     }
 
     /// The letter of the word, or 0.
@@ -191,6 +206,12 @@ impl Fault {
             #[cfg(feature = "extended")]
             n if n == Reason::SplinePlane as u8 => ErrorKind::SplinePlane,
             n if n == Reason::NoProbeMove as u8 => ErrorKind::NoProbeMove,
+            #[cfg(feature = "extended")]
+            n if n == Reason::NurbsOpen as u8 => ErrorKind::NurbsOpen,
+            #[cfg(feature = "extended")]
+            n if n == Reason::TooFewPoints as u8 => ErrorKind::TooFewPoints,
+            #[cfg(feature = "extended")]
+            n if n == Reason::NeedsProgram as u8 => ErrorKind::NeedsProgram,
             #[cfg(feature = "extended")]
             n if n == Reason::UnderCompensation as u8 => ErrorKind::UnderCompensation,
             // Reason::NumberTooLarge.

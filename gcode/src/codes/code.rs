@@ -151,6 +151,21 @@ pub(crate) enum Code {
     /// M67, M68.
     AnalogWithMotion,
     Analog,
+    /// G5.2, G5.3.
+    Nurbs,
+    NurbsEnd,
+    /// G33.1.
+    RigidTap,
+    /// G52.
+    LocalShift,
+    /// M70 to M73: they need a `Program`.
+    SaveModes,
+    DropModes,
+    RestoreModes,
+    SaveModesOfCaller,
+    /// M98, M99: they need a `Program`.
+    CallProgram,
+    Return,
 }
 
 /// The modal groups; a block has at most one code of each.
@@ -319,6 +334,16 @@ const ROWS: &[(Code, Group, u8)] = &[
     (Code::WaitInput, Group::Io, BOTH),
     (Code::AnalogWithMotion, Group::Io, BOTH),
     (Code::Analog, Group::Io, BOTH),
+    (Code::Nurbs, Group::Motion, MILLS),
+    (Code::NurbsEnd, Group::Motion, MILLS),
+    (Code::RigidTap, Group::Motion, BOTH),
+    (Code::LocalShift, Group::NonModal, BOTH),
+    (Code::SaveModes, Group::Override, BOTH),
+    (Code::DropModes, Group::Override, BOTH),
+    (Code::RestoreModes, Group::Override, BOTH),
+    (Code::SaveModesOfCaller, Group::Override, BOTH),
+    (Code::CallProgram, Group::Stop, BOTH),
+    (Code::Return, Group::Stop, BOTH),
 ];
 
 /// How many of the rows are compiled in.
@@ -431,6 +456,11 @@ impl Code {
         })
     }
 
+    /// Whether the code needs the lines around its own: M70 to M73, M98, M99.
+    pub(crate) const fn needs_program(self) -> bool {
+        EXTENDED && self.since(Code::SaveModes) <= Code::Return.since(Code::SaveModes)
+    }
+
     /// A canned cycle.
     pub(crate) fn cycle(self) -> Option<Kind> {
         if !EXTENDED {
@@ -456,7 +486,10 @@ impl Code {
         match self {
             Code::Cubic => const { Letters::new(b"IJPQ") },
             Code::Quadratic => const { Letters::new(b"IJ") },
-            Code::Thread => const { Letters::new(b"K") },
+            Code::Thread | Code::RigidTap => const { Letters::new(b"K") },
+            Code::Nurbs => const { Letters::new(b"PL") },
+            Code::CallProgram => const { Letters::new(b"PL") },
+            Code::Return => const { Letters::new(b"P") },
             Code::Blend => const { Letters::new(b"PQ") },
             Code::CompensateLeft
             | Code::CompensateRight
@@ -485,7 +518,7 @@ impl Code {
         matches!(
             self,
             Code::Home | Code::SecondHome | Code::Shift | Code::SetData | Code::DirectToolLength
-        )
+        ) || EXTENDED && matches!(self, Code::LocalShift)
     }
 }
 

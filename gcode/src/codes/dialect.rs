@@ -1,6 +1,7 @@
 //! Differences between the programs of different machines.
 
-use crate::codes::letters::Letters;
+use crate::codes::axes::Axes;
+use crate::codes::letters::{Letters, bit};
 use crate::features::EXTENDED;
 use crate::text::framing::Framing;
 
@@ -10,6 +11,9 @@ use crate::text::framing::Framing;
 pub struct Dialect {
     pub(crate) flavour: Flavour,
     block_delete: bool,
+    /// The letters other than G and M that can start a word and are stored under their own letter.
+    letters: Letters,
+    axes: Axes,
 }
 
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
@@ -27,7 +31,7 @@ pub(crate) enum Flavour {
 }
 
 /// The letters of words in each dialect, by its flavour.
-static WORDS: [Letters; 8] = {
+const WORDS: [Letters; 8] = {
     let rs274 = Letters::ALL.without(b"OUVW");
     [
         rs274.and(b"O"),
@@ -52,10 +56,7 @@ impl Dialect {
     ///
     /// Lines that start with `/` are skipped (block delete on, the default of LinuxCNC); see
     /// [`Dialect::with_block_delete`].
-    pub const RS274: Dialect = Dialect {
-        flavour: Flavour::Rs274,
-        block_delete: true,
-    };
+    pub const RS274: Dialect = Dialect::new(Flavour::Rs274, true, Axes::XYZABC);
 
     /// The strings of the link of the micro mill: micrometres and absolute arc centres; `;` ends a
     /// block.
@@ -63,43 +64,28 @@ impl Dialect {
     /// F is in 0.1 mm/min, and `G04 P` is in whole seconds. `G54` stores the present position as
     /// work zero, and `G28` goes straight to machine zero. Each string has its own code (motion is
     /// not modal) and at most 64 characters including its `;`. `Z` moves alone.
-    pub const MICROMILL: Dialect = Dialect {
-        flavour: Flavour::Micromill,
-        block_delete: true,
-    };
+    pub const MICROMILL: Dialect = Dialect::new(Flavour::Micromill, true, Axes::XYZABC);
 
     /// Grbl 1.1: its list of codes, G0 as the initial motion mode, and G92 kept at the end of a
     /// program. There is no block delete: lines that start with `/` are executed.
-    pub const GRBL: Dialect = Dialect {
-        flavour: Flavour::Grbl,
-        block_delete: false,
-    };
+    pub const GRBL: Dialect = Dialect::new(Flavour::Grbl, false, Axes::XYZABC);
 
     /// A turning machine with the numbers of RS-274 (code systems B and C of turning controls).
     ///
     /// X is a diameter and G18 the plane at the start. `G90`/`G91` and `G94`/`G95` have the same
     /// meaning as on a mill. The single turning, threading and facing cycles are `G77`, `G78`,
     /// `G79`.
-    pub const LATHE: Dialect = Dialect {
-        flavour: Flavour::Lathe,
-        block_delete: true,
-    };
+    pub const LATHE: Dialect = Dialect::new(Flavour::Lathe, true, Axes::XYZABC);
 
     /// A turning machine with the numbers of code system A.
     ///
     /// `G90`, `G92` and `G94` are the turning, threading and facing cycles, not distance mode,
     /// shift and feed mode. `G98`/`G99` are feed per minute and per revolution, `G50` shifts the
     /// frame, `G32` cuts a thread, and increments are `U` and `W`. X is always a diameter.
-    pub const LATHE_A: Dialect = Dialect {
-        flavour: Flavour::LatheA,
-        block_delete: true,
-    };
+    pub const LATHE_A: Dialect = Dialect::new(Flavour::LatheA, true, Axes::XYZABC);
 
     /// Programs of ISO 6983 controls: RS-274's list, and `O1234` alone as the number of a program.
-    pub const ISO: Dialect = Dialect {
-        flavour: Flavour::Iso,
-        block_delete: true,
-    };
+    pub const ISO: Dialect = Dialect::new(Flavour::Iso, true, Axes::XYZABC);
 
     /// The language of the printed-circuit drill: `X` and `Y`, each block a hole.
     ///
@@ -108,17 +94,11 @@ impl Dialect {
     /// no drilling. `G20` `G21` `G90` `G91` are the usual ones. `G92` sets the coordinates of the
     /// present position to its words, or to zero without any. There is nothing else: no Z, no feed,
     /// no M code.
-    pub const DRILL: Dialect = Dialect {
-        flavour: Flavour::Drill,
-        block_delete: true,
-    };
+    pub const DRILL: Dialect = Dialect::new(Flavour::Drill, true, Axes::XYZABC);
 
     /// Programs for 3D printers: RS-274 with checksums (`*98`) and numbered lines, as
     /// [`Framing::PRINTER`] checks them; see [`Dialect::framing`].
-    pub const PRINTER: Dialect = Dialect {
-        flavour: Flavour::Printer,
-        block_delete: true,
-    };
+    pub const PRINTER: Dialect = Dialect::new(Flavour::Printer, true, Axes::XYZE);
 
     /// All dialects.
     pub const ALL: [Dialect; 8] = [
@@ -190,10 +170,51 @@ impl Dialect {
         matches!(self.flavour, Flavour::Micromill)
     }
 
-    /// The letters other than G and M that can start a word in this dialect.
+    const fn new(flavour: Flavour, block_delete: bool, axes: Axes) -> Dialect {
+        let words = WORDS[flavour as usize];
+        let has_more = words.0 & bit(b'A') != 0;
+        let axes = if has_more { axes } else { Axes::XYZ };
+        let letters = axes.words(words);
+        Dialect {
+            flavour,
+            block_delete,
+            letters,
+            axes,
+        }
+    }
+
+    /// The same dialect for a machine with these axes. Words of axes that the machine does not have
+    /// are refused as unknown letters (E0201).
+    ///
+    /// U, V and W remain increments of X, Y and Z in the lathe dialects.
+    ///
+    /// # Examples
+    /// ```
+    /// use husillo_gcode::{Axes, Block, Dialect, Modal};
+    ///
+    /// let axes = Axes::new(b"XYZB").unwrap();
+    /// let dialect = Dialect::RS274.with_axes(axes);
+    /// let block = Block::parse(b"G20 G0 X1 B90", &dialect)?;
+    /// let (_, mut commands) = Modal::<4>::new(dialect).plan(&block)?;
+    /// let text = commands.next().map(|command| command.shown(axes).to_string());
+    /// assert_eq!(text.as_deref(), Some("rapid X25.4 Y0 Z0 B90"));
+    /// # Ok::<(), husillo_gcode::Error>(())
+    /// ```
+    #[cfg(feature = "extended")]
+    pub const fn with_axes(self, axes: Axes) -> Dialect {
+        Dialect::new(self.flavour, self.block_delete, axes)
+    }
+
+    /// The axes of the machine.
+    pub const fn axes(&self) -> &Axes {
+        &self.axes
+    }
+
+    /// The letters other than G and M that can start a word in this dialect and are stored under
+    /// their own letter. The words of other axes have the slot of [`Axes::slot`].
     #[inline(always)]
     pub(crate) const fn letters(&self) -> Letters {
-        WORDS[self.flavour as usize]
+        self.letters
     }
 
     /// Whether lines may have parameters `#` and expressions `[ ]`.

@@ -57,7 +57,8 @@ pub(crate) const fn bit(letter: u8) -> u32 {
 }
 
 /// A set of letters of words.
-#[derive(Copy, Clone)]
+#[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Letters(pub(crate) u32);
 
 impl Letters {

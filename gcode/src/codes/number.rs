@@ -5,8 +5,7 @@ use crate::codes::dialect::Flavour;
 use crate::features::EXTENDED;
 
 /// G codes by their number in tenths, in order, with their meaning in most dialects. Codes of no
-/// dialect here (NURBS, plain plane joins, rigid tapping, local zeros, mirror, rotation, scaling,
-/// macros, ...) are foreign.
+/// dialect here (plane joins, mirror, scaling, macros, ...) are foreign.
 const G: [(u16, Code); 110] = [
     (0, Code::Rapid),
     (10, Code::Linear),
@@ -15,8 +14,8 @@ const G: [(u16, Code); 110] = [
     (40, Code::Dwell),
     (50, Code::Cubic),
     (51, Code::Quadratic),
-    (52, Code::Foreign),
-    (53, Code::Foreign),
+    (52, Code::Nurbs),
+    (53, Code::NurbsEnd),
     (60, Code::Foreign),
     (62, Code::Foreign),
     (70, Code::DiameterMode),
@@ -40,7 +39,7 @@ const G: [(u16, Code); 110] = [
     (301, Code::StoreSecondHome),
     (310, Code::Foreign),
     (330, Code::Thread),
-    (331, Code::Foreign),
+    (331, Code::RigidTap),
     (382, Code::ProbeMust),
     (383, Code::Probe),
     (384, Code::ProbeAwayMust),
@@ -56,7 +55,7 @@ const G: [(u16, Code); 110] = [
     (490, Code::CancelToolLength),
     (500, Code::Foreign),
     (510, Code::Foreign),
-    (520, Code::Foreign),
+    (520, Code::LocalShift),
     (530, Code::MachineFrame),
     (540, Code::G54),
     (541, Code::Foreign),
@@ -120,8 +119,7 @@ const G: [(u16, Code); 110] = [
     (990, Code::ReturnToRetract),
 ];
 
-/// M codes by their number in tenths, in order. Clamps, tapping modes, parking, saved modes and
-/// subprograms are foreign.
+/// M codes by their number in tenths, in order. Clamps, tapping modes and parking are foreign.
 const M: [(u16, Code); 37] = [
     (0, Code::Stop),
     (10, Code::OptionalStop),
@@ -154,12 +152,12 @@ const M: [(u16, Code); 37] = [
     (660, Code::WaitInput),
     (670, Code::AnalogWithMotion),
     (680, Code::Analog),
-    (700, Code::Foreign),
-    (710, Code::Foreign),
-    (720, Code::Foreign),
-    (730, Code::Foreign),
-    (980, Code::Foreign),
-    (990, Code::Foreign),
+    (700, Code::SaveModes),
+    (710, Code::DropModes),
+    (720, Code::RestoreModes),
+    (730, Code::SaveModesOfCaller),
+    (980, Code::CallProgram),
+    (990, Code::Return),
 ];
 
 /// The rows of a list, each with the distance of its number from that of the previous row: two

@@ -24,7 +24,8 @@ impl<const N: usize> Modal<N> {
     /// series of any cycles.
     pub(crate) fn leave_series(&mut self, mode: Code) {
         let before = self.active(Group::Motion);
-        if (before.cycle().is_some() || before == Code::Thread) && before != mode {
+        let keeps = before.cycle().is_some() || matches!(before, Code::Thread | Code::RigidTap);
+        if keeps && before != mode {
             let initial = match mode.cycle() {
                 Some(_) => self.modes.sticky.initial,
                 None => None,

@@ -44,7 +44,7 @@ pub struct Commands<const N: usize> {
     pub(crate) via: [Nm; N],
     #[cfg(feature = "extended")]
     path: PathMode,
-    /// Lead of G33.
+    /// Lead of G33 and G33.1.
     #[cfg(feature = "extended")]
     pub(crate) lead: Nm,
     /// Points of a spline.
@@ -59,6 +59,11 @@ pub struct Commands<const N: usize> {
 #[derive(Clone, Debug)]
 struct More<const N: usize> {
     tool_is: bool,
+    /// The command before the motion begins a NURBS of this order and weight of the first point.
+    begins_nurbs: bool,
+    nurbs: (u8, u64),
+    /// Weight of a control point of a NURBS.
+    micro_weight: u64,
     compensation: (Option<Side>, Nm, Plane),
     /// M48 to M53 and M62 to M68, which do not move.
     switch: Plain,
@@ -169,6 +174,9 @@ impl<const N: usize> Commands<N> {
         #[cfg(feature = "extended")]
         more: More {
             tool_is: false,
+            begins_nurbs: false,
+            nurbs: (0, 0),
+            micro_weight: 0,
             compensation: (None, Nm(0), Plane::Xy),
             switch: Plain::Orient(0, 0),
             io: Plain::Orient(0, 0),
@@ -229,6 +237,10 @@ impl<const N: usize> Commands<N> {
     /// Adds a rapid to `via` before the motion.
     pub(crate) fn go_via(&mut self) {
         self.pending |= VIA;
+        #[cfg(feature = "extended")]
+        {
+            self.more.begins_nurbs = false;
+        }
     }
 
     /// Adds a motion of any kind to the end of the arc.
@@ -251,6 +263,21 @@ impl<const N: usize> Commands<N> {
     /// A spindle at constant surface speed, or at an angle.
     pub(crate) fn turn(&mut self, turn: Plain) {
         (self.more.turn, self.pending) = (turn, self.pending | TURN);
+    }
+
+    /// Begins a NURBS before the motion.
+    pub(crate) fn begin_nurbs(&mut self, order: u8, micro_weight: u64) {
+        self.more.nurbs = (order, micro_weight);
+        self.more.begins_nurbs = true;
+        self.pending |= VIA;
+    }
+
+    /// Adds a control point of a NURBS.
+    pub(crate) fn nurbs_point(&mut self, at: [Nm; 2], micro_weight: u64) {
+        let [_, _, _, point] = &mut self.points;
+        *point = at;
+        self.more.micro_weight = micro_weight;
+        self.motion(Code::Nurbs);
     }
 
     pub(crate) fn switch(&mut self, switch: Plain) {
@@ -347,6 +374,12 @@ impl<const N: usize> Iterator for Commands<N> {
             PATH => Command::Path {
                 mode: PathMode::ExactPath,
             },
+            #[cfg(feature = "extended")]
+            VIA if self.more.begins_nurbs => Command::NurbsBegin {
+                order: self.more.nurbs.0,
+                micro_weight: self.more.nurbs.1,
+                feed,
+            },
             VIA => Command::Rapid { to: self.via },
             MOTION => match self.motion? {
                 Code::Rapid => Command::Rapid { to },
@@ -360,6 +393,22 @@ impl<const N: usize> Iterator for Commands<N> {
                     to,
                     lead: self.lead,
                 },
+                #[cfg(feature = "extended")]
+                Code::RigidTap => Command::Tap {
+                    bottom: self.via,
+                    to,
+                    lead: self.lead,
+                },
+                #[cfg(feature = "extended")]
+                Code::Nurbs => {
+                    let [_, _, _, at] = self.points;
+                    Command::NurbsPoint {
+                        at,
+                        micro_weight: self.more.micro_weight,
+                    }
+                }
+                #[cfg(feature = "extended")]
+                Code::NurbsEnd => Command::NurbsEnd { to },
                 #[cfg(feature = "extended")]
                 Code::Cubic => Command::Spline {
                     spline: Spline {

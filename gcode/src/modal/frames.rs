@@ -100,7 +100,11 @@ impl<const N: usize> Modal<N> {
             if !given {
                 continue;
             }
-            let (factor, exponent) = if axis < 3 { lengths } else { degrees };
+            let is_rotary = match EXTENDED {
+                true => axis >= 3 && self.modes.dialect.axes().is_rotary(axis),
+                false => axis >= 3,
+            };
+            let (factor, exponent) = if is_rotary { degrees } else { lengths };
             let value = word.scaled(i32::from(factor), exponent);
             let value = value.and_then(|value| Nm(value).within_limit());
             // Each is within Nm::LIMIT, unless a caller gave more; the sum is then beyond the limit
@@ -139,6 +143,17 @@ impl<const N: usize> Modal<N> {
         }
         let mut value = Nm(0);
         self.add_word(block, letter, &mut value)?;
+        #[cfg(feature = "extended")]
+        if terms.has(END) && !terms.has(POSITION) && self.modes.dialect.axes().is_wrapped(axis) {
+            let has_minus = block.axis(axis).is_some_and(|word| word.has_minus());
+            // Coordinates are below 2^52.
+            let zero = self.sum_of(axis, terms);
+            let here = coordinate(&self.modes.position, axis)
+                .0
+                .wrapping_sub(zero.0);
+            value =
+                wrapped(value, has_minus, Nm(here)).ok_or(Fault::at(Reason::OutOfRange, letter))?;
+        }
         // All within a few times Nm::LIMIT.
         value.0 = value.0.wrapping_add(self.sum_of(axis, terms).0);
         if terms.has(HERE) {
@@ -380,6 +395,24 @@ impl<const N: usize> Modal<N> {
         Ok(())
     }
 
+    /// G52: shifts all work frames by the axis words. The shift is that of G92, as in LinuxCNC.
+    #[cfg(feature = "extended")]
+    #[inline(never)]
+    pub(crate) fn set_local_shift(
+        &mut self,
+        block: &Block,
+        commands: &mut Commands<N>,
+    ) -> Result<(), Fault> {
+        if block.axes() == 0 {
+            return Err(Fault::at_code(Reason::NoAxisWords, Group::NonModal));
+        }
+        let to = &mut commands.arc.to;
+        *to = self.modes.shift;
+        self.read_axes(block, Terms::NONE, to)?;
+        (self.modes.shift, self.modes.kept_shift) = (*to, *to);
+        Ok(())
+    }
+
     /// G28 and G30: through the given point to the stored position, with the named axes only.
     /// Without axis words all axes go straight.
     #[inline(never)]
@@ -417,8 +450,62 @@ impl<const N: usize> Modal<N> {
             }
             given >>= 1;
         }
+        #[cfg(feature = "extended")]
+        self.unwind(block, commands);
         self.go(Code::Rapid, commands);
         Ok(())
+    }
+}
+
+/// A turn in millionths of a degree.
+#[cfg(feature = "extended")]
+const TURN: i64 = 360_000_000;
+
+/// The position of a wrapped axis for a word: its magnitude in the turn in which the axis stands,
+/// or in the next one in the direction of the sign. `None` for a turn or more.
+///
+/// # Source
+/// LinuxCNC, `interp_find.cc`, `unwrap_rotary`.
+#[cfg(feature = "extended")]
+fn wrapped(word: Nm, has_minus: bool, here: Nm) -> Option<Nm> {
+    let magnitude = word.0.saturating_abs();
+    if magnitude >= TURN {
+        return None;
+    }
+    // |here| < 2^53, so all sums fit.
+    let turn = here.0.wrapping_sub(here.0.rem_euclid(TURN));
+    let mut end = turn.wrapping_add(magnitude);
+    if has_minus && end > here.0 {
+        end = end.wrapping_sub(TURN);
+    } else if !has_minus && end < here.0 {
+        end = end.wrapping_add(TURN);
+    }
+    Some(Nm(end))
+}
+
+#[cfg(feature = "extended")]
+impl<const N: usize> Modal<N> {
+    /// The home of a wrapped axis is the same angle in any turn: the axis goes there by the shorter
+    /// way, however many turns it has made.
+    fn unwind(&self, block: &Block, commands: &mut Commands<N>) {
+        let goes_via = block.axes() != 0;
+        let before = if goes_via {
+            &commands.via
+        } else {
+            &self.modes.position
+        };
+        for (axis, (to, here)) in (0..N).zip(commands.arc.to.iter_mut().zip(before)) {
+            if self.modes.dialect.axes().is_wrapped(axis) {
+                // Both are below 2^52.
+                let ahead = to.0.wrapping_sub(here.0).rem_euclid(TURN);
+                let way = if ahead > TURN / 2 {
+                    ahead.wrapping_sub(TURN)
+                } else {
+                    ahead
+                };
+                *to = Nm(here.0.wrapping_add(way));
+            }
+        }
     }
 }
 

@@ -26,8 +26,12 @@ pub enum Motion {
     Cubic,
     /// G5.1.
     Quadratic,
+    /// G5.2.
+    Nurbs,
     /// G33.
     Thread,
+    /// G33.1.
+    Tap,
     /// G38.2 to G38.5.
     Probe {
         /// G38.4, G38.5.
@@ -184,6 +188,8 @@ pub(crate) struct More {
     pub(crate) surface: Option<(Nm, Option<u64>)>,
     /// G5: the reversed vector from the end of the curve to its second control point.
     pub(crate) tail: Option<[Nm; 2]>,
+    /// G5.2: the NURBS that is not ended yet.
+    pub(crate) nurbs: Option<Nurbs>,
     pub(crate) compensation: Option<Side>,
     /// `P` of G64.
     pub(crate) tolerance: Option<Nm>,
@@ -194,9 +200,20 @@ impl More {
     const NONE: More = More {
         surface: None,
         tail: None,
+        nurbs: None,
         compensation: None,
         tolerance: None,
     };
+}
+
+/// A NURBS that is not ended yet.
+#[cfg(feature = "extended")]
+#[derive(Copy, Clone, Debug, Eq, PartialEq)]
+pub(crate) struct Nurbs {
+    pub(crate) order: u8,
+    /// Number of control points so far, and the last one.
+    pub(crate) points: u32,
+    pub(crate) last: [Nm; 2],
 }
 
 /// Values that a canned cycle keeps for the next block of its series, with lengths as programmed.

@@ -75,6 +75,8 @@ impl<const N: usize> Modal<N> {
         }
         #[cfg(feature = "extended")]
         self.leave_series(mode);
+        #[cfg(feature = "extended")]
+        self.check_nurbs(block, mode)?;
         let mine = !covets && (block.axes() != 0 || code.is_some());
         self.check_words(block, mode, mine)?;
         #[cfg(feature = "extended")]
@@ -92,6 +94,8 @@ impl<const N: usize> Modal<N> {
         match non_modal {
             Some(Code::SetData) => self.set_data(block, commands)?,
             Some(Code::Shift) => self.set_shift(block, commands)?,
+            #[cfg(feature = "extended")]
+            Some(Code::LocalShift) => self.set_local_shift(block, commands)?,
             Some(Code::Home | Code::SecondHome) => {
                 let second = non_modal == Some(Code::SecondHome);
                 self.go_home(block, second, commands)?;
@@ -101,7 +105,8 @@ impl<const N: usize> Modal<N> {
         }
         // The mode stays for the next block, except on the link of the micro mill.
         if self.modes.dialect.flavour != Flavour::Micromill {
-            self.set_active(Group::Motion, mode);
+            let ends = EXTENDED && mode == Code::NurbsEnd;
+            self.set_active(Group::Motion, if ends { Code::CancelMotion } else { mode });
         }
         #[cfg(feature = "extended")]
         if mode != Code::Cubic {
@@ -226,7 +231,8 @@ impl<const N: usize> Modal<N> {
         commands: &mut Commands<N>,
     ) -> Result<(), Fault> {
         // Only code system A has increments (U, V, W), and there X is always a diameter.
-        if ROOMY && !self.is_diameter() {
+        // They, and wrapped axes, take the longer way.
+        if ROOMY && !self.is_diameter() && !self.modes.dialect.axes().has_wrapped() {
             return self.read_end(block, terms, &mut commands.arc.to);
         }
         commands.arc.to = self.modes.position;
@@ -270,7 +276,10 @@ impl<const N: usize> Modal<N> {
         match mode {
             Code::Cubic => self.cubic(block, commands),
             Code::Quadratic => self.quadratic(block, commands),
+            Code::Nurbs => self.nurbs(block, commands),
+            Code::NurbsEnd => self.end_nurbs(block, commands),
             Code::Thread => self.thread(block, commands),
+            Code::RigidTap => self.rigid_tap(block, commands),
             _ => match mode.cycle() {
                 Some(kind) => self.canned(block, kind, commands),
                 None => Ok(()),

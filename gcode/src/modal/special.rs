@@ -1,4 +1,4 @@
-//! Splines and synchronised moves: G5, G5.1, G33.
+//! Splines and synchronised moves: G5 to G5.3, G33, G33.1.
 
 use crate::blocks::block::Block;
 use crate::blocks::fault::{Fault, Reason};
@@ -7,8 +7,13 @@ use crate::codes::code::Group;
 use crate::codes::dialect::Flavour;
 use crate::command::arc::Plane;
 use crate::modal::commands::Commands;
+use crate::modal::modes::Nurbs;
+use crate::modal::settings::{unsigned, whole};
 use crate::modal::{Modal, shifted};
 use crate::values::nm::Nm;
+
+/// The largest order of a NURBS.
+const MOST_ORDER: u8 = 16;
 
 impl<const N: usize> Modal<N> {
     /// X and Y of a point.
@@ -109,6 +114,117 @@ impl<const N: usize> Modal<N> {
         commands.arc.to = to;
         commands.points = points;
         self.go(Code::Cubic, commands);
+        Ok(())
+    }
+
+    /// G5.2: X and Y of a control point, `P` its weight. The first block of a curve may have `L`,
+    /// its order, and without X and Y its `P` is the weight of the present position.
+    #[inline(never)]
+    pub(crate) fn nurbs(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Fault> {
+        if self.plane() != Plane::Xy || block.axes() & !0b11 != 0 || N < 2 {
+            return Err(Fault::at_motion(Reason::SplinePlane));
+        }
+        let has_point = match block.axes() {
+            0 => false,
+            0b11 => true,
+            given => {
+                let missing = if given & 1 == 0 { b'X' } else { b'Y' };
+                return Err(Fault::at_motion(Reason::MissingWord).of(missing));
+            }
+        };
+        let weight = match block.word(b'P') {
+            None => 1_000_000,
+            Some(value) => unsigned(value, 6)
+                .filter(|&weight| weight > 0)
+                .ok_or(Fault::at(Reason::OutOfRange, b'P'))?,
+        };
+        self.set_feed_of(commands)?;
+        let mut curve = match self.modes.more.nurbs {
+            Some(_) if block.has(b'L') => return Err(Fault::at(Reason::UnusedWord, b'L')),
+            Some(_) if !has_point => {
+                return Err(Fault::at_code(Reason::NoAxisWords, Group::Motion));
+            }
+            Some(curve) => curve,
+            None => {
+                let order = whole(block, b'L', MOST_ORDER)?.unwrap_or(3);
+                if order < 2 {
+                    return Err(Fault::at(Reason::OutOfRange, b'L'));
+                }
+                commands.begin_nurbs(order, if has_point { 1_000_000 } else { weight });
+                Nurbs {
+                    order,
+                    points: 1,
+                    last: Self::plane_point(&self.modes.position),
+                }
+            }
+        };
+        if has_point {
+            let to = self.target(block)?;
+            curve.last = Self::plane_point(&to);
+            curve.points = curve.points.saturating_add(1);
+            commands.nurbs_point(curve.last, weight);
+        }
+        self.modes.more.nurbs = Some(curve);
+        Ok(())
+    }
+
+    /// G5.3: ends the curve in its last control point.
+    pub(crate) fn end_nurbs(
+        &mut self,
+        block: &Block,
+        commands: &mut Commands<N>,
+    ) -> Result<(), Fault> {
+        if block.axes() != 0 {
+            let letter = block.letter_of(block.axes().trailing_zeros() as usize);
+            return Err(Fault::at(Reason::UnusedWord, letter));
+        }
+        let curve = self.modes.more.nurbs.take();
+        let curve = curve.filter(|curve| curve.points >= u32::from(curve.order));
+        let curve = curve.ok_or(Fault::at_motion(Reason::TooFewPoints))?;
+        commands.arc.to = self.modes.position;
+        for (to, last) in commands.arc.to.iter_mut().zip(curve.last) {
+            *to = last;
+        }
+        self.go(Code::NurbsEnd, commands);
+        Ok(())
+    }
+
+    /// Refuses what interrupts a NURBS.
+    pub(crate) fn check_nurbs(&self, block: &Block, mode: Code) -> Result<(), Fault> {
+        if self.modes.more.nurbs.is_none() {
+            return Ok(());
+        }
+        if !matches!(mode, Code::Nurbs | Code::NurbsEnd) {
+            return Err(Fault::at_motion(Reason::NurbsOpen));
+        }
+        for (group, harmless) in [
+            (Group::NonModal, Code::Dwell),
+            (Group::Stop, Code::OptionalStop),
+        ] {
+            if block.code(group).is_some_and(|code| code != harmless) {
+                return Err(Fault::at_code(Reason::NurbsOpen, group));
+            }
+        }
+        Ok(())
+    }
+
+    /// G33.1: `K` is the lead.
+    #[inline(never)]
+    pub(crate) fn rigid_tap(
+        &mut self,
+        block: &Block,
+        commands: &mut Commands<N>,
+    ) -> Result<(), Fault> {
+        if block.axes() == 0 {
+            return Err(Fault::at_code(Reason::NoAxisWords, Group::Motion));
+        }
+        let lead = self.lead(block)?;
+        self.check_turning()?;
+        self.aim(block, self.terms(), commands)?;
+        commands.via = commands.arc.to;
+        commands.arc.to = self.modes.position;
+        commands.lead = lead;
+        self.go(Code::RigidTap, commands);
         Ok(())
     }
 

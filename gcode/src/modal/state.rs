@@ -132,7 +132,9 @@ impl<const N: usize> Modal<N> {
             Code::CounterClockwise => Motion::CounterClockwise,
             Code::Cubic => Motion::Cubic,
             Code::Quadratic => Motion::Quadratic,
+            Code::Nurbs => Motion::Nurbs,
             Code::Thread => Motion::Thread,
+            Code::RigidTap => Motion::Tap,
             code if code.is_probe() => {
                 let (away, must) = code.probe();
                 Motion::Probe { away, must }

@@ -253,7 +253,9 @@ impl<'a> Formatted<'a> {
             }
         }
         let needs_zero = !matches!(number.first(), Some(b'0'..=b'9'));
-        let lead: &[u8] = match (negative && !is_zero, needs_zero) {
+        // The sign of a zero is a direction on wrapped rotary axes.
+        let signed = negative && (!is_zero || matches!(letter, b"A" | b"B" | b"C"));
+        let lead: &[u8] = match (signed, needs_zero) {
             (true, true) => b"-0",
             (true, false) => b"-",
             (false, true) => b"0",

@@ -1,18 +1,25 @@
 //! Exact decimal numbers as written in a program.
 
 use crate::error::ErrorKind;
+use crate::features::EXTENDED;
 use crate::values::wide::{divide, product};
 use core::fmt;
 use fixed::traits::Fixed;
 
 /// An exact decimal: `digits / 10^places`. It keeps the places as written, so `1.50` is not `1.5`
 /// (although both are the same length), because the last printed digit shows the intended accuracy.
+/// With the feature `extended` it also keeps the sign of a zero, because the sign of a word of a
+/// wrapped rotary axis is a direction ([`Axes::with_wrapped`](crate::Axes::with_wrapped)).
 #[derive(Copy, Clone, Eq, PartialEq, Hash, Debug, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Decimal {
+    /// [`NEGATIVE_ZERO`], or the digits as a number.
     digits: i64,
     places: u8,
 }
+
+/// The only 64-bit number without a positive counterpart stands for the digits of `-0`.
+const NEGATIVE_ZERO: i64 = i64::MIN;
 
 /// The largest power of ten that an `i64` holds.
 const MOST: u8 = 18;
@@ -54,6 +61,9 @@ const fn times(digits: i64, factor: i32, shift: i32) -> Option<i64> {
             let scale = factor.wrapping_mul(scale);
             return Some((digits as i32 as i64).wrapping_mul(scale as i64));
         }
+    }
+    if EXTENDED && digits == NEGATIVE_ZERO {
+        return Some(0);
     }
     let (magnitude, by) = (digits.unsigned_abs(), factor.unsigned_abs());
     let scaled = if cfg!(target_pointer_width = "64") {
@@ -177,7 +187,7 @@ impl Decimal {
 
     /// All digits as one signed integer.
     pub const fn digits(self) -> i64 {
-        self.digits
+        if self.is_zero() { 0 } else { self.digits }
     }
 
     /// Number of digits after the point.
@@ -187,12 +197,18 @@ impl Decimal {
 
     /// Whether the value is below zero.
     pub const fn is_negative(self) -> bool {
-        self.digits < 0
+        self.digits < 0 && !self.is_zero()
     }
 
     /// Whether the value is zero.
     pub const fn is_zero(self) -> bool {
-        self.digits == 0
+        self.digits == 0 || EXTENDED && self.digits == NEGATIVE_ZERO
+    }
+
+    /// Whether it was written with a minus sign: [`Decimal::is_negative`], or `-0`.
+    #[cfg(feature = "extended")]
+    pub const fn has_minus(self) -> bool {
+        self.digits < 0
     }
 
     /// `value * factor * 10^exponent`, rounded once, halves away from zero; `None` when it does not
@@ -223,11 +239,11 @@ impl Decimal {
         // Fewer than 20 digits after 19 places round to nothing unless they are 0.
         let (Some(rounded), Some(power)) = (rounded, power(self.places.wrapping_sub(exponent)))
         else {
-            return if self.digits == 0 { Some(0) } else { None };
+            return if self.is_zero() { Some(0) } else { None };
         };
         // Rounded up it is at most 2^63 / 10 + 1, and the product is within 2^64: it wraps only
         // where it differs.
-        if rounded.wrapping_mul(power as i64) == self.digits {
+        if rounded.wrapping_mul(power as i64) == self.digits() {
             Some(rounded)
         } else {
             None
@@ -252,7 +268,7 @@ impl Decimal {
     where
         F::Bits: TryFrom<u128> + TryFrom<i128>,
     {
-        let magnitude = self.digits.unsigned_abs();
+        let magnitude = self.digits().unsigned_abs();
         let mut divisor = 1u128; // 10^30 < 2^100
         for _ in 0..self.places {
             divisor = divisor.wrapping_mul(10);
@@ -283,7 +299,7 @@ impl Decimal {
         if rest << 1 >= divisor {
             bits = bits.checked_add(1)?;
         }
-        let bits = if self.digits < 0 {
+        let bits = if self.is_negative() {
             F::Bits::try_from(0i128.checked_sub_unsigned(bits)?).ok()?
         } else {
             F::Bits::try_from(bits).ok()?
@@ -296,11 +312,13 @@ impl Decimal {
     pub(crate) fn short(digits: u32, places: u8, negative: bool) -> Decimal {
         // Below 10^9 < 2^31, so 32 bits hold the sign.
         let digits = digits as i32;
-        let digits = if negative {
-            digits.wrapping_neg()
-        } else {
-            digits
-        };
+        if negative {
+            return Decimal {
+                digits: i64::from(digits),
+                places,
+            }
+            .negated();
+        }
         Decimal {
             digits: i64::from(digits),
             places,
@@ -326,10 +344,16 @@ impl Decimal {
         }
     }
 
-    /// The same number with the other sign; `i64::MIN` is never stored.
+    /// A positive number with a minus sign.
+    #[inline(always)]
     pub(crate) fn negated(self) -> Decimal {
+        let digits = if EXTENDED && self.digits == 0 {
+            NEGATIVE_ZERO
+        } else {
+            self.digits.wrapping_neg()
+        };
         Decimal {
-            digits: self.digits.wrapping_neg(),
+            digits,
             places: self.places,
         }
     }
@@ -337,7 +361,7 @@ impl Decimal {
 
 impl fmt::Display for Decimal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let magnitude = self.digits.unsigned_abs();
+        let magnitude = self.digits().unsigned_abs();
         let sign = if self.digits < 0 { "-" } else { "" };
         if self.places == 0 {
             return write!(f, "{sign}{magnitude}");

@@ -7,13 +7,13 @@ use crate::cli::{Compile, DrillOrder, Drilling, Listing, Send};
 use crate::console;
 use crate::drill::{self, Board, Translation};
 use crate::holes;
-use crate::holes::drill_file::{Compiler, Refusal};
+use crate::holes::drill_records::{Compiler, Refusal};
 use crate::output::Outputs;
 use crate::programs::setup;
 use crate::programs::source::Source;
-use husillo_clients::drill::visiting_order::Metric;
 use husillo_clients::drill::{Part, lean, millimetres, seconds, spoken, travel_steps};
 use husillo_gcode::{Dialect, Nm};
+use husillo_holes::{Metric, ToolRecords};
 use husillo_sim::device::drill::STROKE_STEPS;
 use husillo_transports::drill::{Record, STEPS_PER_MM, Table};
 use serde::Serialize;
@@ -110,11 +110,11 @@ fn of_drill_file(file: &str, args: &Drilling) -> Result<Option<Job>, Failure> {
     if findings.errors > 0 {
         return Ok(None);
     }
-    if let Some(fit) = board.apply(&options)? {
+    if let Some(fit) = holes::apply(&mut board, &options)? {
         eprintln!("{name}: {fit}");
     }
     let compiler = Compiler::new(&args.layout);
-    let compile = |board: &holes::Board| match compiler.compile(board, name) {
+    let compile = |board: &husillo_holes::Board| match compiler.compile(board, name) {
         Ok(tools) => Ok(Some(tools)),
         Err(Refusal::Usage(message)) => Err(Failure::Usage(message)),
         Err(Refusal::Finding(finding)) => {
@@ -122,12 +122,12 @@ fn of_drill_file(file: &str, args: &Drilling) -> Result<Option<Job>, Failure> {
             Ok(None)
         }
     };
-    let parts = |tools: Vec<crate::holes::drill_file::ToolRecords>| -> Vec<Part> {
+    let parts = |tools: Vec<ToolRecords>| -> Vec<Part> {
         let to_depth = |record: Record| match record {
             Record::Drill(_) => Record::Drill(depth),
             other => other,
         };
-        let part = |tool: crate::holes::drill_file::ToolRecords| {
+        let part = |tool: ToolRecords| {
             let records: Vec<_> = tool.records.into_iter().map(to_depth).collect();
             Part {
                 tool: tool.tool.number.into(),

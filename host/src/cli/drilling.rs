@@ -325,3 +325,32 @@ pub enum SlotHandling {
     /// Not at all: an error.
     Refuse,
 }
+
+impl From<Mirror> for husillo_holes::Mirror {
+    fn from(mirror: Mirror) -> Self {
+        match mirror {
+            Mirror::X => Self::X,
+            Mirror::Y => Self::Y,
+        }
+    }
+}
+
+impl From<Cycle> for husillo_holes::Cycle {
+    fn from(cycle: Cycle) -> Self {
+        match cycle {
+            Cycle::G81 => Self::G81,
+            Cycle::G83 => Self::G83,
+            Cycle::Moves => Self::Moves,
+        }
+    }
+}
+
+impl From<SlotHandling> for husillo_holes::SlotHandling {
+    fn from(handling: SlotHandling) -> Self {
+        match handling {
+            SlotHandling::Rout => Self::Rout,
+            SlotHandling::Drill => Self::Drill,
+            SlotHandling::Refuse => Self::Refuse,
+        }
+    }
+}

@@ -164,3 +164,12 @@ pub enum Turning {
     /// Counter-clockwise.
     Ccw,
 }
+
+impl From<Turning> for husillo_interp::Direction {
+    fn from(turning: Turning) -> Self {
+        match turning {
+            Turning::Cw => Self::Clockwise,
+            Turning::Ccw => Self::CounterClockwise,
+        }
+    }
+}

@@ -99,7 +99,13 @@ impl Maker {
                 self.change(*number);
                 Ok(())
             }
-            Command::Arc { .. } | Command::Spline { .. } | Command::Thread { .. } => Err((
+            Command::Arc { .. }
+            | Command::Spline { .. }
+            | Command::NurbsBegin { .. }
+            | Command::NurbsPoint { .. }
+            | Command::NurbsEnd { .. }
+            | Command::Thread { .. }
+            | Command::Tap { .. } => Err((
                 "E0631",
                 "the drill moves from point to point: no arc, no curve, no thread".into(),
             )),

@@ -1,14 +1,14 @@
 //! The findings about a drill file: errors, warnings, and the reasons of its settings.
 
-use super::reader::MOST_TOOLS;
-use crate::diagnostics::{Finding, Place};
-use husillo_excellon::{Error, ErrorKind, Reason, Warning, WarningKind};
+use crate::diagnostics::{Finding, Place, Severity};
+use husillo_excellon::{Doubt, Error, ErrorKind, Reason, Warning, WarningKind};
+use husillo_holes::{MOST_FEATURES, MOST_TOOLS, Remark};
 
 fn span(at: usize, end: usize) -> std::ops::Range<usize> {
     at..end.max(at + 1)
 }
 
-pub fn refused(error: &Error, file: &str, number: usize, line: &[u8]) -> Finding {
+fn refused(error: &Error, file: &str, number: usize, line: &[u8]) -> Finding {
     let place = Place::new(file, number, line, span(error.at, error.end));
     let code = format!("E{:04}", error.kind.code());
     let finding = Finding::error(&code, error.to_string(), place);
@@ -50,7 +50,7 @@ pub fn refused(error: &Error, file: &str, number: usize, line: &[u8]) -> Finding
     }
 }
 
-pub fn warned(warning: &Warning, file: &str, number: usize, line: &[u8]) -> Finding {
+fn warned(warning: &Warning, file: &str, number: usize, line: &[u8]) -> Finding {
     let place = Place::new(file, number, line, span(warning.at, warning.end));
     let code = format!("W{:04}", warning.kind.code());
     let finding = Finding::warning(&code, warning.to_string(), place);
@@ -62,6 +62,63 @@ pub fn warned(warning: &Warning, file: &str, number: usize, line: &[u8]) -> Find
         WarningKind::ToolUp => finding.help("write `M15` before the rout"),
         _ => finding,
     }
+}
+
+/// The finding of a remark on a file.
+pub fn finding(remark: &Remark<'_>, file: &str) -> Finding {
+    let whole_line = |number: usize, line: &[u8]| Place::new(file, number, line, 0..line.len());
+    match *remark {
+        Remark::Error(number, line, error) => refused(&error, file, number, line),
+        Remark::Warning(number, line, warning) => warned(&warning, file, number, line),
+        Remark::CopyOutOfReach(number, line) => {
+            let message = "the copy is out of reach";
+            Finding::error("E0103", message, whole_line(number, line))
+        }
+        Remark::TooMany(number, line) => {
+            let message = format!("more than {MOST_FEATURES} holes");
+            Finding::error("E0910", message, whole_line(number, line))
+        }
+        Remark::Empty => doubtful("W0602", format!("no hole in {file}")),
+        Remark::UnitAssumed(units) => {
+            let message = format!(
+                "{file} does not declare its unit: {} is assumed",
+                units.value
+            );
+            let finding = doubtful("W0928", message).note(because(units.reason));
+            finding.help("--units inch or --units mm sets it")
+        }
+        Remark::ZerosAssumed(zeros) => {
+            let message = format!(
+                "{file} does not declare which zeros are omitted: {} is assumed",
+                zeros.value
+            );
+            let finding = doubtful("W0929", message).note(because(zeros.reason));
+            finding.help("--zeros leading or --zeros trailing sets which are kept")
+        }
+        Remark::Doubt(Doubt::LongNumber(line, digits), format) => {
+            let message = format!(
+                "line {line} of {file} has a number of {digits} digits, the format {} has {}",
+                format.value,
+                format.value.all()
+            );
+            let finding = doubtful("W0930", message).note(because(format.reason));
+            finding.help("--format-digits sets the position of the point, as in 4.4")
+        }
+        Remark::Doubt(Doubt::MixedPoints(line), format) => {
+            let message =
+                format!("some coordinates of {file} have a point, and one of line {line} has none");
+            let note = format!(
+                "without a point it is read with the format {}",
+                format.value
+            );
+            doubtful("W0931", message).note(note)
+        }
+    }
+}
+
+/// A warning about the file as a whole.
+fn doubtful(code: &str, message: String) -> Finding {
+    Finding::general(Severity::Warning, code, message)
 }
 
 /// A reason as a sentence.

@@ -1,134 +1,137 @@
 //! A board as tables for people and as JSON for programs.
 
+use super::count;
 use super::explain::because;
-use super::{Board, count};
 use crate::text::json::{self, Millimetres};
-use husillo_clients::drill::visiting_order::Metric;
 use husillo_excellon::{Hole, Path, Reason, Slot, Tool, Zeros};
 use husillo_gcode::Nm;
+use husillo_holes::{Board, Metric};
 use serde::{Serialize, Serializer};
 use std::io::{self, Write};
 
-impl Board {
-    /// Writes the tables for people.
-    ///
-    /// # Errors
-    ///
-    /// The error of the writer.
-    pub fn print(&self, file: &str, out: &mut impl Write) -> io::Result<()> {
-        let (holes, slots) = (self.holes.len(), self.slots.len());
+/// Writes the tables for people.
+///
+/// # Errors
+///
+/// The error of the writer.
+pub fn print(board: &Board, file: &str, out: &mut impl Write) -> io::Result<()> {
+    let (holes, slots) = (board.holes.len(), board.slots.len());
+    writeln!(
+        out,
+        "{file}: {}, {}",
+        count(holes, "hole"),
+        count(slots, "slot")
+    )?;
+    print_settings(board, out)?;
+    print_tools(board, out)?;
+    if let Some([low, high]) = board.extent() {
+        let size = [0, 1].map(|axis: usize| Nm(high[axis].0 - low[axis].0));
         writeln!(
             out,
-            "{file}: {}, {}",
-            count(holes, "hole"),
-            count(slots, "slot")
+            "\n  extent   X {} to {} mm, Y {} to {} mm ({} x {} mm, middles of holes and ends \
+             of slots)",
+            low[0], high[0], low[1], high[1], size[0], size[1]
         )?;
-        self.print_settings(out)?;
-        self.print_tools(out)?;
-        if let Some([low, high]) = self.extent() {
-            let size = [0, 1].map(|axis: usize| Nm(high[axis].0 - low[axis].0));
-            writeln!(
-                out,
-                "\n  extent   X {} to {} mm, Y {} to {} mm ({} x {} mm, middles of holes and ends \
-                 of slots)",
-                low[0], high[0], low[1], high[1], size[0], size[1]
-            )?;
-            writeln!(
-                out,
-                "  travel   {:.1} mm from the origin over all holes",
-                self.travel_nm(Metric::Straight) / 1e6
-            )?;
-        }
-        Ok(())
+        writeln!(
+            out,
+            "  travel   {:.1} mm from the origin over all holes",
+            board.travel_nm(Metric::Straight) / 1e6
+        )?;
     }
+    Ok(())
+}
 
-    fn print_settings(&self, out: &mut impl Write) -> io::Result<()> {
-        let settings = &self.settings;
-        let row = |out: &mut dyn Write, name: &str, value: String, reason: Reason| {
-            writeln!(out, "  {name:<8} {value:<26} {}", because(reason))
-        };
+fn print_settings(board: &Board, out: &mut impl Write) -> io::Result<()> {
+    let settings = &board.settings;
+    let row = |out: &mut dyn Write, name: &str, value: String, reason: Reason| {
+        writeln!(out, "  {name:<8} {value:<26} {}", because(reason))
+    };
+    row(
+        out,
+        "units",
+        settings.units.value.to_string(),
+        settings.units.reason,
+    )?;
+    if settings.point_missing {
         row(
             out,
-            "units",
-            settings.units.value.to_string(),
-            settings.units.reason,
+            "zeros",
+            settings.zeros.value.to_string(),
+            settings.zeros.reason,
         )?;
-        if settings.point_missing {
-            row(
-                out,
-                "zeros",
-                settings.zeros.value.to_string(),
-                settings.zeros.reason,
-            )?;
-            row(
-                out,
-                "digits",
-                settings.digits.value.to_string(),
-                settings.digits.reason,
-            )?;
-        } else {
-            writeln!(
-                out,
-                "  zeros and digits do not matter: all coordinates have a point"
-            )?;
-        }
-        Ok(())
+        row(
+            out,
+            "digits",
+            settings.digits.value.to_string(),
+            settings.digits.reason,
+        )?;
+    } else {
+        writeln!(
+            out,
+            "  zeros and digits do not matter: all coordinates have a point"
+        )?;
     }
+    Ok(())
+}
 
-    fn print_tools(&self, out: &mut impl Write) -> io::Result<()> {
-        writeln!(out, "\n  tool   diameter mm  plated    holes    slots")?;
-        for tool in &self.tools {
-            let holes = self
-                .holes
-                .iter()
-                .filter(|hole| hole.tool.number == tool.number);
-            let slots = self
-                .slots
-                .iter()
-                .filter(|slot| slot.tool.number == tool.number);
-            let diameter = tool
-                .diameter_nm
-                .map_or("?".to_owned(), |nm| Nm(nm).to_string());
-            let plated = match tool.plated {
-                Some(true) => "yes",
-                Some(false) => "no",
-                None => "?",
-            };
-            let name = format!("T{}", tool.number);
-            let (holes, slots) = (holes.count(), slots.count());
-            writeln!(
-                out,
-                "  {name:<6} {diameter:>11}  {plated:<6} {holes:>8} {slots:>8}"
-            )?;
-        }
-        Ok(())
-    }
-
-    /// Writes the JSON object for programs: exact millimetres.
-    ///
-    /// # Errors
-    ///
-    /// The error of the writer.
-    pub fn print_json(&self, errors: u64, warnings: u64, out: &mut impl Write) -> io::Result<()> {
-        let settings = &self.settings;
-        let listing = Listing {
-            holes: &self.holes,
-            slots: &self.slots,
-            tools: self.tools.iter().map(ListedTool::new).collect(),
-            units: settings.units.value.to_string(),
-            units_reason: because(settings.units.reason),
-            zeros: match settings.zeros.value {
-                Zeros::Leading => "leading",
-                Zeros::Trailing => "trailing",
-            },
-            zeros_reason: because(settings.zeros.reason),
-            digits: settings.digits.value.to_string(),
-            digits_reason: because(settings.digits.reason),
-            errors,
-            warnings,
+fn print_tools(board: &Board, out: &mut impl Write) -> io::Result<()> {
+    writeln!(out, "\n  tool   diameter mm  plated    holes    slots")?;
+    for tool in &board.tools {
+        let holes = board
+            .holes
+            .iter()
+            .filter(|hole| hole.tool.number == tool.number);
+        let slots = board
+            .slots
+            .iter()
+            .filter(|slot| slot.tool.number == tool.number);
+        let diameter = tool
+            .diameter_nm
+            .map_or("?".to_owned(), |nm| Nm(nm).to_string());
+        let plated = match tool.plated {
+            Some(true) => "yes",
+            Some(false) => "no",
+            None => "?",
         };
-        json::write_line(&listing, out)
+        let name = format!("T{}", tool.number);
+        let (holes, slots) = (holes.count(), slots.count());
+        writeln!(
+            out,
+            "  {name:<6} {diameter:>11}  {plated:<6} {holes:>8} {slots:>8}"
+        )?;
     }
+    Ok(())
+}
+
+/// Writes the JSON object for programs: exact millimetres.
+///
+/// # Errors
+///
+/// The error of the writer.
+pub fn print_json(
+    board: &Board,
+    errors: u64,
+    warnings: u64,
+    out: &mut impl Write,
+) -> io::Result<()> {
+    let settings = &board.settings;
+    let listing = Listing {
+        holes: &board.holes,
+        slots: &board.slots,
+        tools: board.tools.iter().map(ListedTool::new).collect(),
+        units: settings.units.value.to_string(),
+        units_reason: because(settings.units.reason),
+        zeros: match settings.zeros.value {
+            Zeros::Leading => "leading",
+            Zeros::Trailing => "trailing",
+        },
+        zeros_reason: because(settings.zeros.reason),
+        digits: settings.digits.value.to_string(),
+        digits_reason: because(settings.digits.reason),
+        errors,
+        warnings,
+    };
+    json::write_line(&listing, out)
 }
 
 /// What `--format json` prints; lengths in mm.

@@ -3,13 +3,14 @@
 use super::direction::Towards;
 use husillo_metrology::Scale;
 use husillo_metrology::calibration::{Body, ReferenceBody};
+use husillo_metrology::heads::Approach;
 use husillo_metrology::quantity::{self, Quantity};
 
 /// One action. An axis is 0 for X to 2 for Z. A length is an amount of the scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Action {
     /// Move to this position in a straight line. Axes without a value stay where they are.
-    GoTo([Option<i64>; 3]),
+    GoTo([Option<i64>; 3], Approach),
     /// Make the present position of these axes 0.
     Zero([bool; 3]),
     /// Search the index of an axis and make it 0.
@@ -56,7 +57,9 @@ impl Action {
                         )?;
                         goal[axis] = Some(position(word, text, scale)?);
                     }
-                    Self::GoTo(goal)
+                    let guarded = words.next_if(|word| *word == "guarded");
+                    let approach = guarded.map_or(Approach::Rapid, |_| Approach::Guarded);
+                    Self::GoTo(goal, approach)
                 }
                 "zero" => {
                     let named = axes(&mut words);
@@ -115,7 +118,7 @@ impl Action {
     /// The axes that it names, 0 to 2; none means all.
     pub fn axes(&self) -> Vec<usize> {
         match self {
-            Self::GoTo(goal) => (0..3).filter(|axis| goal[*axis].is_some()).collect(),
+            Self::GoTo(goal, _) => (0..3).filter(|axis| goal[*axis].is_some()).collect(),
             Self::Zero(axes) | Self::Status(axes) | Self::Where(axes) => {
                 (0..3).filter(|axis| axes[*axis]).collect()
             }
@@ -239,10 +242,10 @@ mod tests {
         };
         let mm = |value: f64| Some((value * 1e6) as i64);
         assert_eq!(
-            parse("goto 12 goto x1.5 Z-2 zero zero x Z status").unwrap(),
+            parse("goto 12 goto x1.5 Z-2 guarded zero zero x Z status").unwrap(),
             [
-                Action::GoTo([None, mm(12.0), None]),
-                Action::GoTo([mm(1.5), None, mm(-2.0)]),
+                Action::GoTo([None, mm(12.0), None], Approach::Rapid),
+                Action::GoTo([mm(1.5), None, mm(-2.0)], Approach::Guarded),
                 Action::Zero([false, true, false]),
                 Action::Zero([true, false, true]),
                 Action::Status([false; 3]),

@@ -11,7 +11,7 @@ use crate::console::sharing::share;
 use crate::measuring::port::ChainPort;
 use husillo_metrology::calibration::{Body, Calibrated, Face, FoundProbe, is_by_axis, surface_nm};
 use husillo_metrology::heads::{
-    Head, Line, Machine, Port, Prober, Rejoined, Stylus, pre_travel_by_sign,
+    Approach, Head, Line, Machine, Port, Prober, Rejoined, Stylus, pre_travel_by_sign,
 };
 use husillo_metrology::simulated::{Contact, Mounted, SimulatedChain, SimulatedPort};
 use husillo_metrology::{Scale, Trouble};
@@ -255,10 +255,14 @@ impl Session {
                 ..ResultRow::default()
             };
             match action {
-                Action::GoTo(goal) => {
+                Action::GoTo(goal, approach) => {
                     row.action = "goto";
                     let held = head.held();
-                    head.go_to([0, 1, 2].map(|axis| goal[axis].unwrap_or(held[axis])))?;
+                    let goal = [0, 1, 2].map(|axis| goal[axis].unwrap_or(held[axis]));
+                    match approach {
+                        Approach::Rapid => head.go_to(goal)?,
+                        Approach::Guarded => head.guarded_to(goal)?,
+                    };
                 }
                 Action::Zero(_) => {
                     row.action = "zero";

@@ -1,11 +1,10 @@
 //! The page of `husillo compare`: tables, the matrix with adjustable weights, the picture.
 
-use crate::methods::compare::{Comparison, Row};
 use crate::methods::compare_picture;
-use crate::methods::compare_text::instructions;
-use crate::methods::decision::{CRITERIA, ORIGINAL};
-use crate::methods::trial::{Speed, WINDOWS};
+use crate::methods::compare_text::{ORIGINAL, instructions};
 use crate::page::frame;
+use husillo_methods::trial::{Speed, WINDOWS};
+use husillo_methods::{CRITERIA, Comparison, Row};
 use std::fmt::Write;
 
 /// Styles of the methods. A colour marks a family. Width and dashes mark the printed methods.

@@ -1,10 +1,9 @@
 //! Draws the methods over the exact curve of one move: the whole move, and places where the methods
 //! differ.
 
-use crate::methods::compare::{Move, Row};
-use crate::methods::curve::Curve;
-use crate::methods::method::{self, Shape};
-use crate::methods::trial::{start, stepped};
+use husillo_methods::method::{self, Shape};
+use husillo_methods::trial::{start, stepped};
+use husillo_methods::{Curve, Move, Row};
 use husillo_sim::geometry::turn;
 use std::f64::consts::FRAC_PI_4;
 use std::fmt::Write;

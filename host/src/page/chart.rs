@@ -1,7 +1,7 @@
 //! The picture of path speed and acceleration over time.
 
-use crate::simulation::speed::{Band, Column, Speed, WINDOW_EVENTS};
 use crate::text::duration::duration;
+use husillo_sim::observers::speed::{Band, Column, Speed, WINDOW_EVENTS};
 use std::fmt::Write;
 
 /// Left end of the time axis.
@@ -393,7 +393,7 @@ pub fn figure(value: f64, step: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulation::speed::{Move, Stop};
+    use husillo_sim::observers::speed::{Move, Stop};
 
     #[test]
     fn a_motion_with_a_stop_is_drawn() {

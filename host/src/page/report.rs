@@ -2,12 +2,12 @@
 
 use crate::page::chart;
 use crate::page::frame;
-use crate::simulation::drawing::{Class, Drawing, Point};
-use crate::simulation::phases::Motor;
-use crate::simulation::picture::Ideal;
-use crate::simulation::speed::Speed;
 use crate::text::escape::escape;
 use crate::text::length::{length, millimetres};
+use husillo_sim::observers::drawing::{Class, Drawing, Point};
+use husillo_sim::observers::phases::Motor;
+use husillo_sim::observers::picture::Ideal;
+use husillo_sim::observers::speed::Speed;
 use std::fmt::Write;
 
 /// The content of a report.
@@ -518,13 +518,16 @@ mod tests {
 
     #[test]
     fn a_page_is_self_contained() {
-        let mut drawing = Drawing::new();
+        let mut drawing = Drawing::default();
         let point = |x: f64, y: f64| Point {
             tool: [x, y],
             ideal: [x, y],
         };
         drawing.begin(Class::Feed, point(0.0, 0.0));
         drawing.add(point(1e6, 2e6));
+        let coils = Some(husillo_stepper::Driver::Pbl3717a);
+        let mut motor = Motor::new('X', "pbl3717a, full".to_owned(), coils);
+        motor.steps = vec![(0, [1000, 1000]), (5000, [1000, -1000])];
         let report = Report {
             program: "<script>.nc".to_owned(),
             machine: "test".to_owned(),
@@ -538,12 +541,7 @@ mod tests {
             largest_nm: 70.0,
             speed: Speed::new(1_000_000, None),
             has_ramps: false,
-            phases: vec![Motor {
-                letter: 'X',
-                driver: "pbl3717a, full".to_owned(),
-                rows: ["coil A", "coil B"],
-                steps: vec![(0, [1000, 1000]), (5000, [1000, -1000])],
-            }],
+            phases: vec![motor],
             warnings: vec!["part.nc:1:1: warning".to_owned()],
         };
         let page = html(&report);

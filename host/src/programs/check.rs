@@ -126,7 +126,7 @@ impl Checker<'_> {
         from: [Nm; 3],
         findings: &mut Findings,
     ) {
-        let end = program::target(command);
+        let end = command.end();
         match self.config.check(&from, command) {
             Ok(()) => {}
             // All moves beyond the travel have one cause. It is reported when all are known.

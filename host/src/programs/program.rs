@@ -279,7 +279,7 @@ impl<'a> Walker<'a> {
             }
             None => each(meaning, command, self.from, findings)?,
         }
-        self.from = target(command).unwrap_or(self.from);
+        self.from = command.end().unwrap_or(self.from);
         Ok(())
     }
 
@@ -366,11 +366,6 @@ fn walk_within(
     )?;
     walker.finish(findings, &mut each)?;
     Ok(walker.modal)
-}
-
-/// The end of a command, if it moves.
-pub fn target(command: &Command<3>) -> Option<[Nm; 3]> {
-    command.end()
 }
 
 #[cfg(test)]

@@ -4,8 +4,11 @@ use crate::machines::machine_file::{Driver, Idle, MachineFile, StepMode, Travel}
 use husillo_backlash::{Flank, LashMap, MappedBacklash};
 use husillo_gcode::{Dialect, Nm};
 use husillo_interp::Path;
-use husillo_machine::{Axis, AxisEncoder, AxisRamp, ClosedLoop, Config, Machine, Motors, Scale};
+use husillo_machine::{
+    Axis, AxisEncoder, AxisRamp, ClosedLoop, Config, Equipment, Machine, Motors, Scale,
+};
 use husillo_metrology::calibration::backlash::Map;
+use husillo_sim::observers::phases;
 use husillo_sim::{AxisModel, Rig};
 use husillo_stepper::{Drive, Mode, Sequencer, StepDirection, StepToggle};
 use std::sync::Arc;
@@ -157,6 +160,7 @@ pub fn config(file: &MachineFile, dialect: Dialect) -> Result<Config<3>, String>
         top_feed: file.top_feed.map(Nm),
         corner_deviation: file.corner_deviation.map(Nm),
         spindle_counts: file.spindle_counts,
+        equipment: Equipment::NONE,
     })
 }
 
@@ -209,8 +213,16 @@ pub fn rig(file: &MachineFile, motors: &Motors<3, Drive>) -> Rig<3> {
     Rig::new(models, *motors.levels())
 }
 
+/// The motors whose currents a report draws, not yet turned.
+pub fn phases(file: &MachineFile) -> [phases::Motor; 3] {
+    file.axes.each_ref().map(|axis| {
+        let name = format!("{:?}, {:?}", axis.driver, axis.mode).to_lowercase();
+        phases::Motor::new(char::from(axis.letter), name, driver(axis.driver))
+    })
+}
+
 /// The coil driver of an axis; `None` for both kinds of step and direction.
-pub const fn driver(driver: Driver) -> Option<husillo_stepper::Driver> {
+const fn driver(driver: Driver) -> Option<husillo_stepper::Driver> {
     match driver {
         Driver::Pbl3717a => Some(husillo_stepper::Driver::Pbl3717a),
         Driver::A3988 => Some(husillo_stepper::Driver::A3988),

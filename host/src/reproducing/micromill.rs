@@ -1,11 +1,12 @@
 //! The tables of the micro mill.
 
 use super::picture::Picture;
-use super::{Rebuilt, choices, wanted};
+use super::{Rebuilt, wanted};
 use crate::lash::SimulatedBench;
 use crate::machines::machine_file::MachineFile;
 use husillo_metrology::originals::micromill::{
-    Screws, Settings, Shop, circles, lines, part, squares, supply,
+    Screws, Settings, Shop, circles, interpolators, lines, marks, part, power_chips, sequences,
+    squares, supply,
 };
 
 /// Numbers of its tables.
@@ -24,10 +25,10 @@ pub fn rebuild(table: Option<&str>) -> Result<Rebuilt, String> {
     let mut rebuilt = Rebuilt::new("micromill");
     for number in wanted(&NUMBERS, table)? {
         match number {
-            "7" => rebuilt.tables.push(choices::interpolators()?),
-            "9" => rebuilt.tables.push(choices::marks()?),
-            "10" => rebuilt.tables.push(choices::sequences()?),
-            "12" => rebuilt.tables.push(choices::power_chips()),
+            "7" => rebuilt.tables.push(interpolators()?),
+            "9" => rebuilt.tables.push(marks()?),
+            "10" => rebuilt.tables.push(sequences()?),
+            "12" => rebuilt.tables.push(power_chips()),
             "13" => rebuilt.tables.push(lines(&shop)?),
             "14" => rebuilt.tables.push(squares(&shop)?),
             "supply" => rebuilt.tables.push(supply()),

@@ -3,9 +3,9 @@
 use crate::machines::encoder_file::Push;
 use crate::machines::machine_file::MachineFile;
 use crate::programs::setup;
-use crate::simulation::losses::{FirstLoss, Losses};
 use husillo_machine::{Motors, StepEvent};
 use husillo_sim::Rig;
+use husillo_sim::observers::losses::{FirstLoss, Losses};
 use husillo_stepper::{Drive, Levels};
 
 /// The simulated machine, and its clock.

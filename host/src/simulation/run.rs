@@ -2,20 +2,20 @@
 
 use crate::machines::encoder_file::Push;
 use crate::machines::machine_file::MachineFile;
-use crate::programs::setup::{ClosedMicromill, Micromill};
-use crate::simulation::deviation::Deviation;
-use crate::simulation::encoders::EncoderReports;
+use crate::programs::setup::{self, ClosedMicromill, Micromill};
 use crate::simulation::mechanics::Mechanics;
-use crate::simulation::moves::Moves;
-use crate::simulation::observer::{Begun, Now, Observer};
-use crate::simulation::phases::Phases;
-use crate::simulation::picture::Picture;
-use crate::simulation::speed::Speed;
-use crate::simulation::statistics::Statistics;
-use crate::simulation::symmetry::Symmetry;
-use crate::simulation::trace::Trace;
 use husillo_gcode::SpindleDirection;
 use husillo_machine::{Event, Followed, Origin, Output, StepEvent};
+use husillo_sim::observers::deviation::Deviation;
+use husillo_sim::observers::encoders::EncoderReports;
+use husillo_sim::observers::moves::Moves;
+use husillo_sim::observers::phases::Phases;
+use husillo_sim::observers::picture::Picture;
+use husillo_sim::observers::speed::Speed;
+use husillo_sim::observers::statistics::Statistics;
+use husillo_sim::observers::symmetry::Symmetry;
+use husillo_sim::observers::trace::Trace;
+use husillo_sim::observers::{Begun, Now, Observer};
 use std::io::{self, Write};
 
 /// The observers of a run.
@@ -32,7 +32,7 @@ pub struct Observers {
     pub phases: Phases,
     /// Comparison of the two sides of the work, if requested.
     pub symmetry: Option<Symmetry>,
-    trace: Option<Trace>,
+    trace: Option<Trace<Box<dyn Write>>>,
 }
 
 /// Calls a method of each observer directly. There are millions of steps, and dynamic calls would
@@ -99,10 +99,10 @@ impl Run {
         let trace = trace.map(|out| Trace::new(out, machine.timer_hz));
         let observers = Observers {
             statistics: Statistics::default(),
-            deviation: Deviation::new(),
+            deviation: Deviation::default(),
             picture: Picture::new(machine.view),
             speed: Speed::new(machine.timer_hz, ramps.max()),
-            phases: Phases::new(machine, mechanics.levels()),
+            phases: Phases::new(setup::phases(machine), machine.timer_hz, mechanics.levels()),
             symmetry: None,
             trace: trace.transpose().map_err(|error| error.to_string())?,
         };
@@ -183,7 +183,8 @@ impl Run {
         let origin = machine.origin();
         let is_turn = self.moves.is_turn(origin);
         if is_turn {
-            if let Some(begun) = self.moves.turn(machine, origin) {
+            let executing = machine.executing().copied();
+            if let Some(begun) = self.moves.turn(executing, machine.config(), origin) {
                 self.observers.begin(&begun.begun());
             }
         }

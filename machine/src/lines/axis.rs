@@ -2,7 +2,7 @@
 
 use husillo_gcode::{Dialect, Nm};
 
-use crate::Scale;
+use crate::{Equipment, Scale};
 
 /// Configuration of one axis.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
@@ -59,7 +59,8 @@ impl Axis {
     }
 }
 
-/// Configuration of a machine with `N` axes, in the order X, Y, Z, A, B, C.
+/// Configuration of a machine with `N` axes, in the order of the axes of its dialect
+/// ([`Dialect::axes`]).
 #[derive(Copy, Clone, Debug)]
 pub struct Config<const N: usize> {
     /// The axes.
@@ -83,4 +84,6 @@ pub struct Config<const N: usize> {
     /// path; a larger distance allows a faster corner. `P` of G64 replaces it. `None`: only the
     /// junction rates of the axes limit corners; if no axis has one, the path stops at corners.
     pub corner_deviation: Option<Nm>,
+    /// What the machine has besides its axes.
+    pub equipment: Equipment,
 }

@@ -4,6 +4,7 @@ use husillo_backlash::{Backlash, Lash};
 use husillo_interp::{Moves, Path};
 use husillo_planner::Timer;
 
+use crate::lines::extension::Extension;
 use crate::lines::step_encoder::Watch;
 use crate::{AxisEncoder, Event, MAX_WAIT_TICKS, Machine, OnLoss, StepEvent};
 
@@ -68,8 +69,14 @@ enum State {
 /// three 64-bit multiplications per axis with an encoder (actual position, expected position,
 /// tolerance). An axis takes at most 64 bytes.
 #[derive(Clone, Debug)]
-pub struct ClosedLoop<const N: usize, P = Path<N>, L: Lash<N> = Backlash, const QUEUE: usize = 16> {
-    machine: Machine<N, P, L, QUEUE>,
+pub struct ClosedLoop<
+    const N: usize,
+    P = Path<N>,
+    L: Lash<N> = Backlash,
+    const QUEUE: usize = 16,
+    E: Extension<N> = (),
+> {
+    machine: Machine<N, P, L, QUEUE, E>,
     axes: [Option<Watch>; N],
     state: State,
     /// Hold by the operator, independent of the hold for braking.
@@ -83,10 +90,12 @@ pub struct ClosedLoop<const N: usize, P = Path<N>, L: Lash<N> = Backlash, const 
     timer: Timer,
 }
 
-impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> ClosedLoop<N, P, L, QUEUE> {
+impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N>>
+    ClosedLoop<N, P, L, QUEUE, E>
+{
     /// Wraps a machine at standstill with the encoders of its axes. The encoder positions at the
     /// first event are the expected ones.
-    pub fn new(machine: Machine<N, P, L, QUEUE>, encoders: [Option<AxisEncoder>; N]) -> Self {
+    pub fn new(machine: Machine<N, P, L, QUEUE, E>, encoders: [Option<AxisEncoder>; N]) -> Self {
         Self {
             machine,
             axes: encoders.map(|encoder| encoder.map(Watch::new)),
@@ -100,13 +109,13 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> ClosedLoop<N, 
     }
 
     /// The machine, for its state.
-    pub const fn machine(&self) -> &Machine<N, P, L, QUEUE> {
+    pub const fn machine(&self) -> &Machine<N, P, L, QUEUE, E> {
         &self.machine
     }
 
     /// The machine, for lines and overrides. For hold, resume and abort use the methods of this
     /// type.
-    pub const fn machine_mut(&mut self) -> &mut Machine<N, P, L, QUEUE> {
+    pub const fn machine_mut(&mut self) -> &mut Machine<N, P, L, QUEUE, E> {
         &mut self.machine
     }
 

@@ -1,6 +1,6 @@
 //! The event stream of the machine.
 
-use husillo_gcode::SpindleDirection;
+use husillo_gcode::{Input, SpindleDirection, WaitFor};
 
 use crate::StepEvent;
 
@@ -23,6 +23,45 @@ pub enum Event<const N: usize> {
     Output(Output),
     /// Stand still until the operator continues (for ever at the end of the program).
     Pause(Pause),
+    /// M66: read an input, or wait for it at most so long. No event follows until
+    /// [`Machine::answer`](crate::Machine::answer).
+    Await {
+        /// The input.
+        input: Input,
+        /// The condition.
+        until: WaitFor,
+        /// Longest time in microseconds; 0 does not wait.
+        timeout_micros: u64,
+    },
+    /// A probing move has ended; [`Machine::probed`](crate::Machine::probed) has the position.
+    Probed {
+        /// Whether the contact changed.
+        is_touched: bool,
+    },
+    /// The program cannot go on: all lines and events after this one are dropped, and spindle and
+    /// coolant are off.
+    Alarm(Alarm),
+}
+
+/// Reason why a program cannot go on.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum Alarm {
+    /// The probe was in contact before the move toward the work piece, or without contact before a
+    /// move away from it.
+    ContactAtStart,
+    /// G38.2, G38.4: the contact did not change.
+    NoContact,
+}
+
+impl core::fmt::Display for Alarm {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Alarm::ContactAtStart => "the contact of the probe had changed before the move",
+            Alarm::NoContact => "the contact of the probe did not change in the whole move",
+        })
+    }
 }
 
 /// Let the spindle turn by `wait_counts_q16`, then step every axis by its delta.
@@ -58,6 +97,27 @@ pub enum Output {
     /// One drilling cycle: down to the lower end switch and up to the upper one, before any other
     /// motion.
     Drill,
+    /// A digital output (M62 to M65).
+    Digital {
+        /// Its number.
+        number: u8,
+        /// Its level.
+        is_on: bool,
+    },
+    /// An analogue output (M67, M68).
+    Analog {
+        /// Its number.
+        number: u8,
+        /// Millionths of its unit.
+        micro: i64,
+    },
+    /// The spindle stops at an angle (M19).
+    Orient {
+        /// Millionths of a degree, below 360 degrees.
+        micro_degrees: u64,
+        /// Direction of rotation: 0 the shorter one, 1 clockwise, 2 counter-clockwise.
+        way: u8,
+    },
     /// Tool in the spindle from here on.
     Tool {
         /// Number of the T word.
@@ -72,6 +132,8 @@ pub enum Pause {
     Program,
     /// M1: as M0, if the operator has enabled optional stops.
     Optional,
+    /// M60: until the operator has changed the pallet.
+    Pallet,
     /// M6: until the operator has changed the tool.
     ToolChange,
     /// M2 or M30: end of the program.

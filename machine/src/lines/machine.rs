@@ -1,17 +1,19 @@
 //! Lines in, events out.
 
 mod begin;
+mod extended;
 mod next_event;
 
 use husillo_backlash::{Backlash, Flank, Lash};
-use husillo_gcode::{Block, Command, Commands, Modal, Nm, PathMode};
+use husillo_gcode::{Block, Command, Commands, Error, Modal, Nm, PathMode};
 use husillo_interp::{Moves, Path, Step};
 use husillo_planner::{Ramp, Timer};
 
+use crate::lines::extension::Extension;
 use crate::lines::guard::StepGuard;
 use crate::lines::schedule::Schedule;
 use crate::lines::take_up::TakeUp;
-use crate::{Config, Event, MoveError, Refused, Segment};
+use crate::{Config, Equipment, Event, MoveError, Refused, Segment};
 
 /// Kind of motion to which the last event belongs.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
@@ -38,12 +40,21 @@ pub enum Origin {
 /// then has one motor step more, one less, or one of an axis that otherwise stands. A second step
 /// of an axis is inserted before it after half the time, or after the interval of the highest rate
 /// of the axis.
+///
+/// `E` is `()` for a machine of axes, spindle and coolant. [`Extended`](crate::Extended) adds
+/// cutter compensation and the commands that need [`Equipment`].
 #[derive(Clone, Debug)]
-pub struct Machine<const N: usize, P = Path<N>, L: Lash<N> = Backlash, const QUEUE: usize = 16> {
+pub struct Machine<
+    const N: usize,
+    P = Path<N>,
+    L: Lash<N> = Backlash,
+    const QUEUE: usize = 16,
+    E: Extension<N> = (),
+> {
     config: Config<N>,
     modal: Modal<N>,
     /// Remaining commands of the last block.
-    commands: Option<Commands<N>>,
+    commands: Option<E::Commands>,
     /// Its next command, which waits for room in the queue.
     next: Option<Command<N>>,
     /// A command that acts when all moves before it have been made.
@@ -65,6 +76,14 @@ pub struct Machine<const N: usize, P = Path<N>, L: Lash<N> = Backlash, const QUE
     carried_ticks: u64,
     load: [i32; N],
     origin: Origin,
+    extension: E,
+}
+
+/// The state after commands that this machine can make.
+struct Accepted<const N: usize> {
+    end: [Nm; N],
+    mode: PathMode,
+    has_ended: bool,
 }
 
 /// The executing move.
@@ -81,7 +100,9 @@ struct Run<P> {
     follows: bool,
 }
 
-impl<const N: usize, P: Moves<N>, const QUEUE: usize> Machine<N, P, Backlash, QUEUE> {
+impl<const N: usize, P: Moves<N>, const QUEUE: usize, E: Extension<N>>
+    Machine<N, P, Backlash, QUEUE, E>
+{
     /// Creates a machine with one backlash value per axis.
     pub fn new(config: Config<N>) -> Self {
         let lash = config
@@ -91,10 +112,15 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Machine<N, P, Backlash, QU
     }
 }
 
-impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, L, QUEUE> {
+impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N>>
+    Machine<N, P, L, QUEUE, E>
+{
     /// Creates a machine with a custom backlash model per axis and a custom queue length.
-    pub fn with_lash(config: Config<N>, lash: [L; N]) -> Self {
+    pub fn with_lash(mut config: Config<N>, lash: [L; N]) -> Self {
         const { assert!(QUEUE > 0, "the move that is executed takes a place") };
+        if !E::IS_EXTENDED {
+            config.equipment = Equipment::NONE;
+        }
         Self {
             config,
             modal: Modal::new(config.dialect),
@@ -114,6 +140,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
             carried_ticks: 0,
             load: [0; N],
             origin: Origin::Rest,
+            extension: E::new(),
         }
     }
 
@@ -138,6 +165,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
         self.modal.set_position(at);
         self.load = load;
         self.schedule.clear(at, load);
+        self.extension.restart(at);
         Ok(())
     }
 
@@ -171,31 +199,118 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
         let mut modal = self.modal.clone();
         let mut commands = Commands::new();
         modal.apply(block, &mut commands)?;
-        let (mut from, mut mode, mut has_ended) = (self.modal.position(), self.mode, false);
-        for command in commands.clone() {
-            if P::HAS_ELLIPSES {
-                self.config.check(&from, &command)?;
-            } else {
-                self.config.check_arcs(&from, &command, |_| true)?;
-            }
-            from = command.end().unwrap_or(from);
-            if let Command::Path { mode: next } = command {
-                mode = next;
-            }
-            has_ended = matches!(command, Command::End { .. });
-        }
+        let (stage, commands) = self.extension.plan(commands).map_err(|kind| Error {
+            kind,
+            at: 0,
+            end: 0,
+        })?;
+        let accepted = self.accept(commands.clone())?;
         self.modal = modal;
-        self.has_ended = has_ended;
-        self.mode = mode;
-        self.commands = Some(commands);
+        self.extension.set_stage(stage);
+        self.take(accepted, commands);
+        Ok(())
+    }
+
+    /// Takes the commands of one block from a stage before the machine, all or none. They begin
+    /// where the commands before them end.
+    ///
+    /// [`Machine::modal`] follows the position only: the modal state is that of the caller.
+    ///
+    /// # Errors
+    /// [`Refused::Busy`] as for [`Machine::line`], or the reason for the refusal of one command.
+    /// The state is unchanged.
+    pub fn commands(&mut self, commands: E::Commands) -> Result<(), Refused> {
+        if !self.has_room() {
+            return Err(Refused::Busy);
+        }
+        let accepted = self.accept(commands.clone())?;
+        self.modal.set_position(accepted.end);
+        self.extension.restart(accepted.end);
+        self.take(accepted, commands);
+        Ok(())
+    }
+
+    /// Takes one command, as [`Machine::commands`] does. To take several only together, try them
+    /// before with [`Machine::check`].
+    ///
+    /// # Errors
+    /// Those of [`Machine::commands`].
+    pub fn command(&mut self, command: &Command<N>) -> Result<(), Refused> {
+        if !self.has_room() {
+            return Err(Refused::Busy);
+        }
+        let accepted = self.accept(core::iter::once(*command))?;
+        self.modal.set_position(accepted.end);
+        self.extension.restart(accepted.end);
+        self.has_ended = accepted.has_ended;
+        self.mode = accepted.mode;
+        self.next = Some(*command);
         self.fill();
         Ok(())
     }
 
+    /// Whether this machine can make all of these commands, after those that it has taken.
+    ///
+    /// # Errors
+    /// The reason for the first one that it cannot make.
+    pub fn check(&self, commands: impl IntoIterator<Item = Command<N>>) -> Result<(), MoveError> {
+        self.accept(commands.into_iter()).map(|_| ())
+    }
+
+    /// Takes the moves that wait for the end of a corner, for a text that ends with cutter
+    /// compensation on and without M2.
+    ///
+    /// # Errors
+    /// Those of [`Machine::commands`].
+    pub fn finish(&mut self) -> Result<(), Refused> {
+        if !self.has_room() {
+            return Err(Refused::Busy);
+        }
+        let mut extension = self.extension.clone();
+        if let Some(commands) = extension.finish() {
+            let accepted = self.accept(commands.clone())?;
+            self.extension = extension;
+            self.take(accepted, commands);
+        }
+        Ok(())
+    }
+
+    /// Checks commands that follow those already taken.
+    fn accept(&self, commands: impl Iterator<Item = Command<N>>) -> Result<Accepted<N>, MoveError> {
+        let mut accepted = Accepted {
+            end: self.schedule.programmed(),
+            mode: self.mode,
+            has_ended: false,
+        };
+        for command in commands {
+            if E::IS_EXTENDED {
+                self.config.check(&accepted.end, &command)?;
+            } else if P::HAS_ELLIPSES {
+                self.config.check_moves(&accepted.end, &command)?;
+            } else {
+                self.config.check_arcs(&accepted.end, &command, |_| true)?;
+            }
+            accepted.end = command.end().unwrap_or(accepted.end);
+            if let Command::Path { mode } = command {
+                accepted.mode = mode;
+            }
+            accepted.has_ended = matches!(command, Command::End { .. });
+        }
+        Ok(accepted)
+    }
+
+    /// Takes commands that were accepted.
+    fn take(&mut self, accepted: Accepted<N>, commands: E::Commands) {
+        self.has_ended = accepted.has_ended;
+        self.mode = accepted.mode;
+        self.commands = Some(commands);
+        self.fill();
+    }
+
     /// Whether [`Machine::line`] would take a correct line now. Otherwise it returns
     /// [`Refused::Busy`].
-    pub const fn has_room(&self) -> bool {
-        self.next.is_none()
+    pub fn has_room(&self) -> bool {
+        self.next.is_none() && !self.is_busy()
     }
 
     /// Whether the last line ended its program (M2, M30). The rest of the file is not part of the
@@ -210,7 +325,8 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
             if self.next.is_none() {
                 self.next = self.commands.as_mut().and_then(Iterator::next);
             }
-            if self.waiting.is_some() || self.schedule.is_full() {
+            let stands = E::IS_EXTENDED && self.stands();
+            if self.waiting.is_some() || self.schedule.is_full() || stands {
                 return;
             }
             let has_lash = self.take_up.stops();
@@ -218,7 +334,21 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
                 self.schedule.push_part(None, has_lash);
                 continue;
             }
-            match self.next.take() {
+            if E::IS_EXTENDED && self.push_chord(has_lash) {
+                continue;
+            }
+            let mut next = self.next.take();
+            if E::IS_EXTENDED {
+                let Some(command) = next else {
+                    self.commands = None;
+                    return;
+                };
+                next = self.take_extended(command);
+                if next.is_none() {
+                    continue;
+                }
+            }
+            match next {
                 None => {
                     self.commands = None;
                     return;
@@ -253,8 +383,18 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
     /// these), within the limits of the axes. Rapids are not scaled.
     ///
     /// Takes effect at the next event where there are ramps, otherwise with the next move.
+    ///
+    /// An extended machine keeps 100 percent while the program does not permit an override (M49,
+    /// M50 P0).
     pub fn set_feed_override(&mut self, percent: u8) {
-        self.schedule.moves.set_override(percent);
+        let mut allowed = percent;
+        if let Some(state) = self.extension.state_mut() {
+            state.percent = percent;
+            if !state.permits_override {
+                allowed = 100;
+            }
+        }
+        self.schedule.moves.set_override(allowed);
     }
 
     /// Drops all lines and events that were not yet returned. The outputs, and their modal state,
@@ -275,19 +415,28 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
         self.take_up.abort();
         self.carried_ticks = 0;
         self.guard.rest();
-        let mut position = [Nm(0); N];
-        for (position, (load, axis)) in position
-            .iter_mut()
-            .zip(self.load.iter().zip(&self.config.axes))
-        {
-            *position = Nm(axis.scale.position(*load));
-        }
+        let position = self.position(&self.load);
         self.schedule.clear(position, self.load);
         self.schedule.set_mode(self.mode);
         self.resume();
         self.modal.set_position(position);
         self.modal.stop_outputs();
+        self.extension.restart(position);
+        if let Some(state) = self.extension.state_mut() {
+            state.abort();
+        }
         self.signals = begin::safe();
+    }
+
+    /// Converts steps to positions in the machine frame.
+    fn position(&self, steps: &[i32; N]) -> [Nm; N] {
+        let mut position = [Nm(0); N];
+        for (position, (steps, axis)) in
+            position.iter_mut().zip(steps.iter().zip(&self.config.axes))
+        {
+            *position = Nm(axis.scale.position(*steps));
+        }
+        position
     }
 
     /// Kind of motion to which the last event belongs.

@@ -3,9 +3,12 @@
 use husillo_backlash::Lash;
 use husillo_interp::Moves;
 
+use crate::lines::extension::Extension;
 use crate::{Machine, Refused};
 
-impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, L, QUEUE> {
+impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N>>
+    Machine<N, P, L, QUEUE, E>
+{
     /// Takes a line as [`line`](Machine::line) does, for a loop that takes events meanwhile.
     ///
     /// # Errors

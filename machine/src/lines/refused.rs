@@ -58,6 +58,8 @@ pub enum Means {
     Splines,
     /// G33, G76, G95: a spindle encoder.
     SpindleFeedback,
+    /// G33.1: a feed axis that follows the spindle while it reverses.
+    RigidTapping,
     /// G96: a spindle whose speed follows a diameter.
     SurfaceSpeed,
     /// M19: a spindle that can be held at an angle.
@@ -66,8 +68,14 @@ pub enum Means {
     Probe,
     /// G41, G42: a stage of radius compensation before the machine.
     RadiusCompensation,
-    /// M60, M62 to M68: inputs, outputs, pallets.
+    /// M62 to M68: an input or output of this number.
     InputsAndOutputs,
+    /// M60: pallets.
+    Pallets,
+    /// M52 P1: an input that scales the feed.
+    AdaptiveFeed,
+    /// G38 under G95: a feed per turn cannot brake at a contact.
+    ProbeFeed,
 }
 
 impl Means {
@@ -76,11 +84,15 @@ impl Means {
         match self {
             Self::Splines => "splines",
             Self::SpindleFeedback => "moves synchronised with the spindle",
+            Self::RigidTapping => "rigid tapping",
             Self::SurfaceSpeed => "constant surface speed",
             Self::SpindleAngle => "a spindle held at an angle",
             Self::Probe => "a probe",
             Self::RadiusCompensation => "cutter compensation",
-            Self::InputsAndOutputs => "inputs and outputs",
+            Self::InputsAndOutputs => "an input or output of this number",
+            Self::Pallets => "pallets",
+            Self::AdaptiveFeed => "a feed from an input",
+            Self::ProbeFeed => "probing at a feed per turn",
         }
     }
 }

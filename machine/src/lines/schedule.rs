@@ -129,6 +129,35 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
     /// Plans a move and appends it; the queue has room. `has_lash` marks the axes that must not
     /// reverse while moving.
     pub(crate) fn push(&mut self, config: &Config<N>, command: Command<N>, has_lash: [bool; N]) {
+        self.push_part_of(None, config, command, has_lash);
+    }
+
+    /// Appends a chord of a curve. Chords follow each other as the curve does: at most the speed of
+    /// a circle that is `tolerance` from its chord, and no stop.
+    pub(crate) fn push_chord(
+        &mut self,
+        curve: &Segment<N>,
+        tolerance: Option<Nm>,
+        config: &Config<N>,
+        chord: Command<N>,
+        has_lash: [bool; N],
+    ) {
+        let mode = self.mode;
+        if tolerance.is_some() {
+            self.mode = PathMode::Blend { tolerance };
+        }
+        self.push_part_of(Some(curve), config, chord, has_lash);
+        self.mode = mode;
+    }
+
+    /// Appends a move, which is part of `whole` if there is one.
+    fn push_part_of(
+        &mut self,
+        whole: Option<&Segment<N>>,
+        config: &Config<N>,
+        command: Command<N>,
+        has_lash: [bool; N],
+    ) {
         let Some(to) = command.end() else { return };
         let segment = Segment {
             from: self.programmed,
@@ -144,7 +173,7 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
         let ways = directions(&self.lattice, &end);
         self.programmed = to;
         self.lattice = end;
-        let counts_q16 = config.counts_q16(&command, tempo.length_nm);
+        let counts_q16 = config.counts_q16(&segment, &tempo);
         let is_thread = matches!(command, Command::Thread { .. });
         // A thread of several moves continues without waiting for the index.
         let is_indexed = is_thread && !self.is_thread;
@@ -190,7 +219,7 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
             stretch.entry_limit_nm_per_s = 0;
         }
         let work = Work {
-            segment,
+            segment: whole.copied().unwrap_or(segment),
             heading: if is_round { [0; N] } else { ways },
             events: path.remaining(),
             sweep: path.total_sweep(),

@@ -1,10 +1,11 @@
 //! One move command, and its conversion to steps.
 
-use husillo_gcode::{Command, Feed, Nm};
+use husillo_gcode::{Command, Nm};
 use husillo_interp::{ArcError, ArcMove, GridArc, GridEllipse, Moves};
 
 use crate::lines::arc::in_plane;
-use crate::{Config, Means, MoveError};
+use crate::lines::chords::Chords;
+use crate::{Config, MoveError};
 
 /// Largest number of events of one arc: the range of `i32` steps and of the `u32` counts of the
 /// interpolator.
@@ -28,34 +29,8 @@ enum OnGrid {
     Ellipse(GridEllipse),
 }
 
-/// The function that a command needs and this machine does not have.
-const fn missing<const N: usize>(command: &Command<N>, has_encoder: bool) -> Option<Means> {
-    Some(match command {
-        Command::Linear {
-            feed: Feed::PerRevolution(_),
-            ..
-        }
-        | Command::Arc {
-            feed: Feed::PerRevolution(_),
-            ..
-        }
-        | Command::Thread { .. }
-            if !has_encoder =>
-        {
-            Means::SpindleFeedback
-        }
-        Command::Surface { .. } => Means::SurfaceSpeed,
-        Command::Spline { .. } => Means::Splines,
-        Command::Orient { .. } => Means::SpindleAngle,
-        Command::Probe { .. } => Means::Probe,
-        Command::Compensation { side: Some(_), .. } => Means::RadiusCompensation,
-        Command::Output { .. }
-        | Command::Analog { .. }
-        | Command::Wait { .. }
-        | Command::Pallet => Means::InputsAndOutputs,
-        _ => return None,
-    })
-}
+/// Distance of the chords from a curve whose extent is computed.
+const EXTENT_TOLERANCE: Nm = Nm(100);
 
 /// Lowest and highest coordinate of a move from `from` in the machine frame. For a line these are
 /// those of its end, because it begins at the end of another move. `None` for an axis that does not
@@ -69,6 +44,18 @@ pub fn extent<const N: usize>(from: &[Nm; N], command: &Command<N>) -> [Option<[
     for ((extent, from), to) in extents.iter_mut().zip(from).zip(to) {
         if *from != to {
             *extent = Some([to, to]);
+        }
+    }
+    if let Command::Spline { spline, feed } = command {
+        for (extent, at) in extents.iter_mut().zip(spline.to).take(2) {
+            *extent = Some([at, at]);
+        }
+        for (to, _) in Chords::new(*from, spline, *feed, EXTENT_TOLERANCE) {
+            for (extent, to) in extents.iter_mut().zip(to) {
+                if let Some([low, high]) = extent {
+                    (*low, *high) = ((*low).min(to), (*high).max(to));
+                }
+            }
         }
     }
     if let Command::Arc { arc, .. } = command {
@@ -110,6 +97,20 @@ impl<const N: usize> Config<N> {
     /// # Errors
     /// See [`MoveError`].
     pub fn check(&self, from: &[Nm; N], command: &Command<N>) -> Result<(), MoveError> {
+        self.check_moves(from, command)?;
+        match command {
+            Command::Spline { spline, feed } => self.check_curve(from, spline, *feed),
+            _ => Ok(()),
+        }
+    }
+
+    /// Does [`Config::check`] for a machine without curves.
+    #[inline]
+    pub(crate) fn check_moves(
+        &self,
+        from: &[Nm; N],
+        command: &Command<N>,
+    ) -> Result<(), MoveError> {
         self.check_grid::<true, _>(from, command, |_| true)
     }
 
@@ -137,11 +138,17 @@ impl<const N: usize> Config<N> {
         command: &Command<N>,
         fits: F,
     ) -> Result<(), MoveError> {
-        if let Some(means) = missing(command, self.spindle_counts.is_some()) {
+        if let Some(means) = self
+            .equipment
+            .missing(command, self.spindle_counts.is_some())
+        {
             return Err(MoveError::Unsupported(means));
         }
         match command {
-            Command::Rapid { to } | Command::Linear { to, .. } | Command::Thread { to, .. } => {
+            Command::Rapid { to }
+            | Command::Linear { to, .. }
+            | Command::Thread { to, .. }
+            | Command::Probe { to, .. } => {
                 self.check_point(to)?;
                 self.check_length(from, to).map(|_| ())
             }
@@ -188,7 +195,7 @@ impl<const N: usize> Config<N> {
     }
 
     /// The largest number of steps of one axis.
-    fn check_length(&self, from: &[Nm; N], to: &[Nm; N]) -> Result<u64, MoveError> {
+    pub(crate) fn check_length(&self, from: &[Nm; N], to: &[Nm; N]) -> Result<u64, MoveError> {
         let mut longest = 0;
         let ends = self
             .nearest_steps(from)?
@@ -201,7 +208,7 @@ impl<const N: usize> Config<N> {
         Ok(longest)
     }
 
-    fn check_point(&self, to: &[Nm; N]) -> Result<(), MoveError> {
+    pub(crate) fn check_point(&self, to: &[Nm; N]) -> Result<(), MoveError> {
         self.nearest_steps(to)?;
         to.iter()
             .enumerate()

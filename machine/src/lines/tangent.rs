@@ -15,7 +15,10 @@ pub(crate) fn tangents<const N: usize>(
     tempo: &Tempo,
 ) -> Option<[Direction<N>; 2]> {
     let to = match &segment.command {
-        Command::Rapid { to } | Command::Linear { to, .. } | Command::Thread { to, .. } => to,
+        Command::Rapid { to }
+        | Command::Linear { to, .. }
+        | Command::Thread { to, .. }
+        | Command::Probe { to, .. } => to,
         Command::Arc { arc, .. } => &arc.to,
         _ => return None,
     };

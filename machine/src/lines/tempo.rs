@@ -9,6 +9,10 @@ use crate::{Axis, Config, Segment};
 
 /// Length and time of a move. They are those of the programmed path, not of the rounded steps, so
 /// many moves shorter than a step take the time of their sum.
+///
+/// Where axes other than X, Y and Z move, the length is that of the move in all axes, with a degree
+/// as a millimetre. It has no meaning but that of a common measure for the speeds of the planner.
+/// Feeds and top speeds measure [`Config::fed_length`].
 #[derive(Copy, Clone, Debug)]
 pub(crate) struct Tempo {
     /// Length of the whole path.
@@ -60,7 +64,7 @@ impl<const N: usize> Config<N> {
         let hz = u64::from(self.timer_hz);
         let (feed, to) = match &segment.command {
             Command::Rapid { to } => (None, to),
-            Command::Linear { to, feed } => (Some(feed), to),
+            Command::Linear { to, feed } | Command::Probe { to, feed, .. } => (Some(feed), to),
             Command::Thread { to, .. } => (None, to),
             Command::Arc { arc, feed } => (Some(feed), &arc.to),
             _ => return Tempo::NONE,
@@ -92,17 +96,40 @@ impl<const N: usize> Config<N> {
             around = mul_div(times(rim, turns).unwrap_or(u64::MAX), 710, 113);
         }
         let length_nm = length(&ways, around);
+        let fed_nm = self.fed_length(&ways, around, length_nm);
         let (programmed_q16, top) = match feed {
-            Some(feed) => (ticks_q16(feed, length_nm, hz), self.top_feed),
+            Some(feed) => (ticks_q16(feed, fed_nm, hz), self.top_feed),
             None => (0, self.rapid),
         };
-        let at_top = top.map_or(0, |top| ticks_q16(&Feed::PerMinute(top), length_nm, hz));
+        let at_top = top.map_or(0, |top| ticks_q16(&Feed::PerMinute(top), fed_nm, hz));
         Tempo {
             length_nm,
             round,
             programmed_q16,
             least_q16: least_q16.max(at_top),
         }
+    }
+
+    /// The length that a feed measures, of a move that covers these lengths in its axes and `around`
+    /// in the plane of an arc; `whole` is the length in all axes. See [`Axes::fed`].
+    ///
+    /// [`Axes::fed`]: husillo_gcode::Axes::fed
+    fn fed_length(&self, ways: &[u64; N], around: u64, whole: u64) -> u64 {
+        if N <= 3 {
+            return whole;
+        }
+        let mut fed = *ways;
+        // An arc is one of X, Y and Z. Where it is too small for the grid, nothing may move.
+        if let (true, Some(first)) = (around != 0, fed.first_mut()) {
+            *first = (*first).max(1);
+        }
+        let axes = self.dialect.axes().fed(&fed);
+        let mut bit = 1_u8;
+        for (fed, way) in fed.iter_mut().zip(ways) {
+            *fed = if axes & bit != 0 { *way } else { 0 };
+            bit = bit.wrapping_shl(1);
+        }
+        length(&fed, around)
     }
 
     fn round<P: Moves<N>>(&self, segment: &Segment<N>, path: &P) -> Option<Round> {
@@ -128,8 +155,8 @@ impl<const N: usize> Config<N> {
 
 impl<const N: usize> Config<N> {
     /// Encoder counts of a move that follows the spindle, times 2^16.
-    pub(crate) fn counts_q16(&self, command: &Command<N>, length_nm: u64) -> Option<u64> {
-        let lead = match command {
+    pub(crate) fn counts_q16(&self, segment: &Segment<N>, tempo: &Tempo) -> Option<u64> {
+        let lead = match &segment.command {
             Command::Thread { lead, .. } => lead,
             Command::Linear {
                 feed: Feed::PerRevolution(lead),
@@ -142,7 +169,17 @@ impl<const N: usize> Config<N> {
             _ => return None,
         };
         let counts = u64::from(self.spindle_counts?);
-        Some(mul_div_q16(length_nm, counts, lead.0.unsigned_abs()))
+        let mut ways = [0; N];
+        let to = segment.command.end()?;
+        for ((number, way), (from, to)) in (0..N).zip(&mut ways).zip(segment.from.iter().zip(to)) {
+            let round = tempo.round.as_ref();
+            if !round.is_some_and(|round| round.plane.contains(&number)) {
+                *way = to.0.abs_diff(from.0);
+            }
+        }
+        let around = tempo.round.map_or(0, |round| round.around_nm);
+        let fed_nm = self.fed_length(&ways, around, tempo.length_nm);
+        Some(mul_div_q16(fed_nm, counts, lead.0.unsigned_abs()))
     }
 }
 

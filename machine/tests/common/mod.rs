@@ -4,7 +4,7 @@
 use husillo_backlash::Backlash;
 use husillo_gcode::{Dialect, Nm};
 use husillo_interp::Path;
-use husillo_machine::{Axis, Config, Event, Machine, Origin, Scale};
+use husillo_machine::{Axis, Config, Equipment, Event, Machine, Origin, Scale};
 
 pub const LASH_STEPS: [u32; 3] = [1457, 1271, 0];
 
@@ -28,6 +28,7 @@ pub fn config() -> Config<3> {
         rapid: None,
         top_feed: None,
         corner_deviation: None,
+        equipment: Equipment::NONE,
         spindle_counts: None,
     }
 }
@@ -84,6 +85,7 @@ pub fn drain<const QUEUE: usize>(
             Event::Dwell { wait_ticks } => ticks += u64::from(wait_ticks),
             Event::Output(_) | Event::Pause(_) => {}
             Event::Index | Event::Follow(_) => panic!("there is no encoder"),
+            other => panic!("{other:?} of a plain machine"),
         }
     }
     (ticks, steps)

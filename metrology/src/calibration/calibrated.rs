@@ -169,6 +169,13 @@ impl<P: Prober> Prober for Calibrated<P> {
             .map(|ended| ended.at_nm)
     }
 
+    fn guarded_to(&mut self, goal_nm: [i64; 3]) -> Result<[i64; 3], Trouble> {
+        self.go_with(goal_nm, |prober, goal| {
+            Ok(undisturbed(prober.guarded_to(goal)?))
+        })
+        .map(|ended| ended.at_nm)
+    }
+
     // The errors of the axes are below the required accuracy of a speed.
     fn feed_to(&mut self, goal_nm: [i64; 3], nm_per_min: u64) -> Result<[i64; 3], Trouble> {
         self.go_with(goal_nm, |prober, goal| {
@@ -442,6 +449,10 @@ mod tests {
                 *at = to;
             }
             Ok(self.at)
+        }
+
+        fn guarded_to(&mut self, goal: [i64; 3]) -> Result<[i64; 3], Trouble> {
+            self.go_to(goal)
         }
 
         fn feed_to(&mut self, goal: [i64; 3], _: u64) -> Result<[i64; 3], Trouble> {

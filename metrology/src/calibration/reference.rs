@@ -104,8 +104,8 @@ impl ReferenceBody {
         let [x, y, z] = self.centre;
         let above = z + far;
         let [from_x, from_y, from_z] = prober.position()?;
-        prober.go_to([from_x, from_y, from_z.max(above)])?;
-        prober.go_to([x, y, above])?;
+        prober.guarded_to([from_x, from_y, from_z.max(above)])?;
+        prober.guarded_to([x, y, above])?;
         let mut normals = vec![[0, 0, 1000]];
         for (across, up, every) in LEVELS {
             let ring = CLOCK.iter().step_by(every);
@@ -120,10 +120,10 @@ impl ReferenceBody {
             for normal in normals {
                 let direction = unit(normal.map(|part| -part));
                 let at = |distance: i64| plus(centre, direction.scaled(-distance));
-                prober.go_to(at(far))?;
-                prober.go_to(at(touching + clearance))?;
+                prober.guarded_to(at(far))?;
+                prober.guarded_to(at(touching + clearance))?;
                 let touched = prober.touch(&direction, 2 * clearance as u64)?;
-                prober.go_to(at(far))?;
+                prober.guarded_to(at(far))?;
                 touches.push(Touch {
                     position: touched.centre_nm,
                     direction,
@@ -140,8 +140,8 @@ impl ReferenceBody {
         // it.
         let [last_x, last_y, _] = prober.position()?;
         let [x, y, above] = plus(centre, [0, 0, far]);
-        prober.go_to([last_x, last_y, above])?;
-        prober.go_to([x, y, above])?;
+        prober.guarded_to([last_x, last_y, above])?;
+        prober.guarded_to([x, y, above])?;
         let directions = normals.iter().map(|normal| normal.map(|part| -part));
         fitted::<POINTS>(touches, &reference, tip_radius, directions.collect())
     }
@@ -155,7 +155,7 @@ impl ReferenceBody {
         let touching = self.radius - i64::from(tip_radius);
         let [x, y, _] = self.centre;
         let [_, _, from_z] = prober.position()?;
-        prober.go_to([x, y, from_z])?;
+        prober.guarded_to([x, y, from_z])?;
         let reference = Reference::Ring {
             radius_nm: self.radius,
             axis: UnitVector::Z,
@@ -165,16 +165,16 @@ impl ReferenceBody {
             let mut touches = Vec::new();
             for direction in directions.iter().step_by(every) {
                 let direction = unit(*direction);
-                prober.go_to(centre)?;
+                prober.guarded_to(centre)?;
                 let start = (touching - clearance).max(0);
-                prober.go_to(plus(centre, direction.scaled(start)))?;
+                prober.guarded_to(plus(centre, direction.scaled(start)))?;
                 let touched = prober.touch(&direction, 2 * clearance as u64)?;
                 touches.push(Touch {
                     position: touched.centre_nm,
                     direction,
                 });
             }
-            prober.go_to(centre)?;
+            prober.guarded_to(centre)?;
             Ok::<_, Trouble>(touches)
         };
         let touches = pass(3, self.centre, self.doubt())?;

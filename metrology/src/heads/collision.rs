@@ -1,5 +1,6 @@
 //! Collisions: contacts outside of a search.
 
+use super::approach::Approach;
 use super::head::{Head, is_done};
 use super::port::Port;
 use super::search::{Search, searches};
@@ -20,6 +21,8 @@ const SPEED_READINGS: usize = 8;
 pub(super) struct Watch {
     /// Letters of the axes that move.
     axes: String,
+    /// How it meets a contact.
+    approach: Approach,
     /// The modules watch the contact on their own. They do not before a pressed probe is free.
     is_armed: bool,
     free_readings: u32,
@@ -58,10 +61,13 @@ impl Watch {
 impl<P: Port> Head<P> {
     /// In a move without a touch each module stops its own axis when a contact changes. It does so
     /// within a servo period and without the host.
-    pub(super) const fn guard(&self) -> Search {
+    pub(super) const fn contact_watch(&self, approach: Approach) -> Search {
         Search {
             events: self.probe.switches.events(),
-            stop: Homing::ABRUPT,
+            stop: match approach {
+                Approach::Rapid => Homing::ABRUPT,
+                Approach::Guarded => Homing::SMOOTH,
+            },
             only: None,
         }
     }
@@ -82,9 +88,10 @@ impl<P: Port> Head<P> {
         &mut self,
         goal: &[i32],
         rate: Option<u32>,
+        approach: Approach,
     ) -> Result<FinishedMove, Trouble> {
         if !self.is_touching()? {
-            return Ok(self.go_free(goal, rate, false)?.0);
+            return Ok(self.go_free(goal, rate, false, approach)?.0);
         }
         let slow = self.probe.rate;
         let clear = if rate.is_some_and(|rate| rate <= slow) {
@@ -93,19 +100,19 @@ impl<P: Port> Head<P> {
             self.beginning_of(goal)
         };
         let slow = rate.map_or(slow, |rate| rate.min(slow));
-        let (finished, watch) = self.go_free(&clear, Some(slow), true)?;
+        let (finished, watch) = self.go_free(&clear, Some(slow), true, approach)?;
         if clear == goal {
             return Ok(finished);
         }
         if self.is_touching()? {
             return Err(self.collision(&watch));
         }
-        Ok(self.go_free(goal, rate, false)?.0)
+        Ok(self.go_free(goal, rate, false, approach)?.0)
     }
 
     /// Retracts after a touch, which may have ended in contact or just before it.
     pub(super) fn retract(&mut self, goal: &[i32], rate: u32) -> Result<FinishedMove, Trouble> {
-        self.guarded(|head| Ok(head.go_free(goal, Some(rate), true)?.0))
+        self.supervised(|head| Ok(head.go_free(goal, Some(rate), true, Approach::Rapid)?.0))
     }
 
     /// Makes the whole move at this rate. `is_touching`: the probe is in contact, or was a moment
@@ -115,8 +122,19 @@ impl<P: Port> Head<P> {
         goal: &[i32],
         rate: Option<u32>,
         is_touching: bool,
+        approach: Approach,
     ) -> Result<(FinishedMove, Watch), Trouble> {
-        let mut watch = self.watch(goal);
+        let mut watch = Watch {
+            approach,
+            ..self.watch(goal)
+        };
+        let rate = match approach {
+            Approach::Rapid => rate,
+            Approach::Guarded => {
+                let most = self.guarded_rate(goal);
+                Some(rate.map_or(most, |rate| rate.min(most)))
+            }
+        };
         let ended = |replies| FinishedMove {
             replies,
             is_found: false,
@@ -125,7 +143,8 @@ impl<P: Port> Head<P> {
             return Ok((ended(self.stand(Some(goal))?), watch));
         };
         self.begin_watch(&mut watch, is_touching)?;
-        self.start_line(goal, &line, watch.is_armed.then_some(self.guard()))?;
+        let armed = watch.is_armed.then_some(self.contact_watch(approach));
+        self.start_line(goal, &line, armed)?;
         let end_us = self.latest_end_us(&line);
         loop {
             let replies = self.read_moving(&watch)?;
@@ -152,6 +171,7 @@ impl<P: Port> Head<P> {
         let now = (self.line.elapsed_us(), from.clone());
         Watch {
             axes: moving.map(|(axis, _)| axis.settings.letter).collect(),
+            approach: Approach::Rapid,
             is_armed: false,
             free_readings: 0,
             from,
@@ -166,10 +186,11 @@ impl<P: Port> Head<P> {
         is_touching: bool,
     ) -> Result<(), Trouble> {
         watch.is_armed = !is_touching;
+        let contacts = self.contact_watch(watch.approach);
         if is_touching {
-            self.disarm(self.guard())
+            self.disarm(contacts)
         } else {
-            self.arm(self.guard())
+            self.arm(contacts)
         }
     }
 
@@ -177,7 +198,7 @@ impl<P: Port> Head<P> {
     pub(super) fn end_watch(&mut self, watch: &mut Watch) -> Result<bool, Trouble> {
         let was_armed = std::mem::take(&mut watch.is_armed);
         if was_armed {
-            self.disarm(self.guard())?;
+            self.disarm(self.contact_watch(watch.approach))?;
         }
         Ok(was_armed)
     }
@@ -263,12 +284,15 @@ impl<P: Port> Head<P> {
     }
 
     fn met(&mut self, watch: &Watch) -> Result<Option<Trouble>, Trouble> {
-        self.stop(StopWay::Abrupt)?;
+        self.stop(match watch.approach {
+            Approach::Rapid => StopWay::Abrupt,
+            Approach::Guarded => StopWay::Smooth,
+        })?;
         self.stand(None)?;
         let replies = self.read_twice()?;
         // The contact may have been so short that it is over.
         let has_latched = watch.is_armed && !replies.iter().any(searches);
-        self.disarm(self.guard())?;
+        self.disarm(self.contact_watch(watch.approach))?;
         if !has_latched && !self.is_closed(&replies) {
             return Ok(None);
         }
@@ -278,6 +302,8 @@ impl<P: Port> Head<P> {
             counts(&replies)
         };
         let place = self.place_at(&at);
+        // A latched position is that of the contact.
+        let beyond = has_latched.then(|| self.length_text(distance(&at, &counts(&replies))));
         // A probe that is pressed deeper keeps its first contact.
         if has_latched || self.contact_at.is_none() {
             self.contact_at = Some(at);
@@ -286,6 +312,7 @@ impl<P: Port> Head<P> {
             axes: watch.axes.clone(),
             at: self.text(place),
             speed: watch.speed(self.scale),
+            beyond,
         }))
     }
 
@@ -298,6 +325,12 @@ impl<P: Port> Head<P> {
         let length = distance(&counts(replies), contact);
         length > f64::from(self.probe.over_travel)
             && length > distance(&watch.from, contact) + self.slack_counts()
+    }
+
+    /// A length in counts as text.
+    fn length_text(&self, counts: f64) -> String {
+        // Lengths are far below 2^53 counts.
+        self.scale.text(self.scale.of_counts(counts.round() as i64))
     }
 
     /// A pressed probe is free after this distance off the surface, counts.

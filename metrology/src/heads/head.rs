@@ -1,9 +1,10 @@
 //! The head of a measuring machine: one to three servo axes on a line that move together in
 //! straight lines.
 
-mod guard;
 mod positions;
+mod supervision;
 
+use super::approach::Approach;
 use super::line::Line;
 use super::machine::{Machine, ProbeSettings};
 use super::port::Port;
@@ -179,15 +180,29 @@ impl<P: Port> Head<P> {
     ///
     /// [`Trouble`]. If the goal is outside of the travel, nothing moves.
     pub fn go_to(&mut self, goal: [i64; 3]) -> Result<[i64; 3], Trouble> {
-        self.go_at(goal, None)
+        self.go_at(goal, None, Approach::Rapid)
+    }
+
+    /// The same as a guarded move, see [`Approach::Guarded`].
+    ///
+    /// # Errors
+    ///
+    /// Those of [`go_to`](Self::go_to).
+    pub fn guarded_to(&mut self, goal: [i64; 3]) -> Result<[i64; 3], Trouble> {
+        self.go_at(goal, None, Approach::Guarded)
     }
 
     /// The same with at most `rate` counts/s.
-    fn go_at(&mut self, goal: [i64; 3], rate: Option<u32>) -> Result<[i64; 3], Trouble> {
+    fn go_at(
+        &mut self,
+        goal: [i64; 3],
+        rate: Option<u32>,
+        approach: Approach,
+    ) -> Result<[i64; 3], Trouble> {
         let meant = goal;
         let goal = self.counts(goal)?;
         self.check_travel(&goal, meant)?;
-        let finished = self.travel(&goal, rate, None)?;
+        let finished = self.go(&goal, rate, approach)?;
         Ok(self.place_of(&finished.replies))
     }
 
@@ -232,8 +247,12 @@ impl<P: Port> Prober for Head<P> {
         self.go_to(goal_nm)
     }
 
+    fn guarded_to(&mut self, goal_nm: [i64; 3]) -> Result<[i64; 3], Trouble> {
+        self.guarded_to(goal_nm)
+    }
+
     fn feed_to(&mut self, goal_nm: [i64; 3], nm_per_min: u64) -> Result<[i64; 3], Trouble> {
-        self.go_at(goal_nm, Some(self.rate(nm_per_min)))
+        self.go_at(goal_nm, Some(self.rate(nm_per_min)), Approach::Rapid)
     }
 
     fn probe_to(
@@ -414,10 +433,16 @@ mod tests {
     fn a_contact_during_a_move_stops_all_axes_and_is_left_slowly() {
         let mut head = head();
         let met = head.go_to([6 * MM, 0, -12 * MM]);
-        let Err(Trouble::Collision { axes, at, speed }) = met else {
+        let Err(Trouble::Collision {
+            axes,
+            at,
+            speed,
+            beyond,
+        }) = met
+        else {
             panic!("{met:?}")
         };
-        assert_eq!(axes, "XZ");
+        assert_eq!((axes, beyond.is_some()), ("XZ".into(), true));
         assert!(at.contains("Z -4.000"), "{at}");
         // 2.4 mm/s on Z, half of it on X.
         let speed: f64 = speed.unwrap().trim_end_matches(" mm/s").parse().unwrap();

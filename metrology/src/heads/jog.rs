@@ -22,7 +22,7 @@ impl<P: Port> Head<P> {
         is_slow: bool,
     ) -> Result<(), Trouble> {
         let index = self.index(coordinate)?;
-        self.guarded(|head| head.run(index, is_positive, seconds, is_slow))
+        self.supervised(|head| head.run(index, is_positive, seconds, is_slow))
     }
 
     fn run(

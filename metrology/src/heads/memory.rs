@@ -1,5 +1,6 @@
 //! What a session leaves in the modules. The next session goes on from there without a reset.
 
+use super::approach::Approach;
 use super::head::{Head, READ, is_done, stop};
 use super::line::Line;
 use super::machine::Machine;
@@ -91,7 +92,7 @@ impl<P: Port> Head<P> {
         head.set_period(&versions)?;
         head.lead_group()?;
         // A program that was killed may have left the modules watching the contact.
-        head.disarm(head.guard())?;
+        head.disarm(head.contact_watch(Approach::Rapid))?;
         for (index, left) in memory.axes.iter().enumerate() {
             let axis = &mut head.axes[index];
             axis.origin = left.origin;

@@ -22,7 +22,15 @@ pub trait Prober {
     /// [`Trouble`]. If the goal is outside of the travel, nothing moves.
     fn go_to(&mut self, goal_nm: [i64; 3]) -> Result<[i64; 3], Trouble>;
 
-    /// The same with at most this speed along the path.
+    /// The same as a guarded move: a contact is a collision, but the axes stop gently, within the
+    /// over-travel of the probe. See [`Approach::Guarded`](super::Approach::Guarded).
+    ///
+    /// # Errors
+    ///
+    /// Those of [`go_to`](Self::go_to).
+    fn guarded_to(&mut self, goal_nm: [i64; 3]) -> Result<[i64; 3], Trouble>;
+
+    /// Goes to the goal with at most this speed along the path.
     ///
     /// # Errors
     ///

@@ -1,5 +1,6 @@
 //! Straight moves of all axes of a head.
 
+use super::approach::Approach;
 use super::head::{Head, is_done};
 use super::port::Port;
 use super::search::{Search, searches};
@@ -48,12 +49,25 @@ impl<P: Port> Head<P> {
         rate: Option<u32>,
         search: Option<Search>,
     ) -> Result<FinishedMove, Trouble> {
-        self.guarded(|head| {
+        let Some(search) = search else {
+            return self.go(goal, rate, Approach::Rapid);
+        };
+        self.supervised(|head| {
             head.check_ends(goal)?;
-            match search {
-                Some(search) => head.go_along(goal, rate, search),
-                None => head.go_clear(goal, rate),
-            }
+            head.go_along(goal, rate, search)
+        })
+    }
+
+    /// The same outside of a search.
+    pub(super) fn go(
+        &mut self,
+        goal: &[i32],
+        rate: Option<u32>,
+        approach: Approach,
+    ) -> Result<FinishedMove, Trouble> {
+        self.supervised(|head| {
+            head.check_ends(goal)?;
+            head.go_clear(goal, rate, approach)
         })
     }
 

@@ -1,5 +1,6 @@
 //! The micro mill: lines, squares, circles and parts cut on screws with the play of the original.
 
+mod choices;
 mod circle;
 mod circles;
 mod cutting;
@@ -14,6 +15,7 @@ mod supply;
 #[cfg(test)]
 mod trials;
 
+pub use choices::{interpolators, marks, power_chips, sequences};
 pub use circle::Circle;
 pub use circles::circles;
 pub use lines::lines;

@@ -6,6 +6,7 @@ use super::line_reader::{LineReader, axis_of, twice};
 use super::mistake::{Mistake, Wrong, code};
 use super::statement::{Order, Place, Statement, Task};
 use super::vocabulary::{FEATURES, Feature, ORDERS, RESERVED};
+use crate::heads::Approach;
 use std::collections::HashMap;
 
 /// The uses of a named feature.
@@ -90,10 +91,19 @@ impl Parser {
             "clearance" => Order::Clearance(reader.positive("clearance")?),
             "search" => Order::Search(reader.positive("search")?),
             "safe" => self.safe(&mut reader)?,
-            "goto" => Order::GoTo(place(&mut reader, "goto")?),
+            "moves" => Order::Moves(approach(&mut reader).ok_or_else(|| {
+                Wrong::new(
+                    code::MISSING,
+                    "`moves` without a word for how",
+                    reader.here(),
+                )
+                .help("as in `moves guarded`, or `moves rapid`")
+            })?),
+            "goto" => Order::GoTo(place(&mut reader, "goto")?, approach(&mut reader)),
             "jog" => {
                 let way = place(&mut reader, "jog")?;
-                Order::Jog(way.map(Option::unwrap_or_default))
+                let way = way.map(Option::unwrap_or_default);
+                Order::Jog(way, approach(&mut reader))
             }
             "zero" => Order::Zero(zero(&mut reader)?),
             "frame" => self.frame(&mut reader)?,
@@ -337,6 +347,13 @@ fn place(reader: &mut LineReader<'_>, keyword: &str) -> Result<Place, Wrong> {
         .help(format!("as in `{keyword} x 10 y 20`")));
     }
     Ok(place)
+}
+
+/// Reads `guarded` or `rapid`, if it is there.
+fn approach(reader: &mut LineReader<'_>) -> Option<Approach> {
+    let words = [("guarded", Approach::Guarded), ("rapid", Approach::Rapid)];
+    let mut words = words.into_iter();
+    words.find_map(|(word, approach)| reader.take(word).map(|_| approach))
 }
 
 /// Reads the axes of `zero` or `zero x z`. Without axes all are meant.

@@ -7,6 +7,7 @@ use super::parser::Parser;
 use super::runner::Runner;
 use super::statement::{Order, Statement};
 use super::words::words;
+use crate::heads::Approach;
 use std::io::{self, BufRead, Write};
 
 /// A line that is not part of the recording.
@@ -64,7 +65,7 @@ pub fn record(
                     each(feature)?;
                 }
                 match done.moved {
-                    Some([from, to]) => pending.push(from, to, routine)?,
+                    Some(moved) => pending.push(moved, routine)?,
                     None => {
                         pending.flush(routine)?;
                         writeln!(routine, "{}", done.text)?;
@@ -91,8 +92,8 @@ pub fn record(
 struct Done {
     /// Its text in the routine.
     text: String,
-    /// Start and end of a move, nm.
-    moved: Option<[[i64; 3]; 2]>,
+    /// A move that was made.
+    moved: Option<Moved>,
     is_feature: bool,
 }
 
@@ -127,11 +128,13 @@ fn try_statement(
 ) -> Result<(), Failure> {
     let here = runner.site.position()?;
     match &statement.order {
-        Order::GoTo(place) => {
-            done.moved = Some([here, runner.site.place(*place)?]);
+        Order::GoTo(place, approach) => {
+            let to = runner.site.place(*place)?;
+            done.moved = Some(Moved::new(here, to, *approach));
         }
-        Order::Jog(way) => {
-            done.moved = Some([here, std::array::from_fn(|axis| here[axis] + way[axis])]);
+        Order::Jog(way, approach) => {
+            let to = std::array::from_fn(|axis| here[axis] + way[axis]);
+            done.moved = Some(Moved::new(here, to, *approach));
         }
         Order::Measure(task) => {
             done.is_feature = true;
@@ -160,31 +163,57 @@ fn named(line: &str, name: &str) -> String {
     }
 }
 
+/// A straight move.
+#[derive(Clone, Copy)]
+struct Moved {
+    /// Its start, nm.
+    from: [i64; 3],
+    /// Its end, nm.
+    to: [i64; 3],
+    /// How it meets a contact, if its line says so.
+    approach: Option<Approach>,
+}
+
+impl Moved {
+    const fn new(from: [i64; 3], to: [i64; 3], approach: Option<Approach>) -> Self {
+        Self { from, to, approach }
+    }
+}
+
 /// Moves that are not written yet. Moves in the same direction become one.
 #[derive(Default)]
 struct PendingMoves {
-    last: Option<[[i64; 3]; 2]>,
+    last: Option<Moved>,
 }
 
 impl PendingMoves {
-    fn push(&mut self, from: [i64; 3], to: [i64; 3], routine: &mut dyn Write) -> io::Result<()> {
-        match self.last {
-            Some([start, end]) if is_onward(start, end, to) => self.last = Some([start, to]),
+    fn push(&mut self, next: Moved, routine: &mut dyn Write) -> io::Result<()> {
+        match &mut self.last {
+            Some(last)
+                if last.approach == next.approach && is_onward(last.from, last.to, next.to) =>
+            {
+                last.to = next.to;
+            }
             _ => {
                 self.flush(routine)?;
-                self.last = Some([from, to]);
+                self.last = Some(next);
             }
         }
         Ok(())
     }
 
     fn flush(&mut self, routine: &mut dyn Write) -> io::Result<()> {
-        let Some([_, to]) = self.last.take() else {
+        let Some(Moved { to, approach, .. }) = self.last.take() else {
             return Ok(());
         };
         // The unit is written, as the routine may use another one.
         let [x, y, z] = to.map(super::dimension::number);
-        writeln!(routine, "goto x {x} mm y {y} mm z {z} mm")
+        let approach = match approach {
+            None => "",
+            Some(Approach::Guarded) => " guarded",
+            Some(Approach::Rapid) => " rapid",
+        };
+        writeln!(routine, "goto x {x} mm y {y} mm z {z} mm{approach}")
     }
 }
 

@@ -37,13 +37,15 @@ impl<'a> Runner<'a> {
             Order::Clearance(nm) => site.clearance_nm = *nm,
             Order::Search(nm) => site.search_nm = *nm,
             Order::Safe(nm) => site.safe_nm = *nm,
-            Order::GoTo(place) => {
+            Order::Moves(approach) => site.approach = *approach,
+            Order::GoTo(place, approach) => {
                 let goal = site.place(*place)?;
-                site.go_to(goal)?;
+                site.go_by(approach.unwrap_or(site.approach), goal)?;
             }
-            Order::Jog(way) => {
+            Order::Jog(way, approach) => {
                 let here = site.position()?;
-                site.go_to(std::array::from_fn(|axis| here[axis] + way[axis]))?;
+                let goal = std::array::from_fn(|axis| here[axis] + way[axis]);
+                site.go_by(approach.unwrap_or(site.approach), goal)?;
             }
             Order::Zero(axes) => site.zero(*axes)?,
             Order::MachineFrame => {

@@ -4,8 +4,7 @@ use super::failure::Failure;
 use super::frame::Frame;
 use super::statement::Place;
 use super::vector::{self, Vector, components, floats, plus, scaled};
-use crate::heads::Prober;
-use crate::heads::Stylus;
+use crate::heads::{Approach, Prober, Stylus};
 use husillo_probe::UnitVector;
 use std::fmt;
 
@@ -39,6 +38,8 @@ pub struct Site<'a> {
     pub search_nm: i64,
     /// Safe height for the moves between features, nm. `None`: the moves are direct.
     pub safe_nm: Option<i64>,
+    /// How moves meet a contact that nobody expects.
+    pub approach: Approach,
 }
 
 impl fmt::Debug for Site<'_> {
@@ -47,13 +48,15 @@ impl fmt::Debug for Site<'_> {
         text.field("tip", &self.tip).field("frame", &self.frame);
         text.field("clearance_nm", &self.clearance_nm)
             .field("search_nm", &self.search_nm)
-            .field("safe_nm", &self.safe_nm);
+            .field("safe_nm", &self.safe_nm)
+            .field("approach", &self.approach);
         text.finish_non_exhaustive()
     }
 }
 
 impl<'a> Site<'a> {
-    /// A site with the frame of the machine, and with 2 mm of clearance and of search.
+    /// A site with the frame of the machine, with 2 mm of clearance and of search, and with guarded
+    /// moves.
     pub fn new(prober: &'a mut dyn Prober, tip: Stylus) -> Self {
         Self {
             prober,
@@ -63,6 +66,7 @@ impl<'a> Site<'a> {
             clearance_nm: 2_000_000,
             search_nm: 2_000_000,
             safe_nm: None,
+            approach: Approach::Guarded,
         }
     }
 
@@ -130,7 +134,20 @@ impl<'a> Site<'a> {
     ///
     /// Trouble of the machine.
     pub fn go_to(&mut self, part_nm: [i64; 3]) -> Result<(), Failure> {
-        self.prober.go_to(self.frame.to_machine(part_nm))?;
+        self.go_by(self.approach, part_nm)
+    }
+
+    /// The same with another approach than that of the other moves.
+    ///
+    /// # Errors
+    ///
+    /// Trouble of the machine.
+    pub(super) fn go_by(&mut self, approach: Approach, part_nm: [i64; 3]) -> Result<(), Failure> {
+        let goal = self.frame.to_machine(part_nm);
+        match approach {
+            Approach::Rapid => self.prober.go_to(goal)?,
+            Approach::Guarded => self.prober.guarded_to(goal)?,
+        };
         Ok(())
     }
 

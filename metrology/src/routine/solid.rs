@@ -41,6 +41,8 @@ pub struct Ideal {
     pub at: [i64; 3],
     /// Number of straight moves.
     pub moves: usize,
+    /// Number of guarded moves among them.
+    pub guarded: usize,
     /// Requested speeds, nm per minute.
     pub speeds: Vec<u64>,
 }
@@ -127,6 +129,11 @@ impl Prober for Ideal {
         }
         self.at = goal_nm;
         Ok(goal_nm)
+    }
+
+    fn guarded_to(&mut self, goal_nm: [i64; 3]) -> Result<[i64; 3], Trouble> {
+        self.guarded += 1;
+        self.go_to(goal_nm)
     }
 
     fn feed_to(&mut self, goal_nm: [i64; 3], nm_per_min: u64) -> Result<[i64; 3], Trouble> {

@@ -2,6 +2,7 @@
 
 use super::dimension::Wanted;
 use super::vector::Vector;
+use crate::heads::Approach;
 
 /// The statement of a line.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,10 +25,12 @@ pub enum Order {
     Search(i64),
     /// Safe height for the moves between features, nm. `None`: the moves are direct.
     Safe(Option<i64>),
-    /// A straight move to a position.
-    GoTo(Place),
+    /// How the moves after it meet a contact, if they do not say so themselves.
+    Moves(Approach),
+    /// A straight move to a position. `None`: as the moves of the routine do.
+    GoTo(Place, Option<Approach>),
     /// A straight move by these distances, nm.
-    Jog([i64; 3]),
+    Jog([i64; 3], Option<Approach>),
     /// These coordinates of the present position become 0.
     Zero([bool; 3]),
     /// Back to the frame of the machine.

@@ -37,6 +37,7 @@ fn ideal(bodies: Vec<Body>, place: Frame) -> Ideal {
         tip: tip(),
         at: [0, 0, 50 * MM],
         moves: 0,
+        guarded: 0,
         speeds: Vec::new(),
     }
 }
@@ -456,7 +457,7 @@ units mm            # remarks stay
 safe z 15
 jog x 5
 jog x 10
-jog y 5
+jog y 5 rapid
 nonsense
 goto z 3
 touch -z within 20
@@ -507,7 +508,7 @@ goto x 99
 units mm            # remarks stay
 safe z 15
 goto x 15 mm y 0 mm z 50 mm
-goto x 15 mm y 5 mm z 50 mm
+goto x 15 mm y 5 mm z 50 mm rapid
 goto x 15 mm y 5 mm z 3 mm
 touch P1 -z within 20
 goto x 15 mm y 5 mm z 15 mm

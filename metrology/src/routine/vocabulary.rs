@@ -3,11 +3,12 @@
 use super::dimension::Figure;
 
 /// Statements that measure no feature.
-pub const ORDERS: [&str; 8] = [
+pub const ORDERS: [&str; 9] = [
     "units",
     "clearance",
     "search",
     "safe",
+    "moves",
     "goto",
     "jog",
     "zero",

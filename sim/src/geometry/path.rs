@@ -5,6 +5,7 @@
 //! rounding of this measurement is far below a picometre, and does not count as an error of the
 //! integer path that it measures.
 
+use super::curve::CurvePath;
 use super::turn;
 use husillo_gcode::{Command, Direction, Nm};
 use std::f64::consts::TAU;
@@ -23,6 +24,8 @@ pub enum Path {
     },
     /// A circle or helix.
     Arc(ArcPath),
+    /// A cubic curve.
+    Curve(CurvePath),
 }
 
 /// An arc in a plane. A helix also has a linear motion across the plane.
@@ -97,9 +100,11 @@ impl Path {
     pub fn programmed(from: [Nm; 3], command: &Command<3>, half_step: f64) -> Option<Self> {
         let nm = |p: [Nm; 3]| p.map(|at| at.0 as f64);
         match command {
-            Command::Rapid { to } | Command::Linear { to, .. } | Command::Thread { to, .. } => {
-                Some(Self::line(nm(from), nm(*to)))
-            }
+            Command::Rapid { to }
+            | Command::Linear { to, .. }
+            | Command::Thread { to, .. }
+            | Command::Probe { to, .. } => Some(Self::line(nm(from), nm(*to))),
+            Command::Spline { spline, .. } => Some(Self::Curve(CurvePath::new(spline))),
             Command::Arc { arc, .. } => {
                 let plane = arc.plane.axes();
                 let (start, centre) = (nm(from), nm(arc.centre));
@@ -131,6 +136,7 @@ impl Path {
                 let radius = 0.5 * (arc.radii[0] + arc.radii[1]);
                 (arc.sweep * radius).hypot(arc.ends[1][arc.across] - arc.ends[0][arc.across])
             }
+            Self::Curve(curve) => curve.length(),
         }
     }
 
@@ -164,6 +170,7 @@ impl Path {
                 dot(cross, cross)
             }
             Self::Arc(arc) => arc.distance_squared(tool),
+            Self::Curve(curve) => curve.distance_squared(tool),
         }
     }
 
@@ -190,6 +197,7 @@ impl Path {
                 nearest[arc.plane[1]] = arc.centre[1] + p[1] * scale;
                 nearest
             }
+            Self::Curve(curve) => curve.nearest(tool),
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::{Block, Span};
 use crate::blocks::fault::{Fault, Place, Reason};
+use crate::codes::axes::Axes;
 use crate::codes::code::{Code, Group};
 #[cfg(all(feature = "program", feature = "extended"))]
 use crate::codes::letters::LETTERS;
@@ -83,9 +84,10 @@ impl Block {
         self.values.get(usize::from(slot))
     }
 
-    /// The word of axis 0..6.
+    /// The word of axis 0..6, whatever its letter. ([`Block::word`] knows an axis that has not its
+    /// place in X Y Z A B C by the letter of that place.)
     #[inline]
-    pub(crate) fn axis(&self, axis: usize) -> Option<&Decimal> {
+    pub fn axis(&self, axis: usize) -> Option<&Decimal> {
         if axis < AXES {
             self.slot(axis as u8)
         } else {
@@ -136,6 +138,17 @@ impl Block {
             }
             _ => Ok(()),
         }
+    }
+
+    /// Refuses codes that need the lines around this one.
+    #[cfg(feature = "extended")]
+    pub(crate) fn check_needs_no_program(&self) -> Result<(), Fault> {
+        for group in [Group::Override, Group::Stop] {
+            if self.code(group).is_some_and(Code::needs_program) {
+                return Err(Fault::at_code(Reason::NeedsProgram, group));
+            }
+        }
+        Ok(())
     }
 
     /// Refuses all codes except the motion, and all words except these and N.
@@ -267,6 +280,12 @@ impl Block {
     #[cold]
     #[inline(never)]
     pub(crate) fn error(&self, fault: Fault, measure: Measure) -> Error {
+        self.error_on(&Axes::XYZABC, fault, measure)
+    }
+
+    /// The same on a machine with these axes, with their letters as they are written.
+    #[cold]
+    pub(crate) fn error_on(&self, axes: &Axes, fault: Fault, measure: Measure) -> Error {
         let place = fault.place();
         let code = match place {
             Place::Code(group) => Some(usize::from(group)),
@@ -283,7 +302,12 @@ impl Block {
                 self.span_of(words, place == Place::Motion)
             }
         };
-        span.unwrap_or_default().error(fault.kind(measure))
+        let written = if EXTENDED {
+            fault.with_letter(axes.written(fault.letter()))
+        } else {
+            fault
+        };
+        span.unwrap_or_default().error(written.kind(measure))
     }
 
     /// The columns of the first of these words, or of all of them, as far as they are given.

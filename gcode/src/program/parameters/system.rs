@@ -73,7 +73,24 @@ impl<const N: usize> Modal<N> {
             self.tool_length(),
         )
     }
+
+    /// The coordinate of the axis of a letter in the units in effect, degrees for a rotary axis; 0
+    /// where there is no such axis.
+    fn coordinate(&self, letter: u8, lengths: [Nm; N]) -> Option<Value> {
+        let axes = self.modes.dialect.axes();
+        let axis = axes.index(letter);
+        match axis.and_then(|axis| lengths.get(axis)) {
+            Some(&angle) if axis.is_some_and(|axis| axes.is_rotary(axis)) => {
+                length(angle, Units::Millimetres)
+            }
+            Some(&nm) => length(nm, self.units()),
+            None => Some(Value::ZERO),
+        }
+    }
 }
+
+/// The letters of axes in the order of the numbers of their parameters.
+const LETTERS: &[u8; 9] = b"XYZABCUVW";
 
 /// | number | name | what |
 /// | --- | --- | --- |
@@ -92,10 +109,10 @@ impl<const N: usize> Modal<N> {
 /// | | `_feed _rpm` | feed of G94, spindle speed |
 impl<const N: usize> System for Modal<N> {
     fn numbered(&self, number: u16) -> Option<Value> {
-        let in_units = |axis: usize, lengths: [Nm; N]| match lengths.get(axis) {
-            Some(&nm) => length(nm, self.units()),
-            None if axis < 9 => Some(Value::ZERO),
-            None => None,
+        // `place` counts in the order X Y Z A B C U V W.
+        let in_units = |place: usize, lengths: [Nm; N]| {
+            let letter = *LETTERS.get(place)?;
+            self.coordinate(letter, lengths)
         };
         let axis_from = |first: u16| usize::from(number.wrapping_sub(first));
         match number {
@@ -129,24 +146,17 @@ impl<const N: usize> System for Modal<N> {
         let number = |value: u32| Value::new(i64::from(value), 0);
         let (spindle, milli_rpm) = self.spindle();
         let (mist, flood) = self.coolant();
-        let axis = |letter: u8| {
-            b"XYZABCUVW"
-                .iter()
-                .zip(0usize..9)
-                .find(|&(&known, _)| known == letter)
-        };
         match name {
             [letter] | [b'A', b'B', b'S', b'_', letter] => {
-                let (_, axis) = axis(*letter)?;
+                if !LETTERS.contains(letter) {
+                    return None;
+                }
                 let lengths = if name.len() == 1 {
                     self.work_position()
                 } else {
                     self.position()
                 };
-                match lengths.get(axis) {
-                    Some(&nm) => length(nm, self.units()),
-                    None => Some(Value::ZERO),
-                }
+                self.coordinate(*letter, lengths)
             }
             b"METRIC" => truth(self.units() == Units::Millimetres),
             b"IMPERIAL" => truth(self.units() == Units::Inches),
@@ -180,7 +190,9 @@ impl<const N: usize> System for Modal<N> {
                 Some(Motion::CounterClockwise) => 30,
                 Some(Motion::Cubic) => 50,
                 Some(Motion::Quadratic) => 51,
+                Some(Motion::Nurbs) => 52,
                 Some(Motion::Thread) => 330,
+                Some(Motion::Tap) => 331,
                 Some(_) => return None,
             }),
             b"COORD_SYSTEM" => {

@@ -75,7 +75,7 @@ pub fn made(
         machine: job.machine.title.clone(),
         figures,
         axes,
-        phases: run.observers.phases.motors(&job.machine),
+        phases: run.observers.phases.motors().to_vec(),
         drawing: run.observers.picture.drawing.clone(),
         ideal: run.observers.picture.ideal.clone(),
         ideal_is_whole: run.observers.picture.ideal_is_whole,

@@ -5,7 +5,7 @@ use crate::console;
 use crate::diagnostics::Findings;
 use crate::programs::check::Facts;
 use crate::simulation::run::Run;
-use crate::simulation::symmetry::{Difference, Symmetry};
+use husillo_sim::observers::symmetry::{Difference, Symmetry};
 use serde::Serialize;
 use std::io::{self, Write};
 

@@ -5,9 +5,9 @@ use crate::app::job::Job;
 use crate::console;
 use crate::programs::check::Facts;
 use crate::simulation::run::Run;
-use crate::simulation::symmetry::Difference;
 use crate::text::duration::duration;
 use crate::text::length::{length, millimetres};
+use husillo_sim::observers::symmetry::Difference;
 use std::io::{self, Write};
 
 /// Reports of the encoders that are printed; JSON has all.

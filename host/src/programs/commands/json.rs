@@ -61,7 +61,25 @@ enum Object {
         #[serde(flatten)]
         feed: PathFeed,
     },
+    NurbsBegin {
+        order: u8,
+        micro_weight: u64,
+        #[serde(flatten)]
+        feed: PathFeed,
+    },
+    NurbsPoint {
+        at_nm: [i64; 2],
+        micro_weight: u64,
+    },
+    NurbsEnd {
+        to_nm: [i64; 3],
+    },
     Thread {
+        to_nm: [i64; 3],
+        lead_nm: i64,
+    },
+    Tap {
+        bottom_nm: [i64; 3],
         to_nm: [i64; 3],
         lead_nm: i64,
     },
@@ -143,7 +161,26 @@ fn motion(command: &Command<3>, from: [Nm; 3]) -> Option<Object> {
             points_nm: spline.points.iter().map(|at| nm(*at)).collect(),
             feed: along(feed),
         },
+        Command::NurbsBegin {
+            order,
+            micro_weight,
+            feed,
+        } => Object::NurbsBegin {
+            order: *order,
+            micro_weight: *micro_weight,
+            feed: along(feed),
+        },
+        Command::NurbsPoint { at, micro_weight } => Object::NurbsPoint {
+            at_nm: nm(*at),
+            micro_weight: *micro_weight,
+        },
+        Command::NurbsEnd { to } => Object::NurbsEnd { to_nm: nm(*to) },
         Command::Thread { to, lead } => Object::Thread {
+            to_nm: nm(*to),
+            lead_nm: lead.0,
+        },
+        Command::Tap { bottom, to, lead } => Object::Tap {
+            bottom_nm: nm(*bottom),
             to_nm: nm(*to),
             lead_nm: lead.0,
         },

@@ -4,8 +4,8 @@ use super::*;
 use crate::programs::feeder;
 use crate::programs::setup;
 use crate::programs::source::Source;
-use crate::simulation::speed::{Band, Column};
 use husillo_gcode::Dialect;
+use husillo_sim::observers::speed::{Band, Column};
 use std::io::Cursor;
 
 /// The columns of a program on the built-in lathe.

@@ -6,9 +6,12 @@ use husillo_interp::Moves;
 use husillo_planner::Timer;
 
 use super::{Machine, Run};
+use crate::lines::extension::Extension;
 use crate::{Event, MAX_WAIT_TICKS, Output, Pause, Segment};
 
-impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, L, QUEUE> {
+impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N>>
+    Machine<N, P, L, QUEUE, E>
+{
     /// Begins the first move of the queue. Returns `None` under a hold, if the move is too short
     /// for a step.
     pub(super) fn begin_move(&mut self) -> Option<()> {
@@ -58,6 +61,9 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
         self.ramp.stop();
         self.guard.rest();
         self.schedule.end_thread();
+        if E::IS_EXTENDED && self.begin_extended(&command) {
+            return;
+        }
         match command {
             Command::Dwell { micros } => {
                 // A dwell of 2^64 us lasts half a million years, so saturating is acceptable.
@@ -107,7 +113,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
     }
 
     /// Queues signals, which act when all preceding time has passed.
-    fn signal(&mut self, [first, second]: [Option<Event<N>>; 2]) {
+    pub(super) fn signal(&mut self, [first, second]: [Option<Event<N>>; 2]) {
         self.signals = [None, first, second, None];
         self.flush_wait();
     }

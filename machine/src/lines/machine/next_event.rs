@@ -5,11 +5,14 @@ use husillo_gcode::Command;
 use husillo_interp::{Moves, Step};
 
 use super::{Machine, Origin, Run};
+use crate::lines::extension::Extension;
 use crate::lines::guard::bits;
 use crate::lines::take_up::Followed;
 use crate::{Event, FollowEvent, MAX_WAIT_TICKS, Segment, StepEvent};
 
-impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, L, QUEUE> {
+impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N>>
+    Machine<N, P, L, QUEUE, E>
+{
     /// Returns the next event, or `None` when all events were returned or under a hold.
     ///
     /// # Cost
@@ -18,6 +21,11 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
     /// Cortex-M4F.
     #[inline]
     pub fn next_event(&mut self) -> Option<Event<N>> {
+        if E::IS_EXTENDED {
+            if let Some(event) = self.surface_event() {
+                return Some(event);
+            }
+        }
         match &mut self.run {
             Some(Run {
                 path,
@@ -35,7 +43,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
                         Some(self.path_step(step, wait))
                     }
                     None => {
-                        self.finish();
+                        self.end_move();
                         self.next_unhurried()
                     }
                 }
@@ -163,6 +171,18 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
     #[cold]
     fn next_unhurried(&mut self) -> Option<Event<N>> {
         loop {
+            let event = self.next_of_queue();
+            // A probing move has ended where there is no other event.
+            if !E::IS_EXTENDED || event.is_some() || !self.end_probe() {
+                return event;
+            }
+        }
+    }
+
+    /// The next event of the move, of the queue, or of the command after it.
+    #[inline]
+    fn next_of_queue(&mut self) -> Option<Event<N>> {
+        loop {
             // A take-up of an axis with a ramp cannot stop at once.
             let stops_at_once = !self.take_up.is_under_way() || !self.schedule.has_ramps();
             // A move that follows the spindle cannot stop without it.
@@ -183,6 +203,9 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
                 }
                 return Some(signal);
             }
+            if E::IS_EXTENDED && self.is_awaiting() {
+                return None;
+            }
             if self.run.is_some() {
                 match self.run_step()? {
                     Some(event) => return Some(event),
@@ -198,6 +221,12 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
                 });
             }
             if self.schedule.moves.front().is_some() {
+                if E::IS_EXTENDED {
+                    if let Some(output) = self.output_due() {
+                        self.origin = Origin::Rest;
+                        return Some(output);
+                    }
+                }
                 self.begin_move()?;
             } else if let Some(command) = self.waiting.take() {
                 self.begin(command);
@@ -221,7 +250,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
             None => run.path.next(),
         };
         let Some(step) = step else {
-            self.finish();
+            self.end_move();
             return Some(None);
         };
         if let (true, Some(timer)) = (run.follows, &mut run.timer) {
@@ -260,8 +289,11 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
     }
 
     /// The move, or the part of an arc, has ended: frees its entry in the queue.
-    pub(super) fn finish(&mut self) {
+    fn end_move(&mut self) {
         self.schedule.moves.pop();
+        if let Some(state) = self.extension.state_mut() {
+            state.count();
+        }
         self.fill();
         let goes_on = match self.schedule.moves.front() {
             Some((stretch, work)) if work.path.is_none() => Some((*stretch, work)),

@@ -7,7 +7,8 @@ use husillo_controllers::ServoModule;
 use husillo_gcode::{Block, Dialect, Modal};
 use husillo_interp::Path;
 use husillo_machine::{
-    Axis, AxisEncoder, ClosedLoop, Config, Event, Followed, Machine, OnLoss, Scale, ServoInputs,
+    Axis, AxisEncoder, ClosedLoop, Config, Equipment, Event, Followed, Machine, OnLoss, Scale,
+    ServoInputs,
 };
 use husillo_transports::nmc::{Command, Gains, Mode, Stop, StopWay, Trajectory};
 
@@ -54,6 +55,7 @@ fn config() -> Option<Config<3>> {
         rapid: None,
         top_feed: None,
         corner_deviation: None,
+        equipment: Equipment::NONE,
         spindle_counts: None,
     })
 }

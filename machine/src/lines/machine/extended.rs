@@ -1,0 +1,358 @@
+//! The commands of an extended machine: probing, outputs in time with moves, inputs, constant
+//! surface speed.
+
+use husillo_backlash::Lash;
+use husillo_gcode::{Command, Nm, Switch};
+use husillo_interp::Moves;
+#[cfg(feature = "extended")]
+use husillo_probe::Tip;
+
+use super::Machine;
+#[cfg(feature = "extended")]
+use crate::Extended;
+use crate::lines::extension::Extension;
+use crate::lines::state::{Probed, Probing, Surface};
+use crate::{Alarm, Event, Output, Pause};
+
+impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N>>
+    Machine<N, P, L, QUEUE, E>
+{
+    /// Whether a later line has to wait for the end of a probing move, a curve or an input.
+    pub(super) fn is_busy(&self) -> bool {
+        let waits = matches!(
+            self.waiting,
+            Some(Command::Probe { .. } | Command::Wait { .. })
+        );
+        self.extension
+            .state()
+            .is_some_and(|state| waits || state.is_busy())
+    }
+
+    /// Whether an input was requested and its answer has not come.
+    pub(super) fn is_awaiting(&self) -> bool {
+        self.extension.state().is_some_and(|state| state.is_awaited)
+    }
+
+    /// Whether the queue takes nothing before a probing move or an input has ended.
+    pub(super) fn stands(&self) -> bool {
+        self.extension
+            .state()
+            .is_some_and(|state| state.probing.is_some() || state.is_awaited)
+    }
+
+    /// Takes a command of the queue that a plain machine does not have. Returns it if it is one
+    /// that has to wait, or a plain move.
+    pub(super) fn take_extended(&mut self, command: Command<N>) -> Option<Command<N>> {
+        let moves = self.schedule.moves.len();
+        let from = self.schedule.programmed();
+        let Some(state) = self.extension.state_mut() else {
+            return Some(command);
+        };
+        match command {
+            Command::Spline { spline, feed } => {
+                state.chords = Some(self.config.chords(from, &spline, feed));
+                None
+            }
+            Command::Probe { .. } => {
+                self.waiting = Some(command);
+                None
+            }
+            Command::Output {
+                number,
+                on: is_on,
+                with_motion: true,
+            } => {
+                let is_added = state.add(Output::Digital { number, is_on }, moves);
+                (!is_added).then_some(command)
+            }
+            Command::Analog {
+                number,
+                micro,
+                with_motion: true,
+            } => {
+                let is_added = state.add(Output::Analog { number, micro }, moves);
+                (!is_added).then_some(command)
+            }
+            other => Some(other),
+        }
+    }
+
+    /// Appends the next chord of a curve to the queue, which has room. Returns `false` if there is
+    /// no curve.
+    pub(super) fn push_chord(&mut self, has_lash: [bool; N]) -> bool {
+        let Some(state) = self.extension.state_mut() else {
+            return false;
+        };
+        let Some(chords) = &mut state.chords else {
+            return false;
+        };
+        let inner = (!chords.is_first()).then_some(chords.tolerance);
+        match chords.next() {
+            None => state.chords = None,
+            Some((to, feed)) => {
+                let chord = Command::Linear { to, feed };
+                let curve = &chords.segment;
+                self.schedule
+                    .push_chord(curve, inner, &self.config, chord, has_lash);
+            }
+        }
+        true
+    }
+
+    /// Begins a command that a plain machine does not have. Returns `false` for another one.
+    pub(super) fn begin_extended(&mut self, command: &Command<N>) -> bool {
+        let Some(state) = self.extension.state_mut() else {
+            return false;
+        };
+        let event = match *command {
+            Command::Probe { to, away, must, .. } => {
+                self.begin_probe(*command, to, away, must);
+                return true;
+            }
+            Command::Surface {
+                direction,
+                speed,
+                most_milli_rpm,
+            } => {
+                let most = self.config.equipment.surface_milli_rpm.unwrap_or(0).into();
+                state.surface = Some(Surface {
+                    direction,
+                    speed: speed.0.unsigned_abs(),
+                    most_milli_rpm: most_milli_rpm.map_or(most, |milli_rpm| milli_rpm.min(most)),
+                    at: None,
+                    milli_rpm: 0,
+                });
+                let output = Output::Spindle {
+                    direction,
+                    milli_rpm: self.surface_speed().unwrap_or(0),
+                };
+                self.signal([Some(Event::Output(output)), None]);
+                return true;
+            }
+            Command::Spindle { .. } => {
+                state.surface = None;
+                return false;
+            }
+            Command::Switch { what, on } => {
+                if matches!(what, Switch::Overrides | Switch::FeedOverride) {
+                    state.permits_override = on;
+                    let percent = state.percent;
+                    self.set_feed_override(percent);
+                }
+                return true;
+            }
+            Command::Wait {
+                input,
+                until,
+                timeout_micros,
+            } => {
+                state.is_awaited = true;
+                Event::Await {
+                    input,
+                    until,
+                    timeout_micros,
+                }
+            }
+            Command::Output { number, on, .. } => {
+                Event::Output(Output::Digital { number, is_on: on })
+            }
+            Command::Analog { number, micro, .. } => {
+                Event::Output(Output::Analog { number, micro })
+            }
+            Command::Orient { micro_degrees, way } => {
+                Event::Output(Output::Orient { micro_degrees, way })
+            }
+            Command::Pallet => Event::Pause(Pause::Pallet),
+            _ => return false,
+        };
+        self.signal([Some(event), None]);
+        true
+    }
+
+    /// Begins a probing move; all moves before it have been made.
+    fn begin_probe(&mut self, command: Command<N>, to: [Nm; N], is_away: bool, must: bool) {
+        let from = self.schedule.programmed();
+        let Some(state) = self.extension.state_mut() else {
+            return;
+        };
+        if state.is_touching != is_away {
+            self.raise(Alarm::ContactAtStart);
+            return;
+        }
+        state.probing = Some(Probing {
+            from,
+            to,
+            is_away,
+            must,
+            contact: None,
+            was_held: false,
+        });
+        let has_lash = self.take_up.stops();
+        self.schedule.push(&self.config, command, has_lash);
+    }
+
+    /// Ends a probing move that has stopped after the contact, or at its end. Returns whether there
+    /// was one.
+    pub(super) fn end_probe(&mut self) -> bool {
+        let is_over = self.run.is_none() && self.schedule.moves.is_empty();
+        let Some(state) = self.extension.state_mut() else {
+            return false;
+        };
+        let Some(probing) = state.probing else {
+            return false;
+        };
+        if probing.contact.is_none() && !is_over {
+            return false;
+        }
+        state.probing = None;
+        if probing.contact.is_none() && probing.must {
+            self.raise(Alarm::NoContact);
+            return true;
+        }
+        self.run = None;
+        self.held = None;
+        self.take_up.abort();
+        self.ramp.stop();
+        if probing.contact.is_some() && !probing.was_held {
+            self.ramp.resume();
+        }
+        let here = self.position(&self.load);
+        let here = if probing.contact.is_some() {
+            here
+        } else {
+            probing.to
+        };
+        self.schedule.clear(here, self.load);
+        self.schedule.set_mode(self.mode);
+        self.modal.set_position(here);
+        self.extension.restart(here);
+        self.store_probed(&probing);
+        let is_touched = probing.contact.is_some();
+        self.signal([Some(Event::Probed { is_touched }), None]);
+        self.fill();
+        true
+    }
+
+    /// Stores the result of a probing move.
+    fn store_probed(&mut self, probing: &Probing<N>) {
+        let mut at = probing
+            .contact
+            .map_or(probing.to, |contact| self.position(&contact));
+        // Away from the work piece there is no travel before the contact, and no surface.
+        if probing.contact.is_some() && !probing.is_away {
+            at = self.extension.touched([&probing.from, &probing.to], at);
+        }
+        let [zero, length] = [self.modal.work_offset(), self.modal.tool_length()];
+        let mut in_work = at;
+        for (in_work, (zero, length)) in in_work.iter_mut().zip(zero.iter().zip(length)) {
+            in_work.0 = in_work.0.saturating_sub(zero.0).saturating_sub(length.0);
+        }
+        let Some(state) = self.extension.state_mut() else {
+            return;
+        };
+        state.probed = Probed {
+            at,
+            in_work,
+            is_touched: probing.contact.is_some(),
+        };
+    }
+
+    /// Drops all lines and stops; the last event is the alarm.
+    fn raise(&mut self, alarm: Alarm) {
+        self.abort();
+        if let Some(last) = self.signals.last_mut() {
+            *last = Some(Event::Alarm(alarm));
+        }
+    }
+
+    /// The output that acts with the beginning of the first move.
+    pub(super) fn output_due(&mut self) -> Option<Event<N>> {
+        self.extension.state_mut()?.due().map(Event::Output)
+    }
+
+    /// The speed of the spindle, if it has to follow the diameter.
+    pub(super) fn surface_event(&mut self) -> Option<Event<N>> {
+        let direction = self.extension.state()?.surface?.direction;
+        let milli_rpm = self.surface_speed()?;
+        Some(Event::Output(Output::Spindle {
+            direction,
+            milli_rpm,
+        }))
+    }
+
+    /// The speed of the spindle at the present diameter, if it has to change.
+    fn surface_speed(&mut self) -> Option<u64> {
+        let (x, axis) = (*self.load.first()?, self.config.axes.first()?);
+        let surface = self.extension.state_mut()?.surface.as_mut()?;
+        if surface.at == Some(x) {
+            return None;
+        }
+        surface.at = Some(x);
+        let [zero, length] = [self.modal.work_offset(), self.modal.tool_length()];
+        let zero = zero.first()?.0.saturating_add(length.first()?.0);
+        surface.turn(axis.scale.position(x).abs_diff(zero))
+    }
+}
+
+#[cfg(feature = "extended")]
+impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize>
+    Machine<N, P, L, QUEUE, Extended<N>>
+{
+    /// Sets the level of the probe's input: whether the probe is in contact. Call it before
+    /// [`Machine::next_event`], after the events before have been carried out.
+    ///
+    /// A change that ends a probing move latches the position of the axes. They then brake along
+    /// the path within their acceleration, and the next line begins where they stop.
+    ///
+    /// # Cost
+    /// Constant time; a copy of the position at the contact.
+    pub fn set_probe(&mut self, is_touching: bool) {
+        let state = &mut self.extension.state;
+        state.is_touching = is_touching;
+        let Some(probing) = &mut state.probing else {
+            return;
+        };
+        if probing.contact.is_none() && is_touching != probing.is_away {
+            probing.contact = Some(self.load);
+            probing.was_held = self.ramp.is_held();
+            self.ramp.hold();
+        }
+    }
+
+    /// Whether a probing move is being made.
+    pub const fn is_probing(&self) -> bool {
+        self.extension.state.probing.is_some()
+    }
+
+    /// Sets the tip of the probe. Reported positions are then points of the surface, which is taken
+    /// to be square to the move. `None` (as on a new machine): positions of the axes at the contact.
+    pub fn set_tip(&mut self, tip: Option<Tip<6>>) {
+        self.extension.tip = tip;
+    }
+
+    /// The result of the last probing move; all zero before the first one.
+    pub const fn probed(&self) -> &Probed<N> {
+        &self.extension.state.probed
+    }
+
+    /// Answers [`Event::Await`]: the value of the input in millionths, 1 000 000 for a high level.
+    /// `None`: the condition was not met in time.
+    pub fn answer(&mut self, micro: Option<i64>) {
+        if self.extension.state.is_awaited {
+            self.extension.state.is_awaited = false;
+            self.extension.input_micro = micro.unwrap_or(-1_000_000);
+            self.fill();
+        }
+    }
+
+    /// The last answer in millionths, -1 000 000 for one that did not come in time (#5399).
+    pub const fn input_micro(&self) -> i64 {
+        self.extension.input_micro
+    }
+
+    /// Writes a tool into the table, as G10 L1 does. Returns `false`, with no effect, for tool 0
+    /// and when the table is full.
+    pub fn set_tool(&mut self, number: u32, tool: husillo_gcode::Tool<N>) -> bool {
+        self.modal.set_tool(number, tool)
+    }
+}

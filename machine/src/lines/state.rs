@@ -1,0 +1,153 @@
+//! State of the commands beyond plain moves: a probing move, outputs that wait for a move, an
+//! awaited input, a spindle with a constant surface speed, a curve in progress.
+
+use husillo_gcode::{Nm, SpindleDirection};
+
+use crate::Output;
+use crate::lines::chords::Chords;
+
+/// Number of outputs that can wait for the moves before them. Further ones wait for standstill.
+const SYNCHRONISED: usize = 8;
+
+/// The state; see the module.
+#[derive(Clone, Debug)]
+pub struct State<const N: usize> {
+    pub(crate) probing: Option<Probing<N>>,
+    /// Level of the probe's input.
+    pub(crate) is_touching: bool,
+    pub(crate) probed: Probed<N>,
+    /// An input was requested, and its answer has not come.
+    pub(crate) is_awaited: bool,
+    pub(crate) surface: Option<Surface>,
+    pub(crate) chords: Option<Chords<N>>,
+    outputs: [Option<(Output, usize)>; SYNCHRONISED],
+    /// Override of the operator, and whether the program permits it.
+    pub(crate) percent: u8,
+    pub(crate) permits_override: bool,
+}
+
+/// A probing move in progress.
+#[derive(Copy, Clone, Debug)]
+pub(crate) struct Probing<const N: usize> {
+    pub(crate) from: [Nm; N],
+    pub(crate) to: [Nm; N],
+    pub(crate) is_away: bool,
+    pub(crate) must: bool,
+    /// Steps of the axes at the contact.
+    pub(crate) contact: Option<[i32; N]>,
+    /// The operator held the machine before the contact did.
+    pub(crate) was_held: bool,
+}
+
+/// Result of the last probing move.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub struct Probed<const N: usize> {
+    /// Position at the contact in the machine frame, or the end of a move without contact. If a tip
+    /// is set, it is the point of contact.
+    pub at: [Nm; N],
+    /// The same in the work frame of the probing move: #5061 to #5069.
+    pub in_work: [Nm; N],
+    /// Whether the contact changed: #5070.
+    pub is_touched: bool,
+}
+
+/// A spindle whose speed follows the diameter.
+#[derive(Copy, Clone, Debug)]
+pub(crate) struct Surface {
+    pub(crate) direction: SpindleDirection,
+    /// Surface speed in nm/min.
+    pub(crate) speed: u64,
+    pub(crate) most_milli_rpm: u64,
+    /// The position of X, in steps, for which the speed was computed last.
+    pub(crate) at: Option<i32>,
+    /// The speed in effect.
+    pub(crate) milli_rpm: u64,
+}
+
+impl Surface {
+    /// The speed in effect is kept while it is off by less than a 128th part.
+    const TOLERANCE_BITS: u32 = 7;
+
+    /// The new speed of the spindle with the tool `radius_nm` from its axis, if it has to change.
+    pub(crate) fn turn(&mut self, radius_nm: u64) -> Option<u64> {
+        let wanted = if self.direction == SpindleDirection::Off {
+            0
+        } else {
+            // speed / (2 pi r), with 355 / 113 for pi (8e-8 off). Speeds are below 2^53 nm/min, so
+            // the product may saturate only beyond the highest speed.
+            let turn = radius_nm.saturating_mul(710);
+            let most = self.speed.saturating_mul(113).saturating_mul(1000);
+            most.checked_div(turn)
+                .map_or(self.most_milli_rpm, |rpm| rpm.min(self.most_milli_rpm))
+        };
+        let is_limit = wanted == self.most_milli_rpm || wanted == 0;
+        let off = wanted.abs_diff(self.milli_rpm);
+        if off == 0 || (!is_limit && off <= self.milli_rpm >> Self::TOLERANCE_BITS) {
+            return None;
+        }
+        self.milli_rpm = wanted;
+        Some(wanted)
+    }
+}
+
+impl<const N: usize> State<N> {
+    #[cfg(feature = "extended")]
+    pub(crate) const fn new() -> Self {
+        State {
+            probing: None,
+            is_touching: false,
+            probed: Probed {
+                at: [Nm(0); N],
+                in_work: [Nm(0); N],
+                is_touched: false,
+            },
+            is_awaited: false,
+            surface: None,
+            chords: None,
+            outputs: [const { None }; SYNCHRONISED],
+            percent: 100,
+            permits_override: true,
+        }
+    }
+
+    /// Drops all that is in progress.
+    pub(crate) fn abort(&mut self) {
+        self.probing = None;
+        self.is_awaited = false;
+        self.surface = None;
+        self.chords = None;
+        self.outputs = [const { None }; SYNCHRONISED];
+    }
+
+    /// Whether something is in progress that a later line has to wait for.
+    pub(crate) const fn is_busy(&self) -> bool {
+        self.probing.is_some() || self.is_awaited || self.chords.is_some()
+    }
+
+    /// Adds an output that acts when `moves` moves of the queue have been made and the next one
+    /// begins. Returns `false` if there is no room.
+    pub(crate) fn add(&mut self, output: Output, moves: usize) -> bool {
+        let place = self.outputs.iter_mut().find(|place| place.is_none());
+        place.map(|place| *place = Some((output, moves))).is_some()
+    }
+
+    /// A move of the queue has ended.
+    pub(crate) fn count(&mut self) {
+        for (_, moves) in self.outputs.iter_mut().flatten() {
+            *moves = moves.saturating_sub(1);
+        }
+    }
+
+    /// The next output that acts with the beginning of the first move.
+    pub(crate) fn due(&mut self) -> Option<Output> {
+        let Some((output, 0)) = self.outputs.first().copied().flatten() else {
+            return None;
+        };
+        // The others move up, so they stay in the order of the program.
+        let mut next = None;
+        for place in self.outputs.iter_mut().rev() {
+            next = core::mem::replace(place, next);
+        }
+        Some(output)
+    }
+}

@@ -1,0 +1,69 @@
+//! Alarms by number.
+
+/// An alarm: the position may be wrong, or motion was ended by force. Motion is locked until the
+/// operator unlocks it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[repr(u8)]
+pub enum Alarm {
+    /// A limit switch was touched. Locked until a reset.
+    HardLimit = 1,
+    /// A target outside the travel. Locked until a reset.
+    SoftLimit = 2,
+    /// Reset during motion.
+    AbortCycle = 3,
+    /// The probe was not in the expected state before its move.
+    ProbeInitial = 4,
+    /// The probe did not change.
+    ProbeContact = 5,
+    /// Reset during homing.
+    HomingReset = 6,
+    /// The safety door was opened during homing.
+    HomingDoor = 7,
+    /// The pull-off did not open the switch.
+    HomingPullOff = 8,
+    /// The search found no switch.
+    HomingApproach = 9,
+}
+
+impl Alarm {
+    /// All alarms by number.
+    pub const ALL: [Alarm; 9] = [
+        Alarm::HardLimit,
+        Alarm::SoftLimit,
+        Alarm::AbortCycle,
+        Alarm::ProbeInitial,
+        Alarm::ProbeContact,
+        Alarm::HomingReset,
+        Alarm::HomingDoor,
+        Alarm::HomingPullOff,
+        Alarm::HomingApproach,
+    ];
+
+    /// Its number.
+    pub const fn number(self) -> u8 {
+        self as u8
+    }
+
+    /// The alarm of a number.
+    pub fn of(number: u8) -> Option<Alarm> {
+        Alarm::ALL
+            .into_iter()
+            .find(|alarm| alarm.number() == number)
+    }
+
+    /// What happened.
+    pub const fn text(self) -> &'static str {
+        match self {
+            Alarm::HardLimit => "a limit switch was touched",
+            Alarm::SoftLimit => "the target is outside the travel",
+            Alarm::AbortCycle => "reset during motion: the position may be wrong",
+            Alarm::ProbeInitial => "the probe was not in the expected state",
+            Alarm::ProbeContact => "the probe did not change",
+            Alarm::HomingReset => "reset during homing",
+            Alarm::HomingDoor => "the door was opened during homing",
+            Alarm::HomingPullOff => "the pull-off did not open the switch",
+            Alarm::HomingApproach => "homing found no switch",
+        }
+    }
+}

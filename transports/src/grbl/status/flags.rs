@@ -1,0 +1,79 @@
+//! Letters of a status report.
+
+use crate::grbl::text::Text;
+
+/// Closed inputs, one bit each.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Pins(pub u16);
+
+/// What runs, one bit each.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Accessories(pub u8);
+
+/// Letters of the bits, the lowest one first.
+const PINS: &[u8] = b"PXYZABCDHRS";
+/// Spindle clockwise, counter-clockwise, flood, mist.
+const ACCESSORIES: &[u8] = b"SCFM";
+
+impl Pins {
+    /// The probe.
+    pub const PROBE: u16 = 1;
+    /// The limit switch of X. Those of the other axes follow, up to C.
+    pub const LIMIT_X: u16 = 1 << 1;
+    /// The safety door.
+    pub const DOOR: u16 = 1 << 7;
+    /// The hold button.
+    pub const HOLD: u16 = 1 << 8;
+    /// The reset button.
+    pub const RESET: u16 = 1 << 9;
+    /// The start button.
+    pub const START: u16 = 1 << 10;
+
+    pub(crate) fn put(self, text: &mut Text) {
+        put(text, b"|Pn:", PINS, self.0);
+    }
+
+    pub(crate) fn parse(letters: &[u8]) -> Pins {
+        Pins(parse(PINS, letters))
+    }
+}
+
+impl Accessories {
+    /// The spindle turns clockwise.
+    pub const CLOCKWISE: u8 = 1;
+    /// The spindle turns counter-clockwise.
+    pub const COUNTER_CLOCKWISE: u8 = 2;
+    /// Flood coolant.
+    pub const FLOOD: u8 = 4;
+    /// Mist coolant.
+    pub const MIST: u8 = 8;
+
+    pub(crate) fn put(self, text: &mut Text) {
+        put(text, b"|A:", ACCESSORIES, self.0.into());
+    }
+
+    pub(crate) fn parse(letters: &[u8]) -> Accessories {
+        // There are four letters.
+        Accessories(parse(ACCESSORIES, letters) as u8)
+    }
+}
+
+fn put(text: &mut Text, name: &[u8], letters: &[u8], bits: u16) {
+    if bits == 0 {
+        return;
+    }
+    text.put(name);
+    for (bit, letter) in (0_u32..).zip(letters) {
+        if bits.wrapping_shr(bit) & 1 == 1 {
+            text.put(&[*letter]);
+        }
+    }
+}
+
+fn parse(all: &[u8], letters: &[u8]) -> u16 {
+    let bits = (0_u32..).zip(all);
+    bits.filter(|(_, letter)| letters.contains(letter))
+        .fold(0, |bits, (bit, _)| bits | 1_u16.wrapping_shl(bit))
+}
