@@ -8,11 +8,12 @@ mod milling;
 mod reporting;
 mod reproduce;
 mod rewrite;
+mod schema;
 mod simulate;
 mod stop;
 
 use job::{Job, displayed, load, not_loaded, whole};
-use reporting::{left_out, verdict, with_findings, with_some_findings};
+use reporting::{MOST_PRINTED, left_out, verdict, with_findings, with_some_findings};
 
 use crate::cli::{
     Calibrate, Check, Cli, Command, Commands, Compare, Compile, DrillOrder, DrillOutput, Emulate,
@@ -41,12 +42,14 @@ use crate::programs::commands;
 use crate::programs::program::{self, Meaning};
 use crate::programs::setup;
 use crate::programs::steps;
+use crate::text::json::{write_found, write_line};
 use crate::tuning;
 use clap::CommandFactory;
 use husillo_clients::microfactory::Settings;
 use husillo_gcode::Dialect;
 use husillo_holes::Metric;
 use husillo_methods::{Comparer, Weights, programmed};
+use serde_json::json;
 use std::io::{self, BufWriter, IsTerminal, Write};
 
 /// The program has no errors.
@@ -97,6 +100,7 @@ pub fn run(cli: &Cli) -> Result<u8, Failure> {
         Command::Compare(args) => compare_methods(args),
         Command::Machines(args) => show_machines(args),
         Command::Explain(args) => explain::explain(args),
+        Command::Schema { name } => schema::print(name.as_deref()),
         Command::Completions { shell } => completions(*shell),
         Command::Man { folder } => man_pages(folder),
         Command::Jog(args) => driven(|out| jog(args, out)),
@@ -145,32 +149,35 @@ fn write_page(command: &clap::Command, folder: &str, outputs: &mut Outputs) -> i
 }
 
 fn show_machines(args: &Machines) -> Result<u8, Failure> {
-    let text = match &args.action {
-        None => listing::list()?,
+    let out = &mut console::stdout();
+    match &args.action {
+        None if args.format == Output::Json => {
+            let list = json!({"machines": listing::machines()?});
+            write_line("husillo.machines/1", &list, out)?;
+        }
+        None => out.write_all(listing::list()?.as_bytes())?,
         Some(MachinesAction::Write { machine, file }) => return write_machine(machine, file),
         Some(MachinesAction::Show { machine, format }) if MachineFile::is_measuring(machine) => {
             // Its file contains all that is known of it.
             let text = MachineFile::text_of(machine).unwrap_or_default();
             match format {
-                Output::Text => text.to_owned(),
+                Output::Text => out.write_all(text.as_bytes())?,
                 Output::Json => {
-                    let table: toml::Table =
+                    let file: toml::Table =
                         toml::from_str(text).map_err(|error| error.to_string())?;
-                    serde_json::to_string_pretty(&table).map_err(io::Error::from)? + "\n"
+                    let shown = json!({"name": machine, "title": file.get("title"), "file": file});
+                    write_line("husillo.machines.measuring/1", &shown, out)?;
                 }
             }
         }
         Some(MachinesAction::Show { machine, format }) => {
             let shown = listing::show(&load(machine)?);
             match format {
-                Output::Text => shown.text(),
-                Output::Json => {
-                    serde_json::to_string_pretty(&shown).map_err(io::Error::from)? + "\n"
-                }
+                Output::Text => out.write_all(shown.text().as_bytes())?,
+                Output::Json => write_line("husillo.machines.show/1", &shown, out)?,
             }
         }
-    };
-    console::stdout().write_all(text.as_bytes())?;
+    }
     Ok(OK)
 }
 
@@ -446,11 +453,8 @@ fn compare_methods(args: &Compare) -> Result<u8, Failure> {
     match format {
         Page::Text => compare_text::print(&comparison, &mut out)?,
         Page::Json => {
-            let json = serde_json::to_string_pretty(&comparison.rows).map_err(io::Error::other)?;
-            writeln!(out, "{json}")?;
-            for note in &comparison.notes {
-                eprintln!("note: {note}");
-            }
+            let body = json!({"methods": comparison.rows, "notes": comparison.notes});
+            write_line("husillo.compare/1", &body, &mut out)?;
         }
         Page::Html => out.write_all(compare_page::html(&comparison).as_bytes())?,
     }
@@ -513,10 +517,16 @@ fn list_holes(args: &Holes) -> Result<u8, Failure> {
         let message = "records are bytes and not for a terminal: see -o and --format json";
         return Err(Failure::Usage(message.into()));
     }
+    // A list has the findings in it. Other forms may not be written for them.
+    let printed = match args.make {
+        DrillOutput::List => args.format,
+        DrillOutput::Gcode | DrillOutput::Drill => Output::Text,
+    };
     let name = displayed(&args.file);
     let text = whole(&args.file)?;
-    let (mut board, findings) =
-        with_findings(|findings| Ok(holes::read(&text, name, &options, findings)))?;
+    let (mut board, findings) = with_some_findings(MOST_PRINTED, printed, |findings| {
+        Ok(holes::read(&text, name, &options, findings))
+    })?;
     let (errors, warnings) = (findings.errors, findings.warnings);
     if errors > 0 && args.make != DrillOutput::List {
         eprintln!("{name}: {}; nothing written", verdict(errors, warnings));
@@ -551,7 +561,7 @@ fn list_holes(args: &Holes) -> Result<u8, Failure> {
             }
         }
         (None, Output::Text) => holes::listing::print(&board, name, &mut made)?,
-        (None, Output::Json) => holes::listing::print_json(&board, errors, warnings, &mut made)?,
+        (None, Output::Json) => holes::listing::print_json(&board, &findings, &mut made)?,
     }
     match args.output.as_deref().unwrap_or("-") {
         // A list is text or one line of JSON; the other forms are bytes for a machine.
@@ -599,6 +609,14 @@ fn check_file(args: &Check, file: &str, findings: &mut Findings) -> Result<(), F
 fn print_checked(args: &Check, file: &str, findings: &Findings, is_whole: bool) -> io::Result<()> {
     let stdout = io::stdout();
     let is_coloured = console::is_coloured(&stdout);
+    if args.format == Format::Json {
+        let body = json!({
+            "file": displayed(file),
+            "errors": findings.errors,
+            "warnings": findings.warnings,
+        });
+        return write_found("husillo.check/1", &body, findings, &mut console::stdout());
+    }
     let mut out = BufWriter::new(stdout.lock());
     findings.print(args.format, is_coloured, &mut out)?;
     if is_whole && args.format == Format::Text {
@@ -624,16 +642,31 @@ fn print_commands(args: &Commands) -> Result<u8, Failure> {
     let mut source = job.open()?;
     let mut out = BufWriter::with_capacity(1 << 18, console::stdout());
     let json = args.format == Listing::Json;
-    let ((), findings) = with_some_findings(args.limit, |findings| {
+    let format = if json { Output::Json } else { Output::Text };
+    let ((), findings) = with_some_findings(args.limit, format, |findings| {
         commands::print(&mut source, job.name(), job.start, json, findings, &mut out)?;
         Ok(out.flush()?)
     })?;
+    if json {
+        let body = json!({
+            "kind": "findings",
+            "errors": findings.errors,
+            "warnings": findings.warnings,
+        });
+        write_found(
+            "husillo.commands/1",
+            &body,
+            &findings,
+            &mut console::stdout(),
+        )?;
+    }
     Ok(if findings.errors > 0 { ERRORS } else { OK })
 }
 
 fn write_steps(args: &Steps) -> Result<u8, Failure> {
     let mut job = choice::job(&args.file, &args.target, args.place.zero, args.limit)?;
-    let (_, findings) = with_some_findings(args.limit, |findings| job.check(findings))?;
+    let (_, findings) =
+        with_some_findings(args.limit, Output::Text, |findings| job.check(findings))?;
     if findings.errors > 0 {
         eprintln!(
             "{}: {}; nothing moves",

@@ -130,6 +130,14 @@ pub enum Command {
         husillo explain E0302\n  \
         husillo explain G83 M19")]
     Explain(Explain),
+    /// Print the JSON schema of what a command prints
+    #[command(after_help = "Examples:\n  \
+        husillo schema              the names of all schemas\n  \
+        husillo schema run          of `husillo run --format json`")]
+    Schema {
+        /// Name of the schema, as in husillo.NAME/1
+        name: Option<String>,
+    },
     /// Print the completions of a shell
     #[command(after_help = "Example:\n  \
         husillo completions bash > ~/.local/share/bash-completion/completions/husillo")]
@@ -371,6 +379,9 @@ pub struct Explain {
 /// `husillo machines`.
 #[derive(Debug, Args)]
 pub struct Machines {
+    /// How to print the list
+    #[arg(long, value_enum, default_value = "text")]
+    pub format: Output,
     #[command(subcommand)]
     pub action: Option<MachinesAction>,
 }

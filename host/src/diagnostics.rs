@@ -248,6 +248,11 @@ impl Findings {
         (self.errors + self.warnings).saturating_sub(self.most)
     }
 
+    /// The kept findings.
+    pub fn kept(&self) -> &[Finding] {
+        &self.kept
+    }
+
     /// Each kept finding as one line of text, without control characters.
     pub fn short(&self) -> Vec<String> {
         let short = |finding: &Finding| shown(&finding.short());

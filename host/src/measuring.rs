@@ -29,6 +29,7 @@ pub use halt::halt;
 use crate::cli::{Emulate, Measure, Results};
 use crate::console::stop::INTERRUPTED;
 use crate::machines::machine_file::LoadError;
+use crate::text::json::write_line;
 use action::Action;
 use husillo_metrology::Trouble;
 use husillo_metrology::calibration::Calibrated;
@@ -143,8 +144,8 @@ fn write_rows(
     table: &mut Vec<u8>,
 ) -> std::io::Result<()> {
     if format == Results::Json {
-        let json = serde_json::to_string_pretty(rows)?;
-        writeln!(out, "{json}")?;
+        let body = serde_json::json!({"results": rows});
+        write_line("husillo.measure/1", &body, &mut &mut *out)?;
     }
     writeln!(table, "{CSV_HEAD}")?;
     rows.iter()

@@ -239,7 +239,7 @@ fn programs_are_compiled_and_listed() {
     };
     listed("text").stdout(contains("1  X 1070       10 mm").and(contains("drill        to the")));
     listed("json").stdout(contains(
-        "{\"record\":4,\"kind\":\"x\",\"steps\":1342,\"nm\":12542056}",
+        "\"record\":4,\"kind\":\"x\",\"steps\":1342,\"nm\":12542056}",
     ));
     // There and back: the same bytes.
     let text = String::from_utf8(listed("gcode").get_output().stdout.clone()).unwrap();

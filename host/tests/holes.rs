@@ -123,9 +123,9 @@ fn tango_has_its_own_defaults_and_tools_from_the_command_line() {
         ])
         .assert()
         .success()
-        .stdout(contains("[31.75, 50.8, null]"))
-        .stderr(contains("the diameter of tool T1 is unknown"))
-        .stderr(contains("--tool 1=0.8"));
+        .stdout(contains("[31.75,50.8,null]"))
+        .stdout(contains("the diameter of tool T1 is unknown"))
+        .stdout(contains("--tool 1=0.8"));
 }
 
 #[test]

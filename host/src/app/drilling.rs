@@ -11,13 +11,14 @@ use crate::holes::drill_records::{Compiler, Refusal};
 use crate::output::Outputs;
 use crate::programs::setup;
 use crate::programs::source::Source;
+use crate::text::json::write_line;
 use husillo_clients::drill::{Part, lean, millimetres, seconds, spoken, travel_steps};
 use husillo_gcode::{Dialect, Nm};
 use husillo_holes::{Metric, ToolRecords};
 use husillo_sim::device::drill::STROKE_STEPS;
 use husillo_transports::drill::{Record, STEPS_PER_MM, Table};
 use serde::Serialize;
-use std::io::{self, BufWriter, Write};
+use std::io::{BufWriter, Write};
 
 /// What is to be drilled.
 pub(super) struct Job {
@@ -300,8 +301,7 @@ pub(super) fn list(file: &str, format: Listing) -> Result<u8, Failure> {
                     steps,
                     nm: millimetres(steps).0,
                 };
-                serde_json::to_writer(&mut out, &listed).map_err(io::Error::from)?;
-                out.write_all(b"\n")?;
+                write_line("husillo.commands.records/1", &listed, &mut out)?;
             }
         }
     }

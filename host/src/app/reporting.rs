@@ -1,27 +1,33 @@
 //! Prints findings to standard error, and counts them.
 
 use super::Failure;
+use crate::cli::Output;
 use crate::console::is_coloured;
 use crate::diagnostics::{Finding, Findings, Format};
 use std::io;
 
 /// Number of findings of a file that are printed, without an option.
-const MOST_PRINTED: u64 = 50;
+pub const MOST_PRINTED: u64 = 50;
 
 /// Calls `make`, and prints its findings to standard error, even if it fails.
 pub fn with_findings<T>(
     make: impl FnOnce(&mut Findings) -> Result<T, Failure>,
 ) -> Result<(T, Findings), Failure> {
-    with_some_findings(MOST_PRINTED, make)
+    with_some_findings(MOST_PRINTED, Output::Text, make)
 }
 
-/// The same for at most `limit` findings.
+/// The same for at most `limit` findings. Those of JSON are printed in its object.
 pub fn with_some_findings<T>(
     limit: u64,
+    format: Output,
     make: impl FnOnce(&mut Findings) -> Result<T, Failure>,
 ) -> Result<(T, Findings), Failure> {
     let mut findings = Findings::new(limit);
     let made = make(&mut findings);
+    // The object of a command that fails is not printed.
+    if format == Output::Json && made.is_ok() {
+        return Ok((made?, findings));
+    }
     let is_coloured = is_coloured(&io::stderr());
     findings.print(Format::Text, is_coloured, &mut io::stderr())?;
     if let Some(left_out) = left_out(&findings) {

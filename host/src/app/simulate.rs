@@ -33,12 +33,13 @@ pub(super) fn simulate(args: &RunArgs) -> Result<u8, Failure> {
 
 fn simulate_job(job: &mut Job, args: &RunArgs) -> Result<u8, Failure> {
     let is_text = args.format == Output::Text;
-    let (mut facts, findings) = with_some_findings(args.limit, |findings| job.check(findings))?;
+    let (mut facts, findings) =
+        with_some_findings(args.limit, args.format, |findings| job.check(findings))?;
     let verdict = verdict(findings.errors, findings.warnings);
     if findings.errors > 0 {
         eprintln!("{}: {verdict}; nothing moves", job.name());
         if !is_text {
-            Results::refused(&findings).print_json()?;
+            Results::refused(&findings).print_json(job, &findings)?;
         }
         return Ok(ERRORS);
     }
@@ -61,13 +62,14 @@ fn simulate_job(job: &mut Job, args: &RunArgs) -> Result<u8, Failure> {
     let results = Results {
         order,
         errors: lost.len() as u64,
+        losses: lost,
         warnings: findings.warnings,
         ..Results::new(job, &run, &facts, end.offset_nm)
     };
     if is_text {
         summary::print(job, &run, &results, &facts)?;
     } else {
-        results.print_json()?;
+        results.print_json(job, &findings)?;
     }
     let size = files.write_report(|| {
         let take_up_s = (!args.no_compensation).then(|| {
@@ -88,7 +90,7 @@ fn simulate_job(job: &mut Job, args: &RunArgs) -> Result<u8, Failure> {
             "Wrote      {path} ({size} kB) - open it in any browser"
         )?;
     }
-    for sentence in &lost {
+    for sentence in &results.losses {
         eprintln!("{}: {sentence}", job.name());
     }
     if end.has_stopped {
@@ -97,7 +99,7 @@ fn simulate_job(job: &mut Job, args: &RunArgs) -> Result<u8, Failure> {
             job.name()
         );
     }
-    let is_well = lost.is_empty() && !end.has_stopped;
+    let is_well = results.losses.is_empty() && !end.has_stopped;
     Ok(if is_well { OK } else { ERRORS })
 }
 

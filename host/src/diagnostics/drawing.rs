@@ -13,7 +13,7 @@ pub enum Format {
     Text,
     /// `file:line:column: error[E0301]: message`, for editors and screen readers.
     Short,
-    /// One JSON object per line.
+    /// One JSON object for each program, with its findings.
     Json,
 }
 
@@ -54,7 +54,8 @@ impl Finding {
         match format {
             Format::Text => writeln!(out, "{}\n", self.drawn(colour)),
             Format::Short => writeln!(out, "{}", shown(&self.short())),
-            Format::Json => writeln!(out, "{}", shown(&self.json())),
+            // Findings are printed in the object of their command.
+            Format::Json => Ok(()),
         }
     }
 
@@ -129,7 +130,7 @@ impl Finding {
         }
     }
 
-    fn json(&self) -> String {
+    fn listed(&self) -> JsonFinding<'_> {
         let place = self.place.as_ref();
         let fixes = match (&self.fix, place) {
             (Some(fix), Some(place)) => vec![JsonFix {
@@ -140,7 +141,7 @@ impl Finding {
             }],
             _ => Vec::new(),
         };
-        let json = JsonFinding {
+        JsonFinding {
             code: &self.code,
             severity: self.severity.name(),
             file: place.map(|place| place.file.as_str()),
@@ -152,8 +153,7 @@ impl Finding {
             notes: &self.notes,
             help: self.help.as_deref(),
             fixes,
-        };
-        serde_json::to_string(&json).unwrap_or_default()
+        }
     }
 }
 
@@ -177,6 +177,12 @@ fn drawn_at<'a>(
         .line_start(place.line)
         .path(&place.file)
         .annotation(mark)
+}
+
+impl Serialize for Finding {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.listed().serialize(serializer)
+    }
 }
 
 /// One finding of `--format json`.
@@ -218,7 +224,8 @@ mod tests {
             finding.short(),
             "part.nc:2:15: error[E0201]: unknown word `U`"
         );
-        assert!(finding.json().contains("\"column\":15,\"end\":19"));
+        let json = serde_json::to_string(&finding).unwrap();
+        assert!(json.contains("\"column\":15,\"end\":19"));
         let drawn = finding.drawn(false);
         assert!(drawn.contains("--> part.nc:2:15"), "{drawn}");
         assert!(drawn.contains("2 + N050 G01 X2.0 F12"), "{drawn}");

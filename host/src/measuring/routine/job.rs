@@ -153,7 +153,7 @@ pub fn run(
     };
     match args.format {
         Results::Text => writeln!(out, "{}", listing::summary(features))?,
-        Results::Json => writeln!(out, "{}", json())?,
+        Results::Json => write!(out, "{}", json())?,
         Results::Csv => write!(out, "{}", listing::csv(features))?,
     }
     if let Some(path) = &args.output {

@@ -1,6 +1,7 @@
 //! Measured features as text, JSON and a table.
 
 use super::heading::Heading;
+use crate::text::json::write_line;
 use crate::text::length::length;
 use husillo_metrology::routine::{Dimension, Feature, Verdict, decimal, number, signed};
 use serde_json::{Value, json};
@@ -111,7 +112,10 @@ pub fn json(
         "in_tolerance": trouble.is_none() && !has_collided && features.iter().all(Feature::is_good),
         "features": all,
     });
-    format!("{whole:#}")
+    let mut line = Vec::new();
+    // A vector takes every byte.
+    let _ = write_line("husillo.measure.run/1", &whole, &mut line);
+    String::from_utf8_lossy(&line).into_owned()
 }
 
 fn object(feature: &Feature) -> Value {
