@@ -154,6 +154,8 @@ pub enum ErrorKind {
     NurbsOpen,
     /// The end of a NURBS (G5.3) with fewer control points than its order, or without a start.
     TooFewPoints,
+    /// A code, or an arc outside of G17, that is not possible in a rotated work frame.
+    RotatedFrame,
     /// A code that needs the lines around its own (M70 to M73, M98, M99), where only one line is
     /// available.
     NeedsProgram,
@@ -241,6 +243,7 @@ impl ErrorKind {
             ErrorKind::NoProbeMove => 312,
             ErrorKind::NurbsOpen => 313,
             ErrorKind::TooFewPoints => 314,
+            ErrorKind::RotatedFrame => 315,
             ErrorKind::CompensationEntry => 320,
             ErrorKind::EntryTooShort(_) => 321,
             ErrorKind::Gouge => 322,
@@ -403,6 +406,7 @@ impl fmt::Display for ErrorKind {
             ErrorKind::NoProbeMove => "probe move without length",
             ErrorKind::NurbsOpen => "NURBS is not ended by `G5.3`",
             ErrorKind::TooFewPoints => "NURBS with fewer control points than its order",
+            ErrorKind::RotatedFrame => "not in a rotated work frame",
             ErrorKind::NeedsProgram => "code needs the whole program",
             ErrorKind::UnderCompensation => "not while cutter compensation is on",
             ErrorKind::CompensationEntry => {

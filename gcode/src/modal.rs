@@ -7,11 +7,15 @@ mod drill;
 mod frames;
 pub(crate) mod modes;
 mod motion;
+#[cfg(all(feature = "program", feature = "extended"))]
+pub(crate) mod saved;
 mod settings;
 #[cfg(feature = "extended")]
 mod special;
 mod state;
 pub(crate) mod tools;
+#[cfg(feature = "extended")]
+mod turned;
 
 use crate::blocks::block::Block;
 use crate::blocks::fault::{Fault, Reason};
@@ -48,6 +52,9 @@ pub struct Modal<const N: usize> {
     /// Positions of G28 and G30.
     pub(crate) homes: [[Nm; N]; 2],
     pub(crate) offsets: [[Nm; N]; SYSTEMS],
+    /// Rotation of each work frame about its zero, in billionths of a degree.
+    #[cfg(feature = "extended")]
+    pub(crate) angles: [i64; SYSTEMS],
     pub(crate) tools: Tools<N>,
 }
 
@@ -75,6 +82,8 @@ impl<const N: usize> Modal<N> {
         modes: Modes::NONE,
         homes: [[Nm(0); N]; 2],
         offsets: [[Nm(0); N]; SYSTEMS],
+        #[cfg(feature = "extended")]
+        angles: [0; SYSTEMS],
         tools: Tools::new(),
     };
 
@@ -175,6 +184,8 @@ impl<const N: usize> Modal<N> {
         let code = block.code(Group::Motion).unwrap_or(before);
         // A cycle that ends here leaves words that have to be cleared.
         let simple = before.is_plain_move() || before == Code::CancelMotion || !EXTENDED;
+        #[cfg(feature = "extended")]
+        let simple = simple && !self.modes.is_rotated;
         Some(code).filter(|code| block.is_move() && code.is_plain_move() && simple)
     }
 
@@ -283,6 +294,7 @@ impl<const N: usize> Modal<N> {
             self.modes.sticky = Sticky::NONE;
             (self.modes.more.tail, self.modes.more.compensation) = (None, None);
             self.modes.more.nurbs = None;
+            self.note_rotation();
         }
         self.stop_outputs();
     }

@@ -175,6 +175,9 @@ fn axes_of_machines() {
     assert_eq!(position::<17>()[3], Nm(1_000_000));
     let mut modal = Modal::<17>::new(Dialect::RS274);
     modal.set_position([Nm(5); 17]);
+    let block = Block::parse(b"G0 X1", &Dialect::RS274).expect("a block");
+    let there = modal.plan(&block).expect("a plan").0.position();
+    assert_eq!((there[0], there[16]), (Nm(1_000_000), Nm(5)));
     let block = Block::parse(b"G91 G28 X0", &Dialect::RS274).expect("a block");
     let home = modal.plan(&block).expect("a plan").0.position();
     assert_eq!((home[0], home[1], home[16]), (Nm(0), Nm(5), Nm(5)));

@@ -251,12 +251,16 @@ fn offsets_across_the_plane() {
     }
 }
 
-/// G10 rotates no work frame, and writes no tools where the dialect has none.
+/// G10 rotates a work frame only with L2, and writes no tools where the dialect has none.
 #[test]
 fn data_that_cannot_be_set() {
     assert_eq!(verdict("G10 L2 P1 X1 R0"), None);
+    assert_eq!(verdict("G10 L2 P1 X1 R10"), None);
     let refused = Some(ErrorKind::OutOfRange(b'R'));
-    assert_eq!(verdict("G10 L2 P1 X1 R10"), refused);
+    assert_eq!(verdict("G10 L20 P1 X1 R10"), refused);
+    let rotated = Block::parse(b"G10 L2 P1 X1 R10", &Dialect::GRBL).expect("a block");
+    let grbl = Modal::<3>::new(Dialect::GRBL).plan(&rotated);
+    assert_eq!(grbl.err().map(|error| error.kind), refused);
     for (kind, is_tool) in [(1, true), (10, true), (11, true), (2, false), (20, false)] {
         let line = format!("G10 L{kind} P1 Z1");
         let block = Block::parse(line.as_bytes(), &Dialect::GRBL).expect("a block");

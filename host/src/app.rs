@@ -31,8 +31,6 @@ use crate::lash;
 use crate::machines::listing;
 use crate::machines::machine_file::{MEASURING, MachineFile};
 use crate::measuring::{self, Stopped};
-use crate::methods::compare_page;
-use crate::methods::compare_text;
 use crate::methods::interpolate;
 use crate::methods::one_move::one_move;
 use crate::microfactory;
@@ -49,6 +47,7 @@ use husillo_clients::microfactory::Settings;
 use husillo_gcode::Dialect;
 use husillo_holes::Metric;
 use husillo_methods::{Comparer, Weights, programmed};
+use husillo_reports::methods;
 use serde_json::json;
 use std::io::{self, BufWriter, IsTerminal, Write};
 
@@ -451,12 +450,12 @@ fn compare_methods(args: &Compare) -> Result<u8, Failure> {
         None => Box::new(console::stdout()),
     };
     match format {
-        Page::Text => compare_text::print(&comparison, &mut out)?,
+        Page::Text => methods::print(&comparison, &mut out)?,
         Page::Json => {
             let body = json!({"methods": comparison.rows, "notes": comparison.notes});
             write_line("husillo.compare/1", &body, &mut out)?;
         }
-        Page::Html => out.write_all(compare_page::html(&comparison).as_bytes())?,
+        Page::Html => out.write_all(methods::html(&comparison).as_bytes())?,
     }
     out.flush()?;
     outputs.finish()?;
@@ -683,7 +682,7 @@ fn write_steps(args: &Steps) -> Result<u8, Failure> {
         .transpose()?;
     let mut outputs = Outputs::new();
     let mut out = outputs.create(&args.output)?;
-    let count = steps::write(&mut source, &mut machine, motors, &mut out)?;
+    let count = steps::write(&mut source, &mut machine, &job.piece(), motors, &mut out)?;
     out.flush()?;
     outputs.finish()?;
     if args.output != "-" {

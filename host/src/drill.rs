@@ -8,7 +8,6 @@
 
 mod manifest;
 mod operator;
-mod page;
 mod program;
 #[cfg(test)]
 mod tests;
@@ -16,7 +15,6 @@ mod tests;
 pub use manifest::{
     file_names, load as load_manifest, load_records, name as manifest_name, text as manifest_text,
 };
-pub use page::{Board, html as page};
 pub use program::{Translation, text as program_text};
 
 use crate::cli::Jog;

@@ -3,7 +3,6 @@
 mod bench;
 mod calibrating;
 mod circles;
-mod page;
 mod readings;
 
 pub use bench::SimulatedBench;

@@ -14,7 +14,6 @@
 //! | `micromill`, `drill`, `microfactory` | programs and commands for these machines |
 //! | `console` | the terminal: what is shown, typed lines, Ctrl-C |
 //! | `emulate` | simulated controllers behind a port |
-//! | `page` | the parts of the reports |
 //! | `text` | formats of values |
 #![forbid(unsafe_code)]
 
@@ -35,7 +34,6 @@ mod methods;
 mod microfactory;
 mod micromill;
 mod output;
-mod page;
 mod programs;
 mod reproducing;
 mod simulation;

@@ -9,6 +9,7 @@ pub mod feeder;
 pub mod format;
 pub mod mirror;
 pub mod program;
+pub mod reading;
 pub mod reversals;
 pub mod setup;
 pub mod source;

@@ -2,38 +2,12 @@
 
 mod microfactory;
 mod micromill;
-pub mod page;
-mod picture;
-pub mod text;
 
 use crate::cli::Original;
 use husillo_metrology::originals::Table;
 use husillo_metrology::originals::cmm::repeatability;
 use husillo_metrology::originals::drill::holes;
-use picture::Picture;
-use serde::Serialize;
-
-/// The rebuilt tables of a machine.
-#[derive(Serialize)]
-pub struct Rebuilt {
-    /// Its name.
-    pub machine: &'static str,
-    /// Its tables.
-    pub tables: Vec<Table>,
-    /// Pictures, each with the number of its table.
-    #[serde(skip)]
-    pub pictures: Vec<(&'static str, Picture)>,
-}
-
-impl Rebuilt {
-    fn new(machine: &'static str) -> Self {
-        Self {
-            machine,
-            tables: Vec::new(),
-            pictures: Vec::new(),
-        }
-    }
-}
+use husillo_reports::originals::Rebuilt;
 
 /// Rebuilds all tables of a machine, or one of them.
 ///

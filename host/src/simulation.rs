@@ -6,3 +6,4 @@
 
 pub mod mechanics;
 pub mod run;
+pub mod work_piece;

@@ -1,7 +1,3 @@
-//! Formats values for people and for programs; shared by several commands.
+//! Formats of values.
 
-pub mod duration;
-pub mod escape;
 pub mod json;
-pub mod length;
-pub mod number;

@@ -1,10 +1,5 @@
 //! `husillo tune`: finds and tests the gains of a servo.
 
-mod listing;
-mod page;
-
-pub use listing::percent;
-
 use crate::cli::{Output, Tune, TuneMethod, TuneRule};
 use crate::console::sharing::share;
 use crate::console::stop::INTERRUPTED;
@@ -21,6 +16,7 @@ use husillo_metrology::tuning::{
     Direct, Experiment, Failed, Linked, Method, NoRelay, Outcome, RelaySettings, Rig, Stand,
 };
 use husillo_pid::tuning::Rule;
+use husillo_reports::tuning;
 use husillo_transports::nmc::Gains;
 use std::io::Write;
 
@@ -53,11 +49,11 @@ pub fn tune(args: &Tune, out: &mut dyn Write, page: &mut String) -> Result<(), S
     };
     outcome.aborted = result.is_err().then(|| message.clone()).flatten();
     let written = match args.format {
-        Output::Text => write!(out, "{}", listing::text(&outcome)),
+        Output::Text => write!(out, "{}", tuning::text(&outcome)),
         Output::Json => write_line("husillo.tune/1", &outcome, &mut &mut *out),
     }
     .and_then(|()| out.flush());
-    *page = page::html(&outcome, &stand.traces);
+    *page = tuning::html(&outcome, &stand.traces);
     match message {
         Some(message) if interrupt.has_stopped() => {
             eprintln!("error: {message}");

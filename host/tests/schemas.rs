@@ -7,7 +7,7 @@ use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Commands that together print everything that the schemas have.
-const COMMANDS: [&str; 48] = [
+const COMMANDS: [&str; 49] = [
     "check tests/data/errors.nc",
     "check ../examples/circles.nc -m micromill",
     "check ../examples/thread.nc ../examples/gear.nc -m lathe",
@@ -16,6 +16,7 @@ const COMMANDS: [&str; 48] = [
     "run ../examples/circles.nc",
     "run ../examples/circles.nc --order mirrored --symmetry 5",
     "run tests/data/errors.nc -m free",
+    "run tests/data/json/probing.nc -m router --zero X20Y20Z0",
     "run ../examples/circles.nc -m tests/data/json/encoder.toml --lose x:20000:-8",
     "commands tests/data/json/kinds.nc",
     "commands tests/data/json/holes.pcb --dialect drill",
@@ -55,7 +56,8 @@ const COMMANDS: [&str; 48] = [
     "check no-such.nc",
     "measure -m cmm3 home x where",
     "measure -m cmm where",
-    "measure -m cmm3 --piece ../examples/piece.toml goto Z-8 calibrate sphere X-25 Y25 Z-20 R10",
+    "measure -m cmm3 --piece ../examples/piece.toml goto Z-8 calibrate sphere X-25 Y25 Z-20 R10 \
+     goto Z5 goto X20 Y20 goto Z-15 touch -z calibrate -z --reference -20",
 ];
 
 /// The schemas that the program prints, with their names.

@@ -121,9 +121,10 @@ fn ramp(criterion: &mut Criterion) {
             let limits = black_box(Limits {
                 top_nm_per_s: 100_000_000,
                 exit_squared: 0,
+                version: 0,
             });
             for _ in 0..EVENTS {
-                black_box(ramp.wait(black_box(1), limits));
+                black_box(ramp.wait(black_box(1), &limits));
             }
         });
     });
@@ -138,9 +139,10 @@ fn ramp(criterion: &mut Criterion) {
             let limits = black_box(Limits {
                 top_nm_per_s: 100_000_000,
                 exit_squared: u64::MAX,
+                version: 0,
             });
             for _ in 0..EVENTS {
-                black_box(ramp.wait(black_box(1), limits));
+                black_box(ramp.wait(black_box(1), &limits));
             }
         });
     });
@@ -154,10 +156,11 @@ fn ramp(criterion: &mut Criterion) {
         let limits = Limits {
             top_nm_per_s: 100_000_000,
             exit_squared: 0,
+            version: 0,
         };
         bencher.iter(|| {
             ramp.begin(black_box(&short), black_box(143), 1, 200 << 16);
-            ramp.wait(black_box(1), limits)
+            ramp.wait(black_box(1), &limits)
         });
     });
     group.finish();

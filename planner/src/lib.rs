@@ -10,7 +10,6 @@ mod junction;
 mod look_ahead;
 mod quotient;
 mod ramp;
-mod rate;
 mod ring;
 mod stretch;
 
@@ -31,7 +30,7 @@ pub use direction::Direction;
 pub use follower::{Due, Follower};
 pub use junction::{Junction, arc_acceleration, arc_speed};
 pub use look_ahead::{Limits, LookAhead};
-pub use ramp::Ramp;
+pub use ramp::{Piece, Ramp};
 pub use rates::{Rates, RatesError};
 pub use recurrence::Recurrence;
 pub use s_curve::SCurve;

@@ -18,7 +18,8 @@
 //! The lowest candidate is always the first one. This is the well-known minimum over a sliding
 //! window; the two passes of Grbl's planner.c give the same speeds.
 
-use crate::{Stretch, ring::Ring, stretch::square};
+use crate::stretch::{Percents, square};
+use crate::{Stretch, ring::Ring};
 
 /// Highest speeds of the executing move, now and at its end.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
@@ -28,6 +29,8 @@ pub struct Limits {
     pub top_nm_per_s: u32,
     /// Square of the highest speed at the end of the move, (nm/s)^2.
     pub exit_squared: u64,
+    /// Changes with the other two, so a comparison of this number finds every change; wraps.
+    pub version: u32,
 }
 
 /// A queue of up to `CAPACITY` moves, the executing one included. Each move carries a payload `M`.
@@ -63,7 +66,7 @@ pub struct LookAhead<M, const CAPACITY: usize> {
     end: u128,
     /// Sequence number of the first move; wraps.
     front_number: u32,
-    percent: u8,
+    percents: Percents,
     limits: Limits,
 }
 
@@ -91,10 +94,11 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
             front_end: 0,
             end: 0,
             front_number: 0,
-            percent: 100,
+            percents: Percents::FULL,
             limits: Limits {
                 top_nm_per_s: 0,
                 exit_squared: 0,
+                version: 0,
             },
         }
     }
@@ -113,7 +117,7 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
         let gain = stretch.gain();
         match self.slots.back() {
             Some(last) => {
-                let limit = entry_squared(&last.stretch, &stretch, self.percent);
+                let limit = entry_squared(&last.stretch, &stretch, self.percents);
                 // At most 2^31 moves wait, so the numbers of the moves in the queue differ.
                 let number = self.front_number.wrapping_add(self.slots.len() as u32);
                 self.add_candidate(number, limit);
@@ -122,7 +126,6 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
             None => {
                 self.front_end = gain;
                 self.end = gain;
-                self.limits.top_nm_per_s = stretch.top_at(self.percent);
             }
         }
         self.slots.push_back(Slot {
@@ -130,7 +133,7 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
             gain,
             payload,
         });
-        self.update_exit();
+        self.update_limits();
         Ok(())
     }
 
@@ -145,9 +148,8 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
         }
         if let Some(front) = self.slots.front() {
             self.front_end = self.front_end.wrapping_add(front.gain);
-            self.limits.top_nm_per_s = front.stretch.top_at(self.percent);
         }
-        self.update_exit();
+        self.update_limits();
         Some((slot.stretch, slot.payload))
     }
 
@@ -166,8 +168,8 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
     /// Current limits of the first move. Ask at every event: they may rise. All zero when the queue
     /// is empty.
     #[inline]
-    pub const fn limits(&self) -> Limits {
-        self.limits
+    pub const fn limits(&self) -> &Limits {
+        &self.limits
     }
 
     /// Scales the programmed speeds: 10 to 200 percent; other values are taken as the nearest of
@@ -177,16 +179,30 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
     /// it cannot brake in time. [`Ramp`](crate::Ramp) then brakes as hard as allowed, and no
     /// junction is passed faster than its limit.
     pub fn set_override(&mut self, percent: u8) {
-        let percent = percent.clamp(10, 200);
-        if percent == self.percent {
+        self.set_percents(Percents {
+            feed: percent.clamp(10, 200),
+            ..self.percents
+        });
+    }
+
+    /// Scales the speeds of moves that obey no override, the rapids: 1 to 100 percent; other values
+    /// are taken as the nearest of these. Otherwise as [`LookAhead::set_override`].
+    pub fn set_rapid_override(&mut self, percent: u8) {
+        self.set_percents(Percents {
+            rapid: percent.clamp(1, 100),
+            ..self.percents
+        });
+    }
+
+    fn set_percents(&mut self, percents: Percents) {
+        if percents == self.percents {
             return;
         }
-        self.percent = percent;
+        self.percents = percents;
         self.candidates.clear();
         let Some(front) = self.slots.front() else {
             return;
         };
-        self.limits.top_nm_per_s = front.stretch.top_at(percent);
         self.front_end = front.gain;
         self.end = front.gain;
         let mut last = front.stretch;
@@ -196,16 +212,16 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
             };
             let (stretch, gain) = (slot.stretch, slot.gain);
             let number = self.front_number.wrapping_add(offset as u32);
-            self.add_candidate(number, entry_squared(&last, &stretch, percent));
+            self.add_candidate(number, entry_squared(&last, &stretch, percents));
             self.end = self.end.wrapping_add(gain);
             last = stretch;
         }
-        self.update_exit();
+        self.update_limits();
     }
 
     /// The override in percent.
     pub const fn percent(&self) -> u8 {
-        self.percent
+        self.percents.feed
     }
 
     /// Number of moves in the queue, the executing one included.
@@ -227,7 +243,7 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
     pub fn clear(&mut self) {
         self.slots.clear();
         self.candidates.clear();
-        self.update_exit();
+        self.update_limits();
     }
 
     /// Adds the junction between the last move and a new one, and removes all candidates that it
@@ -247,18 +263,28 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
         });
     }
 
-    fn update_exit(&mut self) {
-        let Some(last) = self.slots.back() else {
-            self.limits = Limits::default();
-            return;
+    /// Computes the limits of the first move.
+    fn update_limits(&mut self) {
+        let (top_nm_per_s, exit_squared) = match (self.slots.front(), self.slots.back()) {
+            (Some(first), Some(last)) => {
+                let stop = square(last.stretch.start_nm_per_s);
+                let mut lowest = self.end.wrapping_add(stop.into());
+                if let Some(candidate) = self.candidates.front() {
+                    lowest = lowest.min(candidate.height_and_limit);
+                }
+                let exit = lowest.saturating_sub(self.front_end);
+                let exit = u64::try_from(exit).unwrap_or(u64::MAX);
+                (first.stretch.top_under(self.percents), exit)
+            }
+            _ => (0, 0),
         };
-        let stop = square(last.stretch.start_nm_per_s);
-        let mut lowest = self.end.wrapping_add(stop.into());
-        if let Some(candidate) = self.candidates.front() {
-            lowest = lowest.min(candidate.height_and_limit);
+        if top_nm_per_s != self.limits.top_nm_per_s || exit_squared != self.limits.exit_squared {
+            self.limits = Limits {
+                top_nm_per_s,
+                exit_squared,
+                version: self.limits.version.wrapping_add(1),
+            };
         }
-        let exit = lowest.saturating_sub(self.front_end);
-        self.limits.exit_squared = u64::try_from(exit).unwrap_or(u64::MAX);
     }
 }
 
@@ -271,10 +297,10 @@ impl<M, const CAPACITY: usize> Default for LookAhead<M, CAPACITY> {
 /// Square of the highest speed from one move to the next: the junction limit and the top speeds of
 /// both moves. The start speed of the first move is always allowed, because the machine may stop
 /// from it and start again.
-fn entry_squared(before: &Stretch, after: &Stretch, percent: u8) -> u64 {
+fn entry_squared(before: &Stretch, after: &Stretch, percents: Percents) -> u64 {
     let speed = after
         .entry_limit_nm_per_s
-        .min(before.top_at(percent))
-        .min(after.top_at(percent));
+        .min(before.top_under(percents))
+        .min(after.top_under(percents));
     square(speed.max(before.start_nm_per_s))
 }

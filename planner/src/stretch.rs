@@ -18,7 +18,7 @@ pub struct Stretch {
     pub top_nm_per_s: u32,
     /// Limit of the machine in this direction, whatever the override.
     pub ceiling_nm_per_s: u32,
-    /// Whether an override applies; it may not for a rapid or a synchronised move.
+    /// Whether the override of the feed applies, and not that of the rapids.
     pub obeys_override: bool,
     /// Acceleration along the path in nm/s^2.
     pub acceleration_nm_per_s2: u64,
@@ -29,15 +29,41 @@ pub struct Stretch {
     pub entry_limit_nm_per_s: u32,
 }
 
+/// Overrides in percent.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Percents {
+    pub(crate) feed: u8,
+    pub(crate) rapid: u8,
+}
+
+impl Percents {
+    pub(crate) const FULL: Percents = Percents {
+        feed: 100,
+        rapid: 100,
+    };
+}
+
 impl Stretch {
-    /// Top speed at an override of `percent`, at least 1 nm/s.
+    /// Top speed at a feed override of `percent`, at least 1 nm/s.
     pub fn top_at(&self, percent: u8) -> u32 {
+        self.top_under(Percents {
+            feed: percent,
+            ..Percents::FULL
+        })
+    }
+
+    /// Top speed under the overrides, at least 1 nm/s.
+    pub(crate) fn top_under(&self, percents: Percents) -> u32 {
         let programmed = u64::from(self.top_nm_per_s);
-        let scaled = if self.obeys_override {
-            // Below 2^32 2^8.
-            programmed.wrapping_mul(percent.into()) / 100
+        let percent = if self.obeys_override {
+            percents.feed
         } else {
-            programmed
+            percents.rapid
+        };
+        // Below 2^32 2^8.
+        let scaled = match percent {
+            100 => programmed,
+            percent => programmed.wrapping_mul(percent.into()) / 100,
         };
         // At most the ceiling, which has 32 bits.
         scaled.min(self.ceiling_nm_per_s.into()).max(1) as u32

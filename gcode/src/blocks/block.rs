@@ -1,6 +1,6 @@
 //! A block: the words of one line, checked as far as the line alone allows.
 
-mod given;
+pub(crate) mod given;
 
 use crate::blocks::fault::{Fault, Reason};
 use crate::codes::code::{Code, Group};
@@ -156,6 +156,47 @@ impl Block {
             .check()
             .map_err(|fault| block.error(fault, Measure::of(Nm(0))))?;
         Ok(block)
+    }
+
+    /// Creates a block of codes and words without columns.
+    #[cfg(all(feature = "program", feature = "extended"))]
+    pub(crate) fn of(
+        codes: impl IntoIterator<Item = Code>,
+        words: impl IntoIterator<Item = (u8, Decimal)>,
+    ) -> Block {
+        let mut block = Block::EMPTY;
+        for code in codes {
+            block.set_code(code.group(), Some(code));
+        }
+        for (letter, value) in words {
+            let slot = usize::from(slot_of(letter));
+            if let Some(entry) = block.values.get_mut(slot) {
+                *entry = value;
+                block.present |= bit(letter);
+            }
+        }
+        block
+    }
+
+    /// Replaces or removes the code of a group, and keeps its columns.
+    #[cfg(all(feature = "program", feature = "extended"))]
+    pub(crate) fn set_code(&mut self, group: Group, code: Option<Code>) {
+        let bit = 1u32.wrapping_shl(group as u32);
+        self.groups = match code {
+            Some(_) => self.groups | bit,
+            None => self.groups & !bit,
+        };
+        if let Some(slot) = self.codes.get_mut(group as usize) {
+            *slot = code;
+        }
+    }
+
+    /// Removes a word and returns its value.
+    #[cfg(all(feature = "program", feature = "extended"))]
+    pub(crate) fn take_word(&mut self, letter: u8) -> Option<Decimal> {
+        let value = self.word(letter);
+        self.present &= !bit(letter);
+        value
     }
 
     #[cfg_attr(target_has_atomic = "32", inline(always))]

@@ -64,6 +64,8 @@ pub(crate) enum Reason {
     #[cfg(feature = "extended")]
     TooFewPoints,
     #[cfg(feature = "extended")]
+    RotatedFrame,
+    #[cfg(feature = "extended")]
     NeedsProgram,
     #[cfg(feature = "extended")]
     UnderCompensation,
@@ -210,6 +212,8 @@ impl Fault {
             n if n == Reason::NurbsOpen as u8 => ErrorKind::NurbsOpen,
             #[cfg(feature = "extended")]
             n if n == Reason::TooFewPoints as u8 => ErrorKind::TooFewPoints,
+            #[cfg(feature = "extended")]
+            n if n == Reason::RotatedFrame as u8 => ErrorKind::RotatedFrame,
             #[cfg(feature = "extended")]
             n if n == Reason::NeedsProgram as u8 => ErrorKind::NeedsProgram,
             #[cfg(feature = "extended")]

@@ -215,6 +215,8 @@ const LATHES: u8 = 1 << Flavour::Lathe as u8 | 1 << Flavour::LatheA as u8;
 const MILLS: u8 = 1 << Flavour::Rs274 as u8 | 1 << Flavour::Iso as u8 | 1 << Flavour::Printer as u8;
 const BOTH: u8 = MILLS | LATHES;
 const MOST: u8 = BOTH | GRBL;
+/// Codes that 3D printers use in another way, or not at all.
+const NO_PRINTER: u8 = BOTH & !(1 << Flavour::Printer as u8);
 /// Codes that the micro mill has as well.
 const LINK: u8 = MOST | MICROMILL;
 
@@ -338,12 +340,12 @@ const ROWS: &[(Code, Group, u8)] = &[
     (Code::NurbsEnd, Group::Motion, MILLS),
     (Code::RigidTap, Group::Motion, BOTH),
     (Code::LocalShift, Group::NonModal, BOTH),
-    (Code::SaveModes, Group::Override, BOTH),
-    (Code::DropModes, Group::Override, BOTH),
-    (Code::RestoreModes, Group::Override, BOTH),
-    (Code::SaveModesOfCaller, Group::Override, BOTH),
-    (Code::CallProgram, Group::Stop, BOTH),
-    (Code::Return, Group::Stop, BOTH),
+    (Code::SaveModes, Group::Override, NO_PRINTER),
+    (Code::DropModes, Group::Override, NO_PRINTER),
+    (Code::RestoreModes, Group::Override, NO_PRINTER),
+    (Code::SaveModesOfCaller, Group::Override, NO_PRINTER),
+    (Code::CallProgram, Group::Stop, NO_PRINTER),
+    (Code::Return, Group::Stop, NO_PRINTER),
 ];
 
 /// How many of the rows are compiled in.
@@ -457,8 +459,9 @@ impl Code {
     }
 
     /// Whether the code needs the lines around its own: M70 to M73, M98, M99.
+    #[cfg(feature = "extended")]
     pub(crate) const fn needs_program(self) -> bool {
-        EXTENDED && self.since(Code::SaveModes) <= Code::Return.since(Code::SaveModes)
+        self.since(Code::SaveModes) <= Code::Return.since(Code::SaveModes)
     }
 
     /// A canned cycle.

@@ -82,6 +82,36 @@ enum Step {
 /// retract that breaks the chip (G73). LinuxCNC uses 0.010 inch.
 pub(crate) const PECK_CLEARANCE: Nm = Nm(254_000);
 
+/// Positions around a centre, each from the last one by the same angle and a longer radius: those
+/// of incremental polar coordinates.
+#[derive(Copy, Clone, Debug)]
+pub(crate) struct Swing {
+    pub(crate) centre: [Nm; 2],
+    /// From the centre to the position before the first one.
+    pub(crate) from: [Nm; 2],
+    /// Billionths of a degree from one to the next.
+    pub(crate) turn: i64,
+    pub(crate) stretch: Nm,
+}
+
+impl Swing {
+    pub(crate) const NONE: Swing = Swing {
+        centre: [Nm(0); 2],
+        from: [Nm(0); 2],
+        turn: 0,
+        stretch: Nm(0),
+    };
+
+    /// The position of this number, from 1.
+    pub(crate) fn place(&self, number: u32) -> [Nm; 2] {
+        let mut place = self.at(number);
+        for (place, centre) in place.iter_mut().zip(self.centre) {
+            place.0 = place.0.saturating_add(centre.0);
+        }
+        place
+    }
+}
+
 /// A drilling cycle at one or more positions, all in the machine frame.
 #[derive(Copy, Clone, Debug)]
 pub(crate) struct Holes<const N: usize> {
@@ -93,6 +123,8 @@ pub(crate) struct Holes<const N: usize> {
     pub(crate) hole: [Nm; 2],
     /// Distance from one hole to the next.
     pub(crate) pitch: [Nm; 2],
+    /// Positions around a centre instead, and the number of the present one.
+    pub(crate) swing: Option<(Swing, u32)>,
     pub(crate) retract: Nm,
     pub(crate) bottom: Nm,
     pub(crate) clear: Nm,
@@ -121,6 +153,7 @@ impl<const N: usize> Holes<N> {
         at: [Nm(0); N],
         hole: [Nm(0); 2],
         pitch: [Nm(0); 2],
+        swing: None,
         retract: Nm(0),
         bottom: Nm(0),
         clear: Nm(0),
@@ -288,6 +321,10 @@ impl<const N: usize> Holes<N> {
                         self.left = self.left.saturating_sub(1);
                         for (hole, pitch) in self.hole.iter_mut().zip(self.pitch) {
                             hole.0 = hole.0.saturating_add(pitch.0);
+                        }
+                        if let Some((swing, number)) = &mut self.swing {
+                            *number = number.wrapping_add(1);
+                            self.hole = swing.place(*number);
                         }
                         self.state = if self.left == 0 {
                             State::End

@@ -67,6 +67,12 @@ pub enum Fault {
     OutOfSteps,
     /// O-words, which this dialect does not have.
     FlowNotOfDialect,
+    /// M72 without M70, or modes of a system that has none.
+    NothingSaved,
+    /// M99 to a line number that does not exist.
+    NoSuchLine,
+    /// Subroutines of more files than there is room for.
+    TooManyFiles,
 }
 
 impl Fault {
@@ -96,6 +102,9 @@ impl Fault {
             Fault::TooDeep => 637,
             Fault::OutOfSteps => 638,
             Fault::FlowNotOfDialect => 639,
+            Fault::NothingSaved => 641,
+            Fault::TooManyFiles => 642,
+            Fault::NoSuchLine => 643,
         }
     }
 }
@@ -133,6 +142,9 @@ impl fmt::Display for Fault {
             Fault::TooDeep => "calls or loops nested too deep",
             Fault::OutOfSteps => "program took too many steps",
             Fault::FlowNotOfDialect => "O-words are not of this dialect",
+            Fault::NothingSaved => "no modes are saved here",
+            Fault::NoSuchLine => "no line has this number",
+            Fault::TooManyFiles => "subroutines of too many files",
         })
     }
 }

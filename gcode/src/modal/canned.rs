@@ -54,6 +54,12 @@ impl<const N: usize> Modal<N> {
         if N < 3 {
             return Err(Fault::at_motion(Reason::NoAxisWords));
         }
+        if matches!(
+            kind,
+            Kind::Thread | Kind::TurnBox | Kind::FaceBox | Kind::ThreadBox
+        ) {
+            self.check_not_rotated()?;
+        }
         match kind {
             Kind::Thread => self.passes(block, commands),
             Kind::TurnBox | Kind::FaceBox | Kind::ThreadBox => {
@@ -91,6 +97,7 @@ impl<const N: usize> Modal<N> {
         holes.plane = if self.modes.dialect.is_lathe() {
             Plane::Xy
         } else {
+            self.check_plane_of_rotated()?;
             self.plane()
         };
         self.levels(block, holes)?;
@@ -204,6 +211,15 @@ impl<const N: usize> Modal<N> {
                 *end = shifted(*hole, Nm(more), letter)?;
             }
         }
+        holes.swing = self.swing(block)?.map(|swing| (swing, 1));
+        if let Some((swing, _)) = holes.swing {
+            (holes.hole, holes.pitch) = (swing.place(1), [Nm(0); 2]);
+            for (end, last) in end.iter_mut().zip(swing.place(holes.left.max(1))) {
+                *end = last
+                    .within_limit()
+                    .ok_or(Fault::at(Reason::NumberTooLarge, b'@'))?;
+            }
+        }
         if holes.left != 0 {
             if let Some(end) = end.get_mut(holes.plane.across()) {
                 *end = holes.clear;
@@ -260,7 +276,7 @@ impl<const N: usize> Modal<N> {
             self.zero_of(holes.plane.across())
         };
         let [i, j, height] = kept;
-        holes.offset = [i, j];
+        holes.offset = self.turned([i, j]);
         holes.middle = shifted(from, height, across)?;
         Ok(())
     }

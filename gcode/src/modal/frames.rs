@@ -19,7 +19,7 @@ use crate::values::nm::{Nm, coordinate};
 
 /// Offsets that are added to an axis word: some zeros, and the position or the value that the
 /// position shall read.
-#[derive(Copy, Clone)]
+#[derive(Copy, Clone, Eq, PartialEq)]
 pub(crate) struct Terms(u8);
 
 const SYSTEM: u8 = 1;
@@ -41,12 +41,12 @@ impl Terms {
     pub(crate) const INCREMENT: Terms = Terms(END | POSITION);
     /// The zero of a frame for which the present position reads the value: in the work frame (G10
     /// L20), and by G92.
-    const TO_SYSTEM: Terms = Terms(HERE | SHIFT | LENGTH);
-    const TO_SHIFT: Terms = Terms(HERE | SYSTEM | LENGTH);
+    pub(crate) const TO_SYSTEM: Terms = Terms(HERE | SHIFT | LENGTH);
+    pub(crate) const TO_SHIFT: Terms = Terms(HERE | SYSTEM | LENGTH);
     /// The tool length for which the present position reads the value: in the work frame (G10 L10),
     /// or in the fixture of G59.3 regardless of the other shifts (G10 L11).
     #[cfg(feature = "extended")]
-    const TO_LENGTH: Terms = Terms(HERE | SYSTEM | SHIFT);
+    pub(crate) const TO_LENGTH: Terms = Terms(HERE | SYSTEM | SHIFT);
     #[cfg(feature = "extended")]
     const TO_LENGTH_IN_FIXTURE: Terms = Terms(HERE | FIXTURE);
 
@@ -58,8 +58,25 @@ impl Terms {
 impl<const N: usize> Modal<N> {
     /// Replaces the coordinates of the axes that the block gives.
     #[cfg_attr(target_pointer_width = "64", inline(always))]
-    #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
+    #[cfg_attr(not(target_has_atomic = "32"), inline(always))]
     pub(crate) fn read_axes(
+        &self,
+        block: &Block,
+        terms: Terms,
+        to: &mut [Nm; N],
+    ) -> Result<(), Fault> {
+        #[cfg(feature = "extended")]
+        if self.is_turned(block, terms) {
+            return self.read_turned(block, terms, to).map(|_| ());
+        }
+        self.read_straight(block, terms, to)
+    }
+
+    /// The same for words that are only added to a zero: no polar coordinates, and no rotated
+    /// frame.
+    #[cfg_attr(target_pointer_width = "64", inline(always))]
+    #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
+    pub(crate) fn read_straight(
         &self,
         block: &Block,
         terms: Terms,
@@ -127,7 +144,7 @@ impl<const N: usize> Modal<N> {
 
     #[cfg_attr(target_pointer_width = "64", inline(always))]
     #[cfg_attr(not(target_has_atomic = "32"), inline(always))]
-    fn read_axis(
+    pub(crate) fn read_axis(
         &self,
         block: &Block,
         mut terms: Terms,
@@ -326,6 +343,10 @@ impl<const N: usize> Modal<N> {
             20 => Terms::TO_SYSTEM,
             _ => return Err(Fault::at(Reason::OutOfRange, b'L')),
         };
+        let grbl = self.modes.dialect.flavour == Flavour::Grbl;
+        #[cfg(feature = "extended")]
+        let angle = self.angle_of(block, kind == 2 && !grbl)?;
+        #[cfg(not(feature = "extended"))]
         if block.word(b'R').is_some_and(|angle| !angle.is_zero()) {
             return Err(Fault::at(Reason::OutOfRange, b'R'));
         }
@@ -333,12 +354,23 @@ impl<const N: usize> Modal<N> {
             None => u32::from(self.work_system()),
             Some(system) => system,
         };
-        let grbl = self.modes.dialect.flavour == Flavour::Grbl;
         let zero = self.offsets.get(system as usize);
         let zero = zero.filter(|_| !(EXTENDED && grbl && system >= 6));
         let to = &mut commands.arc.to;
         *to = *zero.ok_or(Fault::at(Reason::OutOfRange, b'P'))?;
+        #[cfg(feature = "extended")]
+        if kind == 20 {
+            self.read_system(block, system, to)?;
+        } else {
+            self.read_axes(block, terms, to)?;
+        }
+        #[cfg(not(feature = "extended"))]
         self.read_axes(block, terms, to)?;
+        #[cfg(feature = "extended")]
+        if let (Some(angle), Some(to)) = (angle, self.angles.get_mut(system as usize)) {
+            *to = angle;
+            self.note_rotation();
+        }
         if let Some(zero) = self.offsets.get_mut(system as usize) {
             *zero = *to;
         }
@@ -441,7 +473,7 @@ impl<const N: usize> Modal<N> {
         if given == 0 {
             given = u16::MAX;
         }
-        commands.arc.to = self.modes.position;
+        // Axes that are not named stay at the intermediate point.
         let [first, other] = &self.homes;
         let home = if second { other } else { first };
         for (to, home) in commands.arc.to.iter_mut().zip(home) {

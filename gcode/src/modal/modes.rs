@@ -119,6 +119,9 @@ pub(crate) struct Modes<const N: usize> {
     pub(crate) active: [Option<Code>; Group::MODAL],
     pub(crate) mist: bool,
     pub(crate) flood: bool,
+    /// Whether the active work frame is rotated.
+    #[cfg(feature = "extended")]
+    pub(crate) is_rotated: bool,
     /// The dialect, which never changes.
     pub(crate) dialect: Dialect,
     /// Nanometres per minute or per revolution, or millionths of a move per minute; 0 without a
@@ -145,6 +148,8 @@ impl<const N: usize> Modes<N> {
         active: [None; Group::MODAL],
         mist: false,
         flood: false,
+        #[cfg(feature = "extended")]
+        is_rotated: false,
         tool: 0,
         loaded: 0,
         feed: 0,
@@ -175,6 +180,7 @@ impl<const N: usize> Modes<N> {
         {
             to.sticky = self.sticky;
             to.more = self.more;
+            to.is_rotated = self.is_rotated;
         }
     }
 }
@@ -190,6 +196,9 @@ pub(crate) struct More {
     pub(crate) tail: Option<[Nm; 2]>,
     /// G5.2: the NURBS that is not ended yet.
     pub(crate) nurbs: Option<Nurbs>,
+    /// X and Y of the position in a rotated work frame, from the zero of the frame. They count only
+    /// as long as they give the position, so nothing else has to keep them up to date.
+    pub(crate) unrotated: [Nm; 2],
     pub(crate) compensation: Option<Side>,
     /// `P` of G64.
     pub(crate) tolerance: Option<Nm>,
@@ -201,6 +210,7 @@ impl More {
         surface: None,
         tail: None,
         nurbs: None,
+        unrotated: [Nm(0); 2],
         compensation: None,
         tolerance: None,
     };

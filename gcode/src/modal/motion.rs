@@ -4,7 +4,7 @@ use crate::blocks::block::Block;
 use crate::blocks::fault::{Fault, Reason};
 use crate::codes::code::{Code, Group};
 use crate::codes::dialect::Flavour;
-use crate::codes::letters::Letters;
+use crate::codes::letters::{AXES, Letters};
 use crate::command::Feed;
 #[cfg(feature = "extended")]
 use crate::command::SpindleDirection;
@@ -35,7 +35,9 @@ impl<const N: usize> Modal<N> {
         let none = block.axes() == 0;
         self.check_words(block, mode, coded || !none)?;
         if !none {
-            self.travel_to(block, mode, self.terms(), commands)?;
+            self.check_z_alone(block)?;
+            self.aim_straight(block, self.terms(), commands)?;
+            self.travel_on(block, mode, commands)?;
         } else if coded && mode.is_arc() {
             self.travel(block, mode, true, commands)?;
         }
@@ -191,6 +193,17 @@ impl<const N: usize> Modal<N> {
     ) -> Result<(), Fault> {
         self.check_z_alone(block)?;
         self.aim(block, terms, commands)?;
+        self.travel_on(block, mode, commands)
+    }
+
+    /// Makes the move to the stored end.
+    #[inline(always)]
+    fn travel_on(
+        &mut self,
+        block: &Block,
+        mode: Code,
+        commands: &mut Commands<N>,
+    ) -> Result<(), Fault> {
         match mode {
             Code::Rapid => {}
             Code::Linear => self.set_feed_of(commands)?,
@@ -225,6 +238,25 @@ impl<const N: usize> Modal<N> {
     #[cfg_attr(target_pointer_width = "64", inline(always))]
     #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
     pub(crate) fn aim(
+        &mut self,
+        block: &Block,
+        terms: Terms,
+        commands: &mut Commands<N>,
+    ) -> Result<(), Fault> {
+        #[cfg(feature = "extended")]
+        if self.is_turned(block, terms) {
+            commands.arc.to = self.modes.position;
+            self.modes.more.unrotated = self.read_turned(block, terms, &mut commands.arc.to)?;
+            return Ok(());
+        }
+        self.aim_straight(block, terms, commands)
+    }
+
+    /// The same for words that are only added to a zero: no polar coordinates, and no rotated
+    /// frame.
+    #[cfg_attr(target_pointer_width = "64", inline(always))]
+    #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
+    fn aim_straight(
         &self,
         block: &Block,
         terms: Terms,
@@ -233,10 +265,13 @@ impl<const N: usize> Modal<N> {
         // Only code system A has increments (U, V, W), and there X is always a diameter.
         // They, and wrapped axes, take the longer way.
         if ROOMY && !self.is_diameter() && !self.modes.dialect.axes().has_wrapped() {
+            if N > AXES {
+                commands.arc.to = self.modes.position; // Axes without a letter stay.
+            }
             return self.read_end(block, terms, &mut commands.arc.to);
         }
         commands.arc.to = self.modes.position;
-        self.read_axes(block, terms, &mut commands.arc.to)
+        self.read_straight(block, terms, &mut commands.arc.to)
     }
 
     /// Ends a block with a move to the stored end.
@@ -364,6 +399,8 @@ impl<const N: usize> Modal<N> {
         if N < 3 && plane != Plane::Xy || N < 2 {
             return Err(Fault::at_motion(Reason::NoCentre));
         }
+        #[cfg(feature = "extended")]
+        self.check_plane_of_rotated()?;
         let arc = &mut commands.arc;
         arc.plane = plane;
         arc.direction = if mode == Code::Clockwise {
@@ -378,6 +415,8 @@ impl<const N: usize> Modal<N> {
             if block.has_any(plane.centre()) {
                 return Err(Fault::at(Reason::RadiusAndCentre, b'R'));
             }
+            #[cfg(feature = "extended")]
+            let ends = ends.and(b"@^");
             if !block.has_any(ends) {
                 return Err(Fault::at_motion(Reason::NoEnd));
             }
@@ -454,6 +493,10 @@ impl<const N: usize> Modal<N> {
         }
         if absolute && !block.has_all(arc.plane.centre()) {
             return Err(Fault::at_motion(Reason::HalfCentre));
+        }
+        #[cfg(feature = "extended")]
+        if self.modes.is_rotated {
+            return self.read_turned_centre(block, absolute, arc);
         }
         for (&axis, &letter) in arc.plane.axes().iter().zip(&letters) {
             if let Some(centre) = arc.centre.get_mut(axis) {

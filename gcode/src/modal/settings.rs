@@ -243,6 +243,8 @@ impl<const N: usize> Modal<N> {
             }
         }
         #[cfg(feature = "extended")]
+        self.note_rotation();
+        #[cfg(feature = "extended")]
         self.set_compensation(block, commands)?;
         self.set_tool_length(block, commands)?;
         #[cfg(feature = "extended")]

@@ -31,11 +31,13 @@ impl<const N: usize> Modal<N> {
         if letters.iter().all(|&letter| block.word(letter).is_none()) {
             return Ok(None);
         }
+        let mut words = [Nm(0); 2];
+        for (word, letter) in words.iter_mut().zip(letters) {
+            self.add_word(block, letter, word)?;
+        }
         let mut point = from;
-        for (entry, letter) in point.iter_mut().zip(letters) {
-            if let Some(length) = self.length_of(block, letter)? {
-                *entry = shifted(*entry, length, letter)?;
-            }
+        for ((entry, word), letter) in point.iter_mut().zip(self.turned(words)).zip(letters) {
+            *entry = shifted(*entry, word, letter)?;
         }
         Ok(Some(point))
     }

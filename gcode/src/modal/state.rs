@@ -22,13 +22,35 @@ impl<const N: usize> Modal<N> {
     }
 
     /// The active work zero in the machine frame: the offset of G54 to G59.3 and the shift of G92,
-    /// without the tool length.
+    /// without the tool length. In a rotated frame the shift is rotated too.
     pub fn work_offset(&self) -> [Nm; N] {
         let mut offset = [Nm(0); N];
         for (axis, offset) in (0..N).zip(offset.iter_mut()) {
             *offset = self.work_offset_of(axis);
         }
+        #[cfg(feature = "extended")]
+        if self.modes.is_rotated {
+            for (to, at) in offset.iter_mut().zip(self.turned_offset()) {
+                *to = at;
+            }
+        }
         offset
+    }
+
+    /// The programmed position in the work frame, without the tool length.
+    pub fn work_position(&self) -> [Nm; N] {
+        let mut point = self.modes.position;
+        for (axis, at) in (0..N).zip(point.iter_mut()) {
+            // Each within a few times Nm::LIMIT.
+            at.0 = at.0.saturating_sub(self.zero_of(axis).0);
+        }
+        #[cfg(feature = "extended")]
+        if self.modes.is_rotated {
+            for (to, at) in point.iter_mut().zip(self.turned_position()) {
+                *to = at;
+            }
+        }
+        point
     }
 
     /// Sets the zero of a work frame, 0 (G54) to 8 (G59.3). Returns `false`, with no effect, for
@@ -192,6 +214,12 @@ impl<const N: usize> Modal<N> {
             .ok()
             .filter(|&rate| rate > 0 && self.feed_mode() == FeedMode::PerMinute);
         rate.map(Nm)
+    }
+
+    /// The last F in millionths of its unit, millimetres (or revolutions, moves) per minute; 0
+    /// without one.
+    pub fn feed_word(&self) -> u64 {
+        self.modes.feed
     }
 
     /// Switches spindle and coolant off, as M5 and M9 do, for an abort outside the program.

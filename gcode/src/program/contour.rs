@@ -210,6 +210,7 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
             Line {
                 number: place.number,
                 at: place.at,
+                file: None,
                 text,
                 block: Block::parse(text, &self.dialect),
             },
@@ -238,6 +239,7 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
                         return Some(Line {
                             number: here.number,
                             at: here.at,
+                            file: None,
                             text,
                             block: Block::parse(text, &self.dialect),
                         });
@@ -263,6 +265,9 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
     /// pass unchanged. A cycle in progress is dropped.
     pub fn take<const N: usize>(&mut self, line: Line<'t>, modal: &Modal<N>) -> Line<'t> {
         (self.work, self.resume) = (Work::None, None);
+        if line.file.is_some() {
+            return line; // The contour would be in another text.
+        }
         let Ok(block) = &line.block else { return line };
         let code = match block.code(Group::Motion) {
             Some(Code::ThreadCycle) if self.is_thread(block) => THREAD,
@@ -290,6 +295,7 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
                 Line {
                     number: refused.place.number,
                     at: refused.place.at,
+                    file: None,
                     text: refused.text,
                     block: Err(refused.error),
                 }
@@ -572,6 +578,7 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
         Line {
             number: place.number,
             at: place.at,
+            file: None,
             text,
             block,
         }

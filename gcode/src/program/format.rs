@@ -173,6 +173,11 @@ impl<'a> Formatted<'a> {
                 self.heads = [space, letter, &[]];
                 self.word(rest, letter)
             }
+            b'@' | b'^' if !self.strings => {
+                let letter = rest.get(..1).unwrap_or_default();
+                self.heads = [space, letter, &[]];
+                self.word(rest, letter)
+            }
             b'(' => rest
                 .split_inclusive(|&byte| byte == b')')
                 .next()
@@ -185,7 +190,8 @@ impl<'a> Formatted<'a> {
             }
             _ => 1,
         };
-        if !byte.is_ascii_alphabetic() {
+        let is_word = byte.is_ascii_alphabetic() || !self.strings && matches!(byte, b'@' | b'^');
+        if !is_word {
             self.body = rest.get(..length).unwrap_or(rest);
         }
         // Parts end inside the line.

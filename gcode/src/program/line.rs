@@ -10,6 +10,8 @@ pub struct Line<'t> {
     pub number: usize,
     /// Its first byte in the text.
     pub at: usize,
+    /// The file that the line is in; `None` for the text of the program itself.
+    pub file: Option<&'t [u8]>,
     /// The line, without its end.
     pub text: &'t [u8],
     /// The line as a block of plain numbers, or its error; columns are those of the line. The block

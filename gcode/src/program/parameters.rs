@@ -49,9 +49,12 @@ mod statement;
 mod program;
 
 pub use crate::error::parameters::Fault;
+#[cfg(feature = "extended")]
+pub use crate::modal::saved::SavedModes;
 pub use crate::program::line::Line;
 pub(crate) use extent::{extent, is_plain, program_words};
 pub use program::Program;
+pub use program::files::{File, Library};
 pub(crate) use statement::is_flow;
 pub use statement::needs_program;
 pub use system::{NoMachine, System};

@@ -1,6 +1,7 @@
 //! The scanner of `words` and `tokens`: the text around words.
 
 use crate::error::{Error, ErrorKind};
+use crate::features::EXTENDED;
 use crate::values::decimal::Decimal;
 use crate::words::numeral::{
     LINE_FEED, QUICK, WINDOW, alphabet, is_blank, number, short_number, window_at, window_number,
@@ -34,6 +35,11 @@ pub(crate) struct Scanner<'a, const LINES: bool> {
     length: usize,
     before: Before,
     pub(crate) deleted: bool,
+}
+
+/// Whether a byte begins a word: a letter, or with the extended codes a sign of polar coordinates.
+pub(crate) const fn is_letter(byte: u8) -> bool {
+    byte.is_ascii_alphabetic() || EXTENDED && matches!(byte, b'@' | b'^')
 }
 
 /// Whether a byte ends a line within a text.
@@ -219,7 +225,7 @@ impl<'a, const LINES: bool> Scanner<'a, LINES> {
                 self.skip(1);
                 return ControlFlow::Continue(());
             }
-            b'A'..=b'Z' | b'a'..=b'z' if self.before < Before::Percent => {
+            _ if is_letter(byte) && self.before < Before::Percent => {
                 let letter = byte.to_ascii_uppercase();
                 let short = if LINES || !QUICK {
                     short_number(rest, 1, LINES)

@@ -9,7 +9,7 @@ use crate::words::scanner::Scanner;
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Word {
-    /// Upper-case letter.
+    /// Upper-case letter, or `@` or `^`.
     pub letter: u8,
     /// The number, exactly.
     pub value: Decimal,

@@ -1,6 +1,7 @@
 //! Words from a stream of bytes, without a buffer for the line.
 
 use crate::error::{Error, ErrorKind};
+use crate::features::EXTENDED;
 use crate::values::decimal::Decimal;
 use crate::words::numeral::ZERO;
 use crate::words::scanner::{Before, is_end};
@@ -370,7 +371,8 @@ impl WordReader {
     fn between(&mut self, byte: u8) {
         let at = self.at();
         let letter = byte & !0x20;
-        if letter.wrapping_sub(b'A') < 26 && self.before < Before::Percent {
+        let is_letter = letter.wrapping_sub(b'A') < 26 || EXTENDED && matches!(byte, b'@' | b'^');
+        if is_letter && self.before < Before::Percent {
             if self.before != Before::Words {
                 self.enter(letter);
             }

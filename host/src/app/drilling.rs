@@ -5,7 +5,7 @@ use super::reporting::{self, with_findings};
 use super::{ERRORS, Failure, OK};
 use crate::cli::{Compile, DrillOrder, Drilling, Listing, Send};
 use crate::console;
-use crate::drill::{self, Board, Translation};
+use crate::drill::{self, Translation};
 use crate::holes;
 use crate::holes::drill_records::{Compiler, Refusal};
 use crate::output::Outputs;
@@ -15,6 +15,7 @@ use crate::text::json::write_line;
 use husillo_clients::drill::{Part, lean, millimetres, seconds, spoken, travel_steps};
 use husillo_gcode::{Dialect, Nm};
 use husillo_holes::{Metric, ToolRecords};
+use husillo_reports::board::{self, Board};
 use husillo_sim::device::drill::STROKE_STEPS;
 use husillo_transports::drill::{Record, STEPS_PER_MM, Table};
 use serde::Serialize;
@@ -228,7 +229,7 @@ pub(super) fn compile(args: &Compile) -> Result<u8, Failure> {
         }
     }
     if let Some(report) = &args.report {
-        let page = drill::page(&Board {
+        let page = board::html(&Board {
             name,
             parts,
             table: table(&args.drilling),

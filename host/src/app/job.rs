@@ -13,6 +13,7 @@ use crate::programs::program::Start;
 use crate::programs::setup::{self, Micromill};
 use crate::programs::source::Source;
 use crate::programs::zero::{self, Lie};
+use crate::simulation::work_piece::WorkPiece;
 use husillo_gcode::Nm;
 use husillo_machine::Config;
 use std::io::{self, Read};
@@ -52,11 +53,15 @@ impl Job {
             None if microfactory::is_list(file) => return Err(super::only_microfactory(file)),
             None => None,
         };
+        let mut start = Start::from(dialect);
+        for (place, tool) in start.tools.iter_mut().zip(&machine.tools) {
+            *place = Some(*tool);
+        }
         Ok(Self {
             file: file.to_owned(),
             machine,
             config,
-            start: dialect.into(),
+            start,
             is_placed: false,
             may_move: false,
             is_trial: false,
@@ -133,11 +138,10 @@ impl Job {
 
     fn placing(&self, lie: Lie) -> Result<Option<[Nm; 3]>, Failure> {
         let mut source = self.open()?;
-        let dialect = self.start.dialect;
         Ok(zero::placing(
             &mut source,
             self.name(),
-            dialect,
+            self.start,
             &self.config,
             lie,
         )?)
@@ -256,7 +260,17 @@ impl Job {
         if self.is_placed {
             (machine.place(self.start.zero, self.start.at)).map_err(|error| error.to_string())?;
         }
+        for (number, tool) in self.start.tools.into_iter().flatten() {
+            machine.set_tool(number, tool);
+        }
+        machine.set_tip(setup::tip(&self.machine));
         Ok(machine)
+    }
+
+    /// What the simulated probe touches.
+    pub fn piece(&self) -> WorkPiece {
+        let [x, y, z] = self.start.zero.map(|Nm(nm)| nm);
+        WorkPiece::new(self.machine.probe.as_ref(), [x, y, z])
     }
 }
 

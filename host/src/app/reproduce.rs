@@ -4,8 +4,9 @@ use super::{Failure, OK};
 use crate::cli::{Page, Reproduce};
 use crate::console;
 use crate::output::Outputs;
-use crate::reproducing::{self, page, text};
+use crate::reproducing;
 use crate::text::json::write_line;
+use husillo_reports::originals;
 use std::io::Write;
 
 /// Prints the tables of an original, or writes them.
@@ -17,13 +18,13 @@ pub fn reproduce(args: &Reproduce) -> Result<u8, Failure> {
         _ => Page::Text,
     });
     let made = match format {
-        Page::Text => text::text(&rebuilt),
+        Page::Text => originals::text(&rebuilt),
         Page::Json => {
             let mut line = Vec::new();
             write_line("husillo.reproduce/1", &rebuilt, &mut line)?;
             String::from_utf8_lossy(&line).into_owned()
         }
-        Page::Html => page::html(&rebuilt),
+        Page::Html => originals::html(&rebuilt),
     };
     let Some(path) = &args.output else {
         console::stdout().write_all(made.as_bytes())?;
@@ -32,6 +33,6 @@ pub fn reproduce(args: &Reproduce) -> Result<u8, Failure> {
     let mut outputs = Outputs::new();
     outputs.write(path, made.as_bytes())?;
     outputs.finish()?;
-    eprintln!("{path}: {}", text::verdict(&rebuilt));
+    eprintln!("{path}: {}", originals::verdict(&rebuilt));
     Ok(OK)
 }

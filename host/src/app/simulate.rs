@@ -14,7 +14,6 @@ use crate::console;
 use crate::console::progress::Progress;
 use crate::diagnostics::Findings;
 use crate::output::{Outputs, Writer};
-use crate::page;
 use crate::programs::check::Facts;
 use crate::programs::feeder;
 use crate::programs::mirror;
@@ -79,7 +78,7 @@ fn simulate_job(job: &mut Job, args: &RunArgs) -> Result<u8, Failure> {
         let figures = report::figures(&results, &facts, take_up_s);
         let warnings = findings.short();
         let report = report::made(job, &run, &results, figures, end.offset_nm, warnings);
-        page::report::html(&report)
+        husillo_reports::run::html(&report)
     })?;
     outputs.finish()?;
     if let (true, Some(path), Some(size)) = (is_text, &files.report_path, size) {
@@ -181,6 +180,7 @@ fn feed(job: &Job, args: &RunArgs, run: &mut Run, events: f64) -> Result<End, Fa
         let [x, y, _] = run.mechanics.nm_per_step();
         Symmetry::new(mm * 1e6, [x, y])
     });
+    let piece = job.piece();
     let template = "Simulating [{bar:36}] {percent} % {human_pos} steps";
     let mut progress = Progress::new(template, Some(events as u64));
     let encoders = setup::encoders(&job.machine);
@@ -188,14 +188,14 @@ fn feed(job: &Job, args: &RunArgs, run: &mut Run, events: f64) -> Result<End, Fa
     if encoders.iter().any(Option::is_some) {
         let mut closed = ClosedMicromill::new(machine, encoders);
         let counts = run.mechanics.counts();
-        feeder::feed_followed(&mut source, &mut closed, counts, |closed, entry| {
+        feeder::feed_followed(&mut source, &mut closed, &piece, counts, |closed, entry| {
             progress.step();
             run.followed(closed, entry)
         })?;
         has_stopped = closed.is_stopped();
         machine = closed.machine().clone();
     } else {
-        feeder::feed(&mut source, &mut machine, |machine, event| {
+        feeder::feed(&mut source, &mut machine, &piece, |machine, event| {
             progress.step();
             run.event(machine, event)
         })?;

@@ -1,7 +1,6 @@
 //! `husillo calibrate backlash`.
 
 use super::bench::SimulatedBench;
-use super::page::{self, Panel};
 use super::readings;
 use crate::cli::BacklashArgs;
 use crate::machines::lash_file::section;
@@ -12,6 +11,7 @@ use husillo_metrology::calibration::backlash::{
     survey,
 };
 use husillo_metrology::quantity::{self, Quantity};
+use husillo_reports::lash::{self, Panel};
 use std::io::Write;
 
 /// The files that a calibration writes.
@@ -104,7 +104,7 @@ pub fn calibrate_backlash(
         })
         .collect();
     Ok(Calibrated {
-        page: page::html(&file.title, readings.len(), args.file.is_none(), &panels),
+        page: lash::html(&file.title, readings.len(), args.file.is_none(), &panels),
         machine: with_sections(&file.text()?, &sections),
     })
 }

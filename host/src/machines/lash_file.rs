@@ -1,9 +1,9 @@
 //! `[lash]` and `[simulated_lash]` of machine files.
 
 use crate::machines::table::Table;
-use crate::text::number::shortest;
 use husillo_metrology::calibration::backlash::{Map, PlaceTable};
 use husillo_metrology::quantity::Fraction;
+use husillo_reports::text::shortest;
 use husillo_sim::LashField;
 use std::f64::consts::TAU;
 use std::fmt::Write;

@@ -3,6 +3,7 @@
 mod axis_file;
 mod built_in;
 mod driver;
+mod equipment;
 mod home;
 mod idle;
 mod load_error;
@@ -15,6 +16,7 @@ mod travel;
 
 pub use axis_file::AxisFile;
 pub use driver::Driver;
+pub use equipment::Probe;
 pub use idle::Idle;
 pub use load_error::{LoadError, read_text};
 pub use step_mode::StepMode;
@@ -26,7 +28,8 @@ use crate::machines::lash_file::LashFile;
 use crate::machines::table::{Table, document};
 use built_in::BUILT_IN;
 pub use built_in::MEASURING;
-use husillo_gcode::Dialect;
+use husillo_gcode::{Dialect, Tool};
+use husillo_machine::Equipment;
 use husillo_metrology::quantity::Fraction;
 use husillo_transports::microfactory::ByteTable;
 use motion::Motion;
@@ -58,6 +61,12 @@ pub struct MachineFile {
     pub corner_deviation: Option<i64>,
     /// Counts per turn of the spindle's encoder; `None`: it has no encoder.
     pub spindle_counts: Option<u32>,
+    /// What it has besides its axes.
+    pub equipment: Equipment,
+    /// Its probe.
+    pub probe: Option<Probe>,
+    /// Its tools, by number.
+    pub tools: Vec<(u32, Tool<3>)>,
     /// Axes that may move at once; more give a warning.
     pub simultaneous_axes: u32,
     /// Backlash by position.
@@ -161,6 +170,11 @@ impl MachineFile {
                     .and_then(|counts| u32::try_from(counts).ok())
             })
             .flatten();
+        let equipment = root
+            .optional_table("equipment", equipment::equipment)
+            .unwrap_or(equipment::PLAIN);
+        let probe = root.optional_table("probe", equipment::probe);
+        let tools = Self::tools(&mut root);
         let idle = root
             .optional_table("idle", Idle::read)
             .unwrap_or(Idle::Hold);
@@ -189,6 +203,12 @@ impl MachineFile {
                 arc_tolerance: motion.arc_tolerance,
                 corner_deviation: motion.corner_deviation,
                 spindle_counts,
+                equipment: Equipment {
+                    probe: probe.is_some(),
+                    ..equipment
+                },
+                probe,
+                tools,
                 simultaneous_axes: motion.simultaneous_axes.unwrap_or(3),
                 lash,
                 bytes,
@@ -197,6 +217,25 @@ impl MachineFile {
             }),
             _ => Err(findings),
         }
+    }
+
+    /// Reads the tools. Each number is used once, and the table of a controller has eight places.
+    fn tools(root: &mut Table<'_, '_>) -> Vec<(u32, Tool<3>)> {
+        let tools = root.optional_tables("tool", equipment::tool);
+        let tools: Vec<_> = tools.unwrap_or_default().into_iter().flatten().collect();
+        let number = |tool: &(u32, Tool<3>)| tool.0;
+        let mut numbers: Vec<_> = tools.iter().map(number).collect();
+        numbers.sort_unstable();
+        numbers.dedup();
+        if let Some((_, span)) = root.value("tool") {
+            if numbers.len() < tools.len() {
+                root.wrong(span.clone(), "a number of a tool is used twice", "tools");
+            }
+            if tools.len() > MOST_TOOLS {
+                root.wrong(span, "too many tools", "at most eight");
+            }
+        }
+        tools
     }
 
     /// The text of the file.
@@ -220,6 +259,9 @@ impl MachineFile {
         Some(Place::in_text(&self.path, &text, span))
     }
 }
+
+/// Tools in the table of a controller.
+const MOST_TOOLS: usize = 8;
 
 const VIEWS: [(&str, [usize; 2]); 4] = [
     ("XY", [0, 1]),

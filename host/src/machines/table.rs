@@ -84,6 +84,17 @@ impl<'a, 'f> Table<'a, 'f> {
         name
     }
 
+    /// Reads `true` or `false`.
+    pub fn flag(&mut self, key: &str) -> Option<bool> {
+        let (value, span) = self.value(key)?;
+        let flag = value.as_bool();
+        if flag.is_none() {
+            let message = format!("`{key}` is not a flag");
+            self.wrong(span, &message, "expected true or false");
+        }
+        flag
+    }
+
     /// Reads an integer within a range.
     pub fn integer(&mut self, key: &str, range: RangeInclusive<i64>) -> Option<i64> {
         let (value, span) = self.value(key)?;

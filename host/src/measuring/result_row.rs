@@ -1,7 +1,7 @@
 //! The result of one action, as text, JSON or a line of a table.
 
-use crate::tuning::percent;
 use husillo_metrology::Scale;
+use husillo_reports::tuning::percent;
 use serde::{Serialize, Serializer};
 use std::fmt;
 

@@ -4,10 +4,7 @@
 //! their mistakes and writes the reports.
 
 mod findings;
-mod heading;
 mod job;
-mod listing;
-mod page;
-mod picture;
+mod measured;
 
 pub use job::{Ending, Routine, recorded, run};

@@ -1,9 +1,10 @@
 //! The blocks of a program in the order of execution.
 
+use crate::programs::reading::Reading;
 use crate::programs::source::Source;
 use husillo_gcode::contour::{Contours, needs_contours};
 use husillo_gcode::parameters::{Fault, Program, needs_program};
-use husillo_gcode::{Block, Dialect, Error, ErrorKind, FramingError, Modal, Receiver, words};
+use husillo_gcode::{Block, Dialect, Error, ErrorKind, FramingError, Receiver, words};
 use std::fmt::{self, Debug, Write};
 use std::hash::{DefaultHasher, Hasher};
 use std::io;
@@ -159,8 +160,8 @@ pub fn is_numbering(text: &[u8]) -> bool {
 /// Calls `each` with every block until it breaks, or the program ends.
 ///
 /// Lines are read one at a time, up to the first one with a parameter, an expression, an O-word or
-/// a cycle along a contour. From that line on the program is kept in memory. `modal` returns the
-/// state of the machine, which expressions may read.
+/// a cycle along a contour. From that line on the program is kept in memory. `reading`
+/// returns the state of the machine, which expressions may read.
 ///
 /// # Errors
 ///
@@ -169,7 +170,7 @@ pub fn each_block<C>(
     source: &mut Source,
     dialect: Dialect,
     context: &mut C,
-    modal: impl Fn(&C) -> &Modal<3>,
+    reading: impl Fn(&C) -> Reading<'_, 3>,
     mut each: impl FnMut(&mut C, &Given<'_>, Result<Block, Error>) -> io::Result<ControlFlow<()>>,
 ) -> io::Result<()> {
     let mut percent = Percent::default();
@@ -178,7 +179,7 @@ pub fn each_block<C>(
         return Ok(());
     };
     let text = source.rest()?;
-    as_a_whole(&text, first, dialect, &mut percent, context, modal, each)
+    as_a_whole(&text, first, dialect, &mut percent, context, reading, each)
 }
 
 /// Gives the blocks of the lines that need no other line. Returns the number of the first line that
@@ -249,7 +250,7 @@ fn as_a_whole<C>(
     dialect: Dialect,
     percent: &mut Percent,
     context: &mut C,
-    modal: impl Fn(&C) -> &Modal<3>,
+    reading: impl Fn(&C) -> Reading<'_, 3>,
     mut each: impl FnMut(&mut C, &Given<'_>, Result<Block, Error>) -> io::Result<ControlFlow<()>>,
 ) -> io::Result<()> {
     let text = percent.before_all(text);
@@ -257,17 +258,17 @@ fn as_a_whole<C>(
     let mut contours = Box::new(Turned::new(text, dialect));
     let mut repetition = Repetition::default();
     loop {
-        let state = modal(context);
-        let line = match contours.next_of_cycle(state) {
+        let state = reading(context);
+        let line = match contours.next_of_cycle(state.modal) {
             Some(line) => line,
             None => {
-                let Some(line) = program.next_line(state) else {
+                let Some(line) = program.next_line(&state) else {
                     return Ok(());
                 };
                 if percent.ends(line.text, &dialect) {
                     return Ok(());
                 }
-                let line = contours.take(line, state);
+                let line = contours.take(line, state.modal);
                 if let Some((at, number)) = contours.resume() {
                     program.go_to(at, number);
                 }
@@ -282,7 +283,7 @@ fn as_a_whole<C>(
             overlong: false,
             repeats: true,
         };
-        let state = || state_of(&(program.clone().with_steps(0), &contours, modal(context)));
+        let state = || state_of(&(program.clone().with_steps(0), &contours, reading(context)));
         if repetition.is_endless(line.number, state) {
             let endless = Error {
                 kind: ErrorKind::Program(Fault::OutOfSteps),
@@ -352,6 +353,8 @@ fn state_of(state: &impl Debug) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::programs::reading::Results;
+    use husillo_gcode::Modal;
 
     /// The file of some systems ends with `M30%`.
     #[test]
@@ -371,7 +374,10 @@ mod tests {
                 &mut source,
                 Dialect::RS274,
                 &mut context,
-                |modal| modal,
+                |modal| Reading {
+                    modal,
+                    results: Results::NONE,
+                },
                 error,
             )
             .unwrap();
@@ -386,7 +392,10 @@ mod tests {
             &mut source,
             dialect,
             &mut context,
-            |context| &context.0,
+            |context| Reading {
+                modal: &context.0,
+                results: Results::NONE,
+            },
             |context, given, _| {
                 context.1.push(given.number);
                 Ok(ControlFlow::Continue(()))

@@ -7,11 +7,12 @@ use crate::programs::program::{self, Meaning, Start};
 use crate::programs::reversals::Turns;
 use crate::programs::setup;
 use crate::programs::source::Source;
-use crate::text::duration::duration;
-use crate::text::length::length;
-use crate::text::number::shortest;
 use husillo_gcode::{Arc, Command, Feed, Nm};
 use husillo_machine::{Config, MoveError};
+use husillo_reports::text::duration;
+use husillo_reports::text::length;
+use husillo_reports::text::shortest;
+use husillo_sim::geometry::path::Path;
 use std::io;
 
 /// The figures of a checked program.
@@ -162,6 +163,10 @@ impl Checker<'_> {
                 self.turns.arc(from, arc);
                 arc_length(from, arc)
             }
+            Command::Spline { .. } => {
+                self.turns.line(from, to);
+                Path::programmed(from, command, 0.0).map_or(0.0, |path| path.length())
+            }
             _ => {
                 self.turns.line(from, to);
                 distance(from, to)
@@ -171,7 +176,10 @@ impl Checker<'_> {
         match command {
             Command::Rapid { .. } => self.rapid_nm += length,
             Command::Thread { .. } => self.feed_nm += length,
-            Command::Linear { feed, .. } | Command::Arc { feed, .. } => {
+            Command::Linear { feed, .. }
+            | Command::Probe { feed, .. }
+            | Command::Spline { feed, .. }
+            | Command::Arc { feed, .. } => {
                 self.feed_nm += length;
                 self.feed(feed, command, from, to, length, &meaning.at, findings);
             }
@@ -390,7 +398,7 @@ fn distance(from: [Nm; 3], to: [Nm; 3]) -> f64 {
 
 /// Length of an arc in nm.
 pub fn arc_length(from: [Nm; 3], arc: &Arc<3>) -> f64 {
-    husillo_sim::geometry::path::Path::programmed(
+    Path::programmed(
         from,
         &Command::Arc {
             arc: *arc,

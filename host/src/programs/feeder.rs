@@ -1,32 +1,36 @@
 //! Feeds the lines of a checked program to the machine, and passes its events on.
 
-use crate::programs::blocks;
-use crate::programs::setup::ClosedMicromill;
+use crate::programs::blocks::{self, Given};
+use crate::programs::reading::{Reading, Results, simulated};
+use crate::programs::setup::{ClosedMicromill, Mill};
 use crate::programs::source::Source;
 use crate::programs::spindle_time::Turning;
+use crate::simulation::work_piece::WorkPiece;
 use husillo_backlash::Lash;
-use husillo_interp::Path;
-use husillo_machine::{Event, Followed, Machine, Pause, Refused};
+use husillo_gcode::{Block, Error};
+use husillo_machine::{Alarm, Event, Followed, Pause, Refused};
 use std::io;
 use std::ops::ControlFlow;
 
-/// Runs a program to its end. `each` gets the machine and each of its events.
+/// Runs a program to its end. `each` gets the machine and each of its events. A probe touches
+/// `piece`, and every input meets the condition that is waited for.
 ///
 /// # Errors
 ///
-/// Reading or writing fails, or the machine refuses a line. It refuses no line of a program that
-/// was checked before.
+/// Reading or writing fails, the machine refuses a line, or a probe finds nothing. It refuses no
+/// line of a program that was checked before, unless a line depends on what a probe has found.
 pub fn feed<L: Lash<3>>(
     source: &mut Source,
-    machine: &mut Machine<3, Path<3>, L>,
-    mut each: impl FnMut(&Machine<3, Path<3>, L>, &Event<3>) -> io::Result<()>,
+    machine: &mut Mill<L>,
+    piece: &WorkPiece,
+    mut each: impl FnMut(&Mill<L>, &Event<3>) -> io::Result<()>,
 ) -> io::Result<()> {
     let config = machine.config();
     let dialect = config.dialect;
     let mut turning = config
         .spindle_counts
         .map(|counts| Turning::new(counts, config.timer_hz));
-    let mut each = |machine: &Machine<3, Path<3>, L>, event: &Event<3>| match &mut turning {
+    let mut each = |machine: &Mill<L>, event: &Event<3>| match &mut turning {
         None => each(machine, event),
         Some(turning) => each(machine, &turning.timed(event)?),
     };
@@ -35,21 +39,22 @@ pub fn feed<L: Lash<3>>(
         source,
         dialect,
         machine,
-        |machine| machine.modal(),
+        |machine| reading(machine),
         |machine, given, block| {
-            // Fills the queue, then takes events until a slot is free.
+            take(machine, given, block)?;
+            let has_ended = machine.has_ended();
+            // Takes events until there is room for another line, and the results of this one.
             while !machine.has_room() {
-                if pull(machine, &mut each)? == Pulled::End {
-                    ended = true;
-                    return Ok(ControlFlow::Break(()));
+                match pull(machine, piece, &mut each)? {
+                    Pulled::End => ended = true,
+                    Pulled::Alarm(alarm) => return Err(at_line(given, &alarm)),
+                    Pulled::Event => continue,
+                    Pulled::Nothing => {}
                 }
+                return Ok(ControlFlow::Break(()));
             }
-            block
-                .map_err(Refused::from)
-                .and_then(|block| machine.block(&block))
-                .map_err(|refused| io::Error::other(format!("line {}: {refused}", given.number)))?;
             // Any text may follow the end of a program.
-            Ok(if machine.has_ended() {
+            Ok(if has_ended {
                 ControlFlow::Break(())
             } else {
                 ControlFlow::Continue(())
@@ -59,8 +64,14 @@ pub fn feed<L: Lash<3>>(
     if ended {
         return Ok(());
     }
-    while pull(machine, &mut each)? == Pulled::Event {}
-    Ok(())
+    finish(machine)?;
+    loop {
+        match pull(machine, piece, &mut each)? {
+            Pulled::Event => {}
+            Pulled::Alarm(alarm) => return Err(io::Error::other(alarm.to_string())),
+            Pulled::End | Pulled::Nothing => return Ok(()),
+        }
+    }
 }
 
 /// Runs a program on a machine with encoders, to its end or until the machine stops. `each` gets
@@ -72,6 +83,7 @@ pub fn feed<L: Lash<3>>(
 pub fn feed_followed(
     source: &mut Source,
     machine: &mut ClosedMicromill,
+    piece: &WorkPiece,
     mut counts: [i64; 3],
     mut each: impl FnMut(&ClosedMicromill, &Followed<3>) -> io::Result<[i64; 3]>,
 ) -> io::Result<()> {
@@ -81,6 +93,7 @@ pub fn feed_followed(
         .spindle_counts
         .map(|counts| Turning::new(counts, config.timer_hz));
     let mut pull = |machine: &mut ClosedMicromill| -> io::Result<Pulled> {
+        touch(machine.machine_mut(), piece);
         let Some(mut entry) = machine.next_event(&counts) else {
             return Ok(match machine.is_stopped() {
                 true => Pulled::End,
@@ -92,7 +105,7 @@ pub fn feed_followed(
         }
         counts = each(machine, &entry)?;
         Ok(match entry {
-            Followed::Event(Event::Pause(Pause::End { .. })) => Pulled::End,
+            Followed::Event(event) => Pulled::of(machine.machine_mut(), &event),
             _ => Pulled::Event,
         })
     };
@@ -101,19 +114,20 @@ pub fn feed_followed(
         source,
         dialect,
         machine,
-        |machine| machine.machine().modal(),
+        |machine| reading(machine.machine()),
         |machine, given, block| {
+            take(machine.machine_mut(), given, block)?;
+            let has_ended = machine.machine().has_ended();
             while !machine.machine().has_room() {
-                if pull(machine)? == Pulled::End {
-                    ended = true;
-                    return Ok(ControlFlow::Break(()));
+                match pull(machine)? {
+                    Pulled::End => ended = true,
+                    Pulled::Alarm(alarm) => return Err(at_line(given, &alarm)),
+                    Pulled::Event => continue,
+                    Pulled::Nothing => {}
                 }
+                return Ok(ControlFlow::Break(()));
             }
-            block
-                .map_err(Refused::from)
-                .and_then(|block| machine.machine_mut().block(&block))
-                .map_err(|refused| io::Error::other(format!("line {}: {refused}", given.number)))?;
-            Ok(if machine.machine().has_ended() {
+            Ok(if has_ended {
                 ControlFlow::Break(())
             } else {
                 ControlFlow::Continue(())
@@ -123,9 +137,53 @@ pub fn feed_followed(
     if ended {
         return Ok(());
     }
+    finish(machine.machine_mut())?;
     // The machine still checks the axes after the end of the program.
     while pull(machine)? != Pulled::Nothing && !machine.is_stopped() {}
     Ok(())
+}
+
+/// Gives a block to a machine that has room for it.
+fn take<L: Lash<3>>(
+    machine: &mut Mill<L>,
+    given: &Given<'_>,
+    block: Result<Block, Error>,
+) -> io::Result<()> {
+    block
+        .map_err(Refused::from)
+        .and_then(|block| machine.block(&block))
+        .map_err(|refused| at_line(given, &refused))
+}
+
+/// The moves that still wait for a corner at the end of the text.
+fn finish<L: Lash<3>>(machine: &mut Mill<L>) -> io::Result<()> {
+    machine
+        .finish()
+        .map_err(|refused| io::Error::other(refused.to_string()))
+}
+
+fn at_line(given: &Given<'_>, why: &dyn std::fmt::Display) -> io::Error {
+    io::Error::other(format!("line {}: {why}", given.number))
+}
+
+/// What expressions can read of a machine.
+fn reading<L: Lash<3>>(machine: &Mill<L>) -> Reading<'_, 3> {
+    let probed = machine.probed();
+    Reading {
+        modal: machine.modal(),
+        results: Results::new(probed.in_work, probed.is_touched, machine.input_micro()),
+    }
+}
+
+/// Sets the input of the probe, if the machine needs it.
+#[inline]
+fn touch<L: Lash<3>>(machine: &mut Mill<L>, piece: &WorkPiece) {
+    if machine.needs_probe() {
+        let steps = machine.position_steps();
+        let scales = machine.config().axes.each_ref().map(|axis| axis.scale);
+        let at = [0, 1, 2].map(|axis| scales[axis].position(steps[axis]) as f64);
+        machine.set_probe(piece.is_touched(at));
+    }
 }
 
 /// Result of an attempt to take an event.
@@ -137,21 +195,38 @@ enum Pulled {
     Nothing,
     /// The end of the program.
     End,
+    /// The program cannot go on.
+    Alarm(Alarm),
+}
+
+impl Pulled {
+    /// The kind of an event. A request for an input is answered.
+    #[inline]
+    fn of<L: Lash<3>>(machine: &mut Mill<L>, event: &Event<3>) -> Self {
+        match event {
+            Event::Pause(Pause::End { .. }) => Self::End,
+            Event::Alarm(alarm) => Self::Alarm(*alarm),
+            Event::Await { input, until, .. } => {
+                machine.answer(Some(simulated(*input, *until)));
+                Self::Event
+            }
+            _ => Self::Event,
+        }
+    }
 }
 
 #[inline]
 fn pull<L: Lash<3>>(
-    machine: &mut Machine<3, Path<3>, L>,
-    each: &mut impl FnMut(&Machine<3, Path<3>, L>, &Event<3>) -> io::Result<()>,
+    machine: &mut Mill<L>,
+    piece: &WorkPiece,
+    each: &mut impl FnMut(&Mill<L>, &Event<3>) -> io::Result<()>,
 ) -> io::Result<Pulled> {
+    touch(machine, piece);
     // By reference for speed: a move would read the event as a whole right after it was written in
     // parts, and the processor would wait for the writes.
     let Some(ref event) = machine.next_event() else {
         return Ok(Pulled::Nothing);
     };
     each(machine, event)?;
-    Ok(match event {
-        Event::Pause(Pause::End { .. }) => Pulled::End,
-        _ => Pulled::Event,
-    })
+    Ok(Pulled::of(machine, event))
 }

@@ -6,8 +6,11 @@ use crate::console::progress::Progress;
 use crate::diagnostics::{Finding, Findings};
 use crate::programs::blocks::{self, Given};
 use crate::programs::explain::{self, At};
+use crate::programs::reading::{Reading, Results};
 use crate::programs::source::{LONGEST_LINE, Source};
-use husillo_gcode::{Block, Command, Compensated, Compensation, Dialect, Error, Modal, Nm, words};
+use husillo_gcode::{
+    Block, Command, Compensated, Compensation, Dialect, Error, Modal, Nm, Tool, words,
+};
 use std::collections::VecDeque;
 use std::fmt::Write;
 use std::io;
@@ -29,6 +32,8 @@ pub struct Start {
     pub zero: [Nm; 3],
     /// Position of the tool, in machine coordinates.
     pub at: [Nm; 3],
+    /// The tools of the machine, by number.
+    pub tools: [Option<(u32, Tool<3>)>; 8],
 }
 
 impl From<Dialect> for Start {
@@ -38,6 +43,7 @@ impl From<Dialect> for Start {
             dialect,
             zero: [Nm(0); 3],
             at: [Nm(0); 3],
+            tools: [None; 8],
         }
     }
 }
@@ -50,6 +56,9 @@ impl Start {
             modal.set_work_zero(system, self.zero);
         }
         modal.set_position(self.at);
+        for (number, tool) in self.tools.into_iter().flatten() {
+            modal.set_tool(number, tool);
+        }
         modal
     }
 }
@@ -72,6 +81,8 @@ struct Walker<'a> {
     /// Commands that a program with loops may still give.
     left: u64,
     modal: Modal<3>,
+    /// What a probe and inputs are assumed to find.
+    results: Results<3>,
     /// Computes the path of the tool under compensation. Otherwise it passes commands unchanged.
     stage: Compensation<3>,
     /// Places of the commands that wait in it, in their order.
@@ -129,11 +140,20 @@ impl<'a> Walker<'a> {
             left,
             from: modal.position(),
             modal,
+            results: Results::NONE,
             stage: Compensation::new(start.at),
             waiting: VecDeque::new(),
             last_line: 1,
             has_ended: false,
             progress: Progress::new("Reading {human_pos} blocks and commands; Ctrl-C ends", None),
+        }
+    }
+
+    /// What expressions can read.
+    const fn reading(&self) -> Reading<'_, 3> {
+        Reading {
+            modal: &self.modal,
+            results: self.results,
         }
     }
 
@@ -244,6 +264,7 @@ impl<'a> Walker<'a> {
                 return Ok(ControlFlow::Break(()));
             }
             self.give(freed.pop_front(), &meaning, &command, findings, each)?;
+            self.results.assume(&command, &self.modal);
             self.has_ended |= matches!(command, Command::End { .. });
         }
         if self.has_ended {
@@ -355,7 +376,7 @@ fn walk_within(
         source,
         start.dialect,
         &mut walker,
-        |walker| &walker.modal,
+        Walker::reading,
         |walker, given, block| {
             let flow = walker.block(given, block, findings, &mut each)?;
             Ok(match findings.is_decided() {

@@ -5,9 +5,10 @@ use husillo_backlash::{Flank, LashMap, MappedBacklash};
 use husillo_gcode::{Dialect, Nm};
 use husillo_interp::Path;
 use husillo_machine::{
-    Axis, AxisEncoder, AxisRamp, ClosedLoop, Config, Equipment, Machine, Motors, Scale,
+    Axis, AxisEncoder, AxisRamp, ClosedLoop, Config, Extended, Machine, Motors, Scale,
 };
 use husillo_metrology::calibration::backlash::Map;
+use husillo_probe::{PreTravel, Tip, UnitVector};
 use husillo_sim::observers::phases;
 use husillo_sim::{AxisModel, Rig};
 use husillo_stepper::{Drive, Mode, Sequencer, StepDirection, StepToggle};
@@ -15,10 +16,12 @@ use std::sync::Arc;
 
 /// The backlash of an axis. A single value is a map with one position.
 pub type Screw = MappedBacklash<Arc<[i32]>, Arc<[u32]>>;
+/// A machine with all commands, and with this backlash.
+pub type Mill<L> = Machine<3, Path<3>, L, 16, Extended<3>>;
 /// A machine with such screws.
-pub type Micromill = Machine<3, Path<3>, Screw>;
+pub type Micromill = Mill<Screw>;
 /// A machine with such screws and with encoders.
-pub type ClosedMicromill = ClosedLoop<3, Path<3>, Screw>;
+pub type ClosedMicromill = ClosedLoop<3, Path<3>, Screw, 16, Extended<3>>;
 
 /// The backlash that the controller takes up: the maps of the file, or one value for an axis
 /// without a map.
@@ -160,7 +163,17 @@ pub fn config(file: &MachineFile, dialect: Dialect) -> Result<Config<3>, String>
         top_feed: file.top_feed.map(Nm),
         corner_deviation: file.corner_deviation.map(Nm),
         spindle_counts: file.spindle_counts,
-        equipment: Equipment::NONE,
+        equipment: file.equipment,
+    })
+}
+
+/// The tip of the probe, if its positions are corrected.
+pub fn tip(file: &MachineFile) -> Option<Tip<6>> {
+    let probe = file.probe.as_ref().filter(|probe| probe.corrects)?;
+    let narrow = |nm: i64| i32::try_from(nm).unwrap_or(i32::MAX);
+    Some(Tip {
+        radius_nm: narrow(probe.radius_nm),
+        pre_travel: PreTravel::of(&[(UnitVector::X, narrow(probe.pre_travel_nm))])?,
     })
 }
 

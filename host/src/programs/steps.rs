@@ -3,6 +3,7 @@
 use crate::programs::feeder;
 use crate::programs::setup::Micromill;
 use crate::programs::source::Source;
+use crate::simulation::work_piece::WorkPiece;
 use husillo_machine::{Event, Motors};
 use husillo_stepper::{Drive, Levels};
 use std::io::{self, Write};
@@ -18,6 +19,7 @@ use std::io::{self, Write};
 pub fn write(
     source: &mut Source,
     machine: &mut Micromill,
+    piece: &WorkPiece,
     mut motors: Option<Motors<3, Drive>>,
     out: &mut impl Write,
 ) -> io::Result<u64> {
@@ -29,7 +31,7 @@ pub fn write(
     })?;
     let mut count = 0_u64;
     let mut changes = Vec::new();
-    feeder::feed(source, machine, |_, event| {
+    feeder::feed(source, machine, piece, |_, event| {
         let (wait_ticks, delta) = match event {
             Event::Step(step) => (step.wait_ticks, step.delta),
             Event::Dwell { wait_ticks } => (*wait_ticks, [0; 3]),

@@ -5,7 +5,7 @@ use crate::machines::machine_file::MachineFile;
 use crate::programs::explain::At;
 use crate::programs::program::{self, Start};
 use crate::programs::source::Source;
-use husillo_gcode::{Dialect, Nm};
+use husillo_gcode::Nm;
 use husillo_machine::{Config, MoveError, extent};
 use std::io;
 
@@ -44,17 +44,17 @@ impl Reach {
     fn of(
         source: &mut Source,
         file: &str,
-        dialect: Dialect,
+        start: Start,
         config: &Config<3>,
         zero: [Nm; 3],
     ) -> io::Result<Self> {
         let mut reach = Self::default();
         let far = [Nm(FAR); 3];
         let start = Start {
-            dialect,
             zero: far,
             // 1 nm from work zero, so that a move to work zero counts. It is far less than a step.
             at: far.map(|Nm(nm)| Nm(nm + 1)),
+            ..start
         };
         // The check has already reported other errors.
         let mut found = Findings::new(0);
@@ -163,11 +163,11 @@ pub enum Lie {
 pub fn placing(
     source: &mut Source,
     file: &str,
-    dialect: Dialect,
+    start: Start,
     config: &Config<3>,
     lie: Lie,
 ) -> io::Result<Option<[Nm; 3]>> {
-    let reach = Reach::of(source, file, dialect, config, [Nm(0); 3])?;
+    let reach = Reach::of(source, file, start, config, [Nm(0); 3])?;
     if reach.has_errors {
         return Ok(None);
     }
@@ -222,7 +222,7 @@ pub fn report_beyond(
     first: &(Place, MoveError),
     findings: &mut Findings,
 ) -> io::Result<()> {
-    let reach = Reach::of(source, file, start.dialect, config, start.zero)?;
+    let reach = Reach::of(source, file, start, config, start.zero)?;
     let mut leaves = reach.part_leaves.iter().chain(&reach.machine_leaves);
     if leaves.all(Option::is_none) {
         // An axis that does not move is beyond: machine zero, where the program begins, is outside

@@ -1,10 +1,10 @@
 //! The tables of the microfactory.
 
-use super::picture::Picture;
-use super::{Rebuilt, wanted};
+use super::wanted;
 use husillo_metrology::originals::microfactory::{
     Coils, consumption, current, other_systems, rates, temperatures,
 };
+use husillo_reports::originals::{Picture, Rebuilt};
 
 /// Numbers of its tables.
 const NUMBERS: [&str; 5] = ["4.1", "4.2", "4.3", "4.4", "4.5"];

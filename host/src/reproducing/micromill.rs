@@ -1,13 +1,13 @@
 //! The tables of the micro mill.
 
-use super::picture::Picture;
-use super::{Rebuilt, wanted};
+use super::wanted;
 use crate::lash::SimulatedBench;
 use crate::machines::machine_file::MachineFile;
 use husillo_metrology::originals::micromill::{
     Screws, Settings, Shop, circles, interpolators, lines, marks, part, power_chips, sequences,
     squares, supply,
 };
+use husillo_reports::originals::{Picture, Rebuilt};
 
 /// Numbers of its tables.
 const NUMBERS: [&str; 13] = [

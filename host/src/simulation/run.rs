@@ -5,7 +5,7 @@ use crate::machines::machine_file::MachineFile;
 use crate::programs::setup::{self, ClosedMicromill, Micromill};
 use crate::simulation::mechanics::Mechanics;
 use husillo_gcode::SpindleDirection;
-use husillo_machine::{Event, Followed, Origin, Output, StepEvent};
+use husillo_machine::{Event, Followed, Origin, Output, Probed, StepEvent};
 use husillo_sim::observers::deviation::Deviation;
 use husillo_sim::observers::encoders::EncoderReports;
 use husillo_sim::observers::moves::Moves;
@@ -79,6 +79,8 @@ pub struct Run {
     pub observers: Observers,
     /// The reports of the encoders.
     pub encoders: EncoderReports,
+    /// What the probe has found, in the order of the program.
+    pub probed: Vec<Probed<3>>,
 }
 
 impl Run {
@@ -113,6 +115,7 @@ impl Run {
             moves: Moves::new(0.5 * (step.num as f64 / step.den as f64)),
             observers,
             encoders: EncoderReports::default(),
+            probed: Vec::new(),
         })
     }
 
@@ -171,6 +174,13 @@ impl Run {
             }) => {
                 let is_on = *direction != SpindleDirection::Off;
                 self.moves.milli_rpm = if is_on { *milli_rpm } else { 0 };
+                Ok(())
+            }
+            Event::Probed { .. } => {
+                self.probed.push(*machine.probed());
+                // The next move begins where this one has stopped.
+                self.moves.start_at(machine.position_steps());
+                self.moves.sent(machine.position_steps());
                 Ok(())
             }
             _ => Ok(()),

@@ -1,6 +1,7 @@
 //! Lines in, events out.
 
 mod begin;
+mod direct;
 mod extended;
 mod next_event;
 

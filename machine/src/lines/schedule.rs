@@ -28,6 +28,8 @@ pub(crate) struct Work<const N: usize, P> {
     /// Time at the programmed speed in ticks, times 2^16.
     pub(crate) ticks_q16: u64,
     pub(crate) tempo: Tempo,
+    /// Tag of [`Machine::push`](crate::Machine::push); 0 for the moves of lines.
+    pub(crate) tag: u32,
 }
 
 /// A stop: no path, no speed.
@@ -55,6 +57,8 @@ pub(crate) struct Schedule<const N: usize, P, const QUEUE: usize> {
     /// Direction of the last step of each axis; 0 where it is unknown.
     heading: [i8; N],
     arc: Option<Parts<N, P>>,
+    /// Tag of the following moves.
+    tag: u32,
 }
 
 /// The parts, not yet in the queue, of an arc that is split where an axis with backlash reverses.
@@ -82,7 +86,13 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
             is_thread: false,
             heading: [0; N],
             arc: None,
+            tag: 0,
         }
+    }
+
+    /// Sets the tag of the following moves.
+    pub(crate) const fn set_tag(&mut self, tag: u32) {
+        self.tag = tag;
     }
 
     /// Whether speeds change along the path. Otherwise every move has one speed from first to last
@@ -228,6 +238,7 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
             is_indexed,
             ticks_q16,
             tempo,
+            tag: self.tag,
             path: Some(path),
         };
         // The caller has checked that there is room.
@@ -298,6 +309,7 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
             is_indexed: false,
             ticks_q16,
             tempo: arc.tempo,
+            tag: self.tag,
         };
         let _ = self.moves.push(stretch, work);
         if arc.first.is_some() {

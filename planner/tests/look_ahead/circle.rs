@@ -30,7 +30,7 @@ fn assert_no_dip(moves: &[Move]) {
     assert!(dip.is_none(), "{dip:?}");
     check_path(moves, &events, HZ, 1.0, true);
     check_path(moves, &events, HZ, 20_000.0, true);
-    check_axes(moves, &events, HZ);
+    check_axes(moves, &events, HZ, true);
 }
 
 #[test]

@@ -19,7 +19,10 @@ fn pace(begun: &Begun<'_>) -> Move {
     let by_turns = |lead: Nm| lead.0 as f64 * begun.milli_rpm as f64 / 60e3;
     let programmed = match &begun.segment.command {
         Command::Thread { lead, .. } => Some(by_turns(*lead)),
-        Command::Linear { feed, .. } | Command::Arc { feed, .. } => Some(match *feed {
+        Command::Linear { feed, .. }
+        | Command::Probe { feed, .. }
+        | Command::Spline { feed, .. }
+        | Command::Arc { feed, .. } => Some(match *feed {
             Feed::PerMinute(rate) => rate.0 as f64 / 60.0,
             Feed::InverseTime { micro_per_minute } => {
                 begun.path.length() * micro_per_minute as f64 / 60e6

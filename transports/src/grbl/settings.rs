@@ -149,7 +149,9 @@ impl Settings {
 /// - [`ErrorCode::BadNumber`] without a number.
 /// - [`ErrorCode::InvalidStatement`] without `=` after it, or with a number beyond 255.
 pub fn key_and_value(text: &[u8]) -> Result<(u8, &[u8]), ErrorCode> {
-    let (key, rest) = decimal(text, 0).ok_or(ErrorCode::BadNumber)?;
+    // Decimals are cut off.
+    let (tenths, rest) = decimal(text, 1).ok_or(ErrorCode::BadNumber)?;
+    let key = tenths / 10;
     let value = rest.strip_prefix(b"=").ok_or(ErrorCode::InvalidStatement)?;
     let key = u8::try_from(key).map_err(|_| ErrorCode::InvalidStatement)?;
     Ok((key, value))

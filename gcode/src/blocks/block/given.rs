@@ -15,6 +15,16 @@ use crate::values::nm::Measure;
 /// Slot of U; the slots of V and W follow.
 const INCREMENTS: u8 = 21;
 
+/// The words of axes, those of polar coordinates included.
+const AXIS_WORDS: u32 = Letters::new(b"XYZABC@^").0;
+
+/// Slot of `@`; that of `^` follows, and there are no others.
+const POLAR_SLOT: u8 = 24;
+
+/// The letters of polar coordinates.
+#[cfg(feature = "extended")]
+pub(crate) const POLAR: Letters = Letters::new(b"@^");
+
 /// The letters that need a code that uses them.
 const CLAIMED: Letters = Letters::new(b"IJKRPDEHLQ");
 
@@ -46,6 +56,9 @@ impl Block {
     pub(crate) fn most_places(&self, letters: Letters) -> u8 {
         let (mut given, mut most) = (self.present & letters.0, 0);
         for value in &self.values {
+            if given == 0 {
+                break;
+            }
             if given & 1 != 0 {
                 most = value.places().max(most);
             }
@@ -110,7 +123,9 @@ impl Block {
     pub(crate) fn axes(&self) -> u16 {
         // The slots of U, V and W are those of X, Y and Z in the same order.
         let increments = if EXTENDED {
-            (self.present >> INCREMENTS) & 0b111
+            // Polar coordinates are X and Y; their two bits are the highest.
+            let polar = u32::from(self.present >> POLAR_SLOT != 0).wrapping_mul(0b11);
+            (self.present >> INCREMENTS) & 0b111 | polar
         } else {
             0
         };
@@ -138,6 +153,15 @@ impl Block {
             }
             _ => Ok(()),
         }
+    }
+
+    /// The code that needs the lines around this one, with its group.
+    #[cfg(all(feature = "program", feature = "extended"))]
+    pub(crate) fn flow_code(&self) -> Option<(Code, Group)> {
+        [Group::Override, Group::Stop]
+            .into_iter()
+            .filter_map(|group| Some((self.code(group)?, group)))
+            .find(|(code, _)| code.needs_program())
     }
 
     /// Refuses codes that need the lines around this one.
@@ -297,7 +321,7 @@ impl Block {
             None => {
                 let words = match place {
                     Place::Word => bit(fault.letter()),
-                    _ => 0b11_1111,
+                    _ => AXIS_WORDS,
                 };
                 self.span_of(words, place == Place::Motion)
             }

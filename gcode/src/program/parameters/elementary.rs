@@ -5,6 +5,7 @@
 //! whole number of quarter turns is subtracted exactly, in decimals, before anything is rounded.
 
 use super::value::{Value, power};
+use crate::values::circle::of_radians;
 use crate::values::wide::root;
 use core::cmp::Ordering;
 
@@ -83,34 +84,6 @@ const LOGARITHMS: [i64; 31] = [
 
 /// ln 2, Q62.
 const LN_2: i64 = 3196577161300663915;
-
-/// 1/1!, 1/3!, 1/5!, ... Q62: the series of the sine. The truncation error is below 10^-19 up to 45
-/// degrees.
-const SINE: [i64; 9] = [
-    4611686018427387904,
-    768614336404564651,
-    38430716820228233,
-    915017067148291,
-    12708570377060,
-    115532457973,
-    740592679,
-    3526632,
-    12966,
-];
-
-/// 1/0!, 1/2!, 1/4!, ... Q62.
-const COSINE: [i64; 10] = [
-    4611686018427387904,
-    2305843009213693952,
-    192153584101141163,
-    6405119470038039,
-    114377133393536,
-    1270857037706,
-    9627704831,
-    52899477,
-    220414,
-    720,
-];
 
 /// pi / 180 = mantissa * 2^exponent.
 const DEGREE: Float = Float {
@@ -227,24 +200,12 @@ impl Float {
     }
 }
 
-/// The product of two Q62 numbers below 2.
-fn product(a: i64, b: i64) -> i64 {
-    (i128::from(a).wrapping_mul(i128::from(b)) >> 62) as i64
-}
-
 /// A Q62 number as a value of this many places, in 128 bits for those beyond 2.
 fn value_of(fixed: i128, places: u8) -> Option<Value> {
     // Magnitudes are below 2^68 with up to 15 places: below 2^118.
     let scaled = fixed.unsigned_abs().wrapping_mul(u128::from(power(places)));
     let digits = scaled.wrapping_add(1 << 61) >> 62;
     Some(Value::fitted(digits, places, fixed < 0, true)?.limited(places))
-}
-
-/// Sum of an alternating series in `square`, Q62.
-fn series(coefficients: &[i64], square: i64) -> i64 {
-    coefficients.iter().rev().fold(0, |sum, &coefficient| {
-        coefficient.wrapping_sub(product(sum, square))
-    })
 }
 
 /// Sine and cosine of an angle in degrees, Q62, within 2^-59, and whether both are exact (at
@@ -272,9 +233,7 @@ fn sine_and_cosine(angle: Value) -> Option<(i64, i64, bool)> {
     } else {
         radians
     };
-    let square = product(radians, radians);
-    let sine = product(radians, series(&SINE, square));
-    let cosine = series(&COSINE, square);
+    let (sine, cosine) = of_radians(radians);
     let (sine, cosine) = match rest.compare(Value::from(45)) {
         Ordering::Greater => (cosine, sine),
         _ => (sine, cosine),

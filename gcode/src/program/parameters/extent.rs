@@ -122,7 +122,7 @@ fn next_word<'t>(
             b';' => return Ok(None),
             b'/' if *start => reader.advance(),
             b'#' => *reader = Cursor::new(text, extent(text, at)?),
-            b'A'..=b'Z' => {
+            b'A'..=b'Z' | b'@' | b'^' => {
                 *start = false;
                 let end = extent(text, at)?;
                 *reader = Cursor::new(text, end);

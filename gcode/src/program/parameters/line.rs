@@ -84,7 +84,7 @@ impl<'a, 't, F: Fn(Key<'t>) -> Option<Value>> Evaluated<'a, 't, F> {
                     self.start = false;
                     self.assignment(at)?;
                 }
-                b'A'..=b'Z' => {
+                b'A'..=b'Z' | b'@' | b'^' => {
                     self.start = false;
                     self.reader.advance();
                     let value = match self.reader.peek() {

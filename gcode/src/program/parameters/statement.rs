@@ -7,6 +7,9 @@ use super::value::Value;
 use crate::codes::dialect::Dialect;
 use crate::error::Error;
 use crate::error::parameters::Fault;
+use crate::features::EXTENDED;
+#[cfg(feature = "extended")]
+use crate::words::word::words;
 
 /// The label of an O-word: a number, or a name as written in the text.
 #[derive(Copy, Clone, Debug)]
@@ -115,7 +118,7 @@ fn is_program_number(text: &[u8]) -> bool {
 }
 
 /// Whether a line needs a [`Program`](super::Program): it has a parameter or a bracket outside
-/// comments, or begins with an O-word. Always `false` in a dialect without them.
+/// comments, begins with an O-word, or has M70 to M73, M98 or M99. Always `false` in a dialect without them.
 ///
 /// # Cost
 /// One check per byte.
@@ -131,16 +134,56 @@ pub fn needs_program(line: &[u8], dialect: &Dialect) -> bool {
         return true;
     }
     let mut is_comment = false;
-    for byte in line {
+    for (at, byte) in (1usize..).zip(line) {
         match byte {
             b'(' => is_comment = true,
             b')' => is_comment = false,
             b';' if !is_comment => return false,
             b'#' | b'[' if !is_comment => return true,
+            b'm' | b'M' if EXTENDED && !is_comment && is_flow_code(line, at) => return true,
             _ => {}
         }
     }
     false
+}
+
+/// Whether the text after an `M`, from `at` on, is the number of M70 to M73, M98 or M99.
+fn is_flow_code(line: &[u8], at: usize) -> bool {
+    let mut number = 0u32;
+    for byte in line.get(at..).unwrap_or_default() {
+        match byte {
+            b'0'..=b'9' => {
+                let digit = u32::from(byte.wrapping_sub(b'0'));
+                number = number.saturating_mul(10).saturating_add(digit);
+            }
+            b' ' | b'\t' => {}
+            _ => break,
+        }
+    }
+    matches!(number, 70..=73 | 98 | 99)
+}
+
+/// The number of a program: that of a line with `O1234` alone, after `/`, comments and `N`.
+#[cfg(feature = "extended")]
+pub(super) fn program_number(text: &[u8]) -> Option<u32> {
+    let mut words = words(text);
+    let mut word = words.next()?.ok()?;
+    if word.letter == b'N' {
+        word = words.next()?.ok()?;
+    }
+    let number = word.value.whole().filter(|_| word.letter == b'O')?;
+    match words.next() {
+        None => u32::try_from(number).ok(),
+        Some(_) => None,
+    }
+}
+
+/// The number after `N` at the beginning of a line.
+#[cfg(feature = "extended")]
+pub(super) fn line_number(text: &[u8]) -> Option<u32> {
+    let word = words(text).next()?.ok()?;
+    let number = word.value.whole().filter(|_| word.letter == b'N')?;
+    u32::try_from(number).ok()
 }
 
 /// Whether a line begins with an O-word of control flow, and if so whether its keyword is valid; a

@@ -6,6 +6,8 @@ use crate::command::SpindleDirection;
 use crate::command::arc::Plane;
 use crate::modal::Modal;
 use crate::modal::modes::{Distance, FeedMode, Motion, Units};
+#[cfg(feature = "extended")]
+use crate::modal::saved::SavedModes;
 use crate::values::nm::Nm;
 
 /// The state of the machine that expressions can read: positions, the work system, the tool. It is
@@ -28,6 +30,12 @@ pub trait System {
     fn has_subroutine(&self, name: &[u8]) -> bool {
         let _ = name;
         false
+    }
+
+    /// The modes that M70 and M73 save; `None` in a system without modes.
+    #[cfg(feature = "extended")]
+    fn modes(&self) -> Option<SavedModes> {
+        None
     }
 }
 
@@ -56,24 +64,7 @@ fn length(nm: Nm, units: Units) -> Option<Value> {
     }
 }
 
-/// `left - right` per axis; both are below 2^52.
-fn difference<const N: usize>(left: [Nm; N], right: [Nm; N]) -> [Nm; N] {
-    let mut difference = left;
-    for (left, right) in difference.iter_mut().zip(right) {
-        left.0 = left.0.saturating_sub(right.0);
-    }
-    difference
-}
-
 impl<const N: usize> Modal<N> {
-    /// The programmed point in the work frame.
-    fn work_position(&self) -> [Nm; N] {
-        difference(
-            difference(self.position(), self.work_offset()),
-            self.tool_length(),
-        )
-    }
-
     /// The coordinate of the axis of a letter in the units in effect, degrees for a rotary axis; 0
     /// where there is no such axis.
     fn coordinate(&self, letter: u8, lengths: [Nm; N]) -> Option<Value> {
@@ -100,6 +91,7 @@ const LETTERS: &[u8; 9] = b"XYZABCUVW";
 /// | #5211 to #5219 | | the shift of G92 |
 /// | #5220 | `_coord_system` (540 for G54) | the work system, 1 to 9 |
 /// | #5221 to #5229, #5241 to #5249, ... | | zeros of G54, G55, ... |
+/// | #5230, #5250, ... | | rotations of G54, G55, ... in degrees |
 /// | #5400 | `_current_tool`, `_selected_tool` | tool in the spindle |
 /// | #5401 to #5409 | | tool length in effect |
 /// | #5410 | | diameter of the tool in the spindle |
@@ -125,8 +117,12 @@ impl<const N: usize> System for Modal<N> {
             5221..=5389 => {
                 let place = number.wrapping_sub(5221);
                 // Below 9.
-                let zero = self.work_zero((place / 20) as u8);
-                zero.and_then(|zero| in_units(usize::from(place % 20), zero))
+                let (system, axis) = ((place / 20) as u8, usize::from(place % 20));
+                match axis {
+                    #[cfg(feature = "extended")]
+                    9 => Value::new(self.rotation(system)?, 9),
+                    axis => in_units(axis, self.work_zero(system)?),
+                }
             }
             5400 => Value::new(i64::from(self.loaded_tool()), 0),
             5401..=5409 => in_units(axis_from(5401), self.tool_length()),
@@ -139,6 +135,11 @@ impl<const N: usize> System for Modal<N> {
             5420..=5428 => in_units(axis_from(5420), self.work_position()),
             _ => None,
         }
+    }
+
+    #[cfg(feature = "extended")]
+    fn modes(&self) -> Option<SavedModes> {
+        Some(self.saved_modes())
     }
 
     fn named(&self, name: &[u8]) -> Option<Value> {

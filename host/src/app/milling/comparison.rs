@@ -4,13 +4,13 @@ use super::super::job::Job;
 use super::super::{ERRORS, Failure, OK};
 use crate::micromill;
 use crate::programs::feeder;
-use crate::programs::setup;
+use crate::programs::setup::{self, Mill};
 use crate::programs::source::Source;
+use crate::simulation::work_piece::WorkPiece;
 use husillo_backlash::{Lash, Play};
 use husillo_clients::micromill::{self as client, Sent, Translated};
 use husillo_gcode::Dialect;
-use husillo_interp::Path;
-use husillo_machine::{Config, Event, Machine};
+use husillo_machine::{Config, Event};
 use husillo_transports::micromill::State;
 use std::io::{self, Write};
 
@@ -113,7 +113,7 @@ fn expected(job: &Job, text: String, start: Option<State>) -> Result<Expected, F
     let plays = start
         .axes
         .map(|axis| Play::at(axis.lash_steps, axis.ahead_steps, axis.load_steps));
-    let mut machine = Machine::<3, Path<3>, Play>::with_lash(config, plays);
+    let mut machine = Mill::<Play>::with_lash(config, plays);
     let at = client::position(&start, &config);
     machine
         .place(client::work_zero(&start), at)
@@ -121,19 +121,24 @@ fn expected(job: &Job, text: String, start: Option<State>) -> Result<Expected, F
     run(machine, text)
 }
 
-fn run<L: Lash<3>>(mut machine: Machine<3, Path<3>, L>, text: String) -> Result<Expected, Failure> {
+fn run<L: Lash<3>>(mut machine: Mill<L>, text: String) -> Result<Expected, Failure> {
     let mut source = Source::from_reader(Box::new(io::Cursor::new(text.into_bytes())));
     let mut steps = Vec::new();
-    feeder::feed(&mut source, &mut machine, |_, event| {
-        if let Event::Step(step) = event {
-            for (axis, delta) in (0..3).zip(step.delta) {
-                if delta != 0 {
-                    steps.push((axis, delta > 0));
+    feeder::feed(
+        &mut source,
+        &mut machine,
+        &WorkPiece::default(),
+        |_, event| {
+            if let Event::Step(step) = event {
+                for (axis, delta) in (0..3).zip(step.delta) {
+                    if delta != 0 {
+                        steps.push((axis, delta > 0));
+                    }
                 }
             }
-        }
-        Ok(())
-    })?;
+            Ok(())
+        },
+    )?;
     Ok(Expected {
         steps,
         end: machine.position_steps(),

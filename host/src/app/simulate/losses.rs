@@ -2,9 +2,9 @@
 
 use crate::app::job::Job;
 use crate::simulation::run::Run;
-use crate::text::duration::duration;
-use crate::text::length::millimetres;
 use husillo_machine::OnLoss;
+use husillo_reports::text::duration;
+use husillo_reports::text::millimetres;
 
 /// A sentence for each axis that lost steps without correction: number, first position, remedy.
 pub fn sentences(job: &Job, run: &Run) -> Vec<String> {

@@ -3,11 +3,11 @@
 use super::results::Results;
 use crate::app::job::Job;
 use crate::machines::machine_file::Travel;
-use crate::page::report::{AxisRow, Report};
 use crate::programs::check::Facts;
 use crate::simulation::run::Run;
-use crate::text::duration::duration;
-use crate::text::length::length;
+use husillo_reports::run::{AxisRow, Report};
+use husillo_reports::text::duration;
+use husillo_reports::text::length;
 
 /// The table of figures. It has no time of take-ups if the backlash is not compensated.
 pub fn figures(

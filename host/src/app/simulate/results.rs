@@ -6,6 +6,8 @@ use crate::diagnostics::Findings;
 use crate::programs::check::Facts;
 use crate::simulation::run::Run;
 use crate::text::json::write_found;
+use husillo_gcode::Nm;
+use husillo_machine::Probed;
 use husillo_sim::observers::symmetry::{Difference, Symmetry};
 use serde::Serialize;
 use std::io;
@@ -31,6 +33,8 @@ pub struct Results {
     pub left_right: Option<Difference>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub encoders: Vec<String>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub probes: Vec<Touch>,
     pub feed_nm: i64,
     pub rapid_nm: i64,
     pub errors: u64,
@@ -44,6 +48,17 @@ struct Document<'a> {
     machine: &'a str,
     #[serde(flatten)]
     results: &'a Results,
+}
+
+/// What a probe has found.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Touch {
+    /// Whether the contact changed.
+    pub is_touched: bool,
+    /// The position in the work frame of the move, or the end of a move without contact.
+    pub position_nm: [i64; 3],
+    /// The same in machine coordinates.
+    pub machine_nm: [i64; 3],
 }
 
 /// What `--order mirrored` has done.
@@ -86,6 +101,7 @@ impl Results {
             lost_steps: run.mechanics.losses().lost().iter().sum(),
             losses: Vec::new(),
             encoders: run.encoders.sentences.clone(),
+            probes: run.probed.iter().map(touch).collect(),
             order: None,
             left_right: seen.symmetry.as_ref().and_then(Symmetry::difference),
             feed_nm: facts.feed_nm.round() as i64,
@@ -107,6 +123,15 @@ impl Results {
             results: self,
         };
         write_found("husillo.run/1", &body, findings, &mut console::stdout())
+    }
+}
+
+fn touch(probed: &Probed<3>) -> Touch {
+    let nm = |at: [Nm; 3]| at.map(|Nm(nm)| nm);
+    Touch {
+        is_touched: probed.is_touched,
+        position_nm: nm(probed.in_work),
+        machine_nm: nm(probed.at),
     }
 }
 

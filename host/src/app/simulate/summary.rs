@@ -5,8 +5,8 @@ use crate::app::job::Job;
 use crate::console;
 use crate::programs::check::Facts;
 use crate::simulation::run::Run;
-use crate::text::duration::duration;
-use crate::text::length::{length, millimetres};
+use husillo_reports::text::duration;
+use husillo_reports::text::{length, millimetres};
 use husillo_sim::observers::symmetry::Difference;
 use std::io::{self, Write};
 
@@ -39,6 +39,16 @@ pub fn print(job: &Job, run: &Run, results: &Results, facts: &Facts) -> io::Resu
         length(results.rms_deviation_nm)
     )?;
     print_axes(job, run, results, out)?;
+    for touch in &results.probes {
+        let at = touch.position_nm.map(|nm| millimetres(nm as f64));
+        let [x, y, z] = at;
+        let what = if touch.is_touched {
+            "contact"
+        } else {
+            "no contact"
+        };
+        writeln!(out, "Probed     X{x} Y{y} Z{z}: {what}")?;
+    }
     if let Some(order) = &results.order {
         print_order(order, out)?;
     }

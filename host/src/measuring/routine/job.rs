@@ -1,13 +1,15 @@
 //! `husillo measure run` and `husillo measure record`: reads and writes their files.
 
-use super::heading::{Heading, now};
-use super::{findings, listing, page};
+use super::findings;
+use super::measured::now;
 use crate::cli::{Measure, Results};
 use crate::diagnostics::{Finding, Format};
 use crate::output::Outputs;
+use crate::text::json::write_line;
 use husillo_metrology::heads::Prober;
 use husillo_metrology::heads::{Machine, Stylus};
 use husillo_metrology::routine::{Feature, Parser, Runner, Site, Statement, program, record};
+use husillo_reports::routine;
 use std::io::{self, BufRead, BufReader, IsTerminal, Write};
 
 /// How a routine without mistakes ended.
@@ -131,7 +133,7 @@ pub fn run(
     let mut written = Ok(());
     let done = routine.carry_out(&mut runner, |feature| {
         if args.format == Results::Text && written.is_ok() {
-            written = writeln!(out, "{}", listing::text(feature)).and_then(|()| out.flush());
+            written = writeln!(out, "{}", routine::text(feature)).and_then(|()| out.flush());
         }
     });
     written?;
@@ -140,7 +142,7 @@ pub fn run(
         runner.features.iter_mut().for_each(Feature::spoil);
     }
     let features = &runner.features;
-    let heading = Heading {
+    let heading = routine::Heading {
         routine: routine.name(),
         part: args.part.as_deref(),
         machine: &machine.title,
@@ -149,21 +151,23 @@ pub fn run(
     let trouble = done.as_ref().err().map(|finding| finding.message.clone());
     let json = || {
         let trouble = trouble.as_deref();
-        listing::json(&heading, features, trouble, has_collided)
+        routine::json(&heading, features, trouble, has_collided)
     };
     match args.format {
-        Results::Text => writeln!(out, "{}", listing::summary(features))?,
-        Results::Json => write!(out, "{}", json())?,
-        Results::Csv => write!(out, "{}", listing::csv(features))?,
+        Results::Text => writeln!(out, "{}", routine::summary(features))?,
+        Results::Json => write_line("husillo.measure.run/1", &json(), &mut &mut *out)?,
+        Results::Csv => write!(out, "{}", routine::csv(features))?,
     }
     if let Some(path) = &args.output {
         let lower = path.to_ascii_lowercase();
         let text = if lower.ends_with(".html") || lower.ends_with(".htm") {
-            page::html(&heading, features, &runner.site, trouble.as_deref())
+            routine::html(&heading, features, &runner.site, trouble.as_deref())
         } else if lower.ends_with(".json") {
-            json()
+            let mut line = Vec::new();
+            write_line("husillo.measure.run/1", &json(), &mut line)?;
+            String::from_utf8_lossy(&line).into_owned()
         } else {
-            listing::csv(features)
+            routine::csv(features)
         };
         file.extend(text.into_bytes());
     }
@@ -196,7 +200,7 @@ pub fn recorded(
     let mut routine = outputs.create(path)?;
     let mut input = BufReader::new(crate::input::bounded(io::stdin()));
     let each = |feature: &Feature| {
-        writeln!(out, "{}", listing::text(feature))?;
+        writeln!(out, "{}", routine::text(feature))?;
         out.flush()
     };
     let refuse = |refused: &_| tell(&findings::of_refused(refused));
@@ -208,7 +212,7 @@ pub fn recorded(
     if has_collided {
         runner.features.iter_mut().for_each(Feature::spoil);
     }
-    writeln!(out, "{path}: {}", listing::summary(&runner.features))?;
+    writeln!(out, "{path}: {}", routine::summary(&runner.features))?;
     Ok(match refused {
         _ if has_collided => Ending::Collision,
         0 => Ending::Good,

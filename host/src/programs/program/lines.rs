@@ -96,7 +96,7 @@ impl<'a> Lines<'a> {
             &mut source,
             dialect,
             &mut self.walker,
-            |walker| &walker.modal,
+            super::Walker::reading,
             |walker, given, block| walker.block(given, block, findings, each),
         )
     }

@@ -4,6 +4,7 @@ use super::*;
 use crate::programs::feeder;
 use crate::programs::setup;
 use crate::programs::source::Source;
+use crate::simulation::work_piece::WorkPiece;
 use husillo_gcode::Dialect;
 use husillo_sim::observers::speed::{Band, Column};
 use std::io::Cursor;
@@ -18,9 +19,12 @@ fn columns(program: &str) -> Vec<Column> {
     );
     let text = Cursor::new(program.to_owned().into_bytes());
     let mut source = Source::from_reader(Box::new(text));
-    feeder::feed(&mut source, &mut machine, |machine, event| {
-        run.event(machine, event)
-    })
+    feeder::feed(
+        &mut source,
+        &mut machine,
+        &WorkPiece::default(),
+        |machine, event| run.event(machine, event),
+    )
     .unwrap();
     run.finish().unwrap();
     run.observers.speed.columns().0.to_vec()

@@ -23,9 +23,11 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
             self.waiting,
             Some(Command::Probe { .. } | Command::Wait { .. })
         );
+        // An alarm drops the lines before it, so no line may come before the alarm is given.
+        let is_raised = matches!(self.signals.last(), Some(Some(Event::Alarm(_))));
         self.extension
             .state()
-            .is_some_and(|state| waits || state.is_busy())
+            .is_some_and(|state| waits || is_raised || state.is_busy())
     }
 
     /// Whether an input was requested and its answer has not come.
@@ -322,6 +324,12 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize>
     /// Whether a probing move is being made.
     pub const fn is_probing(&self) -> bool {
         self.extension.state.probing.is_some()
+    }
+
+    /// Whether the level of the probe's input matters: a probing move is being made or waits for the
+    /// moves before it. Otherwise [`set_probe`](Machine::set_probe) need not be called.
+    pub const fn needs_probe(&self) -> bool {
+        self.is_probing() || matches!(self.waiting, Some(Command::Probe { .. }))
     }
 
     /// Sets the tip of the probe. Reported positions are then points of the surface, which is taken

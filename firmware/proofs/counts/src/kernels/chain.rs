@@ -67,9 +67,9 @@ fn machine(count: Count<'_>) {
         ("machine_line_event", b"G1 X12.345 Y6.789 F60".as_slice()),
         ("machine_arc_event", b"G3 X0 Y0 I-0.15 J0 F60"),
     ] {
-        // With a queue of four moves, the machine fits in the RAM of a microbit. An arc is walked
+        // With a queue of three moves, the machine fits in the RAM of a microbit. An arc is walked
         // once before the count, when it begins.
-        let mut machine = Machine::<3, Path<3>, Backlash, 4>::new(config);
+        let mut machine = Machine::<3, Path<3>, Backlash, 3>::new(config);
         let taken = machine.line(text);
         assert!(taken.is_ok(), "the line means a move");
         machine.next_event();

@@ -33,12 +33,27 @@ pub fn all(count: Count<'_>) {
         }
     });
     // The speed rises for 1 mm, then falls for 1 mm.
-    ramp(count, "ramp_speeding_or_braking", &LINE, 0);
+    ramp(count, "ramp_speeding_or_braking", &LINE, EVENTS, 1, 0);
+    let short = Stretch {
+        length_nm: 400_000,
+        ..LINE
+    };
+    ramp(count, "ramp_of_200_events", &short, 400, 1, 0);
+    // As an arc of 10 000 steps of radius.
+    ramp(count, "ramp_swept", &LINE, EVENTS, 10_000, 0);
     let cruise = Stretch {
         start_nm_per_s: 100_000_000,
         ..LINE
     };
-    ramp(count, "ramp_cruising", &cruise, u64::MAX);
+    ramp(count, "ramp_cruising", &cruise, EVENTS, 1, u64::MAX);
+    ramp(
+        count,
+        "ramp_cruising_swept",
+        &cruise,
+        EVENTS,
+        10_000,
+        u64::MAX,
+    );
     queue(count);
     junction(count);
     axes(count);
@@ -101,17 +116,19 @@ fn spindle(count: Count<'_>) {
 }
 
 #[inline(never)]
-fn ramp(count: Count<'_>, name: &str, line: &Stretch, exit_squared: u64) {
+fn ramp(count: Count<'_>, name: &str, line: &Stretch, events: u32, sweep: u32, exit_squared: u64) {
     let mut ramp = Ramp::new(1_000_000);
-    ramp.begin(line, EVENTS.into(), 1, 20_000 << 16);
+    let total = u64::from(events).wrapping_mul(sweep.into());
+    ramp.begin(line, total, sweep, 20_000 << 16);
     let limits = Limits {
         top_nm_per_s: line.top_nm_per_s,
         exit_squared,
+        version: 0,
     };
-    count(name, EVENTS, &mut || {
+    count(name, events, &mut || {
         let mut ramp = black_box(ramp.clone());
-        for _ in 0..EVENTS {
-            black_box(ramp.wait(black_box(1), black_box(limits)));
+        for _ in 0..events {
+            black_box(ramp.wait(black_box(sweep), black_box(&limits)));
         }
     });
 }

@@ -23,8 +23,8 @@ pub(super) struct Order<'t> {
     pub(super) end: usize,
 }
 
-impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
-    Program<'t, GLOBALS, LOCALS, DEPTH>
+impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize, const FILES: usize>
+    Program<'t, GLOBALS, LOCALS, DEPTH, FILES>
 {
     /// Reads a line with an O-word.
     pub(super) fn order(
@@ -86,7 +86,7 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
         let was_choosing = core::mem::replace(&mut self.is_choosing, false);
         match order.statement.keyword {
             Keyword::Sub => self.pass(label, Keyword::EndSub),
-            Keyword::EndSub | Keyword::Return => self.leave(order),
+            Keyword::EndSub | Keyword::Return => self.leave(raw, order),
             Keyword::Call => self.call(raw, order, is_outside),
             Keyword::If if is_true => Ok(()),
             Keyword::ElseIf if was_choosing && is_true => Ok(()),

@@ -3,7 +3,7 @@
 use super::flow::Order;
 use super::{Place, Program, Raw};
 use crate::error::parameters::Fault;
-use crate::program::parameters::statement::{Keyword, Label};
+use crate::program::parameters::statement::{Keyword, Label, Statement};
 use crate::program::parameters::value::Value;
 
 /// A running subroutine.
@@ -18,6 +18,9 @@ pub(super) struct Call<'t> {
     pub(super) locals: usize,
     /// Number of loops that ran outside.
     pub(super) loops: usize,
+    /// Number of rounds of a subprogram (M98) that are left, this one included; `None` for other
+    /// calls.
+    pub(super) rounds: Option<u32>,
 }
 
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
@@ -50,26 +53,44 @@ pub(super) struct Loop<'t> {
     pub(super) body: Place,
 }
 
-impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
-    Program<'t, GLOBALS, LOCALS, DEPTH>
+impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize, const FILES: usize>
+    Program<'t, GLOBALS, LOCALS, DEPTH, FILES>
 {
     /// The `sub` line of a subroutine.
-    fn subroutine(&mut self, label: Label<'t>) -> Result<Raw<'t>, Fault> {
-        let known = self
-            .remembered
-            .iter()
-            .flatten()
-            .find(|(known, _)| known.is(label));
-        if let Some(raw) = known.and_then(|&(_, place)| self.line_at(place)) {
+    ///
+    /// It is searched in the text of its caller, in that of the program, and in a file of its own.
+    fn subroutine(&mut self, caller: Place, label: Label<'t>) -> Result<Raw<'t>, Fault> {
+        let is_known =
+            |&&(file, known, _): &&(u8, Label<'_>, Place)| file == caller.file && known.is(label);
+        let known = self.remembered.iter().flatten().find(is_known);
+        if let Some(raw) = known.and_then(|&(_, _, place)| self.line_at(place)) {
             return Ok(raw);
         }
-        let found = self.find(self.first, label, |keyword| keyword == Keyword::Sub)?;
-        let (raw, seen) = found.ok_or(Fault::NoSuchSubroutine)?;
+        let mut found = self.subroutine_in(self.first_of(caller), label)?;
+        if found.is_none() && caller.file != 0 {
+            found = self.subroutine_in(self.first, label)?;
+        }
+        let (raw, seen) = match found {
+            Some(found) => found,
+            None => {
+                let file = self.open_file(label)?;
+                let found = self.subroutine_in(file, label)?;
+                found.ok_or(Fault::NoSuchSubroutine)?
+            }
+        };
         if let Some(slot) = self.remembered.get_mut(self.remembered_count) {
-            *slot = Some((seen.label, raw.place));
+            *slot = Some((caller.file, seen.label, raw.place));
             self.remembered_count = self.remembered_count.wrapping_add(1);
         }
         Ok(raw)
+    }
+
+    fn subroutine_in(
+        &mut self,
+        first: Place,
+        label: Label<'_>,
+    ) -> Result<Option<(Raw<'t>, Statement<'t>)>, Fault> {
+        self.find(first, label, |keyword| keyword == Keyword::Sub)
     }
 
     /// Begins a subroutine. A subroutine of the text precedes an outside one of the same name.
@@ -80,7 +101,7 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
         is_outside: bool,
     ) -> Result<(), Fault> {
         let label = order.statement.label;
-        let (begin, next, outside) = match self.subroutine(label) {
+        let (begin, next, outside) = match self.subroutine(raw.place, label) {
             Ok(sub) => (sub.place, sub.after, None),
             Err(Fault::NoSuchSubroutine) if is_outside => (raw.place, raw.after, Some(order.count)),
             Err(fault) => return Err(fault),
@@ -93,6 +114,7 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
             after: raw.after,
             locals: self.table.enter(arguments)?,
             loops: self.loop_count,
+            rounds: None,
         });
         self.call_count = self.call_count.wrapping_add(1);
         self.next = next;
@@ -105,7 +127,7 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
         self.calls.get(last).copied().flatten()
     }
 
-    pub(super) fn leave(&mut self, order: &Order<'t>) -> Result<(), Fault> {
+    pub(super) fn leave(&mut self, raw: &Raw<'t>, order: &Order<'t>) -> Result<(), Fault> {
         let is_end = order.statement.keyword == Keyword::EndSub;
         let missing = if is_end {
             Fault::NotOpened
@@ -114,9 +136,13 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
         };
         let call = self.current_call().ok_or(missing)?;
         // A return may have any label, as in LinuxCNC.
-        if is_end && !call.label.is(order.statement.label) {
+        if is_end && !call.label.is(order.statement.label) || call.rounds.is_some() {
             return Err(missing);
         }
+        #[cfg(feature = "extended")]
+        self.saved.end(self.call_count, raw);
+        #[cfg(not(feature = "extended"))]
+        let _ = raw;
         self.drop_call(order.value);
         Ok(())
     }
@@ -125,7 +151,9 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize>
     pub(super) fn drop_call(&mut self, returned: Option<Value>) {
         if let Some(call) = self.current_call() {
             self.returned = returned;
-            self.table.leave(call.locals);
+            if call.rounds.is_none() {
+                self.table.leave(call.locals);
+            }
             self.loop_count = call.loops;
             self.call_count = self.call_count.wrapping_sub(1);
             self.next = call.after;

@@ -1,0 +1,413 @@
+//! Grbl 1.1 on the engine of `husillo-machine`.
+
+mod block;
+mod dollar;
+mod door;
+mod event;
+mod homing;
+mod lines;
+mod memory;
+mod motion;
+mod options;
+mod outputs;
+mod probe;
+mod realtime;
+mod recovery;
+mod report;
+mod spindle;
+mod words;
+
+use husillo_backlash::Backlash;
+use husillo_gcode::{Command, Commands, Dialect, Modal, Nm};
+use husillo_interp::Path;
+use husillo_machine::{Axis, AxisRamp, Config, Equipment, Machine, Scale};
+use husillo_transports::grbl::{LineReader, Message, Receiver, Settings, Units};
+
+use crate::Controller;
+use crate::ring::Ring;
+
+pub use event::{GrblEvent, GrblInputs, GrblStops};
+pub use memory::GrblMemory;
+pub use options::GrblOptions;
+
+use door::DoorStep;
+use homing::Homing;
+use lines::{Origin, Task};
+use memory::StoredLine;
+use motion::Tag;
+use outputs::Driven;
+use realtime::Flags;
+use recovery::Recovery;
+use spindle::Outputs;
+
+/// One step per millimetre.
+const MILLIMETRE: Scale = Scale::new(1_000_000, 1).expect("both are above 0");
+/// Ticks of the events per second.
+const TIMER_HZ: u32 = 1_000_000;
+/// Longest wait of an event: inputs are read at least as often, us.
+const LONGEST_WAIT_US: u32 = 1000;
+/// Free bytes of the output before a line is executed: the longest list has less.
+const ROOM_FOR_LINE: usize = 640;
+/// Free bytes of the output before a report.
+const ROOM_FOR_REPORT: usize = 256;
+
+/// State of the controller.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Phase {
+    Idle,
+    Run,
+    /// `true` while it brakes.
+    Hold(bool),
+    Jog,
+    Alarm,
+    Door(DoorStep),
+    Check,
+    Home,
+    Sleep,
+}
+
+/// A Grbl 1.1 controller of three axes, with `QUEUE` moves of look-ahead.
+///
+/// It begins to move when the line is silent for 3 ms, when the queue is full, or when a line waits
+/// for the end of motion. See [`Controller`] for its use, and `docs/grbl.md` for its differences
+/// from Grbl.
+///
+/// # Examples
+///
+/// ```
+/// use husillo_controllers::{Controller, Grbl, GrblEvent, GrblInputs, GrblMemory, GrblOptions};
+///
+/// let mut grbl: Grbl = Grbl::new(GrblOptions::STOCK, Some(&GrblMemory::FACTORY));
+/// let (mut steps, mut replies) = (0, Vec::new());
+/// let mut run = |grbl: &mut Grbl, line: &[u8]| {
+///     line.iter().for_each(|byte| assert!(!grbl.receive(*byte)));
+///     while let Some(event) = grbl.next_event(0, &GrblInputs::default()) {
+///         if let GrblEvent::Step { delta, .. } = event {
+///             steps += i32::from(delta[0]);
+///         }
+///         grbl.made(0, 1);
+///         replies.extend(std::iter::from_fn(|| grbl.transmit()));
+///     }
+/// };
+/// run(&mut grbl, b"");
+/// run(&mut grbl, b"G0 X2\n");
+/// assert_eq!(steps, 500);
+/// assert_eq!(replies, b"\r\nGrbl 1.1h ['$' for help]\r\nok\r\n");
+/// ```
+#[derive(Clone, Debug)]
+pub struct Grbl<const QUEUE: usize = 15> {
+    options: GrblOptions,
+    memory: GrblMemory,
+    /// Nothing was stored: the first start says so.
+    is_blank: bool,
+    machine: Machine<3, Path<3>, Backlash, QUEUE>,
+    modal: Modal<3>,
+    /// Commands of the line that is executed, and the next one.
+    commands: Commands<3>,
+    next: Option<Command<3>>,
+    receiver: Receiver<256>,
+    reader: LineReader,
+    line: StoredLine,
+    origin: Origin,
+    /// Tag of the moves of the line that is executed.
+    tag: Tag,
+    tags: [Tag; 16],
+    tag_count: u32,
+    task: Task,
+    output: Ring<u8, 1024>,
+    events: Ring<GrblEvent, 16>,
+    phase: Phase,
+    recovery: Recovery,
+    flags: Flags,
+    inputs: GrblInputs,
+    /// Steps that were made.
+    steps: [i32; 3],
+    /// The event that is being made.
+    pending: Option<(u32, [i8; 3])>,
+    /// The rest of a wait, and the step after it.
+    rest: Option<(u32, [i8; 3])>,
+    /// Time until queued moves begin.
+    start_us: u32,
+    /// Time until the motors are switched off; `None` when they are off, or stay on.
+    idle_us: Option<u32>,
+    dwell_us: u64,
+    /// Feed, rapids, spindle in percent.
+    overrides: [u8; 3],
+    /// Reports until the work zero, and the overrides, are reported again.
+    reports: [u8; 2],
+    work_zero: [i64; 3],
+    outputs: Outputs,
+    driven: Driven,
+    /// T of the last block.
+    tool: u8,
+    /// Position of the last contact, and whether the last probe move had one.
+    probe: ([i64; 3], bool),
+    /// Steps at the contact of the executing probe move.
+    contact: Option<[i32; 3]>,
+    homing: Homing,
+    /// Time until braking begins.
+    brake_us: u32,
+    /// Time until a request for a report is heard again.
+    merge_us: u32,
+    /// A jog is being cancelled.
+    is_cancelling: bool,
+}
+
+impl<const QUEUE: usize> Grbl<QUEUE> {
+    /// A controller at power-on, with the memory of its last run. `None`: nothing was stored, or
+    /// the store is damaged; it then begins as a new machine and says so.
+    pub fn new(options: GrblOptions, memory: Option<&GrblMemory>) -> Self {
+        let kept = memory.copied().unwrap_or(GrblMemory::FACTORY);
+        let mut grbl = Grbl {
+            options,
+            memory: kept,
+            is_blank: memory.is_none(),
+            machine: Machine::new(config(&kept.settings)),
+            modal: Modal::new(Dialect::GRBL),
+            commands: Commands::new(),
+            next: None,
+            receiver: Receiver::new(),
+            reader: LineReader::new(),
+            line: StoredLine::EMPTY,
+            origin: Origin::Host,
+            tag: Tag::default(),
+            tags: [Tag::default(); 16],
+            tag_count: 0,
+            task: Task::None,
+            output: Ring::new(0),
+            events: Ring::new(GrblEvent::Store),
+            phase: Phase::Idle,
+            recovery: Recovery::None,
+            flags: Flags::default(),
+            inputs: GrblInputs::default(),
+            steps: [0; 3],
+            pending: None,
+            rest: None,
+            start_us: 0,
+            idle_us: None,
+            dwell_us: 0,
+            overrides: [100; 3],
+            reports: [0; 2],
+            work_zero: [0; 3],
+            outputs: Outputs::OFF,
+            driven: Driven::default(),
+            tool: 0,
+            probe: ([0; 3], false),
+            contact: None,
+            homing: Homing::default(),
+            brake_us: 0,
+            merge_us: 0,
+            is_cancelling: false,
+        };
+        grbl.power_on();
+        grbl
+    }
+
+    /// What has to be kept without power.
+    pub const fn memory(&self) -> &GrblMemory {
+        &self.memory
+    }
+
+    /// Steps that the axes have made since power-on, or since homing.
+    pub const fn position_steps(&self) -> [i32; 3] {
+        self.steps
+    }
+
+    const fn settings(&self) -> &Settings {
+        &self.memory.settings
+    }
+
+    fn units(&self) -> Units {
+        if self.settings().is_set(13) {
+            Units::Inches
+        } else {
+            Units::Millimetres
+        }
+    }
+
+    /// Appends a message to the output.
+    fn send(&mut self, message: &Message) {
+        let text = message.write(self.units());
+        for byte in text.bytes().iter().chain(b"\r\n") {
+            self.output.push(*byte);
+        }
+    }
+
+    /// Free bytes of the output.
+    const fn room(&self) -> usize {
+        1024_usize.saturating_sub(self.output.len())
+    }
+
+    /// Position of the axes in nanometres.
+    fn position(&self) -> [Nm; 3] {
+        self.position_of(self.steps)
+    }
+
+    fn position_of(&self, steps: [i32; 3]) -> [Nm; 3] {
+        let mut position = [Nm(0); 3];
+        let axes = self.machine.config().axes.iter().zip(steps);
+        for (position, (axis, steps)) in position.iter_mut().zip(axes) {
+            *position = Nm(axis.scale.position(steps));
+        }
+        position
+    }
+
+    /// Takes new settings into use; nothing moves.
+    fn configure(&mut self) {
+        self.machine = Machine::new(config(self.settings()));
+        self.machine.set_feed_override(self.overrides[0]);
+        self.machine.set_rapid_override(self.overrides[1]);
+        self.settle();
+    }
+
+    /// Drops all moves; the axes are where their steps have brought them.
+    fn settle(&mut self) {
+        self.machine.abort();
+        let position = self.position();
+        // Steps that were made are within 31 bits.
+        let _ = self.machine.place([Nm(0); 3], position);
+        self.modal.set_position(position);
+        self.rest = None;
+        self.start_us = 0;
+        self.brake_us = 0;
+    }
+
+    /// Does what can be done now.
+    fn work(&mut self) {
+        // Each turn takes a byte, a line or a command. The bound covers the bytes of the buffer.
+        for _ in 0..2000 {
+            if !self.take_turn() {
+                return;
+            }
+        }
+    }
+
+    fn take_turn(&mut self) -> bool {
+        if self.recover() {
+            return true;
+        }
+        if self.recovery != Recovery::None || self.room() < ROOM_FOR_REPORT {
+            return false;
+        }
+        if self.take_flags() {
+            return true;
+        }
+        let is_suspended = matches!(self.phase, Phase::Hold(_) | Phase::Door(_) | Phase::Sleep);
+        !is_suspended && self.room() >= ROOM_FOR_LINE && self.go_on()
+    }
+}
+
+/// The engine for these settings.
+fn config(settings: &Settings) -> Config<3> {
+    let axis = |index: u8| {
+        // Numbers are below 133.
+        let number = |first: u8| settings.milli(first.wrapping_add(index));
+        let milli_steps = number(100).max(1);
+        let per_second = |milli: u32, divisor: u64| {
+            let product = u64::from(milli).wrapping_mul(milli_steps.into());
+            let hz = product.checked_div(divisor).unwrap_or(0).clamp(1, 1 << 30);
+            hz as u32
+        };
+        let travel_nm = i64::from(number(130)).wrapping_mul(1000);
+        Axis {
+            // Both are above 0.
+            scale: Scale::new(1_000_000_000, milli_steps).unwrap_or(MILLIMETRE),
+            travel: settings
+                .is_set(20)
+                .then_some([Nm(travel_nm.wrapping_neg()), Nm(0)]),
+            max_rate_hz: per_second(number(110), 60_000_000),
+            lash_steps: 0,
+            ramp: Some(AxisRamp {
+                acceleration_hz_per_s: per_second(number(120), 1_000_000),
+                start_rate_hz: 0,
+                jerk_hz_per_s2: None,
+                junction_hz: None,
+            }),
+        }
+    };
+    Config {
+        axes: [axis(0), axis(1), axis(2)],
+        equipment: Equipment::NONE,
+        timer_hz: TIMER_HZ,
+        dialect: Dialect::GRBL,
+        arc_tolerance: None,
+        rapid: None,
+        top_feed: None,
+        corner_deviation: Some(Nm(i64::from(settings.milli(11)).wrapping_mul(1000))),
+        spindle_counts: None,
+    }
+}
+
+impl<const QUEUE: usize> Controller for Grbl<QUEUE> {
+    type Inputs = GrblInputs;
+    type Event = GrblEvent;
+    type Stops = GrblStops;
+
+    fn receive(&mut self, byte: u8) -> bool {
+        match self.receiver.push(byte) {
+            Some(realtime) => self.notice(realtime),
+            None => {
+                // Only a line that follows at once postpones the motion.
+                if self.start_us > 0 && !self.is_underway() {
+                    self.start_us = motion::START_US;
+                }
+                false
+            }
+        }
+    }
+
+    fn stops(&self) -> GrblStops {
+        GrblStops(self.pending.is_some())
+    }
+
+    fn halted(&mut self) {
+        self.pending = None;
+    }
+
+    fn next_event(&mut self, machine: u8, inputs: &GrblInputs) -> Option<GrblEvent> {
+        if machine != 0 || self.pending.is_some() {
+            return None;
+        }
+        self.watch(inputs);
+        // A turn that ends a motion may begin another one.
+        for _ in 0..16 {
+            self.work();
+            if let Some(event) = self.events.pop() {
+                return Some(event);
+            }
+            match self.motion() {
+                motion::Next::Event(event) => return Some(event),
+                motion::Next::Stopped => {}
+                motion::Next::Nothing => break,
+            }
+        }
+        if let Some(event) = self.events.pop() {
+            return Some(event);
+        }
+        let wait_ticks = self.wait_us()?;
+        self.pending = Some((wait_ticks, [0; 3]));
+        Some(GrblEvent::Wait { wait_ticks })
+    }
+
+    fn made(&mut self, _: u8, events: usize) {
+        if events == 0 {
+            return;
+        }
+        if let Some((wait_us, delta)) = self.pending.take() {
+            for (steps, delta) in self.steps.iter_mut().zip(delta) {
+                *steps = steps.wrapping_add(delta.into());
+            }
+            self.pass(wait_us);
+        }
+    }
+
+    fn transmit(&mut self) -> Option<u8> {
+        self.work();
+        self.output.pop()
+    }
+
+    fn reset(&mut self) {
+        let (options, memory, is_blank) = (self.options, self.memory, self.is_blank);
+        *self = Grbl::new(options, (!is_blank).then_some(&memory));
+    }
+}

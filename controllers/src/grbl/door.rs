@@ -1,0 +1,110 @@
+//! The safety door.
+
+use husillo_transports::grbl::{Alarm, Feedback, Message};
+
+use super::recovery::After;
+use super::{Grbl, Phase};
+
+/// Time for the spindle to reach its speed, us.
+const SPINDLE_US: u32 = 4_000_000;
+/// Time for the coolant to flow, us.
+const COOLANT_US: u32 = 1_000_000;
+
+/// What the door makes the controller do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum DoorStep {
+    Braking,
+    /// Everything is off.
+    Stands,
+    /// The spindle starts; time that is left.
+    Spindle(u32),
+    /// The coolant starts; time that is left.
+    Coolant(u32),
+}
+
+impl DoorStep {
+    pub(super) fn is_braking(self) -> bool {
+        self == DoorStep::Braking
+    }
+}
+
+impl<const QUEUE: usize> Grbl<QUEUE> {
+    /// The door is opened, or 0x84 has come.
+    pub(super) fn open_door(&mut self) {
+        self.flags.door = false;
+        match self.phase {
+            Phase::Alarm | Phase::Check | Phase::Sleep => return,
+            Phase::Home => {
+                self.settle();
+                return self.alarm(Alarm::HomingDoor, After::Boot);
+            }
+            Phase::Jog => {
+                self.flags.door = true;
+                return self.cancel_jog();
+            }
+            Phase::Run => {
+                self.brake();
+                self.phase = Phase::Door(DoorStep::Braking);
+            }
+            Phase::Hold(true) => self.phase = Phase::Door(DoorStep::Braking),
+            Phase::Door(DoorStep::Braking) => {}
+            Phase::Idle | Phase::Hold(false) | Phase::Door(_) => self.door_stopped(),
+        }
+        self.send(&Message::Feedback(Feedback::CheckDoor));
+    }
+
+    /// Everything stands: switches the outputs off.
+    pub(super) fn door_stopped(&mut self) {
+        if self.phase == Phase::Door(DoorStep::Braking) {
+            self.rest_motors();
+        }
+        self.phase = Phase::Door(DoorStep::Stands);
+        self.outputs.is_stopped = true;
+        self.outputs.is_coolant_stopped = true;
+        self.report_overrides();
+        self.drive();
+    }
+
+    /// The door is closed and the operator continues.
+    pub(super) fn restore(&mut self) {
+        self.phase = Phase::Door(DoorStep::Spindle(0));
+        self.outputs.is_stopped = false;
+        if self.outputs.is_on() {
+            self.phase = Phase::Door(DoorStep::Spindle(SPINDLE_US));
+            self.report_overrides();
+            self.drive();
+        } else {
+            self.restore_coolant();
+        }
+    }
+
+    fn restore_coolant(&mut self) {
+        self.outputs.is_coolant_stopped = false;
+        if self.outputs.flood || self.outputs.mist {
+            self.phase = Phase::Door(DoorStep::Coolant(COOLANT_US));
+            self.report_overrides();
+            self.drive();
+        } else {
+            self.go_on_moving();
+        }
+    }
+
+    pub(super) const fn door_wait_us(&self) -> Option<u32> {
+        match self.phase {
+            Phase::Door(DoorStep::Spindle(left) | DoorStep::Coolant(left)) => Some(left),
+            _ => None,
+        }
+    }
+
+    pub(super) fn pass_door(&mut self, us: u32) {
+        let Phase::Door(DoorStep::Spindle(left) | DoorStep::Coolant(left)) = &mut self.phase else {
+            return;
+        };
+        *left = left.saturating_sub(us);
+        match self.phase {
+            Phase::Door(DoorStep::Spindle(0)) => self.restore_coolant(),
+            Phase::Door(DoorStep::Coolant(0)) => self.go_on_moving(),
+            _ => {}
+        }
+    }
+}

@@ -1,0 +1,247 @@
+//! Homing cycles: search, pull off, locate, pull off.
+
+use husillo_gcode::{Command, Feed, Nm};
+use husillo_transports::grbl::{Alarm, ErrorCode};
+
+use super::lines::{Outcome, Task};
+use super::recovery::After;
+use super::{Grbl, Phase};
+
+/// Axes of the cycles, bit 0 for X: Z first, then X and Y together.
+const CYCLES: [u8; 2] = [0b100, 0b011];
+/// Passes of a cycle; the odd ones pull off.
+const PASSES: u8 = 4;
+
+/// State of homing.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Homing {
+    /// Axes of the cycle, and those that still move.
+    axes: u8,
+    moving: u8,
+    /// Axes of the cycle after it.
+    later: u8,
+    pass: u8,
+    step: Step,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Step {
+    /// There is no homing.
+    #[default]
+    Off,
+    Moves,
+    /// The switches settle; time that is left.
+    Settles(u32),
+    /// Done, except for the stored lines and the answer.
+    Startup,
+}
+
+impl Homing {
+    pub(super) fn is_moving(&self) -> bool {
+        self.step == Step::Moves
+    }
+
+    pub(super) fn is_answered_later(&self) -> bool {
+        self.step == Step::Startup
+    }
+
+    pub(super) fn end(&mut self) {
+        *self = Homing::default();
+    }
+
+    const fn is_approach(&self) -> bool {
+        self.pass.is_multiple_of(2)
+    }
+
+    /// The steps of the axes that still move.
+    pub(super) fn kept(&self, delta: [i8; 3]) -> [i8; 3] {
+        if !self.is_moving() {
+            return delta;
+        }
+        let mut kept = delta;
+        for (axis, delta) in (0_u32..).zip(&mut kept) {
+            if self.moving.wrapping_shr(axis) & 1 == 0 {
+                *delta = 0;
+            }
+        }
+        kept
+    }
+
+    pub(super) const fn wait_us(&self) -> Option<u32> {
+        match self.step {
+            Step::Settles(left) => Some(left),
+            _ => None,
+        }
+    }
+
+    pub(super) const fn pass(&mut self, us: u32) {
+        if let Step::Settles(left) = &mut self.step {
+            *left = left.saturating_sub(us);
+        }
+    }
+}
+
+impl<const QUEUE: usize> Grbl<QUEUE> {
+    /// `$H`, or `$HX` where single axes may be homed.
+    pub(super) fn home(&mut self, axes: &[u8]) -> Result<Outcome, ErrorCode> {
+        if !self.settings().is_set(22) {
+            return Err(ErrorCode::HomingDisabled);
+        }
+        if self.is_door_open() {
+            return Err(ErrorCode::DoorOpen);
+        }
+        let [first, second] = match axes {
+            [] => CYCLES,
+            b"X" if self.options.homes_axes => [0b001, 0],
+            b"Y" if self.options.homes_axes => [0b010, 0],
+            b"Z" if self.options.homes_axes => [0b100, 0],
+            _ => return Err(ErrorCode::InvalidStatement),
+        };
+        self.homing = Homing {
+            axes: first,
+            later: second,
+            ..Homing::default()
+        };
+        self.phase = Phase::Home;
+        self.task = Task::Home;
+        self.begin_pass();
+        Ok(Outcome::Waits)
+    }
+
+    /// Begins a pass from where the axes stand.
+    fn begin_pass(&mut self) {
+        self.settle();
+        let settings = *self.settings();
+        let axes = self.homing.axes;
+        let pull_off = i64::from(settings.milli(27)).wrapping_mul(1000);
+        let travel = (0..3_u8)
+            .filter(|axis| axes.wrapping_shr((*axis).into()) & 1 == 1)
+            .map(|axis| settings.milli(130_u8.wrapping_add(axis)))
+            .max();
+        let travel = i64::from(travel.unwrap_or(0)).wrapping_mul(1500);
+        let (distance, rate) = match self.homing.pass {
+            0 => (travel, settings.milli(25)),
+            2 => (pull_off.wrapping_mul(5), settings.milli(24)),
+            _ => (pull_off.wrapping_neg(), settings.milli(25)),
+        };
+        let mut to = self.machine.end_position();
+        for (axis, to) in (0_u32..).zip(&mut to) {
+            if axes.wrapping_shr(axis) & 1 == 0 {
+                continue;
+            }
+            let is_negative = settings.whole(23).wrapping_shr(axis) & 1 == 1;
+            let distance = if is_negative {
+                distance.wrapping_neg()
+            } else {
+                distance
+            };
+            *to = Nm(to.0.saturating_add(distance));
+        }
+        // Each axis has the rate, so the path has it times the root of their number.
+        let rate = u64::from(rate).wrapping_mul(1000);
+        let square = u128::from(rate).wrapping_mul(u128::from(rate));
+        let square = square.wrapping_mul(axes.count_ones().into());
+        let feed = i64::try_from(square.isqrt()).unwrap_or(i64::MAX).max(1);
+        self.homing.moving = axes;
+        self.homing.step = Step::Moves;
+        self.append(Command::Linear {
+            to,
+            feed: Feed::PerMinute(Nm(feed)),
+        });
+    }
+
+    /// Stops each axis that has reached its switch.
+    pub(super) fn watch_homing(&mut self) {
+        if !self.homing.is_moving() || !self.homing.is_approach() {
+            return;
+        }
+        for axis in 0..3_u32 {
+            if self.is_limit_closed(axis as usize) {
+                self.homing.moving &= !1_u8.wrapping_shl(axis);
+            }
+        }
+        if self.homing.moving == 0 {
+            self.end_pass();
+        }
+    }
+
+    /// The engine has no further step of a pass.
+    pub(super) fn homing_stopped(&mut self) {
+        if self.homing.is_approach() {
+            self.fail_homing(Alarm::HomingApproach);
+        } else {
+            self.end_pass();
+        }
+    }
+
+    fn fail_homing(&mut self, alarm: Alarm) {
+        self.settle();
+        self.alarm(alarm, After::Boot);
+    }
+
+    fn end_pass(&mut self) {
+        self.settle();
+        let debounce_us = self.settings().whole(26).wrapping_mul(1000);
+        self.homing.step = Step::Settles(debounce_us);
+    }
+
+    /// Goes on after a pass. Returns whether there may be more to do.
+    pub(super) fn go_on_homing(&mut self) -> bool {
+        if self.homing.step != Step::Settles(0) {
+            return false;
+        }
+        let axes = self.homing.axes;
+        let closed = (0..3_u32)
+            .any(|axis| axes.wrapping_shr(axis) & 1 == 1 && self.is_limit_closed(axis as usize));
+        if !self.homing.is_approach() && closed {
+            self.fail_homing(Alarm::HomingPullOff);
+            return true;
+        }
+        self.homing.pass = self.homing.pass.wrapping_add(1); // at most 4
+        if self.homing.pass < PASSES {
+            self.begin_pass();
+            return true;
+        }
+        self.set_home(axes);
+        if self.homing.later != 0 {
+            self.homing = Homing {
+                axes: self.homing.later,
+                ..Homing::default()
+            };
+            self.begin_pass();
+            return true;
+        }
+        if core::mem::take(&mut self.flags.status) {
+            self.report_status();
+        }
+        self.phase = Phase::Idle;
+        self.rest_motors();
+        self.homing.step = Step::Startup;
+        self.task = Task::Startup(0);
+        true
+    }
+
+    /// The axes stand at their pull-off.
+    fn set_home(&mut self, axes: u8) {
+        let settings = *self.settings();
+        let mut place = self.position();
+        for (axis, place) in (0_u8..).zip(&mut place) {
+            if axes.wrapping_shr(axis.into()) & 1 == 0 {
+                continue;
+            }
+            let pull_off = i64::from(settings.milli(27)).wrapping_mul(1000);
+            let travel = i64::from(settings.milli(130_u8.wrapping_add(axis))).wrapping_mul(1000);
+            let is_negative = settings.whole(23).wrapping_shr(axis.into()) & 1 == 1;
+            *place = Nm(if is_negative {
+                pull_off.saturating_sub(travel)
+            } else {
+                pull_off.wrapping_neg()
+            });
+        }
+        // Settings keep it within the reach of the axes, or the place stays as it is.
+        if let Ok(steps) = self.machine.config().nearest_steps(&place) {
+            self.steps = steps;
+        }
+        self.settle();
+    }
+}

@@ -1,0 +1,481 @@
+//! Lines, one after another, and their answers.
+
+use husillo_gcode::{Command, Commands, Feed, Nm, SpindleDirection};
+use husillo_machine::MoveError;
+use husillo_transports::grbl::{ErrorCode, Feedback, Line, Message, Text};
+
+use super::block::{apply, motion_code};
+use super::memory::StoredLine;
+use super::motion::{START_US, Tag};
+use super::words::{Given, WordReader, bit};
+use super::{Grbl, Phase};
+
+/// Where a line comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Origin {
+    Host,
+    /// A stored line, at the start.
+    Startup(u8),
+    /// `$N0=` or `$N1=`: to be stored after it was executed.
+    Store(u8),
+}
+
+/// What a line waits for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Task {
+    /// There is no line.
+    None,
+    /// Its commands.
+    Block,
+    /// The end of the motion before it.
+    Sync,
+    Dwell,
+    /// M0: the operator.
+    Pause,
+    Probe {
+        away: bool,
+        must: bool,
+    },
+    /// The probe has failed.
+    ProbeFailed {
+        has_moved: bool,
+    },
+    /// The motion before a move that leaves the travel.
+    SoftLimit,
+    Home,
+    /// The stored line with this number.
+    Startup(u8),
+}
+
+/// Result of a line that was not refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Outcome {
+    Done,
+    /// Its task goes on.
+    Waits,
+    /// A reset follows the answer.
+    Reset,
+    Sleep,
+}
+
+impl<const QUEUE: usize> Grbl<QUEUE> {
+    /// Goes on with the line, or takes the next one. Returns whether there may be more to do.
+    pub(super) fn go_on(&mut self) -> bool {
+        match self.task {
+            Task::None => self.take_byte(),
+            Task::Block => self.take_command(),
+            Task::Sync => {
+                if !self.is_drained() {
+                    return false;
+                }
+                let line = self.line;
+                let result = self.execute(line.bytes());
+                self.end_line(result);
+                true
+            }
+            Task::Dwell => {
+                if self.dwell_us > 0 {
+                    return false;
+                }
+                self.task = Task::Block;
+                true
+            }
+            Task::ProbeFailed { has_moved } => {
+                if has_moved {
+                    self.report_probe();
+                }
+                self.end_line(Ok(Outcome::Done));
+                true
+            }
+            Task::SoftLimit => {
+                if self.phase != Phase::Idle {
+                    return false;
+                }
+                self.soft_limit();
+                true
+            }
+            Task::Startup(number) => self.run_stored(number),
+            Task::Home => self.go_on_homing(),
+            Task::Pause | Task::Probe { .. } => false,
+        }
+    }
+
+    fn take_byte(&mut self) -> bool {
+        let Some(byte) = self.receiver.take() else {
+            return false;
+        };
+        let line = match self.reader.push(byte) {
+            None => return true,
+            Some(Line::TooLong) => {
+                self.send(&Message::Error(ErrorCode::LineTooLong));
+                return true;
+            }
+            Some(Line::Text(text)) => StoredLine::new(text),
+        };
+        self.line = line;
+        self.origin = Origin::Host;
+        let result = self.execute(line.bytes());
+        self.end_line(result);
+        true
+    }
+
+    fn execute(&mut self, line: &[u8]) -> Result<Outcome, ErrorCode> {
+        match line {
+            [] => Ok(Outcome::Done),
+            [b'$', text @ ..] => self.dollar(text),
+            _ if matches!(self.phase, Phase::Alarm | Phase::Jog) => Err(ErrorCode::Locked),
+            text => self.block(text),
+        }
+    }
+
+    fn run_stored(&mut self, number: u8) -> bool {
+        let Some(line) = self.memory.lines.get(usize::from(number)).copied() else {
+            self.task = Task::None;
+            return true;
+        };
+        if number > 1 {
+            self.task = Task::None;
+            if self.homing.is_answered_later() {
+                self.homing.end();
+                self.origin = Origin::Host;
+                self.send(&Message::Ok);
+            }
+            return true;
+        }
+        self.line = line;
+        self.origin = Origin::Startup(number);
+        let result = match line.bytes() {
+            [] if self.is_blank => Err(ErrorCode::StoreRead),
+            [] => {
+                self.task = Task::Startup(number.wrapping_add(1));
+                return true;
+            }
+            text => self.block(text),
+        };
+        self.end_line(result);
+        true
+    }
+
+    /// Answers the line, unless it goes on.
+    pub(super) fn end_line(&mut self, result: Result<Outcome, ErrorCode>) {
+        if result == Ok(Outcome::Waits) {
+            return;
+        }
+        self.task = Task::None;
+        let answer = result.map_or_else(Message::Error, |_| Message::Ok);
+        match self.origin {
+            Origin::Startup(number) => {
+                let line = self.line;
+                self.send(&Message::Executed(line.bytes(), result.err()));
+                self.task = Task::Startup(number.wrapping_add(1));
+            }
+            Origin::Store(number) if result.is_ok() => {
+                let line = self.line;
+                if let Some(slot) = self.memory.lines.get_mut(usize::from(number)) {
+                    *slot = line;
+                }
+                self.store();
+                self.send(&answer);
+            }
+            _ => self.send(&answer),
+        }
+        match result {
+            Ok(Outcome::Reset) => {
+                self.phase = Phase::Idle;
+                self.boot();
+            }
+            Ok(Outcome::Sleep) => {
+                self.send(&Message::Feedback(Feedback::Sleeping));
+                self.phase = Phase::Sleep;
+                self.drive_nothing();
+                self.idle_us = None;
+                self.drive_motors(false);
+            }
+            _ => {}
+        }
+    }
+
+    /// Executes a block of G-code.
+    ///
+    /// # Errors
+    /// The error of the line; nothing has changed.
+    pub(super) fn block(&mut self, text: &[u8]) -> Result<Outcome, ErrorCode> {
+        let given = Given::read(text, self.options.has_mist)?;
+        let (mut modal, mut commands) = (self.modal.clone(), Commands::new());
+        apply(text, &given, &mut modal, &mut commands)?;
+        self.check_moves(&commands, false)?;
+        let is_checking = self.phase == Phase::Check;
+        let spindle = modal.spindle() != self.modal.spindle();
+        let is_feed = matches!(motion_code(&modal), 10 | 20 | 30);
+        let was_feed = matches!(motion_code(&self.modal), 10 | 20 | 30);
+        // A laser changes its power with the move.
+        let with_move = self.outputs.is_laser
+            && given.is_motion()
+            && given.has_axes()
+            && modal.spindle().0 == self.modal.spindle().0;
+        let constant = modal.spindle().0 == SpindleDirection::Clockwise;
+        let switches_laser = self.outputs.is_laser && constant && is_feed != was_feed;
+        let drives_spindle = (spindle || switches_laser) && !with_move;
+        let moves_zero = self.moves_zero(&given);
+        let waits = drives_spindle || self.waits_for_motion(&given);
+        if waits && !is_checking && !self.is_drained() {
+            self.task = Task::Sync;
+            return Ok(Outcome::Waits);
+        }
+        self.tag = Tag {
+            line: given.line,
+            milli_rpm: modal.spindle().1,
+            is_dynamic: modal.spindle().0 == SpindleDirection::CounterClockwise,
+            nm_per_s: 0,
+        };
+        self.modal = modal;
+        self.tool = given.tool;
+        self.commands = commands;
+        self.next = None;
+        self.keep_places();
+        let work_zero = self.work_zero_now();
+        if work_zero != self.work_zero || moves_zero {
+            self.work_zero = work_zero;
+            self.report_work_zero();
+        }
+        if !is_checking && (spindle || drives_spindle) {
+            (self.outputs.direction, self.outputs.milli_rpm) = self.modal.spindle();
+            if drives_spindle {
+                self.report_overrides();
+                self.drive();
+            }
+        }
+        self.task = Task::Block;
+        Ok(Outcome::Waits)
+    }
+
+    /// Whether a block waits until the moves before it have been made.
+    fn waits_for_motion(&self, given: &Given) -> bool {
+        let (mist, flood) = self.modal.coolant();
+        let changes_coolant = match given.coolant {
+            Some(70) => !mist,
+            Some(80) => !flood,
+            Some(_) => mist || flood,
+            None => false,
+        };
+        changes_coolant
+            || self.moves_zero(given)
+            || matches!(given.non_modal, Some(40 | 100 | 281 | 301))
+            || matches!(given.stop, Some(0 | 20 | 300))
+    }
+
+    /// Whether a block selects or shifts the work zero, other than by G10.
+    fn moves_zero(&self, given: &Given) -> bool {
+        let frame = u16::from(self.modal.work_system());
+        let changes_frame = given
+            .frame
+            .is_some_and(|code| code.saturating_sub(540) / 10 != frame);
+        let shifts = matches!(given.non_modal, Some(920 | 921));
+        changes_frame || shifts || given.length.is_some()
+    }
+
+    /// Checks the moves of a block.
+    fn check_moves(&self, commands: &Commands<3>, in_travel: bool) -> Result<(), ErrorCode> {
+        let mut from = self.modal.position();
+        for command in commands.clone() {
+            let Some(to) = command.end() else {
+                continue;
+            };
+            if in_travel && self.leaves_travel(&to) {
+                return Err(ErrorCode::Travel);
+            }
+            match self.machine.config().check(&from, &command) {
+                Err(MoveError::Travel { .. }) if in_travel => return Err(ErrorCode::Travel),
+                // A probe move is a line to the engine.
+                Ok(()) | Err(MoveError::Travel { .. } | MoveError::Unsupported(_)) => {}
+                Err(_) => return Err(ErrorCode::BadTarget),
+            }
+            from = to;
+        }
+        Ok(())
+    }
+
+    /// Executes the next command of the block. Returns whether there may be more to do.
+    fn take_command(&mut self) -> bool {
+        let Some(command) = self.next.take().or_else(|| self.commands.next()) else {
+            self.end_line(Ok(Outcome::Done));
+            return true;
+        };
+        let is_checking = self.phase == Phase::Check;
+        if is_checking {
+            if let Command::End { .. } = command {
+                self.end_program();
+            }
+            return true;
+        }
+        let is_ready = match command {
+            Command::Rapid { .. } | Command::Linear { .. } | Command::Arc { .. } => {
+                return self.take_move(command);
+            }
+            Command::Path { .. } | Command::ToolLength { .. } | Command::Spindle { .. } => true,
+            _ => self.is_drained(),
+        };
+        if !is_ready {
+            self.next = Some(command);
+            return false;
+        }
+        match command {
+            Command::Coolant { mist, flood } => self.set_coolant(mist, flood),
+            Command::Dwell { micros } => {
+                self.dwell_us = micros;
+                self.task = Task::Dwell;
+            }
+            Command::Probe {
+                to,
+                feed,
+                away,
+                must,
+            } => self.begin_probe(Command::Linear { to, feed }, away, must),
+            Command::Stop { optional: false } => {
+                self.task = Task::Pause;
+                self.phase = Phase::Hold(false);
+            }
+            Command::End { .. } => self.end_program(),
+            _ => {}
+        }
+        true
+    }
+
+    fn set_coolant(&mut self, mist: bool, flood: bool) {
+        if (mist, flood) != (self.outputs.mist, self.outputs.flood) {
+            (self.outputs.mist, self.outputs.flood) = (mist, flood);
+            self.report_overrides();
+            self.drive();
+        }
+    }
+
+    fn end_program(&mut self) {
+        self.overrides = [100; 3];
+        self.machine.set_feed_override(100);
+        self.machine.set_rapid_override(100);
+        self.report_overrides();
+        self.report_work_zero();
+        if self.phase != Phase::Check {
+            self.drive_nothing();
+        }
+        self.outputs.milli_rpm = self.modal.spindle().1;
+        self.send(&Message::Feedback(Feedback::ProgramEnd));
+    }
+
+    /// Whether a target is outside the travel, however little.
+    fn leaves_travel(&self, to: &[Nm; 3]) -> bool {
+        let axes = self.machine.config().axes.iter().zip(to);
+        axes.into_iter().any(|(axis, to)| {
+            let is_outside = |[least, most]: [Nm; 2]| to.0 < least.0 || to.0 > most.0;
+            axis.travel.is_some_and(is_outside)
+        })
+    }
+
+    fn take_move(&mut self, command: Command<3>) -> bool {
+        let along = matches!(self.machine.check([command]), Err(MoveError::Travel { .. }));
+        if along || command.end().is_some_and(|to| self.leaves_travel(&to)) {
+            self.task = Task::SoftLimit;
+            if self.phase == Phase::Run {
+                self.brake();
+            } else {
+                self.phase = Phase::Idle;
+            }
+            return true;
+        }
+        if !self.append(command) {
+            self.next = Some(command);
+            return false;
+        }
+        true
+    }
+
+    /// Appends a move to the queue. Returns whether there was room.
+    pub(super) fn append(&mut self, command: Command<3>) -> bool {
+        if !self.machine.can_push() {
+            return false;
+        }
+        let is_rapid = matches!(command, Command::Rapid { .. });
+        let nm_per_s = match command {
+            Command::Linear {
+                feed: Feed::PerMinute(feed),
+                ..
+            }
+            | Command::Arc {
+                feed: Feed::PerMinute(feed),
+                ..
+            } => u32::try_from(feed.0 / 60).unwrap_or(u32::MAX),
+            _ => self.machine.speed_nm_per_s(),
+        };
+        let tag = Tag {
+            milli_rpm: if is_rapid { 0 } else { self.tag.milli_rpm },
+            nm_per_s,
+            ..self.tag
+        };
+        // The remainder is below 16.
+        if let Some(slot) = self.tags.get_mut((self.tag_count % 16) as usize) {
+            *slot = tag;
+        }
+        if self.machine.push(command, self.tag_count).is_ok() {
+            self.tag_count = self.tag_count.wrapping_add(1);
+        }
+        self.start_us = START_US;
+        true
+    }
+
+    /// `$J=`.
+    pub(super) fn jog(&mut self, text: &[u8]) -> Result<Outcome, ErrorCode> {
+        let given = Given::read(text, self.options.has_mist)?;
+        if matches!(given.motion, Some(20 | 30)) {
+            // Its errors come first.
+            apply(text, &given, &mut self.modal.clone(), &mut Commands::new())?;
+        }
+        if given.motion == Some(800) && given.has_axes() {
+            return Err(ErrorCode::AxisWords);
+        }
+        let is_foreign = [
+            given.motion,
+            given.length,
+            given.frame,
+            given.plane,
+            given.feed_mode,
+            given.stop,
+            given.spindle,
+            given.coolant,
+            given.non_modal.filter(|code| *code != 530),
+        ];
+        if is_foreign.into_iter().any(|code| code.is_some()) {
+            return Err(ErrorCode::Jog);
+        }
+        if !given.has(b'F') {
+            return Err(ErrorCode::NoFeed);
+        }
+        let words = bit(b'X') | bit(b'Y') | bit(b'Z') | bit(b'F') | bit(b'N');
+        if given.letters & !words != 0 {
+            return Err(ErrorCode::Unused);
+        }
+        let mut line = Text::new();
+        line.put(b"G94G1");
+        for word in WordReader(text).filter_map(Result::ok) {
+            line.put(&[word.letter]);
+            line.put(word.number);
+        }
+        let given = Given::read(line.bytes(), false)?;
+        let (mut modal, mut commands) = (self.modal.clone(), Commands::new());
+        apply(line.bytes(), &given, &mut modal, &mut commands)?;
+        if !given.has_axes() {
+            return Ok(Outcome::Done);
+        }
+        self.check_moves(&commands, true)?;
+        let position: [Nm; 3] = modal.position();
+        self.modal.set_position(position);
+        self.tag = Tag {
+            line: given.line,
+            ..Tag::default()
+        };
+        self.commands = commands;
+        self.next = None;
+        self.phase = Phase::Jog;
+        self.task = Task::Block;
+        Ok(Outcome::Waits)
+    }
+}

@@ -1,0 +1,115 @@
+//! What is kept without power.
+
+use husillo_transports::grbl::{LINE_CHARACTERS, Settings};
+
+/// A stored line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct StoredLine {
+    text: [u8; LINE_CHARACTERS],
+    length: u8,
+}
+
+impl StoredLine {
+    pub(super) const EMPTY: StoredLine = StoredLine {
+        text: [0; LINE_CHARACTERS],
+        length: 0,
+    };
+
+    /// Keeps a text. A line of the link always fits.
+    pub(super) fn new(text: &[u8]) -> Self {
+        let mut line = StoredLine::EMPTY;
+        for (slot, byte) in line.text.iter_mut().zip(text) {
+            *slot = *byte;
+            line.length = line.length.wrapping_add(1); // at most 79
+        }
+        line
+    }
+
+    pub(super) fn bytes(&self) -> &[u8] {
+        self.text
+            .get(..usize::from(self.length))
+            .unwrap_or_default()
+    }
+}
+
+/// Settings, coordinate data and stored lines of a controller: what is kept without power.
+///
+/// The controller gives [`GrblEvent::Store`](crate::GrblEvent::Store) when it has changed. The
+/// caller keeps the [bytes](GrblMemory::to_bytes), for example with `husillo-store`, and passes
+/// them to the next start.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GrblMemory {
+    pub(super) settings: Settings,
+    /// G54 to G59, G28, G30 in nanometres.
+    pub(super) places: [[i64; 3]; 8],
+    /// `$N0`, `$N1`, the text of `$I`.
+    pub(super) lines: [StoredLine; 3],
+}
+
+const PLACES_BYTES: usize = 8 * 3 * 8;
+const LINE_BYTES: usize = LINE_CHARACTERS + 1;
+
+impl GrblMemory {
+    /// Length of the stored form.
+    pub const BYTES: usize = 1 + Settings::BYTES + PLACES_BYTES + 3 * LINE_BYTES;
+    /// First byte of the stored form.
+    const FORM: u8 = 1;
+
+    /// The memory of a new machine.
+    pub const FACTORY: GrblMemory = GrblMemory {
+        settings: Settings::DEFAULT,
+        places: [[0; 3]; 8],
+        lines: [StoredLine::EMPTY; 3],
+    };
+
+    /// Returns this memory with other settings.
+    pub const fn with_settings(self, settings: Settings) -> Self {
+        GrblMemory { settings, ..self }
+    }
+
+    /// The settings.
+    pub const fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// The stored form.
+    pub fn to_bytes(&self) -> [u8; GrblMemory::BYTES] {
+        let mut bytes = [0; GrblMemory::BYTES];
+        let settings = self.settings.to_bytes();
+        let places = self.places.iter().flatten();
+        let places = places.flat_map(|place| place.to_le_bytes());
+        let lines = self.lines.iter();
+        let lines = lines.flat_map(|line| core::iter::once(line.length).chain(line.text));
+        let all = core::iter::once(Self::FORM)
+            .chain(settings)
+            .chain(places)
+            .chain(lines);
+        for (slot, byte) in bytes.iter_mut().zip(all) {
+            *slot = byte;
+        }
+        bytes
+    }
+
+    /// Reads the stored form. `None` if the bytes are of another form.
+    pub fn from_bytes(bytes: &[u8]) -> Option<GrblMemory> {
+        let (form, rest) = bytes.split_first()?;
+        let (settings, rest) = rest.split_first_chunk()?;
+        if *form != Self::FORM || rest.len() != PLACES_BYTES + 3 * LINE_BYTES {
+            return None;
+        }
+        let mut memory = GrblMemory {
+            settings: Settings::from_bytes(settings),
+            ..GrblMemory::FACTORY
+        };
+        let (places, lines) = rest.split_at_checked(PLACES_BYTES)?;
+        let slots = memory.places.iter_mut().flatten();
+        for (slot, bytes) in slots.zip(places.chunks_exact(8)) {
+            *slot = i64::from_le_bytes(*bytes.first_chunk()?);
+        }
+        for (slot, bytes) in memory.lines.iter_mut().zip(lines.chunks_exact(LINE_BYTES)) {
+            let (length, text) = bytes.split_first()?;
+            *slot = StoredLine::new(text.get(..usize::from(*length))?);
+        }
+        Some(memory)
+    }
+}

@@ -1,0 +1,220 @@
+//! Events of the motors, and time.
+
+use husillo_machine::Event;
+
+use super::{Grbl, GrblEvent, LONGEST_WAIT_US, Phase, Task};
+
+/// Silence of the line after which queued moves begin, us.
+pub(super) const START_US: u32 = 3000;
+/// Silence of the line after which they count as motion, us.
+const UNDERWAY_US: u32 = 1500;
+
+/// What a move carries.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Tag {
+    /// N word.
+    pub(super) line: u32,
+    /// Power of a laser.
+    pub(super) milli_rpm: u64,
+    /// The power follows the speed: M4.
+    pub(super) is_dynamic: bool,
+    /// Programmed speed.
+    pub(super) nm_per_s: u32,
+}
+
+/// The next event of the motors.
+pub(super) enum Next {
+    Event(GrblEvent),
+    /// A motion has ended, so there is more to do.
+    Stopped,
+    Nothing,
+}
+
+impl<const QUEUE: usize> Grbl<QUEUE> {
+    /// Whether the engine makes steps.
+    pub(super) fn moves(&self) -> bool {
+        match self.phase {
+            Phase::Run | Phase::Jog | Phase::Hold(true) => true,
+            Phase::Door(step) => step.is_braking(),
+            Phase::Home => self.homing.is_moving(),
+            _ => false,
+        }
+    }
+
+    /// Whether all moves have been made.
+    pub(super) fn is_drained(&self) -> bool {
+        self.machine.queued() == 0 && self.rest.is_none() && !self.moves()
+    }
+
+    /// Whether moves wait that will begin soon.
+    pub(super) fn is_underway(&self) -> bool {
+        self.machine.queued() > 0 && self.start_us <= UNDERWAY_US
+    }
+
+    /// Brakes, now or as late as Grbl does.
+    pub(super) fn brake(&mut self) {
+        self.brake_us = self.options.brakes_after_us;
+        if self.brake_us == 0 {
+            self.machine.hold();
+        }
+    }
+
+    /// The move that is executed.
+    pub(super) fn executing(&self) -> Option<Tag> {
+        let number = self.machine.executing_tag()?;
+        // The remainder is below 16.
+        self.tags.get((number % 16) as usize).copied()
+    }
+
+    pub(super) fn motion(&mut self) -> Next {
+        if self.phase == Phase::Idle && self.machine.queued() > 0 {
+            let is_due = self.start_us == 0 || !self.machine.can_push() || self.task != Task::None;
+            if is_due {
+                self.start_us = 0;
+                self.phase = Phase::Run;
+            }
+        }
+        if !self.moves() {
+            return Next::Nothing;
+        }
+        self.idle_us = None;
+        self.drive_motors(true);
+        if let Some(event) = self.events.pop() {
+            return Next::Event(event);
+        }
+        let (wait, delta) = match self.rest.take() {
+            Some(rest) => rest,
+            None => match self.next_step() {
+                Some(step) => step,
+                None => {
+                    self.stopped();
+                    return Next::Stopped;
+                }
+            },
+        };
+        self.drive_laser();
+        if let Some(event) = self.events.pop() {
+            self.rest = Some((wait, delta));
+            return Next::Event(event);
+        }
+        if wait > LONGEST_WAIT_US {
+            self.rest = Some((wait.wrapping_sub(LONGEST_WAIT_US), delta));
+            return Next::Event(self.made_later(LONGEST_WAIT_US, [0; 3]));
+        }
+        let delta = self.homing.kept(delta);
+        Next::Event(self.made_later(wait, delta))
+    }
+
+    /// The next step of the engine; its outputs are not used.
+    fn next_step(&mut self) -> Option<(u32, [i8; 3])> {
+        loop {
+            match self.machine.next_event()? {
+                Event::Step(step) => return Some((step.wait_ticks, step.delta)),
+                Event::Dwell { wait_ticks } => return Some((wait_ticks, [0; 3])),
+                _ => {}
+            }
+        }
+    }
+
+    fn made_later(&mut self, wait_ticks: u32, delta: [i8; 3]) -> GrblEvent {
+        self.pending = Some((wait_ticks, delta));
+        if delta == [0; 3] {
+            return GrblEvent::Wait { wait_ticks };
+        }
+        let mut motors = delta;
+        let inverted = self.settings().whole(3);
+        for (bit, delta) in (0_u32..).zip(&mut motors) {
+            if inverted.wrapping_shr(bit) & 1 == 1 {
+                *delta = delta.wrapping_neg();
+            }
+        }
+        GrblEvent::Step {
+            wait_ticks,
+            delta: motors,
+        }
+    }
+
+    /// The engine has no further step.
+    fn stopped(&mut self) {
+        match self.phase {
+            Phase::Home => self.homing_stopped(),
+            Phase::Door(_) => self.door_stopped(),
+            Phase::Hold(_) => self.hold_stopped(),
+            _ => match self.task {
+                Task::Probe { .. } => self.probe_stopped(),
+                Task::SoftLimit => self.soft_limit(),
+                _ => self.end_motion(),
+            },
+        }
+    }
+
+    /// The moves are made, or a jog was cancelled.
+    pub(super) fn end_motion(&mut self) {
+        if self.is_cancelling || self.machine.is_held() {
+            self.settle();
+            self.is_cancelling = false;
+        }
+        self.phase = Phase::Idle;
+        self.rest_motors();
+        self.drive_laser();
+        if self.flags.door {
+            self.open_door();
+        }
+    }
+
+    /// Starts the time until the motors are switched off.
+    pub(super) fn rest_motors(&mut self) {
+        let delay = self.settings().whole(1);
+        self.idle_us = (delay != 255).then_some(delay.wrapping_mul(1000));
+        if self.idle_us == Some(0) {
+            self.idle_us = None;
+            self.drive_motors(false);
+        }
+    }
+
+    /// Time until something is due, at most the longest wait.
+    pub(super) fn wait_us(&self) -> Option<u32> {
+        let dwell = matches!(self.task, Task::Dwell) && self.phase != Phase::Hold(false);
+        let dwell = dwell.then(|| u32::try_from(self.dwell_us).unwrap_or(u32::MAX));
+        let start = self.machine.queued() > 0 && self.phase == Phase::Idle;
+        let start = start.then_some(self.start_us);
+        let waits = [
+            self.recovery.wait_us(),
+            self.homing.wait_us(),
+            self.door_wait_us(),
+            self.idle_us,
+            Some(self.brake_us),
+            Some(self.merge_us),
+            dwell,
+            start,
+        ];
+        let least = waits.into_iter().flatten().filter(|wait| *wait > 0).min()?;
+        Some(least.min(LONGEST_WAIT_US))
+    }
+
+    /// Time has passed.
+    pub(super) fn pass(&mut self, us: u32) {
+        self.recovery.pass(us);
+        self.homing.pass(us);
+        self.pass_door(us);
+        self.start_us = self.start_us.saturating_sub(us);
+        self.merge_us = self.merge_us.saturating_sub(us);
+        if self.brake_us > 0 {
+            self.brake_us = self.brake_us.saturating_sub(us);
+            if self.brake_us == 0 && self.moves() {
+                self.machine.hold();
+            }
+        }
+        if self.task == Task::Dwell && self.phase != Phase::Hold(false) {
+            self.dwell_us = self.dwell_us.saturating_sub(us.into());
+        }
+        if let Some(left) = self.idle_us {
+            let left = left.saturating_sub(us);
+            self.idle_us = Some(left);
+            if left == 0 {
+                self.idle_us = None;
+                self.drive_motors(false);
+            }
+        }
+    }
+}

@@ -1,0 +1,227 @@
+//! Real-time bytes and buttons.
+
+use husillo_gcode::{Block, Dialect};
+use husillo_transports::grbl::{Feedback, Message, Realtime};
+
+use super::door::DoorStep;
+use super::{Grbl, GrblInputs, Phase, Task};
+
+/// Requests for a report within this time after one are not answered, us.
+const MERGE_US: u32 = 600;
+
+/// What real-time bytes and buttons have asked for.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Flags {
+    pub(super) reset: bool,
+    pub(super) status: bool,
+    pub(super) resume: bool,
+    pub(super) hold: bool,
+    pub(super) door: bool,
+    jog_cancel: bool,
+    spindle_stop: bool,
+    flood: bool,
+    mist: bool,
+}
+
+impl<const QUEUE: usize> Grbl<QUEUE> {
+    /// Takes a real-time byte. Returns whether the motors have to stop at once.
+    pub(super) fn notice(&mut self, realtime: Realtime) -> bool {
+        let flags = &mut self.flags;
+        let [feed, rapid, spindle] = &mut self.overrides;
+        let before = [*feed, *rapid, *spindle];
+        match realtime {
+            Realtime::Reset => {
+                flags.reset = true;
+                return true;
+            }
+            // Requests close together have one answer.
+            Realtime::Status => flags.status |= self.merge_us == 0,
+            Realtime::Resume => flags.resume = true,
+            Realtime::Hold => flags.hold = true,
+            Realtime::Door => flags.door = true,
+            Realtime::JogCancel => flags.jog_cancel = true,
+            Realtime::Feed(adjust) => *feed = adjust.apply(*feed),
+            Realtime::Rapid(percent) => *rapid = percent,
+            Realtime::Spindle(adjust) => *spindle = adjust.apply(*spindle),
+            Realtime::SpindleStop => flags.spindle_stop = true,
+            Realtime::Flood => flags.flood = true,
+            Realtime::Mist => flags.mist = true,
+            Realtime::Unknown(_) => {}
+        }
+        if self.overrides != before {
+            self.apply_overrides();
+        }
+        false
+    }
+
+    /// Takes the overrides into use and reports them.
+    pub(super) fn apply_overrides(&mut self) {
+        let [feed, rapid, _] = self.overrides;
+        self.machine.set_feed_override(feed);
+        self.machine.set_rapid_override(rapid);
+        self.report_overrides();
+        self.drive();
+    }
+
+    /// Reads the inputs.
+    pub(super) fn watch(&mut self, inputs: &GrblInputs) {
+        let before = core::mem::replace(&mut self.inputs, *inputs);
+        let falls = |before: bool, now: bool| before && !now;
+        self.flags.hold |= falls(before.hold, inputs.hold);
+        self.flags.resume |= falls(before.start, inputs.start);
+        self.flags.reset |= falls(before.reset, inputs.reset);
+        if self.options.has_door {
+            self.flags.door |= falls(before.door, inputs.door);
+        }
+        let is_free = !matches!(self.phase, Phase::Alarm | Phase::Home) && !self.is_recovering();
+        if before.limits != inputs.limits && self.settings().is_set(21) && is_free {
+            self.hard_limit();
+        }
+        self.watch_homing();
+        self.watch_probe();
+    }
+
+    /// Whether a limit switch of an axis is closed.
+    pub(super) fn is_limit_closed(&self, axis: usize) -> bool {
+        let is_high = self.inputs.limits.get(axis).copied().unwrap_or(true);
+        is_high == self.settings().is_set(5)
+    }
+
+    /// Whether the door is open.
+    pub(super) const fn is_door_open(&self) -> bool {
+        self.options.has_door && !self.inputs.door
+    }
+
+    /// Acts on flags. Returns whether there may be more to do.
+    pub(super) fn take_flags(&mut self) -> bool {
+        let is_dwelling = self.task == Task::Dwell && self.phase == Phase::Idle;
+        if is_dwelling && !self.dwell_us.is_multiple_of(50_000) {
+            // A dwell looks at them every 50 ms, as Grbl does.
+            return false;
+        }
+        if self.flags.status && self.phase != Phase::Home {
+            self.flags.status = false;
+            self.merge_us = MERGE_US;
+            self.report_status();
+            return true;
+        }
+        let flags = self.flags;
+        self.flags = Flags {
+            status: flags.status,
+            door: flags.door && self.is_cancelling,
+            ..Flags::default()
+        };
+        if flags.door && !self.is_cancelling {
+            self.open_door();
+        }
+        if flags.hold {
+            self.hold();
+        }
+        if flags.jog_cancel && self.phase == Phase::Jog {
+            self.cancel_jog();
+        }
+        if flags.resume {
+            self.resume();
+        }
+        if flags.spindle_stop && self.phase == Phase::Hold(false) && self.outputs.is_on() {
+            self.toggle_spindle();
+        }
+        if matches!(self.phase, Phase::Idle | Phase::Run | Phase::Hold(_)) {
+            self.toggle_coolant(flags.flood, flags.mist && self.options.has_mist);
+        }
+        false
+    }
+
+    fn hold(&mut self) {
+        match self.phase {
+            Phase::Idle => self.phase = Phase::Hold(false),
+            Phase::Run => {
+                self.brake();
+                self.phase = Phase::Hold(true);
+            }
+            Phase::Jog => self.cancel_jog(),
+            _ => {}
+        }
+    }
+
+    pub(super) fn cancel_jog(&mut self) {
+        self.brake();
+        self.is_cancelling = true;
+    }
+
+    /// The hold stands.
+    pub(super) fn hold_stopped(&mut self) {
+        self.phase = Phase::Hold(false);
+        self.rest_motors();
+        if self.outputs.is_laser && self.outputs.is_on() {
+            self.outputs.is_stopped = true;
+            self.report_overrides();
+            self.drive();
+        }
+    }
+
+    fn resume(&mut self) {
+        match self.phase {
+            Phase::Hold(false) => {
+                if self.outputs.is_stopped {
+                    let reports = self.reports;
+                    self.toggle_spindle();
+                    if self.outputs.is_laser {
+                        self.reports = reports;
+                    }
+                }
+                self.go_on_moving();
+                if self.task == Task::Pause {
+                    self.task = Task::Block;
+                }
+            }
+            Phase::Door(DoorStep::Stands) if !self.is_door_open() => self.restore(),
+            Phase::Idle => self.start_us = 0,
+            _ => {}
+        }
+    }
+
+    /// Goes on with the moves of the queue, if there are any.
+    pub(super) fn go_on_moving(&mut self) {
+        self.machine.resume();
+        let has_moves = self.machine.queued() > 0 || self.rest.is_some();
+        self.phase = if has_moves { Phase::Run } else { Phase::Idle };
+    }
+
+    fn toggle_spindle(&mut self) {
+        self.outputs.is_stopped = !self.outputs.is_stopped;
+        self.report_overrides();
+        self.drive();
+        if !self.outputs.is_stopped {
+            self.send(&Message::Feedback(Feedback::RestoringSpindle));
+        }
+    }
+
+    fn toggle_coolant(&mut self, flood: bool, mist: bool) {
+        if !flood && !mist {
+            return;
+        }
+        self.outputs.flood ^= flood;
+        self.outputs.mist ^= mist;
+        self.report_overrides();
+        self.drive();
+        // The modal state follows.
+        self.program(b"M9");
+        if self.outputs.flood {
+            self.program(b"M8");
+        }
+        if self.outputs.mist {
+            self.program(b"M7");
+        }
+    }
+
+    /// Changes the modal state by a block without commands.
+    fn program(&mut self, text: &[u8]) {
+        let mut block = Block::new();
+        if block.read(text, &Dialect::GRBL).is_ok() {
+            if let Ok((modal, _)) = self.modal.plan(&block) {
+                self.modal = modal;
+            }
+        }
+    }
+}

@@ -1,0 +1,234 @@
+//! Alarms, resets and starts.
+
+use husillo_gcode::{Dialect, Modal, Nm};
+use husillo_transports::grbl::{Alarm, ErrorCode, Feedback, Message};
+
+use super::lines::{Origin, Task};
+use super::realtime::Flags;
+use super::{Grbl, Phase};
+
+/// Time after an alarm in which nothing is heard, us.
+const DEAF_US: u32 = 500_000;
+
+/// A time in which no line is executed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Recovery {
+    None,
+    /// After an alarm.
+    Deaf(u32, After),
+    /// Until a reset.
+    Locked,
+    /// Before the banner.
+    Boot(u32),
+}
+
+/// What follows an alarm.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum After {
+    /// The line that was executed goes on.
+    GoOn,
+    /// A reset by the host.
+    Lock,
+    /// A reset.
+    Boot,
+}
+
+impl Recovery {
+    pub(super) const fn wait_us(&self) -> Option<u32> {
+        match self {
+            Recovery::Deaf(left, _) | Recovery::Boot(left) => Some(*left),
+            _ => None,
+        }
+    }
+
+    pub(super) const fn pass(&mut self, us: u32) {
+        if let Recovery::Deaf(left, _) | Recovery::Boot(left) = self {
+            *left = left.saturating_sub(us);
+        }
+    }
+}
+
+impl<const QUEUE: usize> Grbl<QUEUE> {
+    pub(super) fn is_recovering(&self) -> bool {
+        self.recovery != Recovery::None
+    }
+
+    /// Reports an alarm and locks.
+    pub(super) fn alarm(&mut self, alarm: Alarm, then: After) {
+        self.send(&Message::Alarm(alarm));
+        self.phase = Phase::Alarm;
+        self.homing.end();
+        self.rest_motors();
+        self.recovery = Recovery::Deaf(DEAF_US, then);
+    }
+
+    /// A limit switch was touched.
+    pub(super) fn hard_limit(&mut self) {
+        self.settle();
+        self.drive_nothing();
+        self.alarm(Alarm::HardLimit, After::Lock);
+    }
+
+    /// A move was refused because it leaves the travel; everything stands.
+    pub(super) fn soft_limit(&mut self) {
+        self.settle();
+        self.drive_nothing();
+        self.alarm(Alarm::SoftLimit, After::Lock);
+    }
+
+    /// Goes on with a reset or an alarm. Returns whether there may be more to do.
+    pub(super) fn recover(&mut self) -> bool {
+        let is_booting = matches!(
+            self.recovery,
+            Recovery::Boot(_) | Recovery::Deaf(_, After::Boot)
+        );
+        if self.flags.reset && !is_booting {
+            self.flags.reset = false;
+            self.interrupt();
+            return true;
+        }
+        match self.recovery {
+            Recovery::Deaf(0, then) => {
+                self.recovery = Recovery::None;
+                match then {
+                    After::GoOn => {}
+                    After::Lock => {
+                        self.send(&Message::Feedback(Feedback::ResetToContinue));
+                        self.recovery = Recovery::Locked;
+                    }
+                    After::Boot => self.boot(),
+                }
+                true
+            }
+            Recovery::Boot(0) => {
+                self.recovery = Recovery::None;
+                self.start();
+                true
+            }
+            _ => false,
+        }
+    }
+
+    /// A reset: motion stops at once.
+    fn interrupt(&mut self) {
+        let alarm = match self.phase {
+            Phase::Home => Some(Alarm::HomingReset),
+            _ if self.moves() => Some(Alarm::AbortCycle),
+            _ => None,
+        };
+        self.settle();
+        self.drive_nothing();
+        match alarm {
+            Some(alarm) => self.alarm(alarm, After::Boot),
+            None => self.boot(),
+        }
+    }
+
+    /// Answers the line that was executed, and starts again.
+    pub(super) fn boot(&mut self) {
+        let is_of_host = matches!(self.origin, Origin::Host | Origin::Store(_));
+        if self.task != Task::None && is_of_host {
+            self.origin = Origin::Host;
+            self.send(&Message::Ok);
+        }
+        self.task = Task::None;
+        self.next = None;
+        self.commands.clear();
+        self.homing.end();
+        // Bytes that come from now on are kept.
+        self.receiver.clear();
+        self.reader.clear();
+        self.flags = Flags::default();
+        self.settle();
+        self.drive_nothing();
+        let delay_ms = self.settings().whole(1);
+        let delay_us = if delay_ms == 255 {
+            0
+        } else {
+            delay_ms.wrapping_mul(1000)
+        };
+        self.recovery = Recovery::Boot(delay_us);
+    }
+
+    /// The first start.
+    pub(super) fn power_on(&mut self) {
+        if self.is_blank {
+            self.send(&Message::Error(ErrorCode::StoreRead));
+            self.list_settings();
+        }
+        if self.settings().is_set(22) {
+            self.phase = Phase::Alarm;
+        }
+        self.driven_at_start();
+        self.boot();
+    }
+
+    fn driven_at_start(&mut self) {
+        self.drive_motors(true);
+        self.rest_motors();
+    }
+
+    /// The state after a reset, and the banner.
+    fn start(&mut self) {
+        self.overrides = [100; 3];
+        self.machine.set_feed_override(100);
+        self.machine.set_rapid_override(100);
+        self.reports = [0; 2];
+        self.probe = ([0; 3], false);
+        self.contact = None;
+        self.is_cancelling = false;
+        self.modal = Modal::new(Dialect::GRBL);
+        self.load_places();
+        self.settle();
+        self.work_zero = self.work_zero_now();
+        self.drive_nothing();
+        self.send(&Message::Blank);
+        let banner = self.options.banner;
+        self.send(&Message::Banner(banner));
+        let is_at_limit = (0..3).any(|axis| self.is_limit_closed(axis));
+        if self.settings().is_set(21) && is_at_limit {
+            self.phase = Phase::Alarm;
+            self.send(&Message::Feedback(Feedback::CheckLimits));
+        }
+        if matches!(self.phase, Phase::Alarm | Phase::Sleep) {
+            self.phase = Phase::Alarm;
+            self.send(&Message::Feedback(Feedback::Unlock));
+            return;
+        }
+        self.phase = Phase::Idle;
+        self.flags.door = self.is_door_open();
+        self.origin = Origin::Startup(0);
+        self.task = Task::Startup(0);
+    }
+
+    /// Takes the stored coordinate data into the modal state.
+    pub(super) fn load_places(&mut self) {
+        for (number, place) in (0_u8..).zip(self.memory.places) {
+            let place = place.map(Nm);
+            match number {
+                0..=5 => {
+                    self.modal.set_work_zero(number, place);
+                }
+                6 => self.modal.set_home(place),
+                _ => self.modal.set_second_home(place),
+            }
+        }
+    }
+
+    /// Keeps the coordinate data of the modal state, if they have changed.
+    pub(super) fn keep_places(&mut self) {
+        let mut places = [[0; 3]; 8];
+        for (number, slot) in (0_u8..).zip(&mut places) {
+            let place = match number {
+                0..=5 => self.modal.work_zero(number).unwrap_or([Nm(0); 3]),
+                6 => self.modal.home(),
+                _ => self.modal.second_home(),
+            };
+            *slot = place.map(|nm| nm.0);
+        }
+        if places != self.memory.places {
+            self.memory.places = places;
+            self.store();
+        }
+    }
+}

@@ -1,0 +1,347 @@
+//! Which speed the path has where: phases of constant acceleration and constant speed.
+//!
+//! The path is counted in *grains*: the events of a line, or up to 64 pieces of every event of an
+//! arc. Over a grain the square of the speed changes by a constant gain g, so all that is asked
+//! is how many grains a phase has. Squares are in units of 2^-(2 F) (nm/s)^2, where F is as large
+//! as the highest speed of the move leaves in 32 bits.
+
+use core::cmp::Ordering;
+
+use crate::{
+    quotient::quotient,
+    ramp::{root::Root, slowness::Slowness},
+};
+
+/// Events of the longest piece.
+pub(crate) const LONGEST: u32 = 1024;
+
+/// The next part of the path.
+#[derive(Copy, Clone, Debug)]
+pub(crate) enum Part {
+    /// Constant acceleration from a speed on; the end is that of the course.
+    Ramp { count: u32, from: Root, gain: u64 },
+    /// Constant speed.
+    Level { count: u32 },
+    /// A grain, or a part of it, within which the acceleration changes: the change of the square,
+    /// and the path as a gain in units of 2^`wide`.
+    Corner { from: Root, change: u64, path: u64 },
+    /// A hold stops the path here.
+    Stop,
+}
+
+#[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Way {
+    #[default]
+    Level,
+    Up,
+    Down,
+}
+
+/// The state of the path at the end of the present part, and its limits.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Course {
+    /// Square of the speed, and its root.
+    pub(crate) square: u64,
+    pub(crate) root: Root,
+    /// Grains left in the move.
+    pub(crate) left: u32,
+    /// An event has 2^`parts` grains, at most 64.
+    pub(crate) parts: u8,
+    /// Change of the square over a grain, rounded up, in units of 2^`wide`: it may be far above any
+    /// square.
+    pub(crate) path: u64,
+    pub(crate) wide: u8,
+    pub(crate) slowness: Slowness,
+    pub(crate) is_held: bool,
+    /// Whether a hold stops the path before a grain, because each grain is an event.
+    pub(crate) stops_whole: bool,
+    /// Squares of the top speed, of the highest speed at the end of the move, and of the speed that
+    /// needs no ramp.
+    pub(crate) top: u64,
+    pub(crate) exit: u64,
+    pub(crate) floor: u64,
+    pub(crate) way: Way,
+    /// Grains left in the phase.
+    phase: u32,
+    /// Grains from standstill to the present speed.
+    run_up: u32,
+    /// Whether the phase ends at rest at the end of the move.
+    stops: bool,
+}
+
+impl Course {
+    /// Change of the square over a grain; limited to 64 bits, above all squares.
+    #[inline]
+    pub(crate) fn gain(&self) -> u64 {
+        match self.wide {
+            0 => self.path,
+            // The path has 62 bits.
+            1 | 2 => self.path.wrapping_shl(self.wide.into()),
+            _ => u64::MAX,
+        }
+    }
+
+    /// Makes the next part choose its phase.
+    pub(crate) fn look_again(&mut self) {
+        self.phase = 0;
+    }
+
+    pub(crate) fn set_square(&mut self, square: u64) {
+        self.square = square;
+        self.root = Root::of(square);
+        self.phase = 0;
+    }
+
+    /// The next part. Next to standstill it has at most `most` events. There is a grain left.
+    pub(crate) fn next(&mut self, most: u32) -> Part {
+        let most = most.wrapping_shl(self.parts.into());
+        if self.square < self.floor {
+            self.set_square(self.floor);
+        }
+        if self.phase == 0 {
+            self.choose();
+        }
+        let (from, square) = (self.root, self.square);
+        if self.phase == 0 {
+            return self.corner(self.gain(), self.path, self.left.saturating_sub(1), 1);
+        }
+        let count = match self.way {
+            Way::Level => self.phase.min(LONGEST.wrapping_shl(self.parts.into())),
+            Way::Up if square == 0 => most.min(self.phase),
+            Way::Up => rising(self.run_up, self.phase, self.parts.into()),
+            Way::Down => self.falling(most),
+        };
+        self.phase = self.phase.wrapping_sub(count);
+        self.left = self.left.saturating_sub(count);
+        // At most the larger of the two squares.
+        let gain = self.gain().wrapping_mul(count.into());
+        match self.way {
+            Way::Level => return Part::Level { count },
+            Way::Up => {
+                self.run_up = self.run_up.saturating_add(count);
+                self.square = square.saturating_add(gain);
+            }
+            Way::Down => {
+                self.run_up = self.run_up.saturating_sub(count);
+                self.square = square.saturating_sub(gain);
+            }
+        }
+        self.root = Root::of(self.square);
+        Part::Ramp { count, from, gain }
+    }
+
+    /// The next part is the rest of a grain: `rest` 2^-`bits` of it.
+    pub(crate) fn next_rest(&mut self, rest: u64, bits: u32) -> Part {
+        if self.square < self.floor {
+            self.set_square(self.floor);
+        }
+        self.phase = 0;
+        // The rest is below 2^bits and 2^32.
+        let share = |whole: u64| (u128::from(whole).wrapping_mul(rest.into()) >> bits) as u64;
+        self.corner(
+            share(self.gain()).max(1),
+            share(self.path).max(1),
+            self.left,
+            0,
+        )
+    }
+
+    /// Grains of a piece that slows down: its run-up is that of its end.
+    fn falling(&self, most: u32) -> u32 {
+        if self.stops && self.phase <= most {
+            return self.phase;
+        }
+        let room = if self.stops {
+            self.phase.wrapping_sub(most)
+        } else {
+            self.phase
+        };
+        falling(self.run_up, room, self.parts.into())
+    }
+
+    /// Chooses the phase from here on: its way and its grains. Without any, the next grain has a
+    /// corner.
+    fn choose(&mut self) {
+        let (square, gain) = (self.square, self.gain());
+        let top = if self.is_held { 0 } else { self.top };
+        let grains = |square: u64| divide(square, gain);
+        self.stops = false;
+        if square > top {
+            let target = top.max(self.floor);
+            // Under a hold the last grain that ends above the floor.
+            let spare = square.saturating_sub(target);
+            let spare = spare.saturating_sub(self.is_held.into());
+            self.begin(Way::Down, grains(spare).0);
+            return;
+        }
+        if self.is_held {
+            // It stands already.
+            return;
+        }
+        let exit = self.exit.max(self.floor);
+        // Grains not needed for braking, at most those that would be level.
+        let spare = match square.checked_sub(exit) {
+            Some(above) => {
+                let (brake, rest) = grains(above);
+                if self.snaps(exit, brake, rest) || brake >= self.left {
+                    self.begin(Way::Down, self.left);
+                    // Only an exact braking ends at rest.
+                    self.stops = exit == 0 && self.square == gain.wrapping_mul(self.left.into());
+                    return;
+                }
+                let brake = brake.wrapping_add(u32::from(rest != 0));
+                self.left.wrapping_sub(brake)
+            }
+            None => self
+                .left
+                .saturating_add(grains(exit.wrapping_sub(square)).0),
+        };
+        if square == top {
+            self.begin(Way::Level, spare);
+        } else {
+            let up = grains(top.wrapping_sub(square)).0;
+            self.begin(Way::Up, up.min(spare >> 1));
+        }
+    }
+
+    /// Whether braking has to begin here, except for the rounding of the gain. The square is then
+    /// changed by at most one unit a grain.
+    fn snaps(&mut self, exit: u64, brake: u32, rest: u64) -> bool {
+        let slack = u64::from(self.left);
+        let is_near = brake == self.left && rest <= slack
+            || brake.wrapping_add(1) == self.left && self.gain().wrapping_sub(rest) <= slack;
+        if is_near {
+            // Next to the square, so nothing overflows.
+            self.square = exit.wrapping_add(self.gain().wrapping_mul(slack));
+        }
+        is_near
+    }
+
+    fn begin(&mut self, way: Way, count: u32) {
+        self.way = way;
+        self.phase = count.min(self.left);
+        self.run_up = match way {
+            Way::Level => 0,
+            _ => divide(self.square, self.gain()).0,
+        };
+    }
+
+    /// A part with this gain; `left` grains follow it.
+    fn corner(&mut self, gain: u64, path: u64, left: u32, grains: u32) -> Part {
+        let before = self.square;
+        let top = if self.is_held { 0 } else { self.top };
+        let line = self
+            .gain()
+            .checked_mul(left.into())
+            .and_then(|rise| rise.checked_add(self.exit))
+            .unwrap_or(u64::MAX);
+        let least = before.saturating_sub(gain);
+        let after = before.saturating_add(gain).min(top).min(line).max(least);
+        if self.is_held && self.stops_whole && after <= self.floor {
+            self.set_square(0);
+            return Part::Stop;
+        }
+        let from = self.root;
+        self.left = self.left.saturating_sub(grains);
+        let after = after.max(self.floor);
+        self.way = match after.cmp(&before) {
+            Ordering::Less => Way::Down,
+            Ordering::Equal => Way::Level,
+            Ordering::Greater => Way::Up,
+        };
+        let change = after.abs_diff(before);
+        if change != 0 {
+            self.set_square(after);
+        } else if after == self.top {
+            return Part::Level { count: grains };
+        }
+        if change == gain {
+            let count = grains;
+            return Part::Ramp { count, from, gain };
+        }
+        Part::Corner { from, change, path }
+    }
+
+    /// The root of half the gain of a path.
+    fn peak(&self, path: u64) -> u64 {
+        let wide = u32::from(self.wide);
+        // An even number of bits goes out of the root.
+        let odd = wide & 1;
+        let root = Root::of(path.wrapping_shr(1_u32.wrapping_sub(odd)));
+        u64::from(root.speed).wrapping_shl(wide.wrapping_sub(odd) >> 1)
+    }
+
+    /// The time of a corner: its path at the mean of the speeds.
+    pub(crate) fn corner_time(&self, from: &Root, path: u64) -> u64 {
+        let mut speeds = u64::from(from.speed).wrapping_add(self.root.speed.into());
+        let peak = self.peak(path);
+        if speeds < peak {
+            // It starts and ends nearly at rest: the speed rises and falls within it. The mean is
+            // half of the peak sqrt(a s), which is the root of half the gain.
+            let top = u64::from(Root::of(self.top).speed).wrapping_mul(2);
+            speeds = speeds.max(peak.min(top));
+        }
+        // The time of a change of speed by path / speeds. The divisor has 32 bits, the quotient at
+        // least 31.
+        let narrow = u32::from(speeds > u32::MAX.into());
+        let divisor = (speeds.wrapping_shr(narrow) as u32).max(1);
+        let shift = path.leading_zeros();
+        let change = quotient(path.wrapping_shl(shift), divisor);
+        let bits = shift.wrapping_add(narrow).wrapping_sub(self.wide.into());
+        self.slowness.time_of(change, bits as i32)
+    }
+}
+
+/// Grains of a piece that speeds up. It moves events by at most 0.03 of an interval, see `Ramp`.
+fn rising(run_up: u32, room: u32, parts: u32) -> u32 {
+    let count = match run_up.wrapping_shr(parts) {
+        0..192 => run_up >> 1,
+        192..768 => run_up.wrapping_mul(85) >> 8,
+        768..2560 => run_up >> 2,
+        _ => run_up >> 3,
+    };
+    fitted(count, room, parts)
+}
+
+/// The same for a piece that slows down: the run-up of its end counts.
+fn falling(run_up: u32, room: u32, parts: u32) -> u32 {
+    let count = match run_up.wrapping_shr(parts) {
+        // A third, a quarter, a fifth, a ninth, from below.
+        0..288 => run_up.wrapping_mul(85) >> 8,
+        288..1024 => run_up >> 2,
+        1024..3200 => run_up.wrapping_mul(51) >> 8,
+        _ => (run_up >> 4).wrapping_add(run_up >> 5),
+    };
+    fitted(count, room, parts)
+}
+
+/// At least 1 and at most `room`; what is left is not a small piece.
+fn fitted(count: u32, room: u32, parts: u32) -> u32 {
+    let longest = LONGEST.wrapping_shl(parts);
+    let count = count.clamp(1, longest);
+    if room <= count.wrapping_add(count >> 3).min(longest) {
+        room
+    } else {
+        count
+    }
+}
+
+/// `dividend` / `divisor` and the remainder; the quotient is limited to 2^32 - 1. The divisor is
+/// not 0.
+fn divide(dividend: u64, divisor: u64) -> (u32, u64) {
+    if dividend < divisor {
+        return (0, dividend);
+    }
+    // The estimate is too small by 2^-31 of it, so one more round finds the rest.
+    let shift = 32_u32.saturating_sub(divisor.leading_zeros());
+    let high = (divisor.wrapping_shr(shift) as u32)
+        .saturating_add(u32::from(shift != 0))
+        .max(1);
+    let (mut whole, mut rest) = (0_u64, dividend);
+    while rest >= divisor {
+        let more = quotient(rest.wrapping_shr(shift), high).max(1);
+        whole = whole.wrapping_add(more);
+        rest = rest.wrapping_sub(more.wrapping_mul(divisor));
+    }
+    (whole.min(u32::MAX.into()) as u32, rest)
+}

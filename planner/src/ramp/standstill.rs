@@ -1,0 +1,62 @@
+//! Events next to standstill, by a table of roots.
+//!
+//! From standstill the n-th event comes at t1 sqrt(n), t1 the time of the first one. The table has
+//! the intervals, so an event takes one product.
+
+/// Events that the table has.
+pub(crate) const MOST: u32 = 64;
+
+/// Intervals from this event on are given four times as fine.
+const FINER: usize = 16;
+
+/// (sqrt(n + 1) - sqrt(n)) 2^17, from event [`FINER`] on 2^19, of n = 1 to 63. The sums of these
+/// are the rounded roots, so errors do not add up.
+#[rustfmt::skip]
+const INTERVALS: [u16; 63] = [
+    54292, 41659, 35121, 30942, 27974, 25724, 23944, 22488, 21270,
+    20231, 19330, 18540, 17840, 17213, 16648, 64543, 62671, 60952,
+    59369, 57902, 56540, 55268, 54079, 52964, 51915, 50925, 49991,
+    49106, 48267, 47468, 46709, 45984, 45293, 44632, 43998, 43391,
+    42809, 42250, 41710, 41193, 40694, 40211, 39747, 39298, 38863,
+    38443, 38037, 37642, 37260, 36889, 36530, 36179, 35840, 35510,
+    35188, 34876, 34570, 34275, 33984, 33703, 33428, 33159, 32897,
+];
+
+/// The time t1 of the first event: `ticks` 2^-`bits`.
+#[derive(Copy, Clone, Debug, Default)]
+pub(crate) struct First {
+    ticks: u32,
+    bits: u8,
+}
+
+impl First {
+    /// From ticks with 32 fraction bits; `None` where they are too many.
+    pub(crate) fn new(time: u64) -> Option<First> {
+        // As many fraction bits as fit in 32, and at most 30: an interval takes two more.
+        let zeros = time.leading_zeros().min(30);
+        let bits = zeros.checked_sub(1)?;
+        Some(First {
+            ticks: time.wrapping_shr(32_u32.wrapping_sub(bits)) as u32,
+            bits: bits as u8,
+        })
+    }
+
+    /// The interval before event `number` of a start, counted from 0; ticks with 32 fraction bits.
+    #[inline]
+    pub(crate) fn interval(&self, number: u32) -> u64 {
+        let index = (number as usize).wrapping_sub(1);
+        let Some(interval) = INTERVALS.get(index) else {
+            return u64::from(self.ticks).wrapping_shl(32_u32.wrapping_sub(self.bits.into()));
+        };
+        let interval = u32::from(*interval);
+        // Below 2^16 2^16 each; the sum is below 2^32 as the interval is below t1 / 2.
+        let high = (self.ticks >> 16).wrapping_mul(interval);
+        let low = (self.ticks & 0xffff).wrapping_mul(interval) >> 16;
+        let ticks = high.wrapping_add(low);
+        // The product has 17 - 16 bits more, or 19 - 16.
+        let more = if index < FINER.wrapping_sub(1) { 1 } else { 3 };
+        let bits = u32::from(self.bits).wrapping_add(more);
+        // From 0 to 31.
+        u64::from(ticks).wrapping_shl(32_u32.wrapping_sub(bits))
+    }
+}

@@ -1,0 +1,14 @@
+#![doc = include_str!("../README.md")]
+#![forbid(unsafe_code)]
+#![deny(missing_docs)]
+
+pub mod board;
+pub mod chart;
+pub mod frame;
+pub mod lash;
+pub mod methods;
+pub mod originals;
+pub mod routine;
+pub mod run;
+pub mod text;
+pub mod tuning;

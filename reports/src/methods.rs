@@ -1,0 +1,8 @@
+//! Interpolation methods, compared.
+
+mod page;
+mod picture;
+mod text;
+
+pub use page::html;
+pub use text::print;

@@ -1,0 +1,153 @@
+//! Mechanics for a Grbl controller: motors that follow every step, switches, outputs.
+
+use husillo_controllers::{GrblEvent, GrblInputs};
+
+use crate::Plant;
+
+/// An input of the controller.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GrblPin {
+    /// The limit switch of an axis, 0 to 2.
+    Limit(usize),
+    /// The probe.
+    Probe,
+    /// The safety door.
+    Door,
+    /// The hold button.
+    Hold,
+    /// The start button.
+    Start,
+    /// The reset button.
+    Reset,
+}
+
+/// A switch that a slide closes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SlideSwitch {
+    /// The input that it closes.
+    pub pin: GrblPin,
+    /// The axis of the slide.
+    pub axis: usize,
+    /// It is closed from here on, in steps from the place at power-on.
+    pub at_steps: i64,
+    /// Closed at this place and above it; otherwise at it and below.
+    pub is_above: bool,
+    /// Level of the input when it is closed.
+    pub closed_level: bool,
+}
+
+/// Three axes with motors that follow every step.
+#[derive(Clone, Debug, Default)]
+pub struct GrblRig {
+    steps: [i64; 3],
+    pulses: [u64; 3],
+    levels: GrblInputs,
+    switches: Vec<SlideSwitch>,
+    /// The last level of each output.
+    pub outputs: GrblOutputs,
+}
+
+/// Outputs of a Grbl controller.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct GrblOutputs {
+    /// Level of the pin that disables the motors.
+    pub disable: bool,
+    /// Level of the pin for the direction of the spindle: counter-clockwise.
+    pub direction: bool,
+    /// Duty cycle of the spindle, 0 to 255.
+    pub duty: u8,
+    /// Flood coolant.
+    pub flood: bool,
+    /// Mist coolant.
+    pub mist: bool,
+}
+
+impl GrblRig {
+    /// Axes at rest, all inputs high.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Steps of each motor from its first place.
+    #[must_use]
+    pub const fn steps(&self) -> [i64; 3] {
+        self.steps
+    }
+
+    /// Number of steps of each motor so far, in both directions.
+    #[must_use]
+    pub const fn pulses(&self) -> [u64; 3] {
+        self.pulses
+    }
+
+    /// Adds a switch.
+    pub fn add_switch(&mut self, switch: SlideSwitch) {
+        self.switches.retain(|old| old.pin != switch.pin);
+        self.switches.push(switch);
+    }
+
+    /// Sets the level of an input that has no switch.
+    pub fn set_level(&mut self, pin: GrblPin, is_high: bool) {
+        set(&mut self.levels, pin, is_high);
+    }
+
+    /// Moves a slide by hand.
+    pub fn push(&mut self, axis: usize, steps: i32) {
+        if let Some(place) = self.steps.get_mut(axis) {
+            *place += i64::from(steps);
+        }
+    }
+}
+
+fn set(levels: &mut GrblInputs, pin: GrblPin, is_high: bool) {
+    let level = match pin {
+        GrblPin::Limit(axis) => match levels.limits.get_mut(axis) {
+            Some(level) => level,
+            None => return,
+        },
+        GrblPin::Probe => &mut levels.probe,
+        GrblPin::Door => &mut levels.door,
+        GrblPin::Hold => &mut levels.hold,
+        GrblPin::Start => &mut levels.start,
+        GrblPin::Reset => &mut levels.reset,
+    };
+    *level = is_high;
+}
+
+impl Plant for GrblRig {
+    type Inputs = GrblInputs;
+    type Event = GrblEvent;
+
+    fn inputs(&self) -> GrblInputs {
+        let mut levels = self.levels;
+        for switch in &self.switches {
+            let at = self.steps.get(switch.axis).copied().unwrap_or(0);
+            let is_closed = if switch.is_above {
+                at >= switch.at_steps
+            } else {
+                at <= switch.at_steps
+            };
+            set(&mut levels, switch.pin, is_closed == switch.closed_level);
+        }
+        levels
+    }
+
+    fn apply(&mut self, event: &GrblEvent) {
+        match *event {
+            GrblEvent::Step { delta, .. } => {
+                let axes = self.steps.iter_mut().zip(&mut self.pulses).zip(delta);
+                for ((steps, pulses), delta) in axes {
+                    *steps += i64::from(delta);
+                    *pulses += u64::from(delta != 0);
+                }
+            }
+            GrblEvent::Disable { is_high } => self.outputs.disable = is_high,
+            GrblEvent::SpindleDirection { is_high } => self.outputs.direction = is_high,
+            GrblEvent::SpindleDuty { duty } => self.outputs.duty = duty,
+            GrblEvent::Flood { is_on } => self.outputs.flood = is_on,
+            GrblEvent::Mist { is_on } => self.outputs.mist = is_on,
+            GrblEvent::Wait { .. } | GrblEvent::Store => {}
+        }
+    }
+}
