@@ -330,7 +330,7 @@ fn a_byte_order_mark_is_no_part_of_the_first_line() {
         .arg(&board)
         .assert()
         .success()
-        .stdout(contains("[[1, 2, 0.8]]"));
+        .stdout(contains("[[1,2,0.8]]"));
 }
 
 #[test]
