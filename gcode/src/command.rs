@@ -58,12 +58,11 @@ impl SpindleDirection {
     }
 }
 
-/// Path mode: how moves may be joined.
-#[derive(Copy, Clone, Eq, PartialEq, Debug, Default)]
+/// Path mode: how moves are joined. A program begins with that of G64 without a tolerance.
+#[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum PathMode {
-    /// G61: on the path, slowing only where necessary.
-    #[default]
+    /// G61: a stop at each corner, none where the path has no corner.
     ExactPath,
     /// G61.1: a stop after each move.
     ExactStop,
@@ -72,6 +71,13 @@ pub enum PathMode {
         /// Largest distance from the path.
         tolerance: Option<Nm>,
     },
+}
+
+impl Default for PathMode {
+    /// Of a program without any of these codes: G64 without a tolerance.
+    fn default() -> Self {
+        Self::Blend { tolerance: None }
+    }
 }
 
 /// A cubic curve in the XY plane: G5, or G5.1 raised to the third degree.

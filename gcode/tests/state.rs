@@ -36,7 +36,7 @@ fn the_state_at_the_start() {
     assert_eq!(modal.spindle(), (SpindleDirection::Off, 0));
     assert_eq!(modal.coolant(), (false, false));
     assert_eq!((modal.tool(), modal.loaded_tool()), (0, 0));
-    assert_eq!(modal.path(), PathMode::ExactPath);
+    assert_eq!(modal.path(), PathMode::Blend { tolerance: None });
     assert_eq!((modal.compensation(), modal.is_diameter()), (None, false));
     assert_eq!((modal.work_system(), modal.tool_length()), (0, [Nm(0); 3]));
     assert_eq!(

@@ -344,7 +344,7 @@ fn emulate_into(args: &Emulate, outputs: &mut Outputs, out: &mut dyn Write) -> R
         let microfactory = microfactory(&args.machine)?;
         match (&microfactory, args.machine.as_str()) {
             (Some(_), _) => args.expect_microfactory()?,
-            (None, "micromill") => args.expect_micromill()?,
+            (None, "micromill" | "grbl") => args.expect_micromill()?,
             (None, "drill") => args.expect_drill()?,
             _ => args.expect_chain()?,
         }
@@ -355,6 +355,13 @@ fn emulate_into(args: &Emulate, outputs: &mut Outputs, out: &mut dyn Write) -> R
         let served = match (&microfactory, args.machine.as_str()) {
             (Some(settings), _) => microfactory::emulate(args, settings, made, out),
             (None, "micromill") => micromill::emulate(args, made, out),
+            (None, "grbl") => {
+                let settings = match &args.mechanics {
+                    Some(name) => crate::grbl::settings(&load(name)?)?,
+                    None => husillo_transports::grbl::Settings::DEFAULT,
+                };
+                crate::grbl::emulate(args, settings, made, out)
+            }
             (None, "drill") => drill::emulate(args, made, out),
             _ => return ended(measuring::emulate(args, out)),
         };

@@ -234,6 +234,7 @@ pub enum Command {
     Measure(Measure),
     /// Simulate a machine behind a pseudo-terminal or a socket, for any client of its protocol
     #[command(after_help = "Examples:\n  \
+        husillo emulate grbl --link ./grbl\n  \
         husillo emulate cmm --link ./cmm\n  \
         husillo emulate cmm --modules servo:4,servo:4 --link ./cmm \\\n    \
         --contact 1:3000 --contact 1:..-3000\n  \

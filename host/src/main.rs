@@ -25,6 +25,8 @@ mod cli;
 mod diagnostics;
 mod drill;
 mod emulate;
+#[cfg(unix)]
+mod grbl;
 mod holes;
 mod input;
 mod lash;

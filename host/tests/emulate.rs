@@ -102,3 +102,35 @@ fn it_listens_at_the_name_of_a_host() {
         .assert()
         .success();
 }
+
+/// A Grbl controller answers, with the axes of a machine file.
+#[test]
+fn a_grbl_controller_has_the_axes_of_a_machine() {
+    let device = Emulated::listening("grbl", &["-m", "router", "--speed", "20"]);
+    let address = device.port().strip_prefix("tcp:").unwrap();
+    let mut line = std::net::TcpStream::connect(address).unwrap();
+    line.set_read_timeout(Some(std::time::Duration::from_secs(60)))
+        .unwrap();
+    line.write_all(b"$100=\n").unwrap();
+    line.write_all(b"$$\n").unwrap();
+    let mut said = String::new();
+    while !said.ends_with("ok\r\n") {
+        let mut bytes = [0; 256];
+        let count = std::io::Read::read(&mut line, &mut bytes).unwrap();
+        said.push_str(std::str::from_utf8(&bytes[..count]).unwrap());
+    }
+    assert!(said.contains("error:2\r\n"), "{said}");
+    // 2.5 um a step.
+    assert!(said.contains("$100=400.000\r\n"), "{said}");
+}
+
+#[test]
+fn options_of_other_machines_are_not_for_grbl() {
+    emulate(
+        "grbl",
+        "1",
+        &["--listen", "127.0.0.1:0", "--contact", "1:300"],
+    )
+    .code(2)
+    .stderr(contains("--contact is not for grbl"));
+}

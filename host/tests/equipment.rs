@@ -215,6 +215,12 @@ fn curves_are_drawn_and_measured() {
         let feed = number(&results["feed_nm"]) / 1e6;
         assert!((feed - (63.4 + 29.6)).abs() < 3.0, "{feed}");
     }
+    // A NURBS: a quarter of a circle of 30 mm radius.
+    let circle = "G0 X40 Y10 Z1\nG5.2 X40 Y40 P0.70710678 L3 F1200\nX10 Y40 P1\nG5.3\nM2\n";
+    let results = run("nurbs.nc", circle, "router");
+    let [x, y] = [0, 1].map(|axis: usize| number(&results["end_nm"][axis]));
+    assert_eq!([x, y], [10e6, 40e6]);
+    assert!(number(&results["max_nm"][0]) < 40.003e6, "{results}");
     // The curve leaves the table between its ends, which are on it.
     let file = written(
         "beyond.nc",

@@ -900,23 +900,44 @@ fn the_next_command_goes_on_where_the_last_one_ended() {
     let (rows, _) = run(&["home", "x"]);
     near(&rows[0]["position"], 0.0, 1.0);
 
-    // A killed program leaves a jog that runs on. A stop keeps what is known.
+    // A killed program leaves a jog that runs on. The next command stops it and keeps what is known,
+    // and so does a stop.
     run(&["goto", "50", "zero"]);
-    let mut jog = std::process::Command::new(env!("CARGO_BIN_EXE_husillo"))
-        .env("XDG_STATE_HOME", common::state())
-        .args(["measure", "--raw", "--port", &port, "jog", "+x", "60s"])
-        .stderr(std::process::Stdio::piped())
-        .stdout(std::process::Stdio::null())
-        .spawn()
-        .unwrap();
-    let lines = BufReader::new(jog.stderr.take().unwrap()).lines();
-    // A trajectory, and some readings after it.
-    let lines = lines
-        .map_while(Result::ok)
-        .skip_while(|line| !line.starts_with("> aa 01 d4 "));
-    assert_eq!(lines.take(40).count(), 40);
-    jog.kill().unwrap();
-    jog.wait().unwrap();
+    let killed = || {
+        let mut jog = std::process::Command::new(env!("CARGO_BIN_EXE_husillo"))
+            .env("XDG_STATE_HOME", common::state())
+            .args(["measure", "--raw", "--port", &port, "jog", "+x", "60s"])
+            .stderr(std::process::Stdio::piped())
+            .stdout(std::process::Stdio::null())
+            .spawn()
+            .unwrap();
+        let lines = BufReader::new(jog.stderr.take().unwrap()).lines();
+        // A trajectory, and some readings after it.
+        let lines = lines
+            .map_while(Result::ok)
+            .skip_while(|line| !line.starts_with("> aa 01 d4 "));
+        assert_eq!(lines.take(40).count(), 40);
+        jog.kill().unwrap();
+        jog.wait().unwrap();
+    };
+    let origins = || {
+        let (rows, told) = run(&["where"]);
+        assert!(!told.contains("killed") && !told.contains("lost"), "{told}");
+        let of = |name: &str| number(&rows[0][name]);
+        // Of the module at home, and from home to the zero.
+        [of("steps") - of("machine"), of("machine") - of("work")]
+    };
+    let before = origins();
+    killed();
+    let (rows, told) = run(&["status"]);
+    assert!(
+        told.starts_with("note: the program before was killed."),
+        "{told}"
+    );
+    assert!(number(&rows[0]["position"]) > 5.0, "{rows}");
+    assert_eq!(origins(), before);
+    run(&["goto", "0"]);
+    killed();
     let stopped = printed(&["stop", "-m", "cmm", "--port", &port]);
     let at = stopped
         .split_whitespace()

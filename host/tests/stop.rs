@@ -77,12 +77,22 @@ fn a_measuring_machine_is_stopped_while_held_and_after_a_kill() {
     for is_killed in [false, true] {
         let jog = ["--raw", "--port", chain.port(), "jog", "+x", "60s"];
         let mut child = begin(&folder, &[&["measure", "-m", "cmm3"], &jog[..]].concat());
-        // A trajectory to the end of the travel, 99 999 counts.
+        // A trajectory of 60 s at 200 counts/s, which starts at once.
         let lines = BufReader::new(child.stderr.take().unwrap()).lines();
         let mut lines = lines.map(Result::unwrap);
-        assert!(lines.any(|line| line.starts_with("> aa 01 ") && line.contains(" 9f 86 01 00 ")));
-        // At 200 counts/s, as it is not homed.
-        std::thread::sleep(Duration::from_millis(500));
+        assert!(lines.any(|line| line.starts_with("> aa 01 d4 97 ")));
+        // At 200 counts/s, as it is not homed. The readings follow at the pace of the line.
+        let position = lines.find_map(|line| {
+            let bytes: Vec<u8> = line
+                .strip_prefix("< ")?
+                .split(' ')
+                .filter_map(|byte| u8::from_str_radix(byte, 16).ok())
+                .collect();
+            // Status, position, latched position, sum.
+            let counts = i32::from_le_bytes(bytes.get(1..5)?.try_into().ok()?);
+            (bytes.len() == 10 && (50..99_000).contains(&counts)).then_some(counts)
+        });
+        assert!(position.is_some());
         let reader = std::thread::spawn(move || lines.count());
         if is_killed {
             child.kill().unwrap();

@@ -463,6 +463,18 @@ enum Turns {
     Quadrants(u32),
 }
 
+/// The number of quadrants near `exact` that is `between` modulo 4. Rounding moves each end across
+/// an axis at most, so it is the right one.
+#[inline]
+fn near(exact: u32, between: u32) -> Option<u32> {
+    match between.wrapping_sub(exact) & 3 {
+        0 => Some(exact),
+        1 => Some(exact.wrapping_add(1)),
+        3 => exact.checked_sub(1),
+        _ => None,
+    }
+}
+
 /// Combines both ends into the start state.
 fn start(
     from: &Spot,
@@ -518,19 +530,10 @@ fn start(
             .checked_mul(4)
             .and_then(|more| more.checked_add(quadrants))
             .ok_or(ConicError::TooLong)?,
-        // Rounding moves each end across an axis at most, so the nearest number is the right one.
-        Turns::Quadrants(exact) => {
-            let quadrants = match between.wrapping_sub(exact) & 3 {
-                0 => exact,
-                1 => exact.wrapping_add(1),
-                3 if exact > 0 => exact.wrapping_sub(1),
-                _ => return Err(ConicError::Degenerate),
-            };
-            if quadrants == 0 && u_left <= 0 && v_left <= 0 {
-                return Err(ConicError::Degenerate);
-            }
-            quadrants
-        }
+        Turns::Quadrants(exact) => match near(exact, between) {
+            Some(0) if u_left <= 0 && v_left <= 0 => return Err(ConicError::Degenerate),
+            quadrants => quadrants.ok_or(ConicError::Degenerate)?,
+        },
         // An open curve turns left by less than half a turn.
         Turns::Open if quadrants > 2 || (quadrants == 2 && !is_left_turn(from, to)) => {
             return Err(ConicError::Astray);

@@ -16,6 +16,7 @@ mod chords;
 #[cfg(feature = "extended")]
 mod extended;
 mod extension;
+mod nurbs;
 mod state;
 
 mod limits;
@@ -31,6 +32,7 @@ mod step_encoder;
 mod poll;
 
 pub use axis::{Axis, AxisRamp, Config};
+pub use chords::Checker;
 pub use closed_loop::{ClosedLoop, Followed};
 pub use equipment::Equipment;
 pub use event::{Alarm, Event, FollowEvent, Output, Pause};

@@ -5,6 +5,7 @@ pub const MAX_WAIT_TICKS: u32 = 1 << 31;
 
 /// Wait `wait_ticks`, then step every axis by its delta.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct StepEvent<const N: usize> {
     /// Timer ticks since the previous event.
     pub wait_ticks: u32,

@@ -114,12 +114,21 @@ pub enum Trouble {
     EndSwitch {
         /// Letter of the axis.
         axis: char,
-        /// Which of its ends.
-        end: End,
+        /// Which of its ends. `None`: it is not known.
+        end: Option<End>,
         /// Where.
         at: String,
         /// The speed of the axes, from the last readings before. `None`: nothing moved.
         speed: Option<String>,
+    },
+    /// An axis at an end switch shall move far, and it is not known at which end it is.
+    UnknownEnd {
+        /// Letter of the axis.
+        axis: char,
+        /// Where.
+        at: String,
+        /// The longest move until the switch opens.
+        most: String,
     },
     /// The end switch of an axis did not close, or did not open, over the length of the travel.
     NoEndSwitch {
@@ -175,6 +184,7 @@ impl Trouble {
             Self::OutsideTravel { .. }
                 | Self::NoAxis { .. }
                 | Self::NotHomed { .. }
+                | Self::UnknownEnd { .. }
                 | Self::NotTouching
                 | Self::Plan(_)
                 | Self::Probe(husillo_probe::Failure::ContactAtStart)
@@ -251,12 +261,18 @@ impl fmt::Display for Trouble {
                 speed: Some(speed),
             } => write!(
                 out,
-                "the {end} end switch of {axis} has closed at {at}, at about {speed}; all axes \
-                 have been stopped"
+                "{} of {axis} has closed at {at}, at about {speed}; all axes have been stopped",
+                switch(*end)
             ),
             Self::EndSwitch { axis, end, at, .. } => write!(
                 out,
-                "the {end} end switch of {axis} is closed at {at}: the axis moves away from it only"
+                "{} of {axis} is closed at {at}: the axis moves away from it only",
+                switch(*end)
+            ),
+            Self::UnknownEnd { axis, at, most } => write!(
+                out,
+                "one of the end switches of {axis} is closed at {at}, and it is not known which: \
+                 until it opens, the axis moves by {most} at most"
             ),
             Self::NoEndSwitch { axis } => write!(
                 out,
@@ -277,6 +293,15 @@ impl fmt::Display for Trouble {
             Self::Plan(error) => error.fmt(out),
             Self::Fit(error) => error.fmt(out),
         }
+    }
+}
+
+/// An end switch in words.
+const fn switch(end: Option<End>) -> &'static str {
+    match end {
+        Some(End::Low) => "the low end switch",
+        Some(End::High) => "the high end switch",
+        None => "an end switch",
     }
 }
 

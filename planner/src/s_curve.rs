@@ -122,6 +122,23 @@ impl Limits {
     }
 }
 
+/// The least path of an event in units of jerk and profile tick, and the halvings of the timer that
+/// make a profile tick.
+#[inline]
+fn resolution(timer_hz: u32, jerk_hz_per_s2: u32) -> (u128, u32) {
+    // 6 f^3 / j rounded up: below 2^87.
+    let f = u128::from(timer_hz);
+    let cube = divide(
+        f.wrapping_mul(f).wrapping_mul(f).wrapping_mul(6),
+        jerk_hz_per_s2,
+    );
+    // At most 2^60 after this many halvings of f.
+    let excess = (128_u32 - 60).saturating_sub(cube.leading_zeros());
+    let tick_bits = excess.wrapping_add(2).checked_div(3).unwrap_or(0);
+    let least_step = cube.wrapping_shr(tick_bits.wrapping_mul(3)).wrapping_add(1);
+    (least_step, tick_bits)
+}
+
 impl SCurve {
     /// Creates the profile of a move of `events` events. A start rate above the top rate falls to
     /// it at once.
@@ -140,16 +157,7 @@ impl SCurve {
         if rates.timer_hz >> 28 != 0 {
             return Err(RatesError::TimerOutOfRange);
         }
-        // 6 f^3 / j rounded up: below 2^87.
-        let f = u128::from(rates.timer_hz);
-        let cube = divide(
-            f.wrapping_mul(f).wrapping_mul(f).wrapping_mul(6),
-            jerk_hz_per_s2,
-        );
-        // At most 2^60 after this many halvings of f.
-        let excess = (128_u32 - 60).saturating_sub(cube.leading_zeros());
-        let tick_bits = excess.wrapping_add(2).checked_div(3).unwrap_or(0);
-        let least_step = cube.wrapping_shr(tick_bits.wrapping_mul(3)).wrapping_add(1);
+        let (least_step, tick_bits) = resolution(rates.timer_hz, jerk_hz_per_s2);
         if fastest > rates.timer_hz.wrapping_shr(tick_bits.wrapping_add(2)) {
             return Err(RatesError::TimerOutOfRange);
         }

@@ -2,6 +2,7 @@
 
 pub mod drill;
 mod emulation;
+pub mod grbl;
 pub mod microfactory;
 pub mod micromill;
 mod serial_line;

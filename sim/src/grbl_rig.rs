@@ -1,4 +1,4 @@
-//! Mechanics for a Grbl controller: motors that follow every step, switches, outputs.
+//! Mechanics for a Grbl controller: three motors, switches, outputs.
 
 use husillo_controllers::{GrblEvent, GrblInputs};
 
@@ -36,13 +36,22 @@ pub struct SlideSwitch {
     pub closed_level: bool,
 }
 
-/// Three axes with motors that follow every step.
+/// Three axes. A motor follows every step, unless it is blocked or the step comes too soon
+/// after the one before.
 #[derive(Clone, Debug, Default)]
 pub struct GrblRig {
     steps: [i64; 3],
     pulses: [u64; 3],
+    lost: [u64; 3],
     levels: GrblInputs,
     switches: Vec<SlideSwitch>,
+    /// Inputs held by hand: closed or open.
+    held: Vec<(GrblPin, bool)>,
+    blocked: [bool; 3],
+    /// Shortest interval of steps that a motor follows, us.
+    pull_out_us: u64,
+    now_us: u64,
+    last_us: [Option<u64>; 3],
     /// The last level of each output.
     pub outputs: GrblOutputs,
 }
@@ -81,7 +90,48 @@ impl GrblRig {
         self.pulses
     }
 
-    /// Adds a switch.
+    /// Number of steps that each motor has not followed.
+    #[must_use]
+    pub const fn lost_steps(&self) -> [u64; 3] {
+        self.lost
+    }
+
+    /// Sets the highest rate that the motors follow, steps/s.
+    pub fn set_pull_out_hz(&mut self, hz: u64) {
+        self.pull_out_us = 1_000_000 / hz.max(1);
+    }
+
+    /// Holds an input closed or open, or frees it.
+    pub fn hold(&mut self, pin: GrblPin, closed: Option<bool>) {
+        self.held.retain(|(held, _)| *held != pin);
+        self.held.extend(closed.map(|closed| (pin, closed)));
+    }
+
+    /// Blocks a motor, or frees it.
+    pub fn block(&mut self, axis: usize, is_blocked: bool) {
+        if let Some(blocked) = self.blocked.get_mut(axis) {
+            *blocked = is_blocked;
+        }
+    }
+
+    fn step(&mut self, delta: [i8; 3]) {
+        for (axis, delta) in delta
+            .into_iter()
+            .enumerate()
+            .filter(|(_, delta)| *delta != 0)
+        {
+            self.pulses[axis] += 1;
+            let last_us = self.last_us[axis].replace(self.now_us);
+            let is_late = last_us.is_none_or(|at| self.now_us - at >= self.pull_out_us);
+            if is_late && !self.blocked[axis] {
+                self.steps[axis] += i64::from(delta);
+            } else {
+                self.lost[axis] += 1;
+            }
+        }
+    }
+
+    /// Adds a switch, in place of the one at the same input.
     pub fn add_switch(&mut self, switch: SlideSwitch) {
         self.switches.retain(|old| old.pin != switch.pin);
         self.switches.push(switch);
@@ -92,10 +142,14 @@ impl GrblRig {
         set(&mut self.levels, pin, is_high);
     }
 
-    /// Moves a slide by hand.
-    pub fn push(&mut self, axis: usize, steps: i32) {
-        if let Some(place) = self.steps.get_mut(axis) {
-            *place += i64::from(steps);
+    /// Moves a slide by hand. Returns the steps by which it moved.
+    pub fn push(&mut self, axis: usize, steps: i32) -> i32 {
+        match self.steps.get_mut(axis) {
+            Some(place) => {
+                *place += i64::from(steps);
+                steps
+            }
+            None => 0,
         }
     }
 }
@@ -130,24 +184,25 @@ impl Plant for GrblRig {
             };
             set(&mut levels, switch.pin, is_closed == switch.closed_level);
         }
+        for (pin, is_closed) in &self.held {
+            set(&mut levels, *pin, !is_closed);
+        }
         levels
     }
 
     fn apply(&mut self, event: &GrblEvent) {
         match *event {
-            GrblEvent::Step { delta, .. } => {
-                let axes = self.steps.iter_mut().zip(&mut self.pulses).zip(delta);
-                for ((steps, pulses), delta) in axes {
-                    *steps += i64::from(delta);
-                    *pulses += u64::from(delta != 0);
-                }
+            GrblEvent::Step { wait_ticks, delta } => {
+                self.now_us += u64::from(wait_ticks);
+                self.step(delta);
             }
+            GrblEvent::Wait { wait_ticks } => self.now_us += u64::from(wait_ticks),
             GrblEvent::Disable { is_high } => self.outputs.disable = is_high,
             GrblEvent::SpindleDirection { is_high } => self.outputs.direction = is_high,
             GrblEvent::SpindleDuty { duty } => self.outputs.duty = duty,
             GrblEvent::Flood { is_on } => self.outputs.flood = is_on,
             GrblEvent::Mist { is_on } => self.outputs.mist = is_on,
-            GrblEvent::Wait { .. } | GrblEvent::Store => {}
+            GrblEvent::Store => {}
         }
     }
 }

@@ -159,6 +159,7 @@ fn modules_of_another_kind_are_on_the_same_line() {
     let inputs = IoInputs {
         pins: 0x0801,
         analogue: [9, 0, 0],
+        pulses: 0,
     };
     chain.connect(1, inputs);
     // The position of a servo module is the pins here, the current the first analogue input.

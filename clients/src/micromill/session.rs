@@ -338,7 +338,10 @@ fn unconfirmed(why: &str) -> String {
 pub const fn why(outcome: Outcome) -> &'static str {
     match outcome {
         Outcome::Done => "done",
-        Outcome::Stopped => "it was stopped",
+        Outcome::Stopped => {
+            "it was stopped: by its lease, an end of the travel, a switch, or a byte \
+                             from elsewhere"
+        }
         Outcome::Refused => "the controller refuses it: not homed, beyond the travel, or busy",
         Outcome::Wrong => "the controller does not know the string",
         Outcome::NoSwitch => {

@@ -118,7 +118,9 @@ impl<const N: usize> Modal<N> {
         }
         holes.dwell_micros = self.modes.sticky.dwell_micros;
         holes.spindle = (self.spindle_direction(), self.modes.milli_rpm);
-        holes.path = Some(self.path()).filter(|path| matches!(path, PathMode::Blend { .. }));
+        // Without a tolerance only the speed in corners differs from G61, as in a program without it.
+        let is_wide = |path: &PathMode| matches!(path, PathMode::Blend { tolerance: Some(_) });
+        holes.path = Some(self.path()).filter(is_wide);
         self.check_cycle_spindle(kind)?;
         self.set_feed_of(commands)?;
         let feed = commands.feed;

@@ -285,7 +285,7 @@ pub(crate) fn initial(dialect: Dialect) -> [Option<Code>; Group::MODAL] {
             Code::IncrementalCentres
         }),
         Some(Code::ReturnToInitial),
-        Some(Code::ExactPath),
+        Some(Code::Blend),
         Some(Code::PerMinute),
         Some(if dialect.flavour == Flavour::Grbl {
             Code::Rapid

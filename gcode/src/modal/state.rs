@@ -253,17 +253,17 @@ impl<const N: usize> Modal<N> {
         self.modes.tool
     }
 
-    /// Path mode: how moves may be joined.
+    /// Path mode: how moves are joined. Initially that of G64 without a tolerance.
     pub fn path(&self) -> PathMode {
-        #[cfg(feature = "extended")]
         match self.active(Group::Path) {
-            Code::ExactStop => return PathMode::ExactStop,
-            Code::Blend => {
-                let tolerance = self.modes.more.tolerance;
-                return PathMode::Blend { tolerance };
-            }
-            _ => {}
+            Code::ExactPath => PathMode::ExactPath,
+            Code::ExactStop => PathMode::ExactStop,
+            #[cfg(feature = "extended")]
+            _ => PathMode::Blend {
+                tolerance: self.modes.more.tolerance,
+            },
+            #[cfg(not(feature = "extended"))]
+            _ => PathMode::default(),
         }
-        PathMode::ExactPath
     }
 }

@@ -536,18 +536,7 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
             deep_up: deep > 0,
             far_up: far > 0,
         };
-        // Reads it once more to determine where it goes back.
-        let mut is_first = true;
-        let [_, far_letter] = ways.letters();
-        read(self.text, first, last, modal, |read| {
-            let back = if core::mem::replace(&mut is_first, false) {
-                let far = ways.course(minus(read.segment.to, read.from))[1];
-                (far < 0).then_some(far_letter)
-            } else {
-                ways.goes_back(read.from, &read.segment)
-            };
-            back.map_or(Ok(()), |letter| Err(ErrorKind::Pocket(letter)))
-        })?;
+        self.check_for_pockets(ways, (first, last), modal)?;
         let [u, w] = [b'U', b'W'].map(|letter| modal.length_of(block, letter));
         let x = u.map_err(refused)?.unwrap_or_default().0;
         let z = w.map_err(refused)?.unwrap_or_default().0;
@@ -570,6 +559,26 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
         }
         self.work = Work::Rough(passes);
         Ok(())
+    }
+
+    /// Reads a contour once more to determine where it goes back, which is refused.
+    fn check_for_pockets<const N: usize>(
+        &self,
+        ways: Ways,
+        (first, last): (Place, Place),
+        modal: &Modal<N>,
+    ) -> Result<(), Refused<'t>> {
+        let mut is_first = true;
+        let [_, far_letter] = ways.letters();
+        read(self.text, first, last, modal, |read| {
+            let back = if core::mem::replace(&mut is_first, false) {
+                let far = ways.course(minus(read.segment.to, read.from))[1];
+                (far < 0).then_some(far_letter)
+            } else {
+                ways.goes_back(read.from, &read.segment)
+            };
+            back.map_or(Ok(()), |letter| Err(ErrorKind::Pocket(letter)))
+        })
     }
 
     /// A line with the number of the cycle.

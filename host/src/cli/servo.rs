@@ -102,8 +102,12 @@ fn address(text: &str) -> Result<String, String> {
 /// `husillo emulate`.
 #[derive(Debug, Args)]
 pub struct Emulate {
-    /// Machine: micromill, drill, microfactory, cmm, cmm3, or a TOML file of a measuring machine
+    /// Machine: micromill, drill, microfactory, grbl, cmm, cmm3, or a TOML file of a measuring
+    /// machine
     pub machine: String,
+    /// Mill whose steps, rates, ramps and travel the settings of grbl take: a name or a TOML file
+    #[arg(short = 'm', long = "machine", value_name = "MACHINE")]
+    pub mechanics: Option<String>,
     /// Figure of a microfactory: a G-code program of straight moves in X and Z, or a list of them
     /// (NAME.fig)
     #[arg(long, value_name = "FILE")]
@@ -120,8 +124,8 @@ pub struct Emulate {
     /// flaws of its link
     #[arg(long)]
     pub faithful: bool,
-    /// Bits per second of the link of a micro mill, drill or microfactory [default: 2400 for a
-    /// drill, otherwise 9600]
+    /// Bits per second of the link of a micro mill, drill, microfactory or grbl [default: 2400 for
+    /// a drill, 115200 for grbl, otherwise 9600]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(300..=115_200))]
     pub baud: Option<u32>,
     /// Modules from the far end: servo:VERSION (4, 5 or 10) or io:VERSION (inputs and outputs), as
@@ -159,7 +163,7 @@ pub struct Emulate {
     /// Share of wrong bits on the simulated line, such as 1e-5
     #[arg(long, value_name = "RATE", default_value_t = 0.0, value_parser = share)]
     pub noise: f64,
-    /// CSV file for the events of a micro mill, drill or microfactory: steps, dwells, outputs
+    /// CSV file for the events of a micro mill, drill, microfactory or grbl: steps, dwells, outputs
     #[arg(long, value_name = "FILE.csv")]
     pub steps: Option<String>,
     /// End after this time instead of at Ctrl-C

@@ -34,18 +34,19 @@ fn keep(name: &str, port: &str, machine: &Machine, replies: &[Reply]) {
     let Some(file) = MemoryFile::at(name, port, machine) else {
         return;
     };
-    let Some((mut memory, true)) = file.read() else {
+    let Some(mut memory) = file.read() else {
         return;
     };
-    if memory.axes.len() != replies.len() {
+    if !memory.in_use || memory.axes.len() != replies.len() {
         return;
     }
+    memory.in_use = false;
     for (axis, reply) in memory.axes.iter_mut().zip(replies) {
         axis.counts = reply.readings.position;
         axis.latched = reply.readings.home;
         axis.is_held = reply.readings.auxiliary.contains(Auxiliary::SERVO_ON);
     }
-    if let Err(error) = file.write(&memory, false) {
+    if let Err(error) = file.write(&memory) {
         eprintln!("warning: {port}: zero and home are not kept for the next command: {error}");
     }
 }

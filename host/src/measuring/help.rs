@@ -78,6 +78,10 @@ pub const fn help(trouble: &Trouble) -> Option<&'static str> {
             "go back the other way: slowly, until the switch opens. Then `home` the axis. Check \
              that `travel` lies within the switches"
         }
+        Trouble::UnknownEnd { .. } => {
+            "jog it a little in one direction. If the switch does not open, jog it in the other one; \
+             or `home` it, which tries both"
+        }
         Trouble::NoEndSwitch { .. } => {
             "is the switch wired to the input that `limit_2` of the axis says, and is `travel` as \
              long as the axis? A simulated machine needs --end"

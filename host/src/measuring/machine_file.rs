@@ -140,6 +140,7 @@ fn read_limits(table: &mut Table<'_, '_>) -> [Wiring; 2] {
         ("probe", Wiring::Probe),
         ("end-low", Wiring::End(End::Low)),
         ("end-high", Wiring::End(End::High)),
+        ("ends", Wiring::Ends),
         ("none", Wiring::Nothing),
     ];
     let first = table.choice("limit_1", &choices).unwrap_or(Wiring::Probe);
@@ -162,7 +163,7 @@ fn check_limits(probe: &mut Table<'_, '_>, switches: Switches, axes: &[AxisSetti
             let message = "a single contact is at limit 1";
             probe.wrong(span, message, "`limit_2` of an axis is wired to the probe");
         }
-        Switches::PerSense if has(|wiring| matches!(wiring, Wiring::End(_))) => {
+        Switches::PerSense if has(|wiring| matches!(wiring, Wiring::End(_) | Wiring::Ends)) => {
             if let Some((_, span)) = probe.value("switches") {
                 let message = "the second contact of the probe is at limit 2";
                 probe.wrong(
@@ -451,6 +452,8 @@ mod tests {
             assert_eq!(machine.axes[0].end(), Some(end));
             assert_eq!(machine.axes[1].end(), None);
         }
+        let both = parse("mine.toml", &with("limit_2 = \"ends\"", CMM3)).unwrap();
+        assert_eq!(both.axes[0].limits, [Wiring::Probe, Wiring::Ends]);
         let double = CMM.replacen("[probe]", "[probe]\nswitches = \"per-sense\"", 1);
         assert_eq!(
             parse("mine.toml", &double).unwrap().axes[0].limits,

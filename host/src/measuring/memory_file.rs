@@ -4,7 +4,7 @@
 use crate::cli::Measure;
 use crate::machines::machine_file::MachineFile;
 use husillo_backlash::Flank;
-use husillo_metrology::heads::{AxisMemory, Machine, Memory};
+use husillo_metrology::heads::{AxisMemory, End, Machine, Memory};
 use husillo_transports::nmc::Baud;
 use serde::{Deserialize, Serialize};
 use std::fs;
@@ -39,6 +39,9 @@ struct KeptAxis {
     zero: i64,
     /// Direction of the last move: 1, -1, or 0 if it is not known.
     direction: i8,
+    /// The end at which it stands: 1 high, -1 low, 0 none, or not known.
+    #[serde(default)]
+    end: i8,
 }
 
 /// The file of a port.
@@ -76,8 +79,8 @@ impl MemoryFile {
         })
     }
 
-    /// What is kept for this machine at this port, and whether a session was killed there.
-    pub fn read(&self) -> Option<(Memory, bool)> {
+    /// What is kept for this machine at this port.
+    pub fn read(&self) -> Option<Memory> {
         let kept: Kept = toml::from_str(&fs::read_to_string(&self.path).ok()?).ok()?;
         let is_mine = kept.port == self.port
             && kept.machine == self.machine
@@ -99,18 +102,27 @@ impl MemoryFile {
                 -1 => Flank::Negative,
                 _ => Flank::Unknown,
             },
+            end: match axis.end {
+                1 => Some(End::High),
+                -1 => Some(End::Low),
+                _ => None,
+            },
         });
         let axes = axes.collect();
-        is_mine.then_some((Memory { baud, axes }, kept.in_use))
+        is_mine.then_some(Memory {
+            baud,
+            in_use: kept.in_use,
+            axes,
+        })
     }
 
     /// Keeps the memory. The file is written beside its place and then renamed, so it is whole at
-    /// any time. `in_use`: the session goes on.
+    /// any time.
     ///
     /// # Errors
     ///
     /// The folder or the file cannot be written.
-    pub fn write(&self, memory: &Memory, in_use: bool) -> io::Result<()> {
+    pub fn write(&self, memory: &Memory) -> io::Result<()> {
         let axes = memory.axes.iter().map(|axis| KeptAxis {
             letter: axis.letter,
             module: axis.module,
@@ -125,13 +137,18 @@ impl MemoryFile {
                 Flank::Negative => -1,
                 Flank::Unknown => 0,
             },
+            end: match axis.end {
+                Some(End::High) => 1,
+                Some(End::Low) => -1,
+                None => 0,
+            },
         });
         let kept = Kept {
             port: self.port.clone(),
             machine: self.machine.clone(),
             million_counts: self.million_counts.clone(),
             baud: memory.baud.bits_per_s(),
-            in_use,
+            in_use: memory.in_use,
             axis: axes.collect(),
         };
         let text = toml::to_string(&kept).map_err(io::Error::other)?;

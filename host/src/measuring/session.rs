@@ -9,9 +9,10 @@ use super::result_row::{
 use crate::cli::Measure;
 use crate::console::sharing::share;
 use crate::measuring::port::ChainPort;
+use husillo_backlash::Flank;
 use husillo_metrology::calibration::{Body, Calibrated, Face, FoundProbe, is_by_axis, surface_nm};
 use husillo_metrology::heads::{
-    Approach, Head, Line, Machine, Port, Prober, Rejoined, Stylus, pre_travel_by_sign,
+    Approach, Head, Line, Machine, Memory, Port, Prober, Rejoined, Stylus, pre_travel_by_sign,
 };
 use husillo_metrology::simulated::{Contact, Mounted, SimulatedChain, SimulatedPort};
 use husillo_metrology::{Scale, Trouble};
@@ -81,9 +82,17 @@ impl Session {
         let (machine, touches) = (&self.machine, args.repeat);
         let errors = || machine.errors.clone();
         let left = self.memory.as_ref().filter(|_| !args.reset);
-        if let Some((memory, _)) = left.and_then(MemoryFile::read) {
+        if let Some(mut memory) = left.and_then(MemoryFile::read) {
             match Head::rejoin(line, machine, touches, &memory)? {
                 Rejoined::AsLeft(head) => {
+                    if memory.in_use {
+                        eprintln!(
+                            "note: the program before was killed. All axes have been stopped where \
+                             they were; zero and home are kept"
+                        );
+                        let axes = memory.axes.iter_mut();
+                        axes.for_each(|axis| axis.flank = Flank::Unknown);
+                    }
                     let mut head = Calibrated::new(*head, errors());
                     head.recall(&memory);
                     self.keep(&mut head);
@@ -104,10 +113,13 @@ impl Session {
     /// Keeps homes, zeros and positions in case the program is killed. The axes stand.
     pub fn keep(&self, head: &mut Calibrated<Head<AnyPort>>) {
         if let Some(file) = &self.memory {
-            // Without an answer the next action fails, too. The next session then finds other
-            // positions than the kept ones.
+            // Without an answer the next action fails, too.
             if let Ok(memory) = head.memory() {
-                let _ = file.write(&memory, true);
+                let memory = Memory {
+                    in_use: true,
+                    ..memory
+                };
+                let _ = file.write(&memory);
             }
         }
     }
@@ -122,7 +134,7 @@ impl Session {
                 return;
             }
         };
-        if let Err(error) = file.write(&memory, false) {
+        if let Err(error) = file.write(&memory) {
             eprintln!("warning: zero and home are not kept for the next command: {error}");
             return;
         }

@@ -36,6 +36,8 @@ pub struct Facts {
 pub struct Checker<'a> {
     machine: &'a MachineFile,
     config: &'a Config<3>,
+    /// What the machine says to each command.
+    checks: husillo_machine::Checker,
     turns: Turns,
     unknown_travel: [bool; 3],
     three_axes: bool,
@@ -97,6 +99,7 @@ impl<'a> Checker<'a> {
         Self {
             machine,
             config,
+            checks: husillo_machine::Checker::new(),
             turns: Turns::new(
                 // `run` reports a backlash that is out of range.
                 setup::maps(machine).unwrap_or_else(|_| setup::no_lash()),
@@ -128,7 +131,7 @@ impl Checker<'_> {
         findings: &mut Findings,
     ) {
         let end = command.end();
-        match self.config.check(&from, command) {
+        match self.checks.check(self.config, &from, command) {
             Ok(()) => {}
             // All moves beyond the travel have one cause. It is reported when all are known.
             Err(error @ MoveError::Travel { axis, .. }) => {

@@ -439,7 +439,7 @@ mod tests {
         assert_eq!(dialect_with(b'G', 410), Some("rs274"));
         assert_eq!(dialect_with(b'G', 711), Some("lathe"));
         assert_eq!(dialect_with(b'M', 60), Some("rs274"));
-        assert_eq!(dialect_with(b'G', 52), None);
+        assert_eq!(dialect_with(b'G', 69), None);
     }
 
     #[test]

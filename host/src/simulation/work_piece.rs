@@ -60,7 +60,7 @@ mod tests {
         let mm = |at: [f64; 3]| piece.is_touched(at.map(|mm: f64| mm * 1e6));
         assert!(mm([10.0, 5.0, 1.0]) && !mm([10.0, 5.0, 1.001]));
         assert!(mm([6.0, 5.0, -1.0]) && !mm([5.999, 5.0, -1.0]));
-        assert!(mm([6.3, 5.0, 0.7]) && !mm([6.28, 5.0, 0.72]));
+        assert!(mm([6.3, 5.0, 0.7]) && !mm([6.27, 5.0, 0.73]));
         assert!(mm([10.0, 5.0, -2.0]));
         assert!(!WorkPiece::default().is_touched([0.0; 3]));
     }

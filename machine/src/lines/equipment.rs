@@ -11,7 +11,7 @@ use crate::Means;
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Equipment {
-    /// Curves: G5, G5.1.
+    /// Curves: G5 to G5.3.
     pub splines: bool,
     /// A probe: G38.2 to G38.5.
     pub probe: bool,
@@ -66,6 +66,10 @@ impl Equipment {
                 feed: Feed::PerRevolution(_),
                 ..
             }
+            | Command::NurbsBegin {
+                feed: Feed::PerRevolution(_),
+                ..
+            }
             | Command::Thread { .. }
                 if !has_encoder =>
             {
@@ -77,8 +81,12 @@ impl Equipment {
                 ..
             } => Means::ProbeFeed,
             Command::Surface { .. } if self.surface_milli_rpm.is_none() => Means::SurfaceSpeed,
-            Command::Spline { .. } if !self.splines => Means::Splines,
-            Command::NurbsBegin { .. } | Command::NurbsPoint { .. } | Command::NurbsEnd { .. } => {
+            Command::Spline { .. }
+            | Command::NurbsBegin { .. }
+            | Command::NurbsPoint { .. }
+            | Command::NurbsEnd { .. }
+                if !self.splines =>
+            {
                 Means::Splines
             }
             Command::Tap { .. } => Means::RigidTapping,

@@ -6,6 +6,7 @@ use crate::StepEvent;
 
 /// One entry of the stream, in order of execution.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Event<const N: usize> {
     /// Wait, then step.
     Step(StepEvent<N>),
@@ -70,6 +71,7 @@ impl core::fmt::Display for Alarm {
 /// behind (the spindle is too fast, or a take-up intervenes) catch up.
 /// [`husillo_planner::Follower`] times these events between two counts.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FollowEvent<const N: usize> {
     /// Encoder counts since the previous event, times 2^16; at most 2^31.
     pub wait_counts_q16: u32,
@@ -79,6 +81,7 @@ pub struct FollowEvent<const N: usize> {
 
 /// An output of the machine.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Output {
     /// Spindle direction and speed.
     Spindle {
@@ -127,6 +130,7 @@ pub enum Output {
 
 /// Reason for standing still.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Pause {
     /// M0: until the operator continues.
     Program,

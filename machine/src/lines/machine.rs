@@ -18,6 +18,7 @@ use crate::{Config, Equipment, Event, MoveError, Refused, Segment};
 
 /// Kind of motion to which the last event belongs.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Origin {
     /// No motion yet, or an output, a dwell or a pause.
     Rest,
@@ -131,7 +132,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
             schedule: Schedule::new(&config),
             run: None,
             ramp: Ramp::new(config.timer_hz),
-            mode: PathMode::Blend { tolerance: None },
+            mode: PathMode::default(),
             has_ended: false,
             segment: None,
             take_up: TakeUp::new(lash),
@@ -283,9 +284,11 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
             mode: self.mode,
             has_ended: false,
         };
+        let mut nurbs = None;
         for command in commands {
             if E::IS_EXTENDED {
                 self.config.check(&accepted.end, &command)?;
+                self.check_nurbs(&mut nurbs, &accepted.end, &command)?;
             } else if P::HAS_ELLIPSES {
                 self.config.check_moves(&accepted.end, &command)?;
             } else {

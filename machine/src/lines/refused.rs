@@ -6,6 +6,7 @@ use husillo_gcode::{Error, Nm};
 
 /// Reason why [`Machine::line`](crate::Machine::line) refused a line. The state is unchanged.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Refused {
     /// The previous line still has commands to begin. Pull events, then offer this line again.
     Busy,
@@ -17,6 +18,7 @@ pub enum Refused {
 
 /// Reason why this machine cannot make a move.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum MoveError {
     /// The path leaves the travel of an axis.
@@ -46,15 +48,18 @@ pub enum MoveError {
     },
     /// An arc with a radius of 2^28 steps or more.
     ArcTooLarge,
+    /// A NURBS of more than 64 control points.
+    TooManyPoints,
     /// A command that needs a function this machine does not have.
     Unsupported(Means),
 }
 
 /// Function that a command needs.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum Means {
-    /// G5, G5.1: an interpolator of splines.
+    /// G5 to G5.3: curves.
     Splines,
     /// G33, G76, G95: a spindle encoder.
     SpindleFeedback,
@@ -117,6 +122,7 @@ impl fmt::Display for MoveError {
             ),
             Self::ArcTolerance { .. } => f.write_str("the end point is not on the arc"),
             Self::ArcTooLarge => f.write_str("arc radius too large"),
+            Self::TooManyPoints => f.write_str("a curve of more than 64 control points"),
             Self::Unsupported(means) => write!(f, "this machine has no means for {}", means.name()),
         }
     }

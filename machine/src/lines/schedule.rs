@@ -79,7 +79,7 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
         Schedule {
             moves: LookAhead::new(),
             limits: Limits::of(config),
-            mode: PathMode::Blend { tolerance: None },
+            mode: PathMode::default(),
             programmed: [Nm(0); N],
             lattice: [0; N],
             direction: None,

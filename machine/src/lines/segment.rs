@@ -13,6 +13,7 @@ const MAX_EVENTS: u64 = 1 << 31;
 
 /// A move as it was programmed.
 #[derive(Copy, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Segment<const N: usize> {
     /// Start position in the machine frame.
     pub from: [Nm; N],
@@ -38,6 +39,12 @@ const EXTENT_TOLERANCE: Nm = Nm(100);
 #[must_use]
 pub fn extent<const N: usize>(from: &[Nm; N], command: &Command<N>) -> [Option<[Nm; 2]>; N] {
     let mut extents = [None; N];
+    if let Command::NurbsPoint { at, .. } = command {
+        // The curve is within its control points.
+        for (extent, at) in extents.iter_mut().zip(at) {
+            *extent = Some([*at, *at]);
+        }
+    }
     let Some(to) = command.end() else {
         return extents;
     };
@@ -92,14 +99,17 @@ impl<const N: usize> Config<N> {
         Ok(steps)
     }
 
-    /// Checks whether this machine can execute a command.
+    /// Checks whether this machine can execute a command. Of a curve of several commands (G5.2,
+    /// G5.3) this is only whether it has means for it; [`Checker`](crate::Checker) checks the rest.
     ///
     /// # Errors
     /// See [`MoveError`].
     pub fn check(&self, from: &[Nm; N], command: &Command<N>) -> Result<(), MoveError> {
         self.check_moves(from, command)?;
         match command {
-            Command::Spline { spline, feed } => self.check_curve(from, spline, *feed),
+            Command::Spline { spline, feed } => {
+                self.check_chords(self.chords(*from, spline, *feed))
+            }
             _ => Ok(()),
         }
     }

@@ -5,6 +5,7 @@ use husillo_gcode::{Nm, SpindleDirection};
 
 use crate::Output;
 use crate::lines::chords::Chords;
+use crate::lines::nurbs::Nurbs;
 
 /// Number of outputs that can wait for the moves before them. Further ones wait for standstill.
 const SYNCHRONISED: usize = 8;
@@ -19,6 +20,8 @@ pub struct State<const N: usize> {
     /// An input was requested, and its answer has not come.
     pub(crate) is_awaited: bool,
     pub(crate) surface: Option<Surface>,
+    /// Control points of a curve that is not complete.
+    pub(crate) nurbs: Nurbs,
     pub(crate) chords: Option<Chords<N>>,
     outputs: [Option<(Output, usize)>; SYNCHRONISED],
     /// Override of the operator, and whether the program permits it.
@@ -41,6 +44,7 @@ pub(crate) struct Probing<const N: usize> {
 
 /// Result of the last probing move.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Probed<const N: usize> {
     /// Position at the contact in the machine frame, or the end of a move without contact. If a tip
     /// is set, it is the point of contact.
@@ -103,6 +107,7 @@ impl<const N: usize> State<N> {
             },
             is_awaited: false,
             surface: None,
+            nurbs: Nurbs::EMPTY,
             chords: None,
             outputs: [const { None }; SYNCHRONISED],
             percent: 100,

@@ -1,7 +1,7 @@
 //! G5 and G5.1.
 
 use husillo_machine::gcode::{Command, Nm};
-use husillo_machine::{Event, MoveError, Refused, Scale};
+use husillo_machine::{Event, MoveError, Origin, Refused, Scale};
 use proptest::prelude::*;
 
 use crate::{Mill, config, run};
@@ -148,7 +148,80 @@ fn the_whole_curve_is_within_the_travel() {
     assert_eq!(mill.next_event(), None);
 }
 
+/// A quarter circle is a NURBS of order 3 with the weight sqrt(1/2) in its corner.
+#[test]
+fn a_rational_curve_is_a_circle() {
+    let mut mill = Mill::new(config(true));
+    run(&mut mill, &["G0 X40 Y10"], |_, _| ());
+    let lines = ["G5.2 X40 Y40 P0.70710678 L3 F1200", "X10 Y40 P1", "G5.3"];
+    let mut most = 0.0_f64;
+    run(&mut mill, &lines, |mill, _| {
+        let [x, y, _] = mill.position_steps().map(|steps| f64::from(steps) * 2.5e-3);
+        most = most.max(((x - 10.0).hypot(y - 10.0) - 30.0).abs() / 2.5e-3);
+    });
+    assert!(most < BOUND, "{most} steps");
+    assert_eq!(mill.position_steps(), [4_000, 16_000, 0]);
+}
+
+/// A NURBS of order 4 with equal weights and four points is the cubic curve of G5.
+#[test]
+fn a_curve_of_four_points_is_that_of_g5() {
+    let points = [[10.0, 10.0], [30.0, 50.0], [40.0, 0.0], [60.0, 20.0]];
+    let mut mill = Mill::new(config(false));
+    let lines = [
+        "G0 X10 Y10",
+        "G5.2 X30 Y50 L4 F600",
+        "X40 Y0",
+        "X60 Y20",
+        "G5.3",
+    ];
+    let (mut most, mut u) = (0.0_f64, 0.0);
+    run(&mut mill, &lines, |mill, event| {
+        if matches!(event, Event::Step(_)) && mill.origin() == Origin::Feed {
+            let [x, y, _] = mill.position_steps().map(|steps| f64::from(steps) * 2.5e-3);
+            most = most.max(nearest(points, [x, y], &mut u) / 2.5e-3);
+        }
+    });
+    assert!(most < BOUND, "{most} steps");
+    assert_eq!(mill.position_steps(), [24_000, 8_000, 0]);
+}
+
+/// A curve of several spans goes on smoothly, and is checked as a whole before it moves.
+#[test]
+fn a_curve_of_many_points_is_checked_before_it_moves() {
+    let mut mill = Mill::new(config(true));
+    run(&mut mill, &["G0 X10 Y10"], |_, _| ());
+    let mut lines = vec!["G5.2 X20 Y30 L3 F1200".to_string()];
+    lines.extend((1..40).map(|n| format!("X{} Y{}", 20 + n, 20 + 10 * (n % 2))));
+    lines.push("G5.3".into());
+    let lines: Vec<&str> = lines.iter().map(String::as_str).collect();
+    run(&mut mill, &lines, |_, _| ());
+    assert_eq!(mill.position_steps(), [59 * 400, 30 * 400, 0]);
+    // The points below Y0 pull the curve out of the travel: its end is refused, and nothing moves.
+    for line in ["G5.2 X70 Y-90 L3 F1200", "X80 Y20"] {
+        mill.line(line.as_bytes()).unwrap();
+    }
+    let refused = mill.line(b"G5.3");
+    let Err(Refused::Move(MoveError::Travel { axis: 1, .. })) = refused else {
+        panic!("{refused:?}")
+    };
+    assert_eq!(mill.next_event(), None);
+    let mut mill = Mill::new(config(true));
+    let mut refused = None;
+    for line in core::iter::once("G5.2 X60 Y20 L3 F1200").chain(core::iter::repeat_n("X70 Y20", 70))
+    {
+        refused = mill.line(line.as_bytes()).err();
+        if refused.is_some() {
+            break;
+        }
+    }
+    assert_eq!(refused, Some(Refused::Move(MoveError::TooManyPoints)));
+}
+
 proptest! {
+    // Each case searches the nearest point of the curve for thousands of steps.
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
     /// Any curve ends exactly, within a step, whatever the modes of the path.
     #[test]
     fn any_curve_is_followed(

@@ -338,6 +338,12 @@ impl<P: Port> Head<P> {
         f64::from(self.probe.over_travel) + f64::from(self.probe.back_off)
     }
 
+    /// The same as a whole number.
+    pub(super) fn leaving(&self) -> i32 {
+        // The cast saturates.
+        self.leaving_counts() as i32
+    }
+
     /// An upper bound of how far held axes may be off, counts.
     fn slack_counts(&self) -> f64 {
         let most = self.axes.iter().map(|axis| axis.settings.in_position).max();

@@ -26,13 +26,16 @@ impl<P: Port> Head<P> {
     pub(super) fn look_at_ends(&mut self, replies: &[Reply]) -> Result<(), Trouble> {
         let mut met = None;
         for (index, (axis, reply)) in self.axes.iter_mut().zip(replies).enumerate() {
-            let Some(end) = axis.settings.closed_end(reply) else {
+            if !axis.settings.is_end_closed(reply) {
                 axis.open_readings = axis.open_readings.saturating_add(1);
                 axis.is_at_end &= axis.open_readings < OPEN_READINGS;
                 continue;
-            };
+            }
             axis.open_readings = 0;
-            let was_at_end = std::mem::replace(&mut axis.is_at_end, true);
+            let was_at_end = axis.is_at_end;
+            if !was_at_end {
+                axis.meet_end(reply);
+            }
             if !was_at_end && !axis.is_end_sought {
                 // The module has latched the position if it watched the switch.
                 let has_latched = axis.is_end_armed && !searches(reply);
@@ -41,20 +44,21 @@ impl<P: Port> Head<P> {
                     true => readings.home,
                     false => readings.position,
                 };
-                met = met.or(Some((index, end, counts)));
+                met = met.or(Some((index, counts)));
             }
         }
-        let Some((index, end, counts)) = met else {
+        let Some((index, counts)) = met else {
             return Ok(());
         };
         self.has_met_end = true;
-        Err(self.end_switch(index, end, counts))
+        Err(self.end_switch(index, counts))
     }
 
-    fn end_switch(&self, index: usize, end: End, counts: i32) -> Trouble {
+    fn end_switch(&self, index: usize, counts: i32) -> Trouble {
+        let axis = &self.axes[index];
         Trouble::EndSwitch {
-            axis: self.axes[index].settings.letter,
-            end,
+            axis: axis.settings.letter,
+            end: axis.end,
             at: self.axis_text(index, counts),
             speed: None,
         }
@@ -85,9 +89,21 @@ impl<P: Port> Head<P> {
         let replies = self.read()?;
         for (index, (axis, goal)) in self.axes.iter().zip(goal).enumerate() {
             let ahead = i64::from(*goal) - i64::from(axis.held);
-            let closed = axis.settings.closed_end(&replies[index]);
-            if let Some(end) = closed.filter(|end| end.is_ahead(ahead) && !axis.is_end_sought) {
-                return Err(self.end_switch(index, end, axis.held));
+            if axis.is_end_sought || !axis.settings.is_end_closed(&replies[index]) {
+                continue;
+            }
+            match axis.end {
+                Some(end) if end.is_ahead(ahead) => {
+                    return Err(self.end_switch(index, axis.held));
+                }
+                None if ahead.unsigned_abs() > u64::from(self.leaving().unsigned_abs()) => {
+                    return Err(Trouble::UnknownEnd {
+                        axis: axis.settings.letter,
+                        at: self.axis_text(index, axis.held),
+                        most: self.scale.text(self.scale.of_counts(self.leaving().into())),
+                    });
+                }
+                _ => {}
             }
         }
         Ok(())
@@ -103,22 +119,64 @@ impl<P: Port> Head<P> {
         let [quick, slow] = [self.probe.rate, self.probe.slow_rate];
         let clear = i32::try_from(self.probe.back_off).unwrap_or(i32::MAX);
         let outwards = end.sign();
-        if !self.axes[index].is_at_end {
-            self.seek_end(index, outwards, quick)?;
+        let clear = clear.saturating_mul(2);
+        if self.axes[index].is_at_end && self.axes[index].end != Some(end) {
+            let (open, inwards) = self.leave_end(index)?;
+            let inside = open.saturating_add(inwards.saturating_mul(clear));
+            self.only(index, inside, None, quick)?;
         }
-        let open = self.seek_end(index, -outwards, slow)?;
+        let length = self.length(index);
+        if !self.axes[index].is_at_end {
+            self.seek_end(index, outwards, quick, length)?;
+        }
+        let open = self.seek_end(index, -outwards, slow, length)?;
         self.axes[index].is_at_end = false;
-        let inside = open.saturating_sub(outwards.saturating_mul(clear.saturating_mul(2)));
+        let inside = open.saturating_sub(outwards.saturating_mul(clear));
         self.only(index, inside, None, quick).map(drop)
     }
 
-    /// Moves an axis until its end switch changes, at most by the length of the travel. Returns
-    /// where.
-    fn seek_end(&mut self, index: usize, sign: i32, rate: u32) -> Result<i32, Trouble> {
+    /// Leaves an end switch that is not the one of a search. Returns where it opens, and the sign of
+    /// the direction. Where the end is not known, the axis tries both directions, each over a short
+    /// distance.
+    fn leave_end(&mut self, index: usize) -> Result<(i32, i32), Trouble> {
+        let (slow, short) = (self.probe.slow_rate, self.leaving());
+        let left = match self.axes[index].end {
+            Some(end) => {
+                let length = self.length(index);
+                (
+                    self.seek_end(index, -end.sign(), slow, length)?,
+                    -end.sign(),
+                )
+            }
+            None => match self.seek_end(index, 1, slow, short) {
+                Err(Trouble::NoEndSwitch { .. }) => {
+                    // Back, and as far to the other side.
+                    let twice = short.saturating_mul(2);
+                    (self.seek_end(index, -1, slow, twice)?, -1)
+                }
+                open => (open?, 1),
+            },
+        };
+        self.axes[index].is_at_end = false;
+        Ok(left)
+    }
+
+    /// Length of the travel of an axis, counts.
+    fn length(&self, index: usize) -> i32 {
+        let [low, high] = self.axes[index].settings.travel;
+        high.saturating_sub(low)
+    }
+
+    /// Moves an axis until its end switch changes, at most by a length. Returns where.
+    fn seek_end(
+        &mut self,
+        index: usize,
+        sign: i32,
+        rate: u32,
+        length: i32,
+    ) -> Result<i32, Trouble> {
         let axis = &mut self.axes[index];
         axis.is_end_sought = true;
-        let [low, high] = axis.settings.travel;
-        let length = high.saturating_sub(low);
         let goal = axis.held.saturating_add(sign.saturating_mul(length));
         let letter = axis.settings.letter;
         let search = Search {
@@ -189,7 +247,7 @@ mod tests {
             else {
                 panic!("{met:?}")
             };
-            assert_eq!((axis, at_end), ('X', end));
+            assert_eq!((axis, at_end), ('X', Some(end)));
             // 500 counts are 1 mm. Both axes at 2.4 mm/s.
             assert!(at == format!("X {}.0000 mm", sign), "{at}");
             let speed: f64 = speed.unwrap().trim_end_matches(" mm/s").parse().unwrap();
@@ -264,5 +322,114 @@ mod tests {
             matches!(home, Err(Trouble::NoEndSwitch { axis: 'X' })),
             "{home:?}"
         );
+    }
+
+    /// The machine of three axes with both end switches of X on one input. They close at these
+    /// counts.
+    fn between(switches: [&str; 2]) -> Simulated {
+        let mut machine = three_axes();
+        machine.axes[0].limits = [Wiring::Probe, Wiring::Ends];
+        let chain = SimulatedChain::of_machine(&machine, &[], None).unwrap();
+        let ends = switches.map(|switch| switch.parse().unwrap());
+        let chain = chain.with_ends(&ends).unwrap();
+        Simulated::start(Line::new(SimulatedPort::new(chain)), &machine, 1).unwrap()
+    }
+
+    #[test]
+    fn two_switches_on_one_input_are_told_apart() {
+        let mut head = between(["1:..-500", "1:700"]);
+        head.axes.iter_mut().for_each(|axis| axis.is_homed = true);
+        for (end, sign) in [(End::High, 1), (End::Low, -1), (End::High, 1)] {
+            let met = head.go_to([sign * 4 * MM, 0, 0]);
+            let Err(Trouble::EndSwitch {
+                end: at_end,
+                speed: Some(_),
+                ..
+            }) = met
+            else {
+                panic!("{met:?}")
+            };
+            assert_eq!(at_end, Some(end));
+            let farther = head.go_to([sign * 40 * MM, 0, 0]);
+            assert!(
+                matches!(farther, Err(Trouble::EndSwitch { speed: None, .. })),
+                "{farther:?}"
+            );
+            let jog = head.jog(0, sign > 0, 1.0, false);
+            assert!(matches!(jog, Err(Trouble::EndSwitch { .. })), "{jog:?}");
+            head.go_to([0; 3]).unwrap();
+        }
+    }
+
+    /// At power-up a closed input does not show which switch it is. The axis moves a little until
+    /// the switch opens.
+    #[test]
+    fn an_axis_at_an_unknown_end_moves_a_little_only() {
+        // It stands 40 counts beyond the high switch.
+        let mut head = between(["1:..-2000", "1:-40"]);
+        let [low, ..] = head.axes[0].travel_counts();
+        for goal in [MM, -MM] {
+            let far = head.go_to([goal, 0, 0]);
+            assert!(
+                matches!(far, Err(Trouble::UnknownEnd { axis: 'X', .. })),
+                "{far:?}"
+            );
+        }
+        // 160 counts are the over-travel and the back-off.
+        head.jog(0, true, 60.0, true).unwrap();
+        assert!(motors(&mut head)[0].abs_diff(160) <= 2);
+        let far = head.go_to([MM, 0, 0]);
+        assert!(matches!(far, Err(Trouble::UnknownEnd { .. })), "{far:?}");
+        head.jog(0, false, 60.0, true).unwrap();
+        head.jog(0, false, 60.0, true).unwrap();
+        // The switch is open: the axis is free.
+        head.go_to([-2 * MM, 0, 0]).unwrap();
+        assert!(low < -2000);
+    }
+
+    /// Wherever the axis stands at power-up, also in either switch: home is at the low switch.
+    #[test]
+    fn home_between_two_switches_is_at_the_low_one() {
+        // The length of the axis is 1800 counts. It stands at 0.
+        for low in [-1700, -900, -120, 10] {
+            let switches = [format!("1:..{low}"), format!("1:{}", low + 1800)];
+            let mut head = between([&switches[0], &switches[1]]);
+            head.home(0).unwrap();
+            let above = head.axes[0].origin - low;
+            // The next index that is more than two back-offs above the switch.
+            assert!((120..=520).contains(&above), "{low}: {above}");
+            assert_eq!(head.axes[0].origin.rem_euclid(400) % 399 % 398, 0);
+        }
+        let mut head = between(["1:..-1850", "1:-50"]);
+        head.home(0).unwrap();
+        let above = head.axes[0].origin + 1850;
+        assert!((120..=520).contains(&above), "{above}");
+    }
+
+    /// The next session knows at which end the axis stands.
+    #[test]
+    fn the_end_is_remembered() {
+        use crate::heads::Rejoined;
+        let mut head = between(["1:..-500", "1:700"]);
+        head.go_to([4 * MM, 0, 0]).unwrap_err();
+        head.find_again().unwrap();
+        let memory = head.memory().unwrap();
+        assert_eq!(memory.axes[0].end, Some(End::High));
+        let mut machine = three_axes();
+        machine.axes[0].limits = [Wiring::Probe, Wiring::Ends];
+        let port = head.line.into_port();
+        let rejoined = Simulated::rejoin(Line::new(port), &machine, 1, &memory).unwrap();
+        let Rejoined::AsLeft(mut head) = rejoined else {
+            panic!("the modules were not recognised");
+        };
+        let farther = head.go_to([4 * MM, 0, 0]);
+        let Err(Trouble::EndSwitch {
+            end: Some(End::High),
+            ..
+        }) = farther
+        else {
+            panic!("{farther:?}")
+        };
+        head.go_to([0; 3]).unwrap();
     }
 }

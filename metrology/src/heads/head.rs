@@ -7,6 +7,7 @@ mod supervision;
 use super::approach::Approach;
 use super::line::Line;
 use super::machine::{Machine, ProbeSettings};
+use super::memory::MARK;
 use super::port::Port;
 use super::prober::{Probed, Prober, Touched};
 use super::servo::Servo;
@@ -135,6 +136,7 @@ impl<P: Port> Head<P> {
             .command(module, Command::SetGain(axis.settings.gains))?;
         self.line.command(module, stop(StopWay::Abrupt))?;
         self.line.command(module, Command::ClearBits)?;
+        self.line.command(module, Command::DefineStatus(MARK))?;
         // Not every module sets its position to 0 at a reset.
         self.line
             .command(module, Command::ResetPosition(Reset::Zero))?;
@@ -151,7 +153,11 @@ impl<P: Port> Head<P> {
         let reply = self.read_axis_twice(&axis, READ)?;
         let at = reply.readings.position;
         axis.check(&reply, || self.axis_text(index, at))?;
-        self.axes[index].is_at_end = axis.settings.closed_end(&reply).is_some();
+        let axis = &mut self.axes[index];
+        axis.is_at_end = false;
+        if axis.settings.is_end_closed(&reply) {
+            axis.meet_end(&reply);
+        }
         self.hold(index, reply.readings.position)
     }
 

@@ -8,8 +8,8 @@ use husillo_transports::nmc::{Command, Mode, StopWay, Trajectory};
 
 impl<P: Port> Head<P> {
     /// Runs an axis for some time and stops it smoothly. It runs at the speed of moves, or at that
-    /// of a search if it `is_slow` or starts in contact. The jog is a move to the end of the travel
-    /// that is stopped early. Without the host the module ends it there.
+    /// of a search if it `is_slow` or starts in contact. The jog is a move over the distance of this
+    /// time, within the travel. So without the host the module ends it as asked.
     ///
     /// # Errors
     ///
@@ -36,11 +36,19 @@ impl<P: Port> Head<P> {
         let [low, high] = axis.travel_counts();
         // The axis may stop this far beyond its goal.
         let slack = axis.settings.in_position as i32;
-        let goal = if is_positive {
+        let mut goal = if is_positive {
             high.saturating_sub(slack)
         } else {
             low.saturating_add(slack)
         };
+        if axis.is_at_end && axis.end.is_none() {
+            // Until its switch opens, it must not go far.
+            let most = self.leaving();
+            goal = goal.clamp(
+                axis.held.saturating_sub(most),
+                axis.held.saturating_add(most),
+            );
+        }
         if (goal > axis.held) != is_positive || goal == axis.held {
             // The axis is at the end of the travel already.
             return Ok(());
@@ -50,14 +58,22 @@ impl<P: Port> Head<P> {
         self.check_ends(&goals)?;
         let is_touching = self.is_touching()?;
         let axis = self.axes[index];
-        let mut watch = self.watch(&goals);
-        self.begin_watch(&mut watch, is_touching)?;
         let rate = if is_slow || is_touching {
             self.probe.rate.min(axis.settings.rate)
         } else {
             axis.rate(self.probe.rate)
         };
+        // A trapezoid of this length begins to brake after this time. The cast saturates.
+        let asked = (f64::from(rate) * seconds).ceil() as i32;
+        let goal = goal.clamp(
+            axis.held.saturating_sub(asked),
+            axis.held.saturating_add(asked),
+        );
+        goals[index] = goal;
+        let mut watch = self.watch(&goals);
+        self.begin_watch(&mut watch, is_touching)?;
         self.announce(&goals);
+        self.head_for(&goals);
         let (velocity, acceleration) =
             per_period(rate, axis.settings.acceleration.into(), self.period_s);
         self.line.command(
@@ -88,5 +104,94 @@ impl<P: Port> Head<P> {
             return Err(self.collision(&watch));
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::heads::{Head, Line, Port};
+    use crate::simulated::{SimulatedChain, SimulatedPort, one_axis};
+    use husillo_transports::nmc::{Baud, Timing};
+    use std::cell::{Cell, RefCell};
+    use std::io;
+    use std::rc::Rc;
+
+    /// A port that the test shares with the head, and whose cable may be pulled.
+    #[derive(Clone)]
+    struct Pulled {
+        port: Rc<RefCell<SimulatedPort>>,
+        from_us: Rc<Cell<u64>>,
+    }
+
+    impl Pulled {
+        fn is_pulled(&self) -> bool {
+            self.elapsed_us() >= self.from_us.get()
+        }
+    }
+
+    impl Port for Pulled {
+        fn timing(&self, baud: Baud) -> Timing {
+            self.port.borrow().timing(baud)
+        }
+
+        fn elapsed_us(&self) -> u64 {
+            self.port.borrow().elapsed_us()
+        }
+
+        fn set_baud(&mut self, baud: Baud) -> io::Result<()> {
+            self.port.borrow_mut().set_baud(baud)
+        }
+
+        fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
+            match self.is_pulled() {
+                true => Ok(()),
+                false => self.port.borrow_mut().send(bytes),
+            }
+        }
+
+        fn receive(&mut self, wait_us: u32) -> io::Result<Vec<u8>> {
+            let bytes = self.port.borrow_mut().receive(wait_us)?;
+            Ok(if self.is_pulled() { Vec::new() } else { bytes })
+        }
+    }
+
+    /// The counts that a jog of this time makes if the cable is pulled after a second. The axis is
+    /// homed where it stands.
+    fn jogged(seconds: f64, is_positive: bool, pulled_us: u64) -> i64 {
+        let machine = one_axis();
+        let chain = SimulatedChain::of_machine(&machine, &[], None).unwrap();
+        let pulled = Pulled {
+            port: Rc::new(RefCell::new(SimulatedPort::new(chain))),
+            from_us: Rc::new(Cell::new(u64::MAX)),
+        };
+        let mut head = Head::start(Line::new(pulled.clone()), &machine, 1).unwrap();
+        head.axes[0].is_homed = true;
+        pulled
+            .from_us
+            .set(pulled.elapsed_us().saturating_add(pulled_us));
+        let ended = head.jog(0, is_positive, seconds, false);
+        assert_eq!(ended.is_ok(), pulled_us == u64::MAX, "{ended:?}");
+        let mut port = pulled.port.borrow_mut();
+        for _ in 0..40_000 {
+            port.chain.tick();
+        }
+        port.chain.motor(1).unwrap().counts()
+    }
+
+    /// 1200 counts/s: without its host a jog goes as far as with it, not to the end of the travel at
+    /// 8000 counts.
+    #[test]
+    fn a_jog_whose_host_is_killed_ends_as_asked() {
+        for (seconds, is_positive) in [(3.0, true), (2.0, false)] {
+            let wanted = (seconds * 1200.0) as u64;
+            for pulled_us in [u64::MAX, 1_000_000] {
+                let counts = jogged(seconds, is_positive, pulled_us);
+                assert_eq!(counts > 0, is_positive);
+                assert!(
+                    counts.unsigned_abs().abs_diff(wanted) <= 30,
+                    "{counts} of {wanted}"
+                );
+            }
+        }
     }
 }

@@ -3,6 +3,7 @@
 mod halt;
 
 use super::machine::Machine;
+use super::memory::MARK;
 use super::operator::Operator;
 use super::port::Port;
 use crate::trouble::Trouble;
@@ -154,7 +155,7 @@ impl<P: Port> Line<P> {
                 address: EVERY_GROUP,
                 is_leader: place == 0 && modules.len() > 1,
             };
-            self.host.adopt(*address, Items::NONE, group);
+            self.host.adopt(*address, MARK, group);
         }
         Ok(())
     }

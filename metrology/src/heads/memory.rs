@@ -6,6 +6,7 @@ use super::line::Line;
 use super::machine::Machine;
 use super::port::Port;
 use super::standing::SETTLING_US;
+use super::wiring::End;
 use crate::trouble::Trouble;
 use husillo_backlash::Flank;
 use husillo_transports::nmc::{Auxiliary, Baud, Command, Items, Reply, StopWay};
@@ -13,12 +14,18 @@ use husillo_transports::nmc::{Auxiliary, Baud, Command, Items, Reply, StopWay};
 /// The items that show whether a module is as it was left.
 const LEFT: Items = READ.with(Items::AUXILIARY);
 
+/// The status items that a session defines in its modules. A reset clears them, and other programs
+/// define others. So they show that the modules still count from the same position.
+pub(super) const MARK: Items = Items::AUXILIARY.with(Items::CURRENT);
+
 /// The axes of a machine as a session has left them. Modules keep their counts until they are reset
 /// or lose their supply.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Memory {
     /// Rate of the modules.
     pub baud: Baud,
+    /// The session did not end: its program was killed. The axes may be anywhere, and may move.
+    pub in_use: bool,
     /// The axes, in the order of the machine file.
     pub axes: Vec<AxisMemory>,
 }
@@ -44,6 +51,8 @@ pub struct AxisMemory {
     pub zero: i64,
     /// Direction of its last move.
     pub flank: Flank,
+    /// The end switch at which it stands, if it does and if it is known which.
+    pub end: Option<End>,
 }
 
 impl AxisMemory {
@@ -68,7 +77,9 @@ pub enum Rejoined<P> {
 
 impl<P: Port> Head<P> {
     /// Goes on where an earlier session has left the modules. It asks them without a reset and
-    /// compares their answers with the memory. Origins and homes then hold as before.
+    /// compares their answers with the memory. Origins and homes then hold as before. If the
+    /// program of the session was killed, all axes are stopped smoothly first, and only their
+    /// [`MARK`] is compared.
     ///
     /// # Errors
     ///
@@ -97,6 +108,7 @@ impl<P: Port> Head<P> {
             let axis = &mut head.axes[index];
             axis.origin = left.origin;
             axis.is_homed = left.is_homed;
+            axis.heading = left.end.filter(|_| !memory.in_use);
             // The machine file may have other gains by now.
             let module = axis.settings.module;
             let gains = axis.settings.gains;
@@ -114,11 +126,19 @@ impl<P: Port> Head<P> {
     fn versions_if_as_left(&mut self, memory: &Memory) -> Result<Vec<u8>, Trouble> {
         let modules: Vec<u8> = self.axes.iter().map(|axis| axis.settings.module).collect();
         self.line.rejoin(memory.baud, &modules)?;
+        for module in &modules {
+            // Its reply has the items of the mark, or is not understood.
+            self.line.command(*module, Command::NoOperation)?;
+        }
+        if memory.in_use {
+            self.stop(StopWay::Smooth)?;
+            self.rest()?;
+        }
         let pairs: Vec<_> = self.axes.iter().copied().zip(&memory.axes).collect();
         let mut versions = Vec::with_capacity(pairs.len());
         for (axis, left) in pairs {
             let reply = self.read_axis_twice(&axis, LEFT.with(Items::DEVICE))?;
-            if !left.is_still_true(&reply, axis.settings.in_position) {
+            if !memory.in_use && !left.is_still_true(&reply, axis.settings.in_position) {
                 return Err(Trouble::NoModules);
             }
             versions.push(reply.readings.version);
@@ -133,25 +153,7 @@ impl<P: Port> Head<P> {
     ///
     /// No answer, or an axis that does not come to rest.
     pub(crate) fn memory(&mut self) -> Result<Memory, Trouble> {
-        let end_us = self.line.elapsed_us() + self.braking_us() + SETTLING_US;
-        let mut before: Vec<i32> = Vec::new();
-        loop {
-            let mut replies = Vec::with_capacity(self.axes.len());
-            for axis in &self.axes {
-                let read = Command::ReadStatus(READ);
-                replies.push(self.line.command(axis.settings.module, read)?);
-            }
-            let at: Vec<i32> = replies.iter().map(|one| one.readings.position).collect();
-            let mut pairs = self.axes.iter().zip(at.iter().zip(&before));
-            let is_still = pairs.all(|(axis, (at, before))| axis.is_near(*at, *before));
-            if is_still && !before.is_empty() && replies.iter().all(is_done) {
-                break;
-            }
-            if self.line.elapsed_us() > end_us {
-                return Err(self.late(None, &at, &replies));
-            }
-            before = at;
-        }
+        self.rest()?;
         let axes = self.axes.clone();
         let axes = axes.iter().map(|axis| {
             let reply = self.read_axis_twice(axis, LEFT)?;
@@ -166,13 +168,38 @@ impl<P: Port> Head<P> {
                 origin: axis.origin,
                 zero: 0,
                 flank: Flank::Unknown,
+                end: axis.end.filter(|_| axis.is_at_end),
             })
         });
         let axes: Result<Vec<_>, Trouble> = axes.collect();
         Ok(Memory {
             axes: axes?,
             baud: self.line.baud(),
+            in_use: false,
         })
+    }
+
+    /// Waits until the axes stand. A fault of an axis is no error here.
+    fn rest(&mut self) -> Result<(), Trouble> {
+        let end_us = self.line.elapsed_us() + self.braking_us() + SETTLING_US;
+        let mut before: Vec<i32> = Vec::new();
+        loop {
+            let mut replies = Vec::with_capacity(self.axes.len());
+            for axis in &self.axes {
+                let read = Command::ReadStatus(READ);
+                replies.push(self.line.command(axis.settings.module, read)?);
+            }
+            let at: Vec<i32> = replies.iter().map(|one| one.readings.position).collect();
+            let mut pairs = self.axes.iter().zip(at.iter().zip(&before));
+            let is_still = pairs.all(|(axis, (at, before))| axis.is_near(*at, *before));
+            if is_still && !before.is_empty() && replies.iter().all(is_done) {
+                return Ok(());
+            }
+            if self.line.elapsed_us() > end_us {
+                return Err(self.late(None, &at, &replies));
+            }
+            before = at;
+        }
     }
 }
 
@@ -293,5 +320,64 @@ mod tests {
             rejoin(port, &machine, &memory),
             Rejoined::Changed(_)
         ));
+    }
+
+    /// A program that was killed in the middle of a move has left the axes moving. They are stopped,
+    /// and nothing is lost.
+    #[test]
+    fn a_killed_program_loses_nothing() {
+        use husillo_transports::nmc::{Mode, Trajectory};
+        let far = Command::LoadTrajectory(Trajectory {
+            position: Some(50_000),
+            velocity: Some(30_000),
+            acceleration: Some(300),
+            mode: Mode::Trapezoid,
+            start_now: true,
+            ..Trajectory::default()
+        });
+        let killed = || {
+            let (mut port, memory) = ended();
+            port.send(far.frame(1).bytes()).unwrap();
+            port.receive(100_000).unwrap();
+            for _ in 0..600 {
+                port.chain.tick();
+            }
+            let memory = Memory {
+                in_use: true,
+                ..memory
+            };
+            (port, memory)
+        };
+        let (port, memory) = killed();
+        let origin = memory.axes[0].origin;
+        let Rejoined::AsLeft(mut head) = rejoin(port, &three_axes(), &memory) else {
+            panic!("the modules were not recognised");
+        };
+        let counts = head.line.port().chain.chain().motor(0).unwrap().counts();
+        // 2 um per count.
+        let wanted = (counts - i64::from(origin)) * 2000;
+        let [x, y, _] = head.held();
+        assert!(
+            wanted > 100_000 && x.abs_diff(wanted) <= 4_000,
+            "{x} {wanted}"
+        );
+        assert!(y.abs_diff(3_000_000) <= 2_000 && head.axes[0].is_homed);
+        head.go_to([0, 3_000_000, 0]).unwrap();
+
+        // The supply was off since, or another program has set the modules up.
+        let (mut port, memory) = killed();
+        port.chain.set_power(false);
+        port.receive(2_000).unwrap();
+        port.chain.set_power(true);
+        let changed = rejoin(port, &three_axes(), &memory);
+        assert!(matches!(changed, Rejoined::Changed(_)));
+        for items in [Items::NONE, Items::AUXILIARY, LEFT] {
+            let (mut port, memory) = killed();
+            let define = Command::DefineStatus(items);
+            port.send(define.frame(2).bytes()).unwrap();
+            port.receive(100_000).unwrap();
+            let changed = rejoin(port, &three_axes(), &memory);
+            assert!(matches!(changed, Rejoined::Changed(_)), "{items:?}");
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! An axis of the machine: a servo that is on, and the origin of its counts.
 
 use super::machine::AxisSettings;
+use super::wiring::End;
 use crate::scale::Scale;
 use crate::trouble::Trouble;
 use husillo_transports::nmc::{Reply, Status};
@@ -19,8 +20,12 @@ pub struct Servo {
     pub is_homed: bool,
     /// The operator knows that it is not homed.
     pub is_announced: bool,
-    /// It stands at its end switch, or leaves it.
+    /// It stands at an end switch, or leaves it.
     pub is_at_end: bool,
+    /// The end of that switch, if it is known.
+    pub end: Option<End>,
+    /// The end to which its last move leads.
+    pub heading: Option<End>,
     /// Consecutive readings with an open end switch.
     pub open_readings: u32,
     /// Its end switch is searched for: the closed switch is no fault.
@@ -39,6 +44,8 @@ impl Servo {
             is_homed: false,
             is_announced: false,
             is_at_end: false,
+            end: None,
+            heading: None,
             open_readings: 0,
             is_end_sought: false,
             is_end_armed: false,
@@ -80,6 +87,15 @@ impl Servo {
     /// Whether two positions are within the distance at which a move may end.
     pub const fn is_near(&self, counts: i32, other: i32) -> bool {
         counts.abs_diff(other) <= self.settings.in_position
+    }
+
+    /// Notes that an end switch is closed. Its end is that of its input, or else the one that the
+    /// axis moved to, or else the nearer one.
+    pub(super) fn meet_end(&mut self, reply: &Reply) {
+        let counts = reply.readings.position.saturating_sub(self.origin);
+        let nearer = self.is_homed.then(|| self.settings.nearer_end(counts));
+        self.is_at_end = true;
+        self.end = (self.settings.wired_end(reply)).or(self.heading).or(nearer);
     }
 
     /// Checks the status of the axis. `at` is its position as text.

@@ -6,6 +6,7 @@ use super::port::Port;
 use super::search::{Search, searches};
 use super::servo::Servo;
 use super::standing::SETTLING_US;
+use super::wiring::End;
 use crate::trouble::Trouble;
 use husillo_planner::{Direction, ServoLine};
 use husillo_transports::nmc::{Command, EVERY_GROUP, Failure, Homing, Mode, Reply, Trajectory};
@@ -208,6 +209,7 @@ impl<P: Port> Head<P> {
         search: Option<Search>,
     ) -> Result<(), Trouble> {
         self.announce(goal);
+        self.head_for(goal);
         let is_alone = self.axes.len() == 1;
         let fastest = |of: [u32; 3]| of.into_iter().max().unwrap_or(1);
         for (index, goal) in goal.iter().enumerate() {
@@ -236,6 +238,13 @@ impl<P: Port> Head<P> {
             axis.held = *goal;
         }
         Ok(())
+    }
+
+    /// Notes to which end each axis is about to move.
+    pub(super) fn head_for(&mut self, goal: &[i32]) {
+        for (axis, goal) in self.axes.iter_mut().zip(goal) {
+            axis.heading = End::towards(i64::from(*goal) - i64::from(axis.held));
+        }
     }
 
     /// Starts all axes by one command. Only the leader answers, so each module is asked whether it

@@ -11,6 +11,8 @@ pub enum Wiring {
     Probe,
     /// An end switch of the axis.
     End(End),
+    /// Both end switches of the axis. They are told apart by the direction of travel.
+    Ends,
     /// Nothing: the input is not looked at.
     #[default]
     Nothing,
@@ -26,6 +28,15 @@ pub enum End {
 }
 
 impl End {
+    /// The end to which a move by these counts leads.
+    pub(super) const fn towards(counts: i64) -> Option<Self> {
+        match counts {
+            ..0 => Some(Self::Low),
+            0 => None,
+            1.. => Some(Self::High),
+        }
+    }
+
     /// Whether a move by these counts leads towards this end.
     pub(super) const fn is_ahead(self, counts: i64) -> bool {
         match self {
@@ -59,19 +70,20 @@ const INPUTS: [(Homing, Status); 2] = [
 ];
 
 impl AxisSettings {
-    /// The end switches of the axis, with their events and status bits.
-    fn ends(&self) -> impl Iterator<Item = (End, Homing, Status)> + use<> {
+    /// The end switches of the axis, with their events and status bits. `None`: both.
+    fn ends(&self) -> impl Iterator<Item = (Option<End>, Homing, Status)> + use<> {
         let pairs = self.limits.into_iter().zip(INPUTS);
         pairs.filter_map(|(wiring, (event, bit))| match wiring {
-            Wiring::End(end) => Some((end, event, bit)),
+            Wiring::End(end) => Some((Some(end), event, bit)),
+            Wiring::Ends => Some((None, event, bit)),
             Wiring::Probe | Wiring::Nothing => None,
         })
     }
 
-    /// The end switch that home is searched from.
+    /// The end switch that home is searched from: the low one of two.
     #[must_use]
     pub fn end(&self) -> Option<End> {
-        self.ends().next().map(|(end, ..)| end)
+        self.ends().next().map(|(end, ..)| end.unwrap_or(End::Low))
     }
 
     /// The events of the module that are a change of an end switch.
@@ -80,10 +92,25 @@ impl AxisSettings {
         events.fold(Homing::default(), Homing::with)
     }
 
-    /// The end switch that is closed.
-    pub(super) fn closed_end(&self, reply: &Reply) -> Option<End> {
+    /// Whether an end switch is closed.
+    pub(super) fn is_end_closed(&self, reply: &Reply) -> bool {
+        let mut ends = self.ends();
+        ends.any(|(.., bit)| reply.status.contains(bit))
+    }
+
+    /// The end of the switch that is closed, if its input alone shows it.
+    pub(super) fn wired_end(&self, reply: &Reply) -> Option<End> {
         let mut ends = self.ends();
         let closed = ends.find(|(.., bit)| reply.status.contains(*bit));
-        closed.map(|(end, ..)| end)
+        closed.and_then(|(end, ..)| end)
+    }
+
+    /// The end of the travel that is nearer to this position, counts from home.
+    pub(super) fn nearer_end(&self, counts: i32) -> End {
+        let [low, high] = self.travel;
+        match counts.abs_diff(low) <= counts.abs_diff(high) {
+            true => End::Low,
+            false => End::High,
+        }
     }
 }

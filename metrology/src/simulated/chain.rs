@@ -154,7 +154,9 @@ impl SimulatedChain {
             let wired = axes.find(|(module, _)| *module == switch.module);
             let input = wired.and_then(|(_, limits)| {
                 let mut inputs = limits.iter();
-                inputs.position(|wiring| *wiring == Wiring::End(end))
+                inputs.position(|wiring| {
+                    matches!(*wiring, Wiring::End(is) if is == end) || *wiring == Wiring::Ends
+                })
             });
             let Some(input) = input else {
                 let module = switch.module;

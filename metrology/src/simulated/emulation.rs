@@ -7,7 +7,8 @@ use husillo_sim::device::Emulation;
 pub const PANEL: &str = "close probe, open probe, free probe, power off|on, block MODULE, \
                          unblock MODULE, encoder MODULE off|on, unplug, plug";
 /// The commands of the panel for a chain with input and output modules.
-pub const IO_PANEL: &str = "pin MODULE PIN high|low, analogue MODULE 1|2|3 VALUE, outputs MODULE";
+pub const IO_PANEL: &str = "pin MODULE PIN high|low, analogue MODULE 1|2|3 VALUE, \
+                            pulses MODULE NUMBER, outputs MODULE";
 
 /// Pins of an input and output module.
 const PINS: u8 = 12;
@@ -30,6 +31,15 @@ fn analogue(chain: &mut SimulatedChain, module: &str, input: &str, value: &str) 
         inputs.analogue[place - 1] = reading;
     });
     is_connected.then(|| format!("analogue input {place} of module {module}: {reading}"))
+}
+
+/// Sends pulses to the counter of a module.
+fn pulses(chain: &mut SimulatedChain, module: &str, number: &str) -> Option<String> {
+    let number: u32 = number.parse().ok()?;
+    let is_connected = chain.connect(module.parse().ok()?, |inputs| {
+        inputs.pulses = inputs.pulses.wrapping_add(number);
+    });
+    is_connected.then(|| format!("counter of module {module}: {number} more pulses"))
 }
 
 /// The outputs of a module.
@@ -100,6 +110,9 @@ impl Emulation for SimulatedChain {
                 .unwrap_or_else(|| format!("pin MODULE 0..{} high|low", PINS - 1)),
             ["analogue", module, input, value] => analogue(self, module, input, value)
                 .unwrap_or_else(|| "analogue MODULE 1|2|3 0..255".into()),
+            ["pulses", module, number] => {
+                pulses(self, module, number).unwrap_or_else(|| "pulses MODULE NUMBER".into())
+            }
             ["outputs", module] => {
                 outputs(self, module).unwrap_or_else(|| format!("module {module} has no outputs"))
             }

@@ -33,7 +33,12 @@ enum Pending {
 /// Addressing, status, rate and reset are as those of the servo modules. The items of a reply are
 /// the pins (2 bytes), three analogue inputs (1 byte each), the timer (4 bytes), type and version,
 /// the pins at the last Synchronous Input (2 bytes) and the timer then (4 bytes). An output reads
-/// as its own level. The timer is not simulated and reads 0.
+/// as its own level.
+///
+/// The timer has 32 bits. Its mode is 0 for off, 1 for a timer, 3 for a counter of the pulses at its
+/// input, plus 00, 10, 20 or 30 hex for one count in 1, 2, 4 or 8. A timer counts the 5 MHz of the
+/// instructions of the chip, whose clock has 20 MHz. The texts that we have leave open what a new
+/// mode does; here it begins at 0, and the mode off keeps the count.
 #[derive(Clone, Debug)]
 pub(super) struct IoModule {
     version: u8,
@@ -49,6 +54,51 @@ pub(super) struct IoModule {
     sending: Vec<u8>,
     sent: usize,
     pins: Pins,
+    timer: Timer,
+}
+
+/// Counts of the timer in a servo period of 512 us, at 5 MHz.
+const COUNTS: u64 = 2560;
+
+/// The timer of a module.
+#[derive(Clone, Copy, Debug, Default)]
+struct Timer {
+    /// 0 off, 1 timer, 3 counter.
+    mode: u8,
+    /// One count in 2 to this power.
+    shift: u8,
+    /// Counts before the division. 2^64 take 10^5 years.
+    counts: u64,
+    /// Pulses at the input so far.
+    pulses: u32,
+    /// The timer at the last Synchronous Input.
+    captured: u32,
+}
+
+impl Timer {
+    /// Begins to count in a mode.
+    const fn begin(&mut self, mode: u8) {
+        self.mode = mode & 3;
+        if mode & 1 == 1 {
+            self.shift = mode >> 4 & 3;
+            self.counts = 0;
+        }
+    }
+
+    /// Counts a period. `pulses` have come to the input so far.
+    fn pass(&mut self, pulses: u32) {
+        let new = pulses.wrapping_sub(std::mem::replace(&mut self.pulses, pulses));
+        match self.mode {
+            1 => self.counts += COUNTS,
+            3 => self.counts += u64::from(new),
+            _ => {}
+        }
+    }
+
+    /// The 32 bits of the reading.
+    const fn reading(self) -> u32 {
+        (self.counts >> self.shift) as u32
+    }
 }
 
 /// The pins of a module with inputs and outputs.
@@ -104,6 +154,8 @@ pub struct IoInputs {
     pub pins: u16,
     /// Readings of the three analogue inputs.
     pub analogue: [u8; 3],
+    /// Pulses at the input of the counter so far, modulo 2^32.
+    pub pulses: u32,
 }
 
 impl IoModule {
@@ -122,6 +174,7 @@ impl IoModule {
             sending: Vec::new(),
             sent: 0,
             pins: Pins::default(),
+            timer: Timer::default(),
         }
     }
 
@@ -181,6 +234,7 @@ impl IoModule {
 
     /// Executes the packet that waits, and prepares the reply.
     pub(super) fn tick(&mut self, inputs: &IoInputs) -> Option<Change> {
+        self.timer.pass(inputs.pulses);
         let (mut items, mut status) = (self.items, 0x02);
         let mut change = None;
         if let Pending::Packet(frame) = self.pending.take()? {
@@ -206,13 +260,23 @@ impl IoModule {
                     self.is_enabled = is_enabled;
                     return Some(Change::Reset);
                 }
-                _ => self.pins.execute(code, data, inputs.pins),
+                _ => self.execute(code, data, inputs.pins),
             }
         }
         if std::mem::take(&mut self.replies) {
             self.reply(status, items, inputs);
         }
         change
+    }
+
+    fn execute(&mut self, code: u8, data: &[u8], inputs: u16) {
+        match (code, data) {
+            (0x8, &[mode]) => self.timer.begin(mode),
+            _ => self.pins.execute(code, data, inputs),
+        }
+        if (code, data) == (0xC, &[]) {
+            self.timer.captured = self.timer.reading();
+        }
     }
 
     /// A command that all kinds of modules have.
@@ -226,7 +290,8 @@ impl IoModule {
         let pins = self.pins.levels(inputs.pins).to_le_bytes();
         let captured = self.pins.captured.to_le_bytes();
         let [one, two, three] = &inputs.analogue;
-        let timer = [0; 4];
+        let timer = self.timer.reading().to_le_bytes();
+        let captured_timer = self.timer.captured.to_le_bytes();
         let values: [&[u8]; 8] = [
             &pins,
             std::slice::from_ref(one),
@@ -235,7 +300,7 @@ impl IoModule {
             &timer,
             &[KIND, self.version],
             &captured,
-            &timer,
+            &captured_timer,
         ];
         self.sending = vec![status];
         for (bit, value) in values.iter().enumerate() {
@@ -290,6 +355,7 @@ mod tests {
         let inputs = IoInputs {
             pins: 0x0d08,
             analogue: [0x2a, 7, 9],
+            pulses: 0,
         };
         assert_eq!(
             ask(&mut module, &inputs, "aa 02 13 20 35"),
@@ -320,6 +386,59 @@ mod tests {
         ask(&mut module, &inputs, "aa 02 0c 0e");
         let told = ask(&mut module, &IoInputs::default(), "aa 02 13 41 56");
         assert_eq!(told, bytes("00 10 00 11 00 21"));
+    }
+
+    /// Reading of the timer, or of the captured one.
+    fn timer(module: &mut IoModule, inputs: &IoInputs, packet: &str) -> u32 {
+        let told = ask(module, inputs, packet);
+        u32::from_le_bytes([told[1], told[2], told[3], told[4]])
+    }
+
+    const TIMER: &str = "aa 02 13 10 25";
+    const CAPTURED: &str = "aa 02 13 80 95";
+
+    #[test]
+    fn the_timer_counts_time_and_is_captured() {
+        let none = IoInputs::default();
+        // One count in 1, 2, 4 and 8.
+        for (set, counts) in [
+            ("aa 02 18 01 1b", 2560),
+            ("aa 02 18 11 2b", 1280),
+            ("aa 02 18 21 3b", 640),
+            ("aa 02 18 31 4b", 320),
+        ] {
+            let mut module = addressed();
+            assert_eq!(timer(&mut module, &none, TIMER), 0, "off at first");
+            ask(&mut module, &none, set);
+            (0..99).for_each(|_| assert!(module.tick(&none).is_none()));
+            assert_eq!(timer(&mut module, &none, TIMER), 100 * counts);
+            ask(&mut module, &none, "aa 02 0c 0e");
+            assert_eq!(timer(&mut module, &none, CAPTURED), 101 * counts);
+            assert_eq!(timer(&mut module, &none, TIMER), 103 * counts);
+            // Off keeps the count, on begins again.
+            ask(&mut module, &none, "aa 02 18 00 1a");
+            module.tick(&none);
+            assert_eq!(timer(&mut module, &none, TIMER), 104 * counts);
+            ask(&mut module, &none, set);
+            assert_eq!(timer(&mut module, &none, TIMER), counts);
+        }
+    }
+
+    #[test]
+    fn the_counter_counts_pulses() {
+        let pulses = |pulses| IoInputs {
+            pulses,
+            ..IoInputs::default()
+        };
+        let mut module = addressed();
+        // Pulses before the mode do not count.
+        module.tick(&pulses(7));
+        ask(&mut module, &pulses(7), "aa 02 18 03 1d");
+        assert_eq!(timer(&mut module, &pulses(7), TIMER), 0);
+        assert_eq!(timer(&mut module, &pulses(30), TIMER), 23);
+        ask(&mut module, &pulses(30), "aa 02 18 13 2d");
+        assert_eq!(timer(&mut module, &pulses(41), TIMER), 5, "one in two");
+        assert_eq!(timer(&mut module, &pulses(42), TIMER), 6);
     }
 
     #[test]

@@ -1,6 +1,8 @@
 //! From power-up to a chain with addresses.
 
-use super::{Baud, Command, EVERY_GROUP, Failure, Group, Items, LAST_ADDRESS, Outcome, Step};
+use super::{
+    Baud, Command, EVERY_GROUP, Failure, Group, Items, LAST_ADDRESS, Outcome, Reply, Step,
+};
 
 /// How often the line is reset and addressed again if an address is in doubt.
 const RESTARTS: u8 = 3;
@@ -159,10 +161,8 @@ impl Startup {
             Phase::Address(1) => Phase::Done,
             Phase::Address(_) => Phase::Identify(1),
             Phase::Identify(address) => {
-                let place = self.chain.devices.iter_mut();
-                let place = place.zip(1_u8..).find(|(_, of)| *of == address);
-                if let (Some((device, _)), Some(reply)) = (place, reply) {
-                    *device = (reply.readings.kind, reply.readings.version);
+                if let Some(reply) = reply {
+                    self.identify(address, reply);
                 }
                 if address < self.chain.modules {
                     Phase::Identify(address + 1) // below 32
@@ -201,6 +201,14 @@ impl Startup {
                 }
             }
             Phase::Return => Phase::Flush,
+        }
+    }
+
+    /// Keeps what a module says of itself.
+    fn identify(&mut self, address: u8, reply: &Reply) {
+        let devices = self.chain.devices.iter_mut();
+        if let Some((device, _)) = devices.zip(1_u8..).find(|(_, of)| *of == address) {
+            *device = (reply.readings.kind, reply.readings.version);
         }
     }
 

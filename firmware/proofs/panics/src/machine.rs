@@ -3,15 +3,17 @@
 use core::hint::black_box;
 
 use husillo_backlash::Backlash;
+use husillo_gcode::Command;
 use husillo_interp::{ArcMove, Path};
 use husillo_machine::{
-    Axis, ClosedLoop as AnyClosedLoop, Config, Machine as AnyMachine, Means, Motors,
-    ServoAxis as AnyServoAxis, StepGuard, extent,
+    Axis, Checker, ClosedLoop as AnyClosedLoop, Config, Extended, Machine as AnyMachine, Means,
+    Motors, ServoAxis as AnyServoAxis, StepGuard, extent,
 };
 use husillo_stepper::{Drive, Levels};
 
 type ServoAxis = AnyServoAxis;
 type Machine = AnyMachine<3, Path<3>, Backlash>;
+type ExtendedMachine = AnyMachine<3, Path<3>, Backlash, 16, Extended<3>>;
 type ClosedLoop = AnyClosedLoop<3, Path<3>, Backlash>;
 
 /// Keeps every function in the program.
@@ -40,6 +42,10 @@ pub fn keep() {
         Machine::line as *const (),
         Machine::poll_line as *const (),
         Machine::block as *const (),
+        Machine::commands as *const (),
+        Machine::command as *const (),
+        Machine::check::<Option<Command<3>>> as *const (),
+        Machine::finish as *const (),
         Machine::has_room as *const (),
         Machine::has_ended as *const (),
         Machine::hold as *const (),
@@ -53,6 +59,29 @@ pub fn keep() {
         Machine::position_steps as *const (),
         Machine::modal as *const (),
         Machine::config as *const (),
+        ExtendedMachine::new as *const (),
+        ExtendedMachine::place as *const (),
+        ExtendedMachine::with_lash as *const (),
+        ExtendedMachine::line as *const (),
+        ExtendedMachine::block as *const (),
+        ExtendedMachine::commands as *const (),
+        ExtendedMachine::command as *const (),
+        ExtendedMachine::finish as *const (),
+        ExtendedMachine::has_room as *const (),
+        ExtendedMachine::set_feed_override as *const (),
+        ExtendedMachine::next_event as *const (),
+        ExtendedMachine::abort as *const (),
+        ExtendedMachine::set_probe as *const (),
+        ExtendedMachine::is_probing as *const (),
+        ExtendedMachine::needs_probe as *const (),
+        ExtendedMachine::set_tip as *const (),
+        ExtendedMachine::probed as *const (),
+        ExtendedMachine::answer as *const (),
+        ExtendedMachine::input_micro as *const (),
+        ExtendedMachine::set_tool as *const (),
+        ExtendedMachine::check::<Option<Command<3>>> as *const (),
+        Checker::new as *const (),
+        Checker::check::<3> as *const (),
         ClosedLoop::new as *const (),
         ClosedLoop::machine as *const (),
         ClosedLoop::machine_mut as *const (),

@@ -166,25 +166,10 @@ impl<const CAPACITY: usize> Passes<CAPACITY> {
                         return Some(self.feed(entry));
                     }
                 }
-                State::Along(index) => {
-                    let Some(segment) = self.shape.get(index) else {
-                        self.state = State::Leave;
-                        continue;
-                    };
-                    // At most CAPACITY.
-                    self.state = State::Along(index.wrapping_add(1));
-                    let shift = self.ways.point(self.shift);
-                    let to = plus(segment.to, shift);
-                    self.at = self.ways.course(to);
-                    return Some(match segment.arc {
-                        None => Move::Feed(to),
-                        Some((centre, clockwise)) => Move::Arc {
-                            to,
-                            centre: plus(centre, shift),
-                            clockwise,
-                        },
-                    });
-                }
+                State::Along(index) => match self.along(index) {
+                    None => self.state = State::Leave,
+                    made => return made,
+                },
                 // Out of the material, back, and to the start.
                 State::Leave => {
                     self.state = State::Home;
@@ -207,6 +192,24 @@ impl<const CAPACITY: usize> Passes<CAPACITY> {
                 State::Done => return None,
             }
         }
+    }
+
+    /// The segment of the contour with this index; `None` after the last one.
+    fn along(&mut self, index: usize) -> Option<Move> {
+        let segment = self.shape.get(index)?;
+        // At most CAPACITY.
+        self.state = State::Along(index.wrapping_add(1));
+        let shift = self.ways.point(self.shift);
+        let to = plus(segment.to, shift);
+        self.at = self.ways.course(to);
+        Some(match segment.arc {
+            None => Move::Feed(to),
+            Some((centre, clockwise)) => Move::Arc {
+                to,
+                centre: plus(centre, shift),
+                clockwise,
+            },
+        })
     }
 
     /// The extent of a cut at this depth.

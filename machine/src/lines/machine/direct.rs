@@ -11,8 +11,8 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, 
     /// Appends one move. The modal state is not used and not changed. `tag` is what
     /// [`Machine::executing_tag`] returns while the move is executed.
     ///
-    /// The caller has checked the move with [`Machine::check`], or wants it without regard to the travel, as homing does. A move
-    /// that is not checked has to be within the reach of the axes.
+    /// The caller has checked the move with [`Machine::check`], or wants it without regard to the
+    /// travel, as homing does. A move that is not checked has to be within the reach of the axes.
     ///
     /// # Errors
     /// [`Refused::Busy`] where there is no room; the state is unchanged. A command that is no move

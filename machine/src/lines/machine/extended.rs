@@ -11,8 +11,9 @@ use super::Machine;
 #[cfg(feature = "extended")]
 use crate::Extended;
 use crate::lines::extension::Extension;
+use crate::lines::nurbs::Nurbs;
 use crate::lines::state::{Probed, Probing, Surface};
-use crate::{Alarm, Event, Output, Pause};
+use crate::{Alarm, Event, MoveError, Output, Pause};
 
 impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N>>
     Machine<N, P, L, QUEUE, E>
@@ -42,6 +43,28 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
             .is_some_and(|state| state.probing.is_some() || state.is_awaited)
     }
 
+    /// Checks a curve of several commands. `nurbs` are the control points that these commands add
+    /// to those already taken.
+    pub(super) fn check_nurbs(
+        &self,
+        nurbs: &mut Option<Nurbs>,
+        from: &[Nm; N],
+        command: &Command<N>,
+    ) -> Result<(), MoveError> {
+        let (
+            Some(state),
+            Command::NurbsBegin { .. } | Command::NurbsPoint { .. } | Command::NurbsEnd { .. },
+        ) = (self.extension.state(), command)
+        else {
+            return Ok(());
+        };
+        let nurbs = nurbs.get_or_insert_with(|| state.nurbs.clone());
+        match nurbs.take(&self.config, from, command)? {
+            Some(chords) => self.config.check_chords(chords),
+            None => Ok(()),
+        }
+    }
+
     /// Takes a command of the queue that a plain machine does not have. Returns it if it is one
     /// that has to wait, or a plain move.
     pub(super) fn take_extended(&mut self, command: Command<N>) -> Option<Command<N>> {
@@ -53,6 +76,13 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
         match command {
             Command::Spline { spline, feed } => {
                 state.chords = Some(self.config.chords(from, &spline, feed));
+                None
+            }
+            Command::NurbsBegin { .. } | Command::NurbsPoint { .. } | Command::NurbsEnd { .. } => {
+                // `accept` has checked it.
+                if let Ok(Some(chords)) = state.nurbs.take(&self.config, &from, &command) {
+                    state.chords = Some(chords);
+                }
                 None
             }
             Command::Probe { .. } => {

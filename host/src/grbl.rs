@@ -1,0 +1,75 @@
+//! `husillo emulate grbl`: a Grbl controller on a simulated mill.
+
+use crate::cli::Emulate;
+use crate::machines::machine_file::MachineFile;
+use crate::programs::setup;
+use husillo_gcode::Dialect;
+use husillo_sim::device::grbl::Device;
+use husillo_transports::grbl::Settings;
+use std::io;
+
+/// Rate of Grbl's line, bits/s.
+const BAUD: u32 = 115_200;
+
+/// Runs the device; its events go to `steps`, if it is given. `machine` is the mill whose axes it
+/// has, by default those of Grbl's generic settings.
+///
+/// # Errors
+///
+/// The port, the file of steps or `out`, named in the error.
+pub fn emulate(
+    args: &Emulate,
+    settings: Settings,
+    steps: Option<Box<dyn io::Write>>,
+    out: &mut dyn io::Write,
+) -> io::Result<()> {
+    let baud = args.baud.unwrap_or(BAUD);
+    let mut device = Device::new(baud, settings);
+    if steps.is_some() {
+        device = device.with_rows();
+    }
+    let name = format!("Grbl 1.1, {baud} baud,");
+    let hint = "any sender of Grbl, at {port}";
+    let panel = Device::panel();
+    crate::emulate::terminal::serve(&mut device, args, steps, out, [&name, hint, &panel])
+}
+
+/// The settings of a mill: steps, rates, ramps and travel of its axes.
+///
+/// # Errors
+///
+/// The machine has no travel or ramps that Grbl's settings can hold.
+pub fn settings(file: &MachineFile) -> Result<Settings, String> {
+    let config = setup::config(file, Dialect::GRBL)?;
+    let mut settings = Settings::DEFAULT;
+    for (number, axis) in (0_u8..).zip(config.axes) {
+        let mm_per_step = f64::from(axis.scale.nm()) / f64::from(axis.scale.steps()) / 1e6;
+        let travel = axis
+            .travel
+            .map(|[least, most]| (most.0 - least.0) as f64 / 1e6);
+        let acceleration = axis
+            .ramp
+            .map(|ramp| f64::from(ramp.acceleration_hz_per_s) * mm_per_step);
+        let values = [
+            (100, Some(1.0 / mm_per_step)),
+            (110, Some(f64::from(axis.max_rate_hz) * mm_per_step * 60.0)),
+            (120, acceleration),
+            (130, travel),
+        ];
+        for (first, value) in values {
+            let Some(value) = value else { continue };
+            let text = format!("{value:.3}");
+            settings
+                .write(first + number, text.as_bytes())
+                .map_err(|error| {
+                    format!(
+                        "{}: ${} = {text}: {}",
+                        file.path,
+                        first + number,
+                        error.text()
+                    )
+                })?;
+        }
+    }
+    Ok(settings)
+}

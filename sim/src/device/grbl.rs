@@ -1,0 +1,131 @@
+//! A simulated mill with a Grbl controller.
+
+use super::{Event, Machine, Pair, block, hold, push};
+use crate::{Emulated, GrblPin, GrblRig, SlideSwitch};
+use husillo_controllers::{Grbl, GrblEvent, GrblMemory, GrblOptions};
+use husillo_transports::grbl::Settings;
+
+/// Where the limit switches close above the first place, mm.
+const SWITCHES_MM: [i64; 3] = [20, 20, 10];
+/// Where the probe closes below the first place of Z, mm.
+const PLATE_MM: i64 = -10;
+/// The motors lose steps above this rate in steps/s.
+const MOST_HZ: u64 = 60_000;
+
+/// The device.
+pub type Device = super::Device<EmulatedGrbl>;
+
+/// A mill with three axes.
+#[derive(Debug)]
+pub struct EmulatedGrbl;
+
+impl Device {
+    /// A mill that is switched on for the first time, at a rate in bits/s.
+    ///
+    /// Its mechanics have the steps per millimetre of the settings. The settings may be changed
+    /// later, as on a real mill.
+    pub fn new(bits_per_s: u32, settings: Settings) -> Self {
+        let memory = GrblMemory::FACTORY.with_settings(settings);
+        let grbl = Grbl::new(GrblOptions::FULL, Some(&memory));
+        let mut rig = GrblRig::new();
+        for (axis, mm) in SWITCHES_MM.into_iter().enumerate() {
+            rig.add_switch(SlideSwitch {
+                pin: GrblPin::Limit(axis),
+                axis,
+                at_steps: steps(&settings, axis, mm),
+                is_above: true,
+                closed_level: false,
+            });
+        }
+        rig.add_switch(SlideSwitch {
+            pin: GrblPin::Probe,
+            axis: 2,
+            at_steps: steps(&settings, 2, PLATE_MM),
+            is_above: false,
+            closed_level: false,
+        });
+        rig.set_pull_out_hz(MOST_HZ);
+        Self::of(EmulatedGrbl, Emulated::new(grbl, vec![rig]), bits_per_s)
+    }
+}
+
+/// A distance in steps.
+fn steps(settings: &Settings, axis: usize, mm: i64) -> i64 {
+    // There are three axes.
+    let milli = settings.milli(100 + axis as u8);
+    mm * i64::from(milli) / 1000
+}
+
+const SWITCHES: [&str; 8] = ["x", "y", "z", "probe", "door", "hold", "start", "reset"];
+
+const fn pin(number: usize) -> GrblPin {
+    match number {
+        0..=2 => GrblPin::Limit(number),
+        3 => GrblPin::Probe,
+        4 => GrblPin::Door,
+        5 => GrblPin::Hold,
+        6 => GrblPin::Start,
+        _ => GrblPin::Reset,
+    }
+}
+
+impl Machine for EmulatedGrbl {
+    type Controller = Grbl;
+    type Plant = GrblRig;
+
+    /// The states: motors off, spindle counter-clockwise, duty of the spindle, flood, mist.
+    const COLUMNS: &'static str = "dx,dy,dz,disable,ccw,duty,flood,mist";
+    const PANEL: &'static str = "close|open|free x|y|z|probe|door|hold|start|reset, push x|y|z N, \
+                                 block x|y|z, unblock x|y|z";
+    const AT_RESET: GrblEvent = GrblEvent::SpindleDuty { duty: 0 };
+
+    fn place(&self, emulated: &Pair<Self>, machine: u8) -> String {
+        let (grbl, Some(rig)) = (emulated.controller(), emulated.plant(machine)) else {
+            return String::new();
+        };
+        let [x, y, z] = grbl.position_steps();
+        let [at_x, at_y, at_z] = rig.steps();
+        let lost: u64 = rig.lost_steps().iter().sum();
+        format!(
+            "x {x} y {y} z {z} steps of the controller; the axes stand at {at_x} {at_y} {at_z} \
+             from their first places; spindle duty {}; {lost} steps lost",
+            rig.outputs.duty
+        )
+    }
+
+    fn control(&self, rig: &mut GrblRig, words: &[&str]) -> Option<String> {
+        let names = ["x", "y", "z"];
+        hold(words, &SWITCHES, |switch, closed| {
+            rig.hold(pin(switch), closed);
+        })
+        .or_else(|| push(words, &names, |axis, steps| rig.push(axis, steps)))
+        .or_else(|| block(words, &names, |axis, is| rig.block(axis, is)))
+    }
+
+    fn report(event: &GrblEvent) -> Option<String> {
+        let on = |is_on: bool| if is_on { "on" } else { "off" };
+        Some(match *event {
+            GrblEvent::SpindleDuty { duty } => format!("spindle duty {duty}"),
+            GrblEvent::Flood { is_on } => format!("flood {}", on(is_on)),
+            GrblEvent::Mist { is_on } => format!("mist {}", on(is_on)),
+            _ => return None,
+        })
+    }
+
+    fn row(event: &Event<Self>, rig: &GrblRig) -> Option<(Vec<i8>, Vec<u8>)> {
+        let delta = match event {
+            GrblEvent::Step { delta, .. } => *delta,
+            GrblEvent::Wait { .. } | GrblEvent::Store => return None,
+            _ => [0; 3],
+        };
+        let outputs = rig.outputs;
+        let states = [
+            outputs.disable.into(),
+            outputs.direction.into(),
+            outputs.duty,
+            outputs.flood.into(),
+            outputs.mist.into(),
+        ];
+        Some((delta.to_vec(), states.to_vec()))
+    }
+}
