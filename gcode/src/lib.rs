@@ -80,6 +80,8 @@ pub use program::format::{Formatted, formatted};
 pub use program::line::Line;
 #[cfg(feature = "program")]
 pub use program::parameters;
+#[cfg(all(feature = "program", feature = "extended"))]
+pub use program::translate::{Translated, Translator, Untranslated};
 pub use text::framing::{Framing, Receiver, Rule};
 pub use text::line_reader::{LineReader, LineTooLong};
 pub use values::decimal::Decimal;

@@ -22,6 +22,8 @@ use crate::blocks::fault::{Fault, Reason};
 use crate::codes::code::{Code, Group};
 use crate::codes::dialect::{Dialect, Flavour};
 use crate::codes::letters::first_of;
+#[cfg(feature = "extended")]
+use crate::codes::letters::polar_sign;
 use crate::error::{Error, ErrorKind};
 use crate::features::{EXTENDED, ROOMY};
 use crate::modal::commands::Commands;
@@ -52,9 +54,9 @@ pub struct Modal<const N: usize> {
     /// Positions of G28 and G30.
     pub(crate) homes: [[Nm; N]; 2],
     pub(crate) offsets: [[Nm; N]; SYSTEMS],
-    /// Rotation of each work frame about its zero, in billionths of a degree.
+    /// Rotation of each work frame about its zero, in ten-millionths of a degree.
     #[cfg(feature = "extended")]
-    pub(crate) angles: [i64; SYSTEMS],
+    pub(crate) angles: [u32; SYSTEMS],
     pub(crate) tools: Tools<N>,
 }
 
@@ -131,11 +133,18 @@ impl<const N: usize> Modal<N> {
         };
         done.map_err(|fault| {
             commands.clear();
-            block.error_on(
+            let mut error = block.error_on(
                 self.modes.dialect.axes(),
                 fault,
                 Measure::of(commands.arc.mismatch),
-            )
+            );
+            #[cfg(feature = "extended")]
+            if let (ErrorKind::UnusedWord(letter), true) =
+                (&mut error.kind, self.modes.dialect.has_polar())
+            {
+                *letter = polar_sign(*letter);
+            }
+            error
         })
     }
 
@@ -293,7 +302,7 @@ impl<const N: usize> Modal<N> {
         {
             self.modes.sticky = Sticky::NONE;
             (self.modes.more.tail, self.modes.more.compensation) = (None, None);
-            self.modes.more.nurbs = None;
+            self.modes.more.nurbs = (0, 0);
             self.note_rotation();
         }
         self.stop_outputs();

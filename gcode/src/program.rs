@@ -6,3 +6,5 @@ pub mod contour;
 pub(crate) mod format;
 pub(crate) mod line;
 pub mod parameters;
+#[cfg(feature = "extended")]
+pub(crate) mod translate;

@@ -384,7 +384,9 @@ proptest! {
         let through = program.next_line(&NoMachine).expect("a line").block;
         match (direct, through) {
             (Ok(direct), Ok(through)) => for letter in b'A'..=b'Z' {
-                prop_assert_eq!(direct.word(letter), through.word(letter));
+                // An expression has no sign of zero.
+                let shown = |block: &Block| block.word(letter).filter(|word| !word.is_zero());
+                prop_assert_eq!(shown(&direct), shown(&through));
             },
             (Err(direct), Err(through)) => prop_assert_eq!(direct.kind, through.kind),
             (direct, through) => prop_assert!(false, "{:?} {:?}", direct, through),

@@ -449,3 +449,38 @@ fn lines_that_grbl_has_no_room_for_are_refused() {
         .contains("E0104")
     );
 }
+
+/// A program for another controller: what it lacks is named, and exit status 1.
+#[test]
+fn a_program_is_translated() {
+    let program = "G20 G90 F10\nG98 G81 X1 Z-.1 R.1\nX2\nG80\nM2\nrubbish\n";
+    let cycles = scratch("cycles.nc", program);
+    let translate = |file: &Path, to: &str| {
+        let mut command = husillo();
+        command.args(["format", "--to", to]).arg(file).assert()
+    };
+    translate(&cycles, "grbl").success().stdout(
+        "G20 G90 F10\nG21\nG0 Z2.54\nG0 X25.4\nG1 Z-2.54\nG0 Z2.54\nG0 X50.8\nG1 Z-2.54\n\
+         G0 Z2.54\nG80\nM2\n",
+    );
+    translate(&cycles, "linuxcnc")
+        .success()
+        .stdout("G20 G90 F10\nG98 G81 X1 Z-0.1 R0.1\nX2\nG80\nM2\n");
+    let tools = scratch("tools.nc", "G0 X1\nT3 M6\nX2\nM30\n");
+    translate(&tools, "grbl")
+        .code(1)
+        .stdout("G0 X1\nX2\nM30\n")
+        .stderr(contains("tools.nc:2:1").and(contains("E0650")));
+    let loops = scratch(
+        "loops.nc",
+        "o1 repeat [2]\nG91 G0 X1 (step)\no1 endrepeat\nM2\n",
+    );
+    translate(&loops, "iso")
+        .success()
+        .stdout("G91 G0 X1 (step)\nG91 G0 X1 (step)\nM2\n");
+    husillo()
+        .args(["format", "--to", "iso", "--check"])
+        .arg(&loops)
+        .assert()
+        .code(2);
+}

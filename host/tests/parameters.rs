@@ -56,3 +56,37 @@ fn a_dialect_without_parameters_says_so() {
     .failure()
     .stdout(contains("E0102").and(contains("this dialect does not have them")));
 }
+
+/// Subroutines in files of their own: of the folder of the program, and of `--include`.
+#[test]
+fn subroutines_are_found_in_folders() {
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("subroutines");
+    let (own, more) = (folder.join("own"), folder.join("more"));
+    std::fs::create_dir_all(&own).unwrap();
+    std::fs::create_dir_all(&more).unwrap();
+    let write = |path: &std::path::Path, text: &str| std::fs::write(path, text).unwrap();
+    write(
+        &own.join("slot.ngc"),
+        "o<slot> sub\nG0 X#1\nM98 P77\no<slot> endsub\n",
+    );
+    write(&more.join("77.nc"), "O77\nG1 Y1\nM99\n");
+    write(&folder.join("outer.ngc"), "o<outer> sub\no<outer> endsub\n");
+    let program = own.join("part.nc");
+    write(&program, "F100\no<slot> call [3]\nM2\n");
+    let run = |arguments: &[&str]| {
+        let mut command = assert_cmd::Command::cargo_bin("husillo").unwrap();
+        command.args(["commands", program.to_str().unwrap()]);
+        command.args(arguments).assert()
+    };
+    let missing = run(&[]).code(1).get_output().stderr.clone();
+    let missing = String::from_utf8(missing).unwrap();
+    assert!(missing.contains("E0633"), "{missing}");
+    assert!(missing.contains("slot.ngc:3"), "{missing}");
+    let found = run(&["--include", more.to_str().unwrap()]).success();
+    let found = String::from_utf8(found.get_output().stdout.clone()).unwrap();
+    assert!(found.contains("rapid X3 Y0 Z0"), "{found}");
+    assert!(found.contains("linear X3 Y1 Z0"), "{found}");
+    // No name leads out of the folders.
+    write(&program, "o<../outer> call\nM2\n");
+    run(&[]).code(1);
+}

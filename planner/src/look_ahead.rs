@@ -133,7 +133,12 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
             gain,
             payload,
         });
-        self.update_limits();
+        let top = if self.slots.len() == 1 {
+            self.top()
+        } else {
+            self.limits.top_nm_per_s
+        };
+        self.update_limits(top);
         Ok(())
     }
 
@@ -149,7 +154,7 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
         if let Some(front) = self.slots.front() {
             self.front_end = self.front_end.wrapping_add(front.gain);
         }
-        self.update_limits();
+        self.update_limits(self.top());
         Some((slot.stretch, slot.payload))
     }
 
@@ -216,7 +221,7 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
             self.end = self.end.wrapping_add(gain);
             last = stretch;
         }
-        self.update_limits();
+        self.update_limits(self.top());
     }
 
     /// The override in percent.
@@ -243,7 +248,7 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
     pub fn clear(&mut self) {
         self.slots.clear();
         self.candidates.clear();
-        self.update_limits();
+        self.update_limits(self.top());
     }
 
     /// Adds the junction between the last move and a new one, and removes all candidates that it
@@ -263,27 +268,30 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
         });
     }
 
-    /// Computes the limits of the first move.
-    fn update_limits(&mut self) {
-        let (top_nm_per_s, exit_squared) = match (self.slots.front(), self.slots.back()) {
-            (Some(first), Some(last)) => {
+    /// Top speed of the first move.
+    fn top(&self) -> u32 {
+        let front = self.slots.front();
+        front.map_or(0, |front| front.stretch.top_under(self.percents))
+    }
+
+    /// Computes the limits of the first move, which has this top speed.
+    fn update_limits(&mut self, top_nm_per_s: u32) {
+        let exit_squared = match self.slots.back() {
+            Some(last) => {
                 let stop = square(last.stretch.start_nm_per_s);
                 let mut lowest = self.end.wrapping_add(stop.into());
                 if let Some(candidate) = self.candidates.front() {
                     lowest = lowest.min(candidate.height_and_limit);
                 }
                 let exit = lowest.saturating_sub(self.front_end);
-                let exit = u64::try_from(exit).unwrap_or(u64::MAX);
-                (first.stretch.top_under(self.percents), exit)
+                u64::try_from(exit).unwrap_or(u64::MAX)
             }
-            _ => (0, 0),
+            None => 0,
         };
         if top_nm_per_s != self.limits.top_nm_per_s || exit_squared != self.limits.exit_squared {
-            self.limits = Limits {
-                top_nm_per_s,
-                exit_squared,
-                version: self.limits.version.wrapping_add(1),
-            };
+            self.limits.top_nm_per_s = top_nm_per_s;
+            self.limits.exit_squared = exit_squared;
+            self.limits.version = self.limits.version.wrapping_add(1);
         }
     }
 }

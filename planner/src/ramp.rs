@@ -347,7 +347,8 @@ impl Ramp {
         self.version = limits.version;
         let top = limits
             .top_nm_per_s
-            .clamp(1, u32::MAX.wrapping_shr(self.fine_bits.into()));
+            .min(u32::MAX.wrapping_shr(self.fine_bits.into()))
+            .max(1);
         let exit = self.scaled(limits.exit_squared);
         if self.is_new || top != self.top {
             self.leave();

@@ -184,12 +184,16 @@ pub fn counts(simulated: u16) -> u16 {
     simulated
 }
 
+/// The levels as a register. They are a byte, unless the feature `wide` is on.
+#[inline(always)]
+fn bits(levels: impl Into<u32>) -> u32 {
+    levels.into()
+}
+
 /// Sets the motors' pins.
 #[inline]
 pub fn write(levels: Pins) {
-    // It is a byte, unless the feature `wide` is on.
-    #[allow(clippy::useless_conversion)]
-    let high = u32::from(levels) << 2;
+    let high = bits(levels) << 2;
     set(SIO + OUT_CLR, MOTORS_NOW & !high);
     set(SIO + OUT_SET, high & MOTORS_NOW);
 }

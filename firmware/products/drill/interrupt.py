@@ -12,7 +12,7 @@ from pathlib import Path
 from husillo_firmware import host, registers
 from husillo_firmware.boards import Board
 from husillo_firmware.qemu import ANSWER_S, Firmware
-from husillo_firmware.waiting import require, until
+from husillo_firmware.waiting import require, settled, until
 
 # The most steps of the table after the last byte of the host: those of the lease of 250 ms at 247
 # per second, and those that were given before.
@@ -40,15 +40,8 @@ class Interrupted:
 
     def ended(self) -> int:
         """Steps since the log was emptied, when no more are made."""
-        counts = [-1]
-
-        def is_quiet() -> bool:
-            time.sleep(QUIET_S)
-            counts.append(self.steps())
-            return counts[-1] == counts[-2]
-
-        until(is_quiet, ANSWER_S, f"{self.board}: it moves on without a host")
-        return counts[-1]
+        what = f"{self.board}: it moves on without a host"
+        return settled(self.steps, QUIET_S, ANSWER_S, what)
 
     def is_homed(self) -> None:
         """Waits until the homing at power-on has ended: the drill then sends its letter."""

@@ -10,12 +10,11 @@ import os
 import signal
 import subprocess
 import tempfile
-import time
 from pathlib import Path
 
 from husillo_firmware import host, registers
 from husillo_firmware.boards import Board
-from husillo_firmware.waiting import require, until
+from husillo_firmware.waiting import require, settled, until
 
 from products.micromill.link import ANSWER_S, DONE, TAKEN, WRONG, Micromill
 
@@ -51,15 +50,8 @@ class Interrupted:
 
     def ended(self) -> int:
         """Steps since the log was emptied, when no more are made."""
-        counts = [-1]
-
-        def is_quiet() -> bool:
-            time.sleep(QUIET_S)
-            counts.append(self.steps())
-            return counts[-1] == counts[-2]
-
-        until(is_quiet, ANSWER_S, f"{self.board}: it moves on without a host")
-        return counts[-1]
+        what = f"{self.board}: it moves on without a host"
+        return settled(self.steps, QUIET_S, ANSWER_S, what)
 
     def interrupt(self, words: list[str | Path], request: signal.Signals) -> int:
         """Starts a host and asks it to end. Returns the steps after its last byte."""

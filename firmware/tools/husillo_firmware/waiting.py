@@ -33,6 +33,19 @@ def until(is_so: Callable[[], bool], seconds: float, what: str) -> None:
         time.sleep(LOOK_S)
 
 
+def settled(count: Callable[[], int], quiet_s: float, seconds: float, what: str) -> int:
+    """The count once it stays the same for `quiet_s`. Fails with `what` if it goes on."""
+    counts = [-1]
+
+    def is_quiet() -> bool:
+        time.sleep(quiet_s)
+        counts.append(count())
+        return counts[-1] == counts[-2]
+
+    until(is_quiet, seconds, what)
+    return counts[-1]
+
+
 class Lines:
     """Reads the output lines of a process."""
 

@@ -5,7 +5,7 @@ pub(crate) mod given;
 use crate::blocks::fault::{Fault, Reason};
 use crate::codes::code::{Code, Group};
 use crate::codes::dialect::Dialect;
-use crate::codes::letters::{Letters, SLOTS, bit, slot_of};
+use crate::codes::letters::{Letters, SLOTS, bit, polar, slot_of};
 use crate::error::{Error, ErrorKind};
 use crate::features::EXTENDED;
 use crate::values::decimal::Decimal;
@@ -295,7 +295,8 @@ impl Block {
         let mut slot = slot_of(letter);
         let mut bit = 1u32.wrapping_shl(u32::from(slot));
         if dialect.letters().0 & bit == 0 {
-            let axis = dialect.axes().slot(letter).filter(|_| EXTENDED);
+            let polar = polar(letter).filter(|_| dialect.has_polar()).map(slot_of);
+            let axis = dialect.axes().slot(letter).or(polar).filter(|_| EXTENDED);
             slot = axis.ok_or(ErrorKind::UnknownWord(letter))?;
             bit = 1u32.wrapping_shl(u32::from(slot));
         }

@@ -32,13 +32,13 @@ pub(crate) enum Flavour {
 
 /// The letters of words in each dialect, by its flavour.
 const WORDS: [Letters; 8] = {
-    let rs274 = Letters::ALL.without(b"OUVW@^");
+    let rs274 = Letters::ALL.without(b"OUVW");
     [
-        rs274.and(b"O@^"),
+        rs274.and(b"O"),
         rs274.without(b"DEHQ"),
         rs274.without(b"DEHLQ"),
         // U and W are words of the contour cycles only: `Modal::check_axes`.
-        if EXTENDED { rs274.and(b"UW@^") } else { rs274 },
+        if EXTENDED { rs274.and(b"UW") } else { rs274 },
         if EXTENDED {
             rs274.and(b"OUW")
         } else {
@@ -215,6 +215,11 @@ impl Dialect {
     #[inline(always)]
     pub(crate) const fn letters(&self) -> Letters {
         self.letters
+    }
+
+    /// Whether points may be given by polar coordinates, `@` and `^`.
+    pub(crate) const fn has_polar(&self) -> bool {
+        EXTENDED && matches!(self.flavour, Flavour::Rs274)
     }
 
     /// Whether lines may have parameters `#` and expressions `[ ]`.

@@ -1,19 +1,40 @@
 //! The letters of words, their slots in a block, and sets of them.
 
 /// Letters that carry a value; the index of a letter in this list is its slot. The first six are
-/// the axes. The last two are signs, of polar coordinates.
-#[cfg(feature = "extended")]
-pub(crate) const LETTERS: [u8; SLOTS] = *b"XYZABCIJKRPFSTNDEHLQOUVW@^";
-#[cfg(not(feature = "extended"))]
+/// the axes.
 pub(crate) const LETTERS: [u8; SLOTS] = *b"XYZABCIJKRPFSTNDEHLQOUVW";
-pub(crate) const SLOTS: usize = if cfg!(feature = "extended") { 26 } else { 24 };
+pub(crate) const SLOTS: usize = 24;
 
-/// Slot of each letter A to Z, of `@` and of `^`, or [`NO_SLOT`] for a byte that has none.
-const SLOT_OF: [u8; 32] = {
-    let mut table = [NO_SLOT; 32];
+/// The letters under which the polar coordinates `@` and `^` are stored. They are axis words of X
+/// and Y like the increments U and V, which no dialect with polar coordinates has.
+pub(crate) const POLAR_RADIUS: u8 = b'U';
+pub(crate) const POLAR_ANGLE: u8 = b'V';
+
+/// The letter under which a sign of polar coordinates is stored.
+pub(crate) const fn polar(sign: u8) -> Option<u8> {
+    match sign {
+        b'@' => Some(POLAR_RADIUS),
+        b'^' => Some(POLAR_ANGLE),
+        _ => None,
+    }
+}
+
+/// The sign of polar coordinates that is stored under a letter; other letters are unchanged.
+#[cfg(feature = "extended")]
+pub(crate) const fn polar_sign(stored: u8) -> u8 {
+    match stored {
+        POLAR_RADIUS => b'@',
+        POLAR_ANGLE => b'^',
+        letter => letter,
+    }
+}
+
+/// Slot of each letter A to Z, or [`NO_SLOT`] for a letter that has none.
+const SLOT_OF: [u8; 26] = {
+    let mut table = [NO_SLOT; 26];
     let mut slot = 0;
     while slot < SLOTS {
-        table[(LETTERS[slot] - b'@') as usize] = slot as u8;
+        table[(LETTERS[slot] - b'A') as usize] = slot as u8;
         slot += 1;
     }
     table
@@ -46,7 +67,7 @@ pub(crate) fn first_of(mut slots: u32) -> u8 {
 
 /// Slot of an upper-case letter, or [`NO_SLOT`].
 pub(crate) const fn slot_of(letter: u8) -> u8 {
-    let place = letter.wrapping_sub(b'@') as usize;
+    let place = letter.wrapping_sub(b'A') as usize;
     if place < SLOT_OF.len() {
         SLOT_OF[place]
     } else {

@@ -102,6 +102,17 @@ impl Swing {
         stretch: Nm(0),
     };
 
+    /// From the points of a cycle, and its pitch: an angle and a radius.
+    fn of(points: &[[Nm; 2]; 4], [turn, stretch]: [Nm; 2]) -> Swing {
+        let [centre, from, ..] = *points;
+        Swing {
+            centre,
+            from,
+            turn: turn.0,
+            stretch,
+        }
+    }
+
     /// The position of this number, from 1.
     pub(crate) fn place(&self, number: u32) -> [Nm; 2] {
         let mut place = self.at(number);
@@ -123,8 +134,9 @@ pub(crate) struct Holes<const N: usize> {
     pub(crate) hole: [Nm; 2],
     /// Distance from one hole to the next.
     pub(crate) pitch: [Nm; 2],
-    /// Positions around a centre instead, and the number of the present one.
-    pub(crate) swing: Option<(Swing, u32)>,
+    /// Positions around a centre instead: the number of the present one, or 0. `pitch` is then the
+    /// angle and the radius from one to the next.
+    pub(crate) swing: u32,
     pub(crate) retract: Nm,
     pub(crate) bottom: Nm,
     pub(crate) clear: Nm,
@@ -153,7 +165,7 @@ impl<const N: usize> Holes<N> {
         at: [Nm(0); N],
         hole: [Nm(0); 2],
         pitch: [Nm(0); 2],
-        swing: None,
+        swing: 0,
         retract: Nm(0),
         bottom: Nm(0),
         clear: Nm(0),
@@ -280,7 +292,7 @@ impl<const N: usize> Holes<N> {
         }
     }
 
-    fn next(&mut self) -> Option<Command<N>> {
+    fn next(&mut self, points: &[[Nm; 2]; 4]) -> Option<Command<N>> {
         // Each state either returns a command or goes on to another; there are at most a few states
         // without a command.
         loop {
@@ -319,12 +331,13 @@ impl<const N: usize> Holes<N> {
                     Some(&step) => self.step(step, number.wrapping_add(1)),
                     None => {
                         self.left = self.left.saturating_sub(1);
-                        for (hole, pitch) in self.hole.iter_mut().zip(self.pitch) {
-                            hole.0 = hole.0.saturating_add(pitch.0);
-                        }
-                        if let Some((swing, number)) = &mut self.swing {
-                            *number = number.wrapping_add(1);
-                            self.hole = swing.place(*number);
+                        if self.swing != 0 {
+                            self.swing = self.swing.wrapping_add(1); // at most 2^16
+                            self.hole = Swing::of(points, self.pitch).place(self.swing);
+                        } else {
+                            for (hole, pitch) in self.hole.iter_mut().zip(self.pitch) {
+                                hole.0 = hole.0.saturating_add(pitch.0);
+                            }
                         }
                         self.state = if self.left == 0 {
                             State::End
@@ -409,9 +422,10 @@ pub(crate) enum Cycle<const N: usize> {
 }
 
 impl<const N: usize> Cycle<N> {
-    pub(crate) fn next(&mut self) -> Option<Command<N>> {
+    /// The next command; `points` are a centre and the vector from there to the start.
+    pub(crate) fn next(&mut self, points: &[[Nm; 2]; 4]) -> Option<Command<N>> {
         match self {
-            Cycle::Holes(holes) => holes.next(),
+            Cycle::Holes(holes) => holes.next(points),
             Cycle::Rectangle(rectangle) => rectangle.next(),
             Cycle::Passes(passes) => passes.next(),
         }

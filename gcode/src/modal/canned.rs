@@ -5,7 +5,7 @@ use crate::blocks::fault::{Fault, Reason};
 use crate::codes::code::{Code, Group};
 use crate::codes::dialect::Flavour;
 use crate::codes::kind::Kind;
-use crate::codes::letters::axis_letter;
+use crate::codes::letters::{POLAR_RADIUS, axis_letter};
 use crate::command::arc::Plane;
 use crate::command::{PathMode, SpindleDirection};
 use crate::cycles::cycle::{Cycle, Holes, PECK_CLEARANCE, Rectangle};
@@ -124,9 +124,9 @@ impl<const N: usize> Modal<N> {
         self.check_cycle_spindle(kind)?;
         self.set_feed_of(commands)?;
         let feed = commands.feed;
-        if let Some(holes) = commands.holes_made() {
+        if let Some((holes, points)) = commands.holes_made() {
             holes.feed = feed;
-            self.places(block, holes)?;
+            self.places(block, holes, points)?;
             if holes.left != 0 {
                 commands.motion(Code::DrillCycle);
             }
@@ -190,7 +190,12 @@ impl<const N: usize> Modal<N> {
 
     /// The positions of the holes, and the end position of the cycle.
     #[inline(never)]
-    fn places(&mut self, block: &Block, holes: &mut Holes<N>) -> Result<(), Fault> {
+    fn places(
+        &mut self,
+        block: &Block,
+        holes: &mut Holes<N>,
+        points: &mut [[Nm; 2]; 4],
+    ) -> Result<(), Fault> {
         // The end position of the cycle, if it has one.
         let mut end = self.modes.position;
         self.read_axes(block, self.terms(), &mut end)?;
@@ -213,13 +218,15 @@ impl<const N: usize> Modal<N> {
                 *end = shifted(*hole, Nm(more), letter)?;
             }
         }
-        holes.swing = self.swing(block)?.map(|swing| (swing, 1));
-        if let Some((swing, _)) = holes.swing {
-            (holes.hole, holes.pitch) = (swing.place(1), [Nm(0); 2]);
+        if let Some(swing) = self.swing(block)? {
+            (holes.swing, holes.pitch) = (1, [Nm(swing.turn), swing.stretch]);
+            holes.hole = swing.place(1);
+            let [centre, from, ..] = points;
+            (*centre, *from) = (swing.centre, swing.from);
             for (end, last) in end.iter_mut().zip(swing.place(holes.left.max(1))) {
                 *end = last
                     .within_limit()
-                    .ok_or(Fault::at(Reason::NumberTooLarge, b'@'))?;
+                    .ok_or(Fault::at(Reason::NumberTooLarge, POLAR_RADIUS))?;
             }
         }
         if holes.left != 0 {

@@ -11,6 +11,8 @@ use crate::command::{Input, Spline, Switch, WaitFor};
 use crate::cycles::cycle::{Cycle, Holes};
 use crate::modal::modes::Modes;
 use crate::values::nm::Nm;
+#[cfg(feature = "extended")]
+use crate::values::nm::coordinate;
 
 /// The commands of one block in order of execution. A small value that is pulled command by
 /// command. A canned cycle makes its moves as they are pulled, at most 2^21 of them.
@@ -44,10 +46,10 @@ pub struct Commands<const N: usize> {
     pub(crate) via: [Nm; N],
     #[cfg(feature = "extended")]
     path: PathMode,
-    /// Lead of G33 and G33.1.
+    /// Lead of G33 and G33.1; weight of a control point of a NURBS.
     #[cfg(feature = "extended")]
     pub(crate) lead: Nm,
-    /// Points of a spline.
+    /// Points of a spline; of a cycle the centre of polar coordinates and the start from there.
     #[cfg(feature = "extended")]
     pub(crate) points: [[Nm; 2]; 4],
     #[cfg(feature = "extended")]
@@ -59,11 +61,10 @@ pub struct Commands<const N: usize> {
 #[derive(Clone, Debug)]
 struct More<const N: usize> {
     tool_is: bool,
-    /// The command before the motion begins a NURBS of this order and weight of the first point.
+    /// The command before the motion begins a NURBS of this order. The weight of its first point is
+    /// in the first entry of `via`, as no other command goes there.
     begins_nurbs: bool,
-    nurbs: (u8, u64),
-    /// Weight of a control point of a NURBS.
-    micro_weight: u64,
+    order: u8,
     compensation: (Option<Side>, Nm, Plane),
     /// M48 to M53 and M62 to M68, which do not move.
     switch: Plain,
@@ -175,8 +176,7 @@ impl<const N: usize> Commands<N> {
         more: More {
             tool_is: false,
             begins_nurbs: false,
-            nurbs: (0, 0),
-            micro_weight: 0,
+            order: 0,
             compensation: (None, Nm(0), Plane::Xy),
             switch: Plain::Orient(0, 0),
             io: Plain::Orient(0, 0),
@@ -267,7 +267,10 @@ impl<const N: usize> Commands<N> {
 
     /// Begins a NURBS before the motion.
     pub(crate) fn begin_nurbs(&mut self, order: u8, micro_weight: u64) {
-        self.more.nurbs = (order, micro_weight);
+        self.more.order = order;
+        if let Some(weight) = self.via.first_mut() {
+            *weight = Nm(micro_weight as i64);
+        }
         self.more.begins_nurbs = true;
         self.pending |= VIA;
     }
@@ -276,7 +279,7 @@ impl<const N: usize> Commands<N> {
     pub(crate) fn nurbs_point(&mut self, at: [Nm; 2], micro_weight: u64) {
         let [_, _, _, point] = &mut self.points;
         *point = at;
-        self.more.micro_weight = micro_weight;
+        self.lead = Nm(micro_weight as i64);
         self.motion(Code::Nurbs);
     }
 
@@ -296,15 +299,20 @@ impl<const N: usize> Commands<N> {
     /// The holes of the cycle, to be filled in.
     pub(crate) fn holes(&mut self) -> Option<&mut Holes<N>> {
         self.more.cycle = Some(Cycle::Holes(Holes::NONE));
-        self.holes_made()
+        self.holes_made().map(|(holes, _)| holes)
     }
 
-    /// The holes of the last cycle.
-    pub(crate) fn holes_made(&mut self) -> Option<&mut Holes<N>> {
+    /// The holes of the last cycle, and its points.
+    pub(crate) fn holes_made(&mut self) -> Option<(&mut Holes<N>, &mut [[Nm; 2]; 4])> {
         match &mut self.more.cycle {
-            Some(Cycle::Holes(holes)) => Some(holes),
+            Some(Cycle::Holes(holes)) => Some((holes, &mut self.points)),
             _ => None,
         }
+    }
+
+    fn cycle_command(&mut self) -> Option<Command<N>> {
+        let points = &self.points;
+        self.more.cycle.as_mut()?.next(points)
     }
 
     #[inline(always)]
@@ -329,7 +337,7 @@ impl<const N: usize> Iterator for Commands<N> {
         let mut lowest = self.pending & self.pending.wrapping_neg();
         #[cfg(feature = "extended")]
         if lowest == MOTION && self.motion == Some(Code::DrillCycle) {
-            if let Some(command) = self.more.cycle.as_mut().and_then(Cycle::next) {
+            if let Some(command) = self.cycle_command() {
                 return Some(command);
             }
             self.pending &= !MOTION;
@@ -376,8 +384,8 @@ impl<const N: usize> Iterator for Commands<N> {
             },
             #[cfg(feature = "extended")]
             VIA if self.more.begins_nurbs => Command::NurbsBegin {
-                order: self.more.nurbs.0,
-                micro_weight: self.more.nurbs.1,
+                order: self.more.order,
+                micro_weight: coordinate(&self.via, 0).0 as u64,
                 feed,
             },
             VIA => Command::Rapid { to: self.via },
@@ -404,7 +412,7 @@ impl<const N: usize> Iterator for Commands<N> {
                     let [_, _, _, at] = self.points;
                     Command::NurbsPoint {
                         at,
-                        micro_weight: self.more.micro_weight,
+                        micro_weight: self.lead.0 as u64,
                     }
                 }
                 #[cfg(feature = "extended")]

@@ -192,10 +192,11 @@ pub(crate) struct More {
     /// G96: surface speed per minute and the largest speed in thousandths of a revolution per
     /// minute; `None` under G97.
     pub(crate) surface: Option<(Nm, Option<u64>)>,
-    /// G5: the reversed vector from the end of the curve to its second control point.
+    /// G5: the reversed vector from the end of the curve to its second control point. G5.2: the last
+    /// control point.
     pub(crate) tail: Option<[Nm; 2]>,
-    /// G5.2: the NURBS that is not ended yet.
-    pub(crate) nurbs: Option<Nurbs>,
+    /// G5.2: order and number of control points of the NURBS that is not ended yet; 0 without one.
+    pub(crate) nurbs: (u8, u32),
     /// X and Y of the position in a rotated work frame, from the zero of the frame. They count only
     /// as long as they give the position, so nothing else has to keep them up to date.
     pub(crate) unrotated: [Nm; 2],
@@ -209,21 +210,11 @@ impl More {
     const NONE: More = More {
         surface: None,
         tail: None,
-        nurbs: None,
+        nurbs: (0, 0),
         unrotated: [Nm(0); 2],
         compensation: None,
         tolerance: None,
     };
-}
-
-/// A NURBS that is not ended yet.
-#[cfg(feature = "extended")]
-#[derive(Copy, Clone, Debug, Eq, PartialEq)]
-pub(crate) struct Nurbs {
-    pub(crate) order: u8,
-    /// Number of control points so far, and the last one.
-    pub(crate) points: u32,
-    pub(crate) last: [Nm; 2],
 }
 
 /// Values that a canned cycle keeps for the next block of its series, with lengths as programmed.

@@ -1,6 +1,8 @@
 //! Motion: the user of the axis words, G0 to G3, G53 and G38.
 
 use crate::blocks::block::Block;
+#[cfg(feature = "extended")]
+use crate::blocks::block::given::POLAR;
 use crate::blocks::fault::{Fault, Reason};
 use crate::codes::code::{Code, Group};
 use crate::codes::dialect::Flavour;
@@ -111,7 +113,7 @@ impl<const N: usize> Modal<N> {
             self.set_active(Group::Motion, if ends { Code::CancelMotion } else { mode });
         }
         #[cfg(feature = "extended")]
-        if mode != Code::Cubic {
+        if !matches!(mode, Code::Cubic | Code::Nurbs) {
             self.modes.more.tail = None;
         }
         Ok(())
@@ -416,7 +418,10 @@ impl<const N: usize> Modal<N> {
                 return Err(Fault::at(Reason::RadiusAndCentre, b'R'));
             }
             #[cfg(feature = "extended")]
-            let ends = ends.and(b"@^");
+            let ends = match self.modes.dialect.has_polar() {
+                true => Letters(ends.0 | POLAR.0),
+                false => ends,
+            };
             if !block.has_any(ends) {
                 return Err(Fault::at_motion(Reason::NoEnd));
             }

@@ -7,7 +7,6 @@ use crate::codes::code::Group;
 use crate::codes::dialect::Flavour;
 use crate::command::arc::Plane;
 use crate::modal::commands::Commands;
-use crate::modal::modes::Nurbs;
 use crate::modal::settings::{unsigned, whole};
 use crate::modal::{Modal, shifted};
 use crate::values::nm::Nm;
@@ -141,32 +140,28 @@ impl<const N: usize> Modal<N> {
                 .ok_or(Fault::at(Reason::OutOfRange, b'P'))?,
         };
         self.set_feed_of(commands)?;
-        let mut curve = match self.modes.more.nurbs {
-            Some(_) if block.has(b'L') => return Err(Fault::at(Reason::UnusedWord, b'L')),
-            Some(_) if !has_point => {
-                return Err(Fault::at_code(Reason::NoAxisWords, Group::Motion));
+        let (mut order, mut points) = self.modes.more.nurbs;
+        if order == 0 {
+            order = whole(block, b'L', MOST_ORDER)?.unwrap_or(3);
+            if order < 2 {
+                return Err(Fault::at(Reason::OutOfRange, b'L'));
             }
-            Some(curve) => curve,
-            None => {
-                let order = whole(block, b'L', MOST_ORDER)?.unwrap_or(3);
-                if order < 2 {
-                    return Err(Fault::at(Reason::OutOfRange, b'L'));
-                }
-                commands.begin_nurbs(order, if has_point { 1_000_000 } else { weight });
-                Nurbs {
-                    order,
-                    points: 1,
-                    last: Self::plane_point(&self.modes.position),
-                }
-            }
-        };
+            commands.begin_nurbs(order, if has_point { 1_000_000 } else { weight });
+            self.modes.more.tail = Some(Self::plane_point(&self.modes.position));
+            points = 1;
+        } else if block.has(b'L') {
+            return Err(Fault::at(Reason::UnusedWord, b'L'));
+        } else if !has_point {
+            return Err(Fault::at_code(Reason::NoAxisWords, Group::Motion));
+        }
         if has_point {
             let to = self.target(block)?;
-            curve.last = Self::plane_point(&to);
-            curve.points = curve.points.saturating_add(1);
-            commands.nurbs_point(curve.last, weight);
+            let last = Self::plane_point(&to);
+            self.modes.more.tail = Some(last);
+            points = points.saturating_add(1);
+            commands.nurbs_point(last, weight);
         }
-        self.modes.more.nurbs = Some(curve);
+        self.modes.more.nurbs = (order, points);
         Ok(())
     }
 
@@ -180,11 +175,13 @@ impl<const N: usize> Modal<N> {
             let letter = block.letter_of(block.axes().trailing_zeros() as usize);
             return Err(Fault::at(Reason::UnusedWord, letter));
         }
-        let curve = self.modes.more.nurbs.take();
-        let curve = curve.filter(|curve| curve.points >= u32::from(curve.order));
-        let curve = curve.ok_or(Fault::at_motion(Reason::TooFewPoints))?;
+        let (order, points) = core::mem::take(&mut self.modes.more.nurbs);
+        if order == 0 || points < u32::from(order) {
+            return Err(Fault::at_motion(Reason::TooFewPoints));
+        }
+        let last = self.modes.more.tail.unwrap_or_default();
         commands.arc.to = self.modes.position;
-        for (to, last) in commands.arc.to.iter_mut().zip(curve.last) {
+        for (to, last) in commands.arc.to.iter_mut().zip(last) {
             *to = last;
         }
         self.go(Code::NurbsEnd, commands);
@@ -193,7 +190,7 @@ impl<const N: usize> Modal<N> {
 
     /// Refuses what interrupts a NURBS.
     pub(crate) fn check_nurbs(&self, block: &Block, mode: Code) -> Result<(), Fault> {
-        if self.modes.more.nurbs.is_none() {
+        if self.modes.more.nurbs.0 == 0 {
             return Ok(());
         }
         if !matches!(mode, Code::Nurbs | Code::NurbsEnd) {

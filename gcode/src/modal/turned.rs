@@ -9,7 +9,7 @@
 use crate::blocks::block::Block;
 use crate::blocks::block::given::POLAR;
 use crate::blocks::fault::{Fault, Reason};
-use crate::codes::letters::AXES;
+use crate::codes::letters::{AXES, POLAR_ANGLE, POLAR_RADIUS};
 use crate::command::arc::{Arc, Plane};
 use crate::cycles::cycle::Swing;
 use crate::modal::Modal;
@@ -44,9 +44,14 @@ enum Part {
 }
 
 impl<const N: usize> Modal<N> {
+    /// Whether a block has polar coordinates.
+    fn is_polar(&self, block: &Block) -> bool {
+        block.has_any(POLAR) && self.modes.dialect.has_polar()
+    }
+
     /// Whether X and Y of a block are not simply added to a zero.
     pub(crate) fn is_turned(&self, block: &Block, terms: Terms) -> bool {
-        block.has_any(POLAR) || self.modes.is_rotated && terms != Terms::NONE
+        self.is_polar(block) || self.modes.is_rotated && terms != Terms::NONE
     }
 
     /// Sets whether the active work frame is rotated.
@@ -57,7 +62,8 @@ impl<const N: usize> Modal<N> {
 
     /// The rotation of a work frame.
     fn turn(&self, system: usize) -> Turn {
-        Turn::of(self.angles.get(system).copied().unwrap_or(0))
+        let angle = self.angles.get(system).copied().unwrap_or(0);
+        Turn::of(i64::from(angle).wrapping_mul(ANGLE))
     }
 
     /// A vector of a block, in the machine frame.
@@ -86,17 +92,16 @@ impl<const N: usize> Modal<N> {
     }
 
     /// The angle in `R` of G10, in billionths of a degree.
-    pub(crate) fn angle_of(&self, block: &Block, has_angle: bool) -> Result<Option<i64>, Fault> {
+    pub(crate) fn angle_of(&self, block: &Block, has_angle: bool) -> Result<Option<u32>, Fault> {
         let Some(angle) = block.word(b'R') else {
             return Ok(None);
         };
         if !has_angle && !angle.is_zero() || N < 2 {
             return Err(Fault::at(Reason::OutOfRange, b'R'));
         }
-        let angle = angle
-            .scaled(1, 9)
-            .filter(|angle| Nm(*angle).within_limit().is_some());
-        Ok(Some(angle.ok_or(Fault::at(Reason::NumberTooLarge, b'R'))?))
+        let angle = angle.scaled(1, 7);
+        let angle = angle.ok_or(Fault::at(Reason::NumberTooLarge, b'R'))?;
+        Ok(Some(turn_of(angle)))
     }
 
     /// Replaces the zero of a work frame, so that the position reads the words of the block in it.
@@ -112,8 +117,8 @@ impl<const N: usize> Modal<N> {
     }
 
     fn check_not_polar(&self, block: &Block) -> Result<(), Fault> {
-        for letter in [b'@', b'^'] {
-            if block.has(letter) {
+        for letter in [POLAR_RADIUS, POLAR_ANGLE] {
+            if self.is_polar(block) && block.has(letter) {
                 return Err(Fault::at(Reason::UnusedWord, letter));
             }
         }
@@ -196,7 +201,7 @@ impl<const N: usize> Modal<N> {
 
     /// X and Y of a block in the frame of the program; `from` is the position there.
     fn program_point(&self, block: &Block, terms: Terms, from: [Nm; 2]) -> Result<[Nm; 2], Fault> {
-        if block.has_any(POLAR) {
+        if self.is_polar(block) {
             return self.polar_point(block, terms == Terms::INCREMENT, from);
         }
         let mut point = from;
@@ -227,14 +232,14 @@ impl<const N: usize> Modal<N> {
         if N < 2 {
             return Err(Fault::at_motion(Reason::NoAxisWords));
         }
-        let angle = match block.word(b'^') {
+        let angle = match block.word(POLAR_ANGLE) {
             None => None,
             Some(angle) => {
                 let angle = angle.scaled(1, 9);
-                Some(angle.ok_or(Fault::at(Reason::NumberTooLarge, b'^'))?)
+                Some(angle.ok_or(Fault::at(Reason::NumberTooLarge, POLAR_ANGLE))?)
             }
         };
-        Ok((self.length_of(block, b'@')?, angle))
+        Ok((self.length_of(block, POLAR_RADIUS)?, angle))
     }
 
     /// The point of polar coordinates. With increments both count from the position.
@@ -278,7 +283,7 @@ impl<const N: usize> Modal<N> {
 
     /// The holes of a cycle with incremental polar coordinates; `None` for others.
     pub(crate) fn swing(&self, block: &Block) -> Result<Option<Swing>, Fault> {
-        if !block.has_any(POLAR) || self.terms() != Terms::INCREMENT {
+        if !self.is_polar(block) || self.terms() != Terms::INCREMENT {
             return Ok(None);
         }
         let (radius, angle) = self.polar_words(block)?;
@@ -346,22 +351,31 @@ impl<const N: usize> Modal<N> {
         minus(self.point_from_zero(turn, rest), plane(&self.modes.shift))
     }
 
-    /// The rotation of a work frame about its zero, 0 (G54) to 8 (G59.3), in billionths of a
-    /// degree, counter-clockwise. It turns X and Y.
-    pub fn rotation(&self, system: u8) -> Option<i64> {
+    /// The rotation of a work frame about its zero, 0 (G54) to 8 (G59.3), in ten-millionths of a
+    /// degree, counter-clockwise, below a whole turn. It turns X and Y.
+    pub fn rotation(&self, system: u8) -> Option<u32> {
         self.angles.get(usize::from(system)).copied()
     }
 
     /// Sets the rotation of a work frame, as `R` of G10 L2 does. Returns `false`, with no effect,
     /// for another number.
-    pub fn set_rotation(&mut self, system: u8, nano_degrees: i64) -> bool {
+    pub fn set_rotation(&mut self, system: u8, ten_millionths: i64) -> bool {
         let Some(angle) = self.angles.get_mut(usize::from(system)) else {
             return false;
         };
-        *angle = nano_degrees;
+        *angle = turn_of(ten_millionths);
         self.note_rotation();
         true
     }
+}
+
+/// Billionths of a degree in a ten-millionth.
+const ANGLE: i64 = 100;
+
+/// An angle in ten-millionths of a degree without its whole turns.
+fn turn_of(angle: i64) -> u32 {
+    // Below 3.6 * 10^9 < 2^32.
+    angle.rem_euclid(3_600_000_000) as u32
 }
 
 /// The length of a vector, rounded.

@@ -9,6 +9,7 @@ use crate::input;
 use crate::machines::machine_file::{LoadError, MachineFile};
 use crate::microfactory;
 use crate::programs::check::{self, Facts};
+use crate::programs::library::Folders;
 use crate::programs::program::Start;
 use crate::programs::setup::{self, Micromill};
 use crate::programs::source::Source;
@@ -21,6 +22,8 @@ use std::io::{self, Read};
 /// A program and its machine.
 pub struct Job {
     pub file: String,
+    /// Further folders with files of subroutines.
+    include: Vec<String>,
     pub machine: MachineFile,
     pub config: Config<3>,
     /// Its language, and its position on the machine.
@@ -59,6 +62,7 @@ impl Job {
         }
         Ok(Self {
             file: file.to_owned(),
+            include: target.include.clone(),
             machine,
             config,
             start,
@@ -176,13 +180,12 @@ impl Job {
     pub fn open(&self) -> Result<Source, Failure> {
         #[cfg(test)]
         self.opened.set(self.opened.get() + 1);
-        match &self.input {
-            Some(input) => Ok(Source::from_reader(Box::new(io::Cursor::new(
-                input.clone(),
-            )))),
+        let source = match &self.input {
+            Some(input) => Source::from_reader(Box::new(io::Cursor::new(input.clone()))),
             None => Source::open(&self.file)
-                .map_err(|error| Failure::Usage(format!("{}: {error}", self.file))),
-        }
+                .map_err(|error| Failure::Usage(format!("{}: {error}", self.file)))?,
+        };
+        Ok(source.with_folders(Folders::of(&self.file, &self.include)))
     }
 
     /// How the file is called in messages.

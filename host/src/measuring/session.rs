@@ -267,74 +267,85 @@ impl Session {
                 ..ResultRow::default()
             };
             match action {
-                Action::GoTo(goal, approach) => {
-                    row.action = "goto";
-                    let held = head.held();
-                    let goal = [0, 1, 2].map(|axis| goal[axis].unwrap_or(held[axis]));
-                    match approach {
-                        Approach::Rapid => head.go_to(goal)?,
-                        Approach::Guarded => head.guarded_to(goal)?,
-                    };
-                }
-                Action::Zero(_) => {
-                    row.action = "zero";
-                    axes.iter().try_for_each(|axis| head.set_zero(*axis))?;
-                    self.keep(head);
-                }
-                Action::Home(axis) => {
-                    row.action = "home";
-                    head.home(axis)?;
-                    self.keep(head);
-                }
-                Action::Jog {
-                    towards,
-                    seconds,
-                    is_slow,
-                } => {
-                    row.action = "jog";
-                    let is_positive = towards.text() == "+";
-                    head.jog(
-                        towards.axis.unwrap_or_default(),
-                        is_positive,
-                        seconds,
-                        is_slow,
-                    )?;
-                }
-                Action::Touch(towards) => {
-                    row.action = "touch";
-                    let measurement = head.measure(&towards.direction, u64::MAX)?;
-                    row.touch = Some(self.figures(&measurement, &towards, &axes));
-                }
-                Action::Calibrate(towards) => {
-                    row.action = "calibrate";
-                    let measurement = head.measure(&towards.direction, u64::MAX)?;
-                    self.calibrate_on_face(&towards, &measurement, head)?;
-                    row.touch = Some(TouchFigures {
-                        table: self.table(),
-                        ..self.figures(&measurement, &towards, &axes)
-                    });
-                }
-                Action::CalibrateOn(body) => {
-                    row.action = "calibrate";
-                    // Four times the distance that the axis moves back after a touch.
-                    let clearance = self
-                        .scale
-                        .of_counts(i64::from(head.inner().probe().back_off) * 4);
-                    let found = body.calibrate(head, self.stylus.radius_nm, clearance)?;
-                    self.stylus = found.stylus;
-                    row.calibration = Some(self.found(&found, body.body));
-                }
-                Action::Where(_) => {
-                    self.whereabouts(&axes, head, &mut report)?;
-                    continue;
-                }
-                Action::Status(_) => {
-                    self.status(&axes, &row, head, &mut report)?;
-                    continue;
+                Action::Where(_) => self.whereabouts(&axes, head, &mut report)?,
+                Action::Status(_) => self.status(&axes, &row, head, &mut report)?,
+                _ => {
+                    self.carry_out(action, &axes, head, &mut row)?;
+                    row.position = self.numbers(head.position()?, &axes);
+                    report(&row);
                 }
             }
-            row.position = self.numbers(head.position()?, &axes);
-            report(&row);
+        }
+        Ok(())
+    }
+
+    /// Carries out an action with one result.
+    fn carry_out(
+        &mut self,
+        action: Action,
+        axes: &[usize],
+        head: &mut Calibrated<Head<AnyPort>>,
+        row: &mut ResultRow,
+    ) -> Result<(), Trouble> {
+        match action {
+            Action::GoTo(goal, approach) => {
+                row.action = "goto";
+                let held = head.held();
+                let goal = [0, 1, 2].map(|axis| goal[axis].unwrap_or(held[axis]));
+                match approach {
+                    Approach::Rapid => head.go_to(goal)?,
+                    Approach::Guarded => head.guarded_to(goal)?,
+                };
+            }
+            Action::Zero(_) => {
+                row.action = "zero";
+                axes.iter().try_for_each(|axis| head.set_zero(*axis))?;
+                self.keep(head);
+            }
+            Action::Home(axis) => {
+                row.action = "home";
+                head.home(axis)?;
+                self.keep(head);
+            }
+            Action::Jog {
+                towards,
+                seconds,
+                is_slow,
+            } => {
+                row.action = "jog";
+                let is_positive = towards.text() == "+";
+                head.jog(
+                    towards.axis.unwrap_or_default(),
+                    is_positive,
+                    seconds,
+                    is_slow,
+                )?;
+            }
+            Action::Touch(towards) => {
+                row.action = "touch";
+                let measurement = head.measure(&towards.direction, u64::MAX)?;
+                row.touch = Some(self.figures(&measurement, &towards, axes));
+            }
+            Action::Calibrate(towards) => {
+                row.action = "calibrate";
+                let measurement = head.measure(&towards.direction, u64::MAX)?;
+                self.calibrate_on_face(&towards, &measurement, head)?;
+                row.touch = Some(TouchFigures {
+                    table: self.table(),
+                    ..self.figures(&measurement, &towards, axes)
+                });
+            }
+            Action::CalibrateOn(body) => {
+                row.action = "calibrate";
+                // Four times the distance that the axis moves back after a touch.
+                let clearance = self
+                    .scale
+                    .of_counts(i64::from(head.inner().probe().back_off) * 4);
+                let found = body.calibrate(head, self.stylus.radius_nm, clearance)?;
+                self.stylus = found.stylus;
+                row.calibration = Some(self.found(&found, body.body));
+            }
+            Action::Where(_) | Action::Status(_) => {}
         }
         Ok(())
     }

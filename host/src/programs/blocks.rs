@@ -1,5 +1,6 @@
 //! The blocks of a program in the order of execution.
 
+use crate::programs::library::Folders;
 use crate::programs::reading::Reading;
 use crate::programs::source::Source;
 use husillo_gcode::contour::{Contours, needs_contours};
@@ -11,7 +12,7 @@ use std::io;
 use std::ops::ControlFlow;
 
 /// Capacity for parameters and calls: far more than a controller has.
-type Whole<'t> = Program<'t, 4096, 2048, 128>;
+type Whole<'t> = Program<'t, 4096, 2048, 128, 64>;
 
 /// Capacity for the contour of a turning cycle.
 type Turned<'t> = Contours<'t, 1024>;
@@ -19,6 +20,8 @@ type Turned<'t> = Contours<'t, 1024>;
 /// A block's place in the file.
 #[derive(Clone, Copy, Debug)]
 pub struct Given<'a> {
+    /// The file of a subroutine that the line is in; `None` for the program itself.
+    pub file: Option<&'a str>,
     /// Number of the line, from 1.
     pub number: usize,
     /// The whole line.
@@ -179,7 +182,12 @@ pub fn each_block<C>(
         return Ok(());
     };
     let text = source.rest()?;
-    as_a_whole(&text, first, dialect, &mut percent, context, reading, each)
+    let text = Text {
+        bytes: percent.before_all(&text),
+        first,
+        folders: source.take_folders(),
+    };
+    as_a_whole(&text, dialect, &mut percent, context, reading, each)
 }
 
 /// Gives the blocks of the lines that need no other line. Returns the number of the first line that
@@ -202,6 +210,7 @@ fn by_lines(
             return Ok(Some(line.number));
         }
         let whole = Given {
+            file: None,
             number: line.number,
             bytes: line.bytes,
             at: 0,
@@ -243,19 +252,27 @@ fn by_lines(
     }
 }
 
-/// Gives the blocks of a text in the order of execution. `first` is the number of its first line.
-fn as_a_whole<C>(
-    text: &[u8],
+/// A program that is kept in memory.
+struct Text<'a> {
+    bytes: &'a [u8],
+    /// Number of its first line.
     first: usize,
+    /// Where the files of its subroutines are.
+    folders: Folders,
+}
+
+/// Gives the blocks of a text in the order of execution.
+fn as_a_whole<C>(
+    text: &Text<'_>,
     dialect: Dialect,
     percent: &mut Percent,
     context: &mut C,
     reading: impl Fn(&C) -> Reading<'_, 3>,
     mut each: impl FnMut(&mut C, &Given<'_>, Result<Block, Error>) -> io::Result<ControlFlow<()>>,
 ) -> io::Result<()> {
-    let text = percent.before_all(text);
-    let mut program = Box::new(Whole::new(text, dialect).with_first_line(first));
-    let mut contours = Box::new(Turned::new(text, dialect));
+    let program = Whole::new(text.bytes, dialect).with_first_line(text.first);
+    let mut program = Box::new(program.with_library(&text.folders));
+    let mut contours = Box::new(Turned::new(text.bytes, dialect));
     let mut repetition = Repetition::default();
     loop {
         let state = reading(context);
@@ -276,6 +293,7 @@ fn as_a_whole<C>(
             }
         };
         let given = Given {
+            file: line.file.and_then(|name| std::str::from_utf8(name).ok()),
             number: line.number,
             bytes: line.text,
             at: 0,

@@ -97,6 +97,8 @@ struct Walker<'a> {
 /// The place of a command that waits for the corner after it.
 #[derive(Clone)]
 struct Held {
+    /// The file of a subroutine.
+    file: Option<String>,
     line: usize,
     bytes: Vec<u8>,
     block: usize,
@@ -104,8 +106,9 @@ struct Held {
 }
 
 impl Held {
-    fn new(at: &At<'_>) -> Self {
+    fn new(at: &At<'_>, file: Option<&str>) -> Self {
         Self {
+            file: file.map(str::to_owned),
             line: at.line,
             bytes: at.bytes.to_owned(),
             block: at.block,
@@ -116,7 +119,7 @@ impl Held {
     fn meaning<'a>(&'a self, file: &'a str, dialect: Dialect) -> Meaning<'a> {
         Meaning {
             at: At {
-                file,
+                file: self.file.as_deref().unwrap_or(file),
                 line: self.line,
                 bytes: &self.bytes,
                 block: self.block,
@@ -217,7 +220,7 @@ impl<'a> Walker<'a> {
         each: Each<'_>,
     ) -> io::Result<ControlFlow<()>> {
         let at = At {
-            file: self.file,
+            file: given.file.unwrap_or(self.file),
             line: given.number,
             bytes: given.bytes,
             block: given.at,
@@ -227,7 +230,9 @@ impl<'a> Walker<'a> {
         if given.repeats {
             findings.report_once();
         }
-        self.last_line = given.number;
+        if given.file.is_none() {
+            self.last_line = given.number;
+        }
         self.progress.step();
         if blocks::is_grbl_command(given.text, &self.dialect) {
             findings.add(grbl_command(&at));
@@ -256,7 +261,7 @@ impl<'a> Walker<'a> {
             std::mem::swap(&mut freed, &mut self.waiting);
         }
         while self.waiting.len() < self.stage.held() {
-            self.waiting.push_back(Held::new(&at));
+            self.waiting.push_back(Held::new(&at, given.file));
         }
         for command in commands {
             if given.repeats && !self.may_go_on() {

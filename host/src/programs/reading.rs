@@ -1,6 +1,6 @@
 //! What expressions of a program can read: the modal state, the probe and the inputs.
 
-use husillo_gcode::parameters::{System, Value};
+use husillo_gcode::parameters::{SavedModes, System, Value};
 use husillo_gcode::{Command, Input, Modal, Nm, Units, WaitFor};
 
 /// Results of the last probing move and of the last wait for an input.
@@ -37,11 +37,9 @@ impl<const N: usize> Results<N> {
         match command {
             Command::Probe { to, .. } => {
                 self.is_touched = true;
-                self.probed = *to;
-                let zeros = modal.work_offset().into_iter().zip(modal.tool_length());
-                for (at, (zero, length)) in self.probed.iter_mut().zip(zeros) {
-                    at.0 -= zero.0 + length.0;
-                }
+                let mut touched = modal.clone();
+                touched.set_position(*to);
+                self.probed = touched.work_position();
             }
             Command::Wait { input, until, .. } => self.input_micro = simulated(*input, *until),
             _ => {}
@@ -95,5 +93,9 @@ impl<const N: usize> System for Reading<'_, N> {
 
     fn has_subroutine(&self, name: &[u8]) -> bool {
         self.modal.has_subroutine(name)
+    }
+
+    fn modes(&self) -> Option<SavedModes> {
+        self.modal.modes()
     }
 }

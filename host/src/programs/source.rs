@@ -2,6 +2,7 @@
 
 use crate::input;
 use crate::input::BYTE_ORDER_MARK;
+use crate::programs::library::Folders;
 use std::io::{self, BufRead, BufReader};
 
 /// Longest line that is read, bytes. The rest of a longer line is skipped.
@@ -64,6 +65,7 @@ pub struct Source {
     reader: Box<dyn BufRead>,
     buffer: Vec<u8>,
     number: usize,
+    folders: Folders,
 }
 
 /// One line without its line end.
@@ -122,7 +124,19 @@ impl Source {
             reader,
             buffer: Vec::new(),
             number: 0,
+            folders: Folders::default(),
         }
+    }
+
+    /// The same, with the files of its subroutines in these folders.
+    pub fn with_folders(mut self, folders: Folders) -> Self {
+        self.folders = folders;
+        self
+    }
+
+    /// The folders of its subroutines, once.
+    pub fn take_folders(&mut self) -> Folders {
+        std::mem::take(&mut self.folders)
     }
 
     /// The same, after this many lines that were read elsewhere.

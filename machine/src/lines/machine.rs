@@ -255,7 +255,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
     ///
     /// # Errors
     /// The reason for the first one that it cannot make.
-    pub fn check(&self, commands: impl IntoIterator<Item = Command<N>>) -> Result<(), MoveError> {
+    pub fn check<I: IntoIterator<Item = Command<N>>>(&self, commands: I) -> Result<(), MoveError> {
         self.accept(commands.into_iter()).map(|_| ())
     }
 

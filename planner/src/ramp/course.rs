@@ -318,7 +318,7 @@ fn falling(run_up: u32, room: u32, parts: u32) -> u32 {
 /// At least 1 and at most `room`; what is left is not a small piece.
 fn fitted(count: u32, room: u32, parts: u32) -> u32 {
     let longest = LONGEST.wrapping_shl(parts);
-    let count = count.clamp(1, longest);
+    let count = count.min(longest).max(1);
     if room <= count.wrapping_add(count >> 3).min(longest) {
         room
     } else {

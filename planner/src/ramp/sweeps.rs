@@ -92,9 +92,7 @@ impl Span {
     /// Passes `sweep` more, which ends within the part; the time of it.
     pub(crate) fn pass(&mut self, sweep: u64, slowness: &Slowness) -> u64 {
         self.passed = self.passed.wrapping_add(sweep);
-        let time = self
-            .time_at(slowness)
-            .clamp(self.given, self.time.max(self.given));
+        let time = self.time_at(slowness).min(self.time).max(self.given);
         let wait = time.wrapping_sub(self.given);
         self.given = time;
         wait

@@ -7,6 +7,8 @@ use crate::codes::code::{Code, Group};
 #[cfg(all(feature = "program", feature = "extended"))]
 use crate::codes::letters::LETTERS;
 use crate::codes::letters::{AXES, Letters, axis_letter, bit, first_of, slot_of};
+#[cfg(feature = "extended")]
+use crate::codes::letters::{POLAR_ANGLE, POLAR_RADIUS};
 use crate::error::Error;
 use crate::features::EXTENDED;
 use crate::values::decimal::Decimal;
@@ -16,14 +18,11 @@ use crate::values::nm::Measure;
 const INCREMENTS: u8 = 21;
 
 /// The words of axes, those of polar coordinates included.
-const AXIS_WORDS: u32 = Letters::new(b"XYZABC@^").0;
+const AXIS_WORDS: u32 = Letters::new(b"XYZABCUV").0;
 
-/// Slot of `@`; that of `^` follows, and there are no others.
-const POLAR_SLOT: u8 = 24;
-
-/// The letters of polar coordinates.
+/// The letters under which polar coordinates are stored.
 #[cfg(feature = "extended")]
-pub(crate) const POLAR: Letters = Letters::new(b"@^");
+pub(crate) const POLAR: Letters = Letters::new(&[POLAR_RADIUS, POLAR_ANGLE]);
 
 /// The letters that need a code that uses them.
 const CLAIMED: Letters = Letters::new(b"IJKRPDEHLQ");
@@ -123,9 +122,7 @@ impl Block {
     pub(crate) fn axes(&self) -> u16 {
         // The slots of U, V and W are those of X, Y and Z in the same order.
         let increments = if EXTENDED {
-            // Polar coordinates are X and Y; their two bits are the highest.
-            let polar = u32::from(self.present >> POLAR_SLOT != 0).wrapping_mul(0b11);
-            (self.present >> INCREMENTS) & 0b111 | polar
+            (self.present >> INCREMENTS) & 0b111
         } else {
             0
         };
@@ -295,7 +292,7 @@ impl Block {
     /// Whether there is only a motion code, and only words of a move, `F` and `N`.
     #[inline]
     pub(crate) fn is_move(&self) -> bool {
-        const OF_MOVES: u32 = Letters::new(b"XYZABCUVWIJKRPFN").0;
+        const OF_MOVES: u32 = Letters::new(b"XYZABCIJKRPFN").0;
         self.has_only(1 << Group::Motion as u32) && self.present & !OF_MOVES == 0
     }
 

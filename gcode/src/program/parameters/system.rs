@@ -120,7 +120,7 @@ impl<const N: usize> System for Modal<N> {
                 let (system, axis) = ((place / 20) as u8, usize::from(place % 20));
                 match axis {
                     #[cfg(feature = "extended")]
-                    9 => Value::new(self.rotation(system)?, 9),
+                    9 => Value::new(i64::from(self.rotation(system)?), 7),
                     axis => in_units(axis, self.work_zero(system)?),
                 }
             }

@@ -1,7 +1,7 @@
 //! The values that the expressions of a measuring program can use.
 
 use crate::routine::called_cycle;
-use husillo_gcode::parameters::{System, Value};
+use husillo_gcode::parameters::{SavedModes, System, Value};
 use husillo_gcode::{Modal, Nm, Units};
 use std::collections::HashMap;
 
@@ -46,6 +46,10 @@ impl System for State {
 
     fn has_subroutine(&self, name: &[u8]) -> bool {
         called_cycle::by_name(name).is_some()
+    }
+
+    fn modes(&self) -> Option<SavedModes> {
+        self.modal.modes()
     }
 }
 
