@@ -6,3 +6,5 @@ pub(crate) mod dialect;
 pub(crate) mod kind;
 pub(crate) mod letters;
 mod number;
+#[cfg(feature = "extended")]
+pub(crate) mod printer;

@@ -118,6 +118,30 @@ pub enum WaitFor {
     Low,
 }
 
+/// A heater of a printer.
+#[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Heater {
+    /// M104, M109: that of the extruder of this number.
+    Extruder(u8),
+    /// M140, M190.
+    Bed,
+    /// M141, M191.
+    Chamber,
+}
+
+/// When the program goes on after a heater got a target.
+#[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum HeatWait {
+    /// At once.
+    None,
+    /// When it is as hot as the target, or hotter (`S`).
+    Heated,
+    /// When the target is reached, also from above (`R`).
+    Reached,
+}
+
 /// The functions that M48 to M53 switch.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -322,6 +346,24 @@ pub enum Command<const N: usize> {
     /// One drilling cycle at the present position: down to the lower end switch and up to the upper
     /// one (dialect `drill`, whose Z has no coordinate).
     Drill,
+    /// M104, M109, M140, M141, M190, M191: a heater of a printer gets a target.
+    Heat {
+        /// The heater.
+        heater: Heater,
+        /// The target in thousandths of a degree Celsius; 0 is off.
+        milli_celsius: u32,
+        /// Whether the program waits for it.
+        wait: HeatWait,
+    },
+    /// M106, M107: a fan of a printer.
+    Fan {
+        /// Its number.
+        number: u8,
+        /// Its speed in thousandths of the highest; 0 is off.
+        per_mille: u16,
+    },
+    /// M84: the motors of a printer lose their current.
+    MotorsOff,
     /// M60: change the pallet and wait for the operator.
     Pallet,
     /// M0, or M1 when optional: wait for the operator.
@@ -551,6 +593,29 @@ impl<const N: usize> fmt::Display for Shown<'_, N> {
                 };
                 write!(f, " {until} {} s", Millionths(*timeout_micros))
             }
+            Command::Heat {
+                heater,
+                milli_celsius,
+                wait,
+            } => {
+                match heater {
+                    Heater::Extruder(number) => write!(f, "heat extruder {number}")?,
+                    Heater::Bed => f.write_str("heat bed")?,
+                    Heater::Chamber => f.write_str("heat chamber")?,
+                }
+                let target = u64::from(*milli_celsius).saturating_mul(1000);
+                write!(f, " {} C", Millionths(target))?;
+                f.write_str(match wait {
+                    HeatWait::None => "",
+                    HeatWait::Heated => " wait",
+                    HeatWait::Reached => " wait reached",
+                })
+            }
+            Command::Fan { number, per_mille } => {
+                let share = u64::from(*per_mille).saturating_mul(100_000);
+                write!(f, "fan {number} {} %", Millionths(share))
+            }
+            Command::MotorsOff => f.write_str("motors off"),
             Command::Drill => f.write_str("drill"),
             Command::Pallet => f.write_str("stop pallet"),
             Command::Dwell { micros } => write!(f, "dwell {} s", Millionths(*micros)),

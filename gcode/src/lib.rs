@@ -62,7 +62,8 @@ pub use codes::dialect::{Blocks, Dialect};
 pub use codes::kind::Kind as Cycle;
 pub use command::arc::{Arc, Direction, Plane};
 pub use command::{
-    Command, Feed, Input, PathMode, Shown, SpindleDirection, Spline, Switch, WaitFor,
+    Command, Feed, HeatWait, Heater, Input, PathMode, Shown, SpindleDirection, Spline, Switch,
+    WaitFor,
 };
 #[cfg(feature = "extended")]
 pub use compensation::{Compensated, Compensation};

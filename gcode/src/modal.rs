@@ -7,6 +7,8 @@ mod drill;
 mod frames;
 pub(crate) mod modes;
 mod motion;
+#[cfg(feature = "extended")]
+mod printer;
 #[cfg(all(feature = "program", feature = "extended"))]
 pub(crate) mod saved;
 mod settings;

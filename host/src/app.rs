@@ -5,6 +5,7 @@ mod drilling;
 mod explain;
 mod job;
 mod milling;
+mod new_machine;
 mod reporting;
 mod reproduce;
 mod rewrite;
@@ -12,6 +13,7 @@ mod schema;
 mod simulate;
 mod stop;
 
+use husillo_sim::observers::AXES;
 use job::{Job, displayed, load, not_loaded, whole};
 use reporting::{MOST_PRINTED, left_out, verdict, with_findings, with_some_findings};
 
@@ -155,6 +157,7 @@ fn show_machines(args: &Machines) -> Result<u8, Failure> {
             write_line("husillo.machines/1", &list, out)?;
         }
         None => out.write_all(listing::list()?.as_bytes())?,
+        Some(MachinesAction::New(args)) => return new_machine::make(args),
         Some(MachinesAction::Write { machine, file }) => return write_machine(machine, file),
         Some(MachinesAction::Show { machine, format }) if MachineFile::is_measuring(machine) => {
             // Its file contains all that is known of it.
@@ -189,24 +192,30 @@ fn write_machine(machine: &str, file: &Option<String>) -> Result<u8, Failure> {
         return Err(Failure::Usage(why));
     };
     let file = match file.as_deref() {
-        Some("-") => {
-            console::stdout().write_all(text.as_bytes())?;
-            return Ok(OK);
-        }
         Some(file) => file.to_owned(),
         None => format!("{machine}.toml"),
     };
-    if std::fs::symlink_metadata(&file).is_ok() {
+    write_new(&file, text)?;
+    Ok(OK)
+}
+
+/// Writes a machine file that does not exist yet; `-` is standard output.
+fn write_new(file: &str, text: &str) -> Result<(), Failure> {
+    if file == "-" {
+        console::stdout().write_all(text.as_bytes())?;
+        return Ok(());
+    }
+    if std::fs::symlink_metadata(file).is_ok() {
         let why = "exists already: nothing is written";
         return Err(Failure::Usage(format!("{file} {why}")));
     }
-    write(&file, text.as_bytes())?;
+    write(file, text.as_bytes())?;
     writeln!(
         console::stdout(),
         "Wrote      {} - use it with -m",
-        shown(&file)
+        shown(file)
     )?;
-    Ok(OK)
+    Ok(())
 }
 
 /// Calls a function that drives a machine, with an output that never stops it. Its exit status
@@ -225,7 +234,7 @@ fn jog(args: &Jog, out: &mut dyn Write) -> Result<u8, Failure> {
         "drill" => drill::jog(args, out)?,
         machine if milling::is_mill(machine) => {
             let file = load(machine)?;
-            let config = setup::config(&file, Dialect::MICROMILL)?;
+            let config = setup::first_three(&setup::config(&file, Dialect::MICROMILL)?);
             if let [port] = &args.port[..] {
                 milling::expect_a_port(port, &config)?;
             }
@@ -474,7 +483,7 @@ fn compare_methods(args: &Compare) -> Result<u8, Failure> {
 
 /// Makes every feed move of a program; `None` if it has errors.
 fn compare_program(job: &Job, mut comparer: Comparer) -> Result<Option<Comparer>, Failure> {
-    let mut make = |command: &husillo_gcode::Command<3>, from| {
+    let mut make = |command: &husillo_gcode::Command<AXES>, from| {
         let made = match command {
             husillo_gcode::Command::Linear { to, .. } => programmed::line(&job.config, from, *to),
             husillo_gcode::Command::Arc { arc, .. } => programmed::arc(&job.config, from, arc),

@@ -24,7 +24,7 @@ pub use reproduce::{Original, Reproduce};
 use servo::TUNE_HELP;
 pub use servo::{Emulate, Measure, Tune, TuneMethod, TuneRule, words};
 pub use stop::Stop;
-pub use zero::Zero;
+pub use zero::{LETTERS, Zero};
 
 /// Check, simulate and draw programs for small machines
 #[derive(Debug, Parser)]
@@ -420,6 +420,12 @@ pub enum MachinesAction {
         #[arg(long, value_enum, default_value = "text")]
         format: Output,
     },
+    /// Make the file of a new machine: asks for its figures, checks them, and writes it
+    #[command(after_help = "Examples:\n  \
+        husillo machines new mine\n  \
+        husillo machines new mine --steps X80Y80Z400 --max-rate X6000Y6000Z720 \\\n    \
+            --acceleration X500Y500Z200 --travel X0..300Y0..180Z-45..5 </dev/null")]
+    New(NewMachine),
     /// Write the file of a built-in machine, to change it for your own machine
     Write {
         /// A built-in machine
@@ -427,6 +433,37 @@ pub enum MachinesAction {
         /// File to write; - is standard output [default: NAME.toml]
         file: Option<String>,
     },
+}
+
+/// `husillo machines new`. A figure that no option gives is asked for; at the end of the input the
+/// optional ones are left out.
+#[derive(Debug, Args)]
+pub struct NewMachine {
+    /// Name of the machine
+    pub name: String,
+    /// File to write; - is standard output [default: NAME.toml]
+    pub file: Option<String>,
+    /// Letters of its axes: X, Y, Z, and up to three of A, B, C, U, V, W and E
+    #[arg(long, default_value = "XYZ")]
+    pub axes: String,
+    /// Steps per mm, or per degree of A, B and C, as X80Y80Z400
+    #[arg(long, value_name = "BY-AXIS")]
+    pub steps: Option<String>,
+    /// Highest speeds in mm/min or degrees/min
+    #[arg(long, value_name = "BY-AXIS")]
+    pub max_rate: Option<String>,
+    /// Accelerations in mm/s^2 or degrees/s^2; an axis without one has no ramp
+    #[arg(long, value_name = "BY-AXIS")]
+    pub acceleration: Option<String>,
+    /// Speeds at which the axes may start and stop, per minute
+    #[arg(long, value_name = "BY-AXIS")]
+    pub start_rate: Option<String>,
+    /// Speeds above which the motors lose steps, per minute
+    #[arg(long, value_name = "BY-AXIS")]
+    pub pull_out: Option<String>,
+    /// Lowest and highest positions, as X0..300Z-45..5; an axis without one has no limits
+    #[arg(long, value_name = "BY-AXIS")]
+    pub travel: Option<String>,
 }
 
 /// `husillo commands`.

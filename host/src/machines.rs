@@ -5,5 +5,6 @@ pub mod encoder_file;
 pub mod lash_file;
 pub mod listing;
 pub mod machine_file;
+pub mod new_machine;
 pub mod power;
 pub mod table;

@@ -26,7 +26,9 @@ const FIGURE: [[i16; 2]; 5] = [[1000, 0], [0, 1000], [-1000, 0], [0, -1000], [10
 /// The settings of a machine file. `None` without `[bytes]`: it is no microfactory.
 pub fn settings_of(machine: &MachineFile) -> Option<Settings> {
     let table = machine.bytes?;
-    let [x, y, z] = &machine.axes;
+    let [x, y, z] = machine.axes.as_slice() else {
+        return None;
+    };
     let small = |steps: u32| u16::try_from(steps).unwrap_or(u16::MAX);
     let pull_off = x.home.as_ref().map_or(200, |home| home.pull_off);
     let slowest = x.max_rate.min(y.max_rate).min(z.max_rate);

@@ -26,6 +26,7 @@ const ALL: Equipment = Equipment {
     analog_inputs: 2,
     spindle_angle: true,
     surface_milli_rpm: Some(6_000_000),
+    heaters: true,
     pallets: true,
 };
 

@@ -18,7 +18,11 @@ const TINY: &str = "arcs smaller than the grid are left out";
 /// # Errors
 ///
 /// Why it is left out.
-pub fn line(config: &Config<3>, from: [Nm; 3], to: [Nm; 3]) -> Result<Option<Move>, &'static str> {
+pub fn line<const N: usize>(
+    config: &Config<N>,
+    from: [Nm; N],
+    to: [Nm; N],
+) -> Result<Option<Move>, &'static str> {
     let (mut delta, mut exact) = ([0; AXES], [[0.0; AXES]; 2]);
     for axis in 0..3 {
         let scale = config.axes[axis].scale;
@@ -42,13 +46,17 @@ pub fn line(config: &Config<3>, from: [Nm; 3], to: [Nm; 3]) -> Result<Option<Mov
 /// # Errors
 ///
 /// Why it is left out.
-pub fn arc(config: &Config<3>, from: [Nm; 3], arc: &Arc<3>) -> Result<Option<Move>, &'static str> {
+pub fn arc<const N: usize>(
+    config: &Config<N>,
+    from: [Nm; N],
+    arc: &Arc<N>,
+) -> Result<Option<Move>, &'static str> {
     let plane = arc.plane.axes();
     let scale = config.axes[plane[0]].scale;
     if scale != config.axes[plane[1]].scale {
         return Err(UNEQUAL);
     }
-    let flat = |p: [Nm; 3]| plane.map(|axis| p[axis]);
+    let flat = |p: [Nm; N]| plane.map(|axis| p[axis]);
     let lattice = |p: [Nm; 2]| match p.map(|at| scale.nearest(at.0)) {
         [Some(x), Some(y)] => Ok([x, y]),
         _ => Err(TOO_LARGE),

@@ -24,6 +24,10 @@ pub enum Quantity {
     Ratio(Fraction),
     /// An angle in degrees.
     Angle(Fraction),
+    /// A rotary speed in degrees per minute.
+    RotarySpeed(Fraction),
+    /// A rotary acceleration in degrees/s^2.
+    RotaryAcceleration(Fraction),
 }
 
 /// A reduced fraction; `den` is at least 1.
@@ -104,6 +108,10 @@ pub fn parse(text: &str) -> Result<Quantity, String> {
         "s" => Quantity::Time(scaled(1_000_000, 1)?),
         "um/m" | "\u{b5}m/m" | "\u{3bc}m/m" => Quantity::Ratio(scaled(1_000, 1)?),
         "deg" => Quantity::Angle(scaled(1, 1)?),
+        "deg/min" => Quantity::RotarySpeed(scaled(1, 1)?),
+        "deg/s" => Quantity::RotarySpeed(scaled(60, 1)?),
+        "rpm" => Quantity::RotarySpeed(scaled(360, 1)?),
+        "deg/s^2" => Quantity::RotaryAcceleration(scaled(1, 1)?),
         "ms" => Quantity::Time(scaled(1_000, 1)?),
         "us" | "\u{b5}s" | "\u{3bc}s" => Quantity::Time(scaled(1, 1)?),
         "ns" => Quantity::Time(scaled(1, 1000)?),

@@ -22,11 +22,14 @@ use husillo_machine::{Origin, Segment, StepEvent};
 use husillo_stepper::Levels;
 use std::io;
 
+/// The most axes of a machine that is observed. Axes that a machine does not have stand at zero.
+pub const AXES: usize = 6;
+
 /// A step, and the state of the machine after it.
 #[derive(Clone, Copy, Debug)]
 pub struct Now<'a> {
     /// The step that was made.
-    pub step: &'a StepEvent<3>,
+    pub step: &'a StepEvent<AXES>,
     /// The kind of motion that it belongs to.
     pub origin: Origin,
     /// Whether it begins a move or a take-up, or follows a take-up.
@@ -38,23 +41,32 @@ pub struct Now<'a> {
     /// Timer ticks from the start.
     pub ticks: u64,
     /// Position of the tool, steps.
-    pub tool: [i32; 3],
-    /// Position of the tool, nm of the machine frame.
-    pub tool_nm: [f64; 3],
+    pub tool: [i32; AXES],
+    /// Position of the tool, nm of the machine frame; of a rotary axis millionths of a degree.
+    pub tool_nm: [f64; AXES],
     /// Commanded position, steps.
-    pub sent: [i32; 3],
+    pub sent: [i32; AXES],
     /// Inputs of the drivers.
-    pub levels: &'a [Levels; 3],
+    pub levels: &'a [Levels; AXES],
+}
+
+impl Now<'_> {
+    /// Position of the tool in X, Y and Z, nm of the machine frame.
+    #[inline]
+    pub const fn place(&self) -> [f64; 3] {
+        let [x, y, z, ..] = self.tool_nm;
+        [x, y, z]
+    }
 }
 
 /// A programmed move that begins.
 #[derive(Clone, Copy, Debug)]
 pub struct Begun<'a> {
     /// Its start and its command.
-    pub segment: &'a Segment<3>,
+    pub segment: &'a Segment<AXES>,
     /// Its end in the machine frame.
-    pub to: [Nm; 3],
-    /// Its exact path.
+    pub to: [Nm; AXES],
+    /// Its exact path in X, Y and Z.
     pub path: &'a Path,
     /// Programmed spindle speed in thousandths of a turn per minute; 0 if the spindle is off.
     pub milli_rpm: u64,
@@ -117,15 +129,15 @@ pub(crate) mod tests {
     use super::*;
 
     /// A step of X, 1000 ticks after the one before.
-    pub const STEP: StepEvent<3> = StepEvent {
+    pub const STEP: StepEvent<AXES> = StepEvent {
         wait_ticks: 1000,
-        delta: [1, 0, 0],
+        delta: [1, 0, 0, 0, 0, 0],
     };
 
     /// The machine after step number `event` of a feed along X, with 1 um and 1000 ticks per step.
     /// Tests change the fields that they are about.
     pub fn now(event: u64) -> Now<'static> {
-        let tool = [event as i32, 0, 0];
+        let tool = [event as i32, 0, 0, 0, 0, 0];
         Now {
             step: &STEP,
             origin: Origin::Feed,
@@ -136,7 +148,7 @@ pub(crate) mod tests {
             tool,
             tool_nm: tool.map(|steps| 1000.0 * f64::from(steps)),
             sent: tool,
-            levels: &[Levels(0); 3],
+            levels: &[Levels(0); AXES],
         }
     }
 
@@ -177,18 +189,18 @@ pub(crate) mod tests {
     }
 
     /// A feed along X from zero, at 60 mm/min.
-    pub fn line(to: Nm) -> Segment<3> {
+    pub fn line(to: Nm) -> Segment<AXES> {
         Segment {
-            from: [Nm(0); 3],
+            from: [Nm(0); AXES],
             command: husillo_gcode::Command::Linear {
-                to: [to, Nm(0), Nm(0)],
+                to: [to, Nm(0), Nm(0), Nm(0), Nm(0), Nm(0)],
                 feed: husillo_gcode::Feed::PerMinute(Nm(60_000_000)),
             },
         }
     }
 
     /// A move without a spindle.
-    pub fn begun<'a>(segment: &'a Segment<3>, path: &'a Path) -> Begun<'a> {
+    pub fn begun<'a>(segment: &'a Segment<AXES>, path: &'a Path) -> Begun<'a> {
         Begun {
             segment,
             to: segment.command.end().unwrap(),

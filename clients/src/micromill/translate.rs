@@ -73,12 +73,15 @@ impl<'a> Translator<'a> {
         translator
     }
 
-    /// Translates a command of a line.
-    pub fn push_command(&mut self, line: usize, command: &Command<3>) {
+    /// Translates a command of a line. Axes after Z are ignored: the mill has none.
+    pub fn push_command<const N: usize>(&mut self, line: usize, command: &Command<N>) {
         self.line = line;
         self.made.commands += 1;
-        self.command(command);
-        self.from = command.end().unwrap_or(self.from);
+        match of_three(command) {
+            Some(motion) => self.motion(&motion),
+            None => self.other(command),
+        }
+        self.from = command.end().map_or(self.from, |end| three(&end));
     }
 
     /// Takes what was translated since the last call.
@@ -88,7 +91,7 @@ impl<'a> Translator<'a> {
 }
 
 impl Translator<'_> {
-    fn command(&mut self, command: &Command<3>) {
+    fn motion(&mut self, command: &Command<3>) {
         match command {
             Command::Rapid { to } => self.rapid(to),
             Command::Linear { to, feed } => {
@@ -113,6 +116,12 @@ impl Translator<'_> {
                     self.arc(arc, feed);
                 }
             }
+            _ => {}
+        }
+    }
+
+    fn other<const N: usize>(&mut self, command: &Command<N>) {
+        match command {
             Command::Dwell { micros } => {
                 let seconds = micros.div_ceil(1_000_000);
                 if seconds * 1_000_000 != *micros {
@@ -411,6 +420,36 @@ impl Translator<'_> {
 }
 
 /// Where a straight move ends.
+/// X, Y and Z of a position.
+fn three<const N: usize>(at: &[Nm; N]) -> [Nm; 3] {
+    [0, 1, 2].map(|axis| at.get(axis).copied().unwrap_or_default())
+}
+
+/// A rapid, a line or an arc in X, Y and Z.
+fn of_three<const N: usize>(command: &Command<N>) -> Option<Command<3>> {
+    Some(match command {
+        Command::Rapid { to } => Command::Rapid { to: three(to) },
+        Command::Linear { to, feed } => Command::Linear {
+            to: three(to),
+            feed: *feed,
+        },
+        Command::Arc { arc, feed } => Command::Arc {
+            arc: Arc {
+                to: three(&arc.to),
+                centre: three(&arc.centre),
+                plane: arc.plane,
+                direction: arc.direction,
+                turns: arc.turns,
+                radius: arc.radius,
+                mismatch: arc.mismatch,
+                resolution: arc.resolution,
+            },
+            feed: *feed,
+        },
+        _ => return None,
+    })
+}
+
 fn to_nm(command: &Command<3>) -> &[Nm; 3] {
     match command {
         Command::Linear { to, .. } | Command::Rapid { to } => to,

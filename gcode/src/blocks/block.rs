@@ -6,6 +6,11 @@ use crate::blocks::fault::{Fault, Reason};
 use crate::codes::code::{Code, Group};
 use crate::codes::dialect::Dialect;
 use crate::codes::letters::{Letters, SLOTS, bit, polar, slot_of};
+#[cfg(feature = "extended")]
+use crate::codes::{
+    dialect::Flavour,
+    printer::{self, Rest},
+};
 use crate::error::{Error, ErrorKind};
 use crate::features::EXTENDED;
 use crate::values::decimal::Decimal;
@@ -128,12 +133,71 @@ impl Block {
             let word = word?;
             if let Err(kind) = self.push(&word, dialect) {
                 let Word { at, end, .. } = word;
+                #[cfg(feature = "extended")]
+                if dialect.flavour == Flavour::Printer && self.take_rest(text, at) {
+                    break;
+                }
                 return Err(Error { kind, at, end });
             }
         }
         self.deleted = words.is_deleted();
         self.check()
             .map_err(|fault| self.error(fault, Measure::of(Nm(0))))
+    }
+
+    /// The rest of a line of a printer from the code at this place on, if the code is alone before
+    /// it and takes such words: axes without values, settings, messages.
+    #[cfg(feature = "extended")]
+    #[cold]
+    fn take_rest(&mut self, text: &[u8], at: usize) -> bool {
+        if self.groups != 0 || self.present & !bit(b'N') != 0 {
+            return false;
+        }
+        let code = text.get(at..).unwrap_or_default();
+        let known =
+            printer::code_at(code).and_then(|(letter, number)| printer::rest(letter, number));
+        let Some(rest) = known else { return false };
+        let code_end = at.saturating_add(1);
+        let span = Span::new(at, code_end);
+        let (group, code) = match rest {
+            Rest::Ignored => return true,
+            Rest::MotorsOff => (Group::Io, Code::MotorsOff),
+            Rest::Pause => (Group::Stop, Code::Stop),
+            Rest::Home => {
+                self.take_homed(text, code_end);
+                (Group::NonModal, Code::Home)
+            }
+        };
+        if let (Some(slot), Some(place)) = (
+            self.codes.get_mut(group as usize),
+            self.code_spans.get_mut(group as usize),
+        ) {
+            (*slot, *place) = (Some(code), span);
+            self.groups |= 1u32.wrapping_shl(group as u32);
+        }
+        true
+    }
+
+    /// The letters X, Y and Z of G28, whatever their values; others are ignored.
+    #[cfg(feature = "extended")]
+    fn take_homed(&mut self, text: &[u8], from: usize) {
+        for (at, byte) in (0..text.len()).zip(text).skip(from) {
+            match byte.to_ascii_uppercase() {
+                b';' | b'(' | b'*' => return,
+                letter @ (b'X' | b'Y' | b'Z') => {
+                    let slot = usize::from(slot_of(letter));
+                    self.present |= bit(letter);
+                    if let (Some(entry), Some(place)) =
+                        (self.values.get_mut(slot), self.word_spans.get_mut(slot))
+                    {
+                        // The column after the letter: below the length of the text.
+                        *entry = Decimal::ZERO;
+                        *place = Span::new(at, at.wrapping_add(1));
+                    }
+                }
+                _ => {}
+            }
+        }
     }
 
     /// Creates a block of words that were read elsewhere, in their order: those of a line with
@@ -222,7 +286,9 @@ impl Block {
     fn check_words(&self) -> Result<(), Fault> {
         self.check_negative_p()?;
         self.check_program_number()?;
-        if self.code(Group::NonModal) == Some(Code::Dwell) && !self.has(b'P') {
+        // S is a time on printers only: `Modal::set_dwell`.
+        let has_time = self.has(b'P') || EXTENDED && self.has(b'S');
+        if self.code(Group::NonModal) == Some(Code::Dwell) && !has_time {
             return Err(Fault::at_code(Reason::NoDwellTime, Group::NonModal));
         }
         Ok(())

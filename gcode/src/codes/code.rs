@@ -166,6 +166,27 @@ pub(crate) enum Code {
     /// M98, M99: they need a `Program`.
     CallProgram,
     Return,
+    // Codes of 3D printers.
+    /// M104, M109: of the extruder, without and with a wait.
+    HeatExtruder,
+    HeatExtruderAndWait,
+    /// M140, M190.
+    HeatBed,
+    HeatBedAndWait,
+    /// M141, M191.
+    HeatChamber,
+    HeatChamberAndWait,
+    /// M106, M107.
+    Fan,
+    FanOff,
+    /// M82, M83.
+    ExtruderAbsolute,
+    ExtruderRelative,
+    /// M84.
+    MotorsOff,
+    /// G10, G11.
+    Retract,
+    Unretract,
 }
 
 /// The modal groups; a block has at most one code of each.
@@ -211,6 +232,7 @@ const NONE: u8 = 0;
 const GRBL: u8 = 1 << Flavour::Grbl as u8;
 const MICROMILL: u8 = 1 << Flavour::Micromill as u8;
 const DRILL: u8 = 1 << Flavour::Drill as u8;
+const PRINTER: u8 = 1 << Flavour::Printer as u8;
 const LATHES: u8 = 1 << Flavour::Lathe as u8 | 1 << Flavour::LatheA as u8;
 const MILLS: u8 = 1 << Flavour::Rs274 as u8 | 1 << Flavour::Iso as u8 | 1 << Flavour::Printer as u8;
 const BOTH: u8 = MILLS | LATHES;
@@ -346,6 +368,19 @@ const ROWS: &[(Code, Group, u8)] = &[
     (Code::SaveModesOfCaller, Group::Override, NO_PRINTER),
     (Code::CallProgram, Group::Stop, NO_PRINTER),
     (Code::Return, Group::Stop, NO_PRINTER),
+    (Code::HeatExtruder, Group::Io, PRINTER),
+    (Code::HeatExtruderAndWait, Group::Io, PRINTER),
+    (Code::HeatBed, Group::Io, PRINTER),
+    (Code::HeatBedAndWait, Group::Io, PRINTER),
+    (Code::HeatChamber, Group::Io, PRINTER),
+    (Code::HeatChamberAndWait, Group::Io, PRINTER),
+    (Code::Fan, Group::Io, PRINTER),
+    (Code::FanOff, Group::Io, PRINTER),
+    (Code::ExtruderAbsolute, Group::Io, PRINTER),
+    (Code::ExtruderRelative, Group::Io, PRINTER),
+    (Code::MotorsOff, Group::Io, PRINTER),
+    (Code::Retract, Group::Io, PRINTER),
+    (Code::Unretract, Group::Io, PRINTER),
 ];
 
 /// How many of the rows are compiled in.
@@ -464,6 +499,12 @@ impl Code {
         self.since(Code::SaveModes) <= Code::Return.since(Code::SaveModes)
     }
 
+    /// Whether it is one of the codes that only printers have.
+    #[cfg(feature = "extended")]
+    pub(crate) const fn is_of_printer(self) -> bool {
+        self.since(Code::HeatExtruder) <= Code::Unretract.since(Code::HeatExtruder)
+    }
+
     /// A canned cycle.
     pub(crate) fn cycle(self) -> Option<Kind> {
         if !EXTENDED {
@@ -510,6 +551,10 @@ impl Code {
             | Code::OutputOffWithMotion
             | Code::OutputOn
             | Code::OutputOff => const { Letters::new(b"P") },
+            Code::HeatExtruderAndWait | Code::HeatBedAndWait | Code::HeatChamberAndWait => {
+                const { Letters::new(b"R") }
+            }
+            Code::Fan | Code::FanOff => const { Letters::new(b"P") },
             Code::WaitInput => const { Letters::new(b"PELQ") },
             Code::Analog | Code::AnalogWithMotion => const { Letters::new(b"EQ") },
             _ => self.cycle().map_or(Letters::NONE, Kind::letters),

@@ -6,7 +6,7 @@ use crate::codes::code::Side;
 use crate::command::arc::{Arc, Direction, Plane};
 use crate::command::{Command, Feed, PathMode, SpindleDirection};
 #[cfg(feature = "extended")]
-use crate::command::{Input, Spline, Switch, WaitFor};
+use crate::command::{HeatWait, Heater, Input, Spline, Switch, WaitFor};
 #[cfg(feature = "extended")]
 use crate::cycles::cycle::{Cycle, Holes};
 use crate::modal::modes::Modes;
@@ -83,6 +83,9 @@ pub(crate) enum Plain {
     Output(u8, bool, bool),
     Analog(u8, i64, bool),
     Wait(Input, WaitFor, u64),
+    Heat(Heater, u32, HeatWait),
+    Fan(u8, u16),
+    MotorsOff,
 }
 
 #[cfg(feature = "extended")]
@@ -106,6 +109,13 @@ impl Plain {
                 micro,
                 with_motion,
             },
+            Plain::Heat(heater, milli_celsius, wait) => Command::Heat {
+                heater,
+                milli_celsius,
+                wait,
+            },
+            Plain::Fan(number, per_mille) => Command::Fan { number, per_mille },
+            Plain::MotorsOff => Command::MotorsOff,
             Plain::Wait(input, until, timeout_micros) => Command::Wait {
                 input,
                 until,

@@ -158,6 +158,13 @@ impl<const N: usize> Modal<N> {
             }
             terms = Terms::INCREMENT;
         }
+        #[cfg(feature = "extended")]
+        if terms.has(END) && self.is_extruder(axis) && terms.0 != Terms::MACHINE.0 {
+            terms = match self.modes.more.feeds_increments {
+                true => Terms::INCREMENT,
+                false => Terms::WORK,
+            };
+        }
         let mut value = Nm(0);
         self.add_word(block, letter, &mut value)?;
         #[cfg(feature = "extended")]
@@ -409,7 +416,8 @@ impl<const N: usize> Modal<N> {
         commands: &mut Commands<N>,
     ) -> Result<(), Fault> {
         if block.axes() == 0 {
-            if self.modes.dialect.flavour != Flavour::Drill {
+            let flavour = self.modes.dialect.flavour;
+            if flavour != Flavour::Drill && !(EXTENDED && flavour == Flavour::Printer) {
                 return Err(Fault::at_code(Reason::NoAxisWords, Group::NonModal));
             }
             for axis in 0..N {
@@ -466,12 +474,16 @@ impl<const N: usize> Modal<N> {
                     return Err(Fault::at(Reason::NotZero, axis_letter(axis)));
                 }
             }
-        } else if given != 0 {
+        } else if given != 0 && !(EXTENDED && self.modes.dialect.flavour == Flavour::Printer) {
             commands.via = commands.arc.to;
             commands.go_via();
         }
         if given == 0 {
-            given = u16::MAX;
+            // A printer has no home of its extruder.
+            given = match self.modes.dialect.flavour {
+                Flavour::Printer if EXTENDED => 0b111,
+                _ => u16::MAX,
+            };
         }
         // Axes that are not named stay at the intermediate point.
         let [first, other] = &self.homes;

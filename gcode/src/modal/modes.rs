@@ -203,6 +203,10 @@ pub(crate) struct More {
     pub(crate) compensation: Option<Side>,
     /// `P` of G64.
     pub(crate) tolerance: Option<Nm>,
+    /// M83: words of the extruder are increments.
+    pub(crate) feeds_increments: bool,
+    /// G10 of printers: the filament is drawn back.
+    pub(crate) is_retracted: bool,
 }
 
 #[cfg(feature = "extended")]
@@ -214,6 +218,8 @@ impl More {
         unrotated: [Nm(0); 2],
         compensation: None,
         tolerance: None,
+        feeds_increments: false,
+        is_retracted: false,
     };
 }
 

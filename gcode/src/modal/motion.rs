@@ -207,6 +207,13 @@ impl<const N: usize> Modal<N> {
         commands: &mut Commands<N>,
     ) -> Result<(), Fault> {
         match mode {
+            #[cfg(feature = "extended")]
+            Code::Rapid if self.is_printer() && self.modes.feed != 0 => {
+                // Printers know no rapids: G0 is G1.
+                self.set_feed_of(commands)?;
+                self.go(Code::Linear, commands);
+                return Ok(());
+            }
             Code::Rapid => {}
             Code::Linear => self.set_feed_of(commands)?,
             Code::Clockwise | Code::CounterClockwise => {
@@ -266,7 +273,9 @@ impl<const N: usize> Modal<N> {
     ) -> Result<(), Fault> {
         // Only code system A has increments (U, V, W), and there X is always a diameter.
         // They, and wrapped axes, take the longer way.
-        if ROOMY && !self.is_diameter() && !self.modes.dialect.axes().has_wrapped() {
+        let is_printer = EXTENDED && self.modes.dialect.flavour == Flavour::Printer;
+        let is_plain = !is_printer && !self.modes.dialect.axes().has_wrapped();
+        if ROOMY && is_plain && !self.is_diameter() {
             if N > AXES {
                 commands.arc.to = self.modes.position; // Axes without a letter stay.
             }

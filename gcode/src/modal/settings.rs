@@ -7,6 +7,7 @@ use crate::codes::dialect::Flavour;
 use crate::command::SpindleDirection;
 #[cfg(feature = "extended")]
 use crate::command::{Input, Switch, WaitFor};
+use crate::features::EXTENDED;
 use crate::modal::Modal;
 use crate::modal::commands::Commands;
 #[cfg(feature = "extended")]
@@ -77,8 +78,19 @@ impl<const N: usize> Modal<N> {
         block: &Block,
         commands: &mut Commands<N>,
     ) -> Result<(), Fault> {
+        #[cfg(feature = "extended")]
+        if let Some(code) = block.code(Group::Io).filter(|code| code.is_of_printer()) {
+            // Its S and T are not those of the spindle.
+            return self.printer_code(block, code, commands);
+        }
         self.set_speed(block)?;
         block.whole(b'T', u32::MAX, &mut self.modes.tool)?;
+        #[cfg(feature = "extended")]
+        if self.is_printer() && self.modes.loaded != self.modes.tool {
+            // T alone changes the extruder.
+            self.modes.loaded = self.modes.tool;
+            commands.tool_is(self.modes.loaded);
+        }
         #[cfg(feature = "extended")]
         if let Some(code) = block.code(Group::Io) {
             commands.io(io(block, code)?);
@@ -218,6 +230,17 @@ impl<const N: usize> Modal<N> {
             return Err(Fault::at(Reason::Negative, b'P'));
         }
         let mut micros = 0;
+        #[cfg(feature = "extended")]
+        if self.is_printer() {
+            // P is in milliseconds, S in seconds.
+            block.scaled(b'P', 1, 3, &mut micros)?;
+            block.scaled(b'S', 1, 6, &mut micros)?;
+            commands.dwell(micros as u64);
+            return Ok(());
+        }
+        if EXTENDED && !block.has(b'P') {
+            return Err(Fault::at_code(Reason::NoDwellTime, Group::NonModal));
+        }
         block.scaled(b'P', 1, 6, &mut micros)?;
         if self.modes.dialect.flavour == Flavour::Micromill {
             block.whole(b'P', u32::MAX, &mut 0)?;
@@ -232,6 +255,11 @@ impl<const N: usize> Modal<N> {
         block: &Block,
         commands: &mut Commands<N>,
     ) -> Result<(), Fault> {
+        #[cfg(feature = "extended")]
+        if let (Some(code), true) = (block.code(Group::Distance), self.is_printer()) {
+            // As in Marlin: G90 and G91 are for the extruder too, until the next M82 or M83.
+            self.modes.more.feeds_increments = code == Code::Incremental;
+        }
         #[cfg(feature = "extended")]
         self.check_plane(block)?;
         #[cfg(feature = "extended")]

@@ -1,9 +1,10 @@
 //! Lines in normal form: nothing is lost, and every number keeps its digits.
 
 use crate::blocks::block::Block;
-use crate::codes::dialect::Dialect;
+use crate::codes::dialect::{Dialect, Flavour};
 use crate::error::Error;
 use crate::program::parameters::{extent, is_flow, is_plain, needs_program, program_words};
+use crate::words::word::words;
 
 /// Returns the pieces of a line in its normal form; concatenated they are the line without a line
 /// end. They borrow from the line, so no memory is needed, and bytes that are not text are
@@ -70,6 +71,11 @@ fn check(line: &[u8], dialect: &Dialect) -> Result<Kind, Error> {
         }
         Block::from_words(program_words(line), dialect)?;
         return Ok(Kind::Expressions);
+    }
+    if dialect.flavour == Flavour::Printer && words(line).any(|word| word.is_err()) {
+        // Axes without values, messages and settings.
+        Block::parse(line, dialect)?;
+        return Ok(Kind::Whole);
     }
     for (offset, text) in dialect.blocks(line) {
         // Columns are inside the line, so their sums are below its length.

@@ -7,7 +7,7 @@ use crate::diagnostics::Findings;
 use crate::machines::machine_file::MachineFile;
 
 /// The machines that are tried in this order.
-const TRIED: [&str; 3] = ["micromill", "router", "lathe"];
+const TRIED: [&str; 5] = ["micromill", "router", "lathe", "router4", "printer"];
 /// The machine of a program that no other machine accepts. It has no limits, so the errors are
 /// those of the program.
 const NONE: &str = "free";

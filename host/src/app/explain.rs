@@ -111,7 +111,7 @@ mod tests {
     use crate::diagnostics::Findings;
     use crate::programs::program;
     use crate::programs::source::Source;
-    use husillo_gcode::{Block, Dialect};
+    use husillo_gcode::{Axes, Block, Dialect};
 
     #[test]
     fn names_as_they_are_typed() {
@@ -143,7 +143,7 @@ mod tests {
             };
             let mut source = Source::from_reader(Box::new(line.as_bytes()));
             let mut findings = Findings::new(9);
-            let start = Dialect::RS274;
+            let start = Dialect::RS274.with_axes(Axes::XYZ);
             program::walk(&mut source, "p", start, &mut findings, |_, _, _, _| Ok(())).unwrap();
             let found = findings.short().concat();
             assert!(found.contains(code), "{line}: {found}, not {code}");

@@ -3,7 +3,7 @@
 use super::Failure;
 use super::reporting::{self, count};
 use crate::cli::Target;
-use crate::cli::Zero;
+use crate::cli::{LETTERS, Zero};
 use crate::diagnostics::Findings;
 use crate::input;
 use crate::machines::machine_file::{LoadError, MachineFile};
@@ -17,6 +17,7 @@ use crate::programs::zero::{self, Lie};
 use crate::simulation::work_piece::WorkPiece;
 use husillo_gcode::Nm;
 use husillo_machine::Config;
+use husillo_sim::observers::AXES;
 use std::io::{self, Read};
 
 /// A program and its machine.
@@ -25,7 +26,7 @@ pub struct Job {
     /// Further folders with files of subroutines.
     include: Vec<String>,
     pub machine: MachineFile,
-    pub config: Config<3>,
+    pub config: Config<AXES>,
     /// Its language, and its position on the machine.
     pub start: Start,
     is_placed: bool,
@@ -56,16 +57,17 @@ impl Job {
             None if microfactory::is_list(file) => return Err(super::only_microfactory(file)),
             None => None,
         };
-        let mut start = Start::from(dialect);
+        let mut start = Start::from(setup::on_axes(dialect, &machine));
+        start.frames = machine.work;
         for (place, tool) in start.tools.iter_mut().zip(&machine.tools) {
             *place = Some(*tool);
         }
         Ok(Self {
             file: file.to_owned(),
             include: target.include.clone(),
-            machine,
             config,
             start,
+            machine,
             is_placed: false,
             may_move: false,
             is_trial: false,
@@ -114,20 +116,22 @@ impl Job {
         self.keep_input()?;
         let lie = match zero {
             None => {
-                self.may_move = true;
+                self.may_move = self.start.frames[0].is_none();
                 return Ok(());
             }
             Some(Zero::At(zero)) => {
-                self.put(zero);
+                self.start.frames[0] = None;
+                self.put(of_letters(&zero, &self.machine)?);
                 return Ok(());
             }
             Some(Zero::Fit) => Lie::Middle,
             Some(Zero::Centre) => Lie::ZeroInMiddle,
             Some(Zero::Corner) => Lie::ZeroAtCorner,
         };
-        if let Some([x, y, z]) = self.placing(lie)? {
-            self.note(format!("{}: --zero X{x}Y{y}Z{z}", self.name()));
-            self.put([x, y, z]);
+        self.start.frames[0] = None;
+        if let Some(zero) = self.placing(lie)? {
+            self.note(format!("{}: --zero {}", self.name(), self.typed(zero)));
+            self.put(zero);
         }
         Ok(())
     }
@@ -140,7 +144,7 @@ impl Job {
         }
     }
 
-    fn placing(&self, lie: Lie) -> Result<Option<[Nm; 3]>, Failure> {
+    fn placing(&self, lie: Lie) -> Result<Option<[Nm; AXES]>, Failure> {
         let mut source = self.open()?;
         Ok(zero::placing(
             &mut source,
@@ -151,8 +155,17 @@ impl Job {
         )?)
     }
 
+    /// A work zero as the user types it. X, Y and Z are always there.
+    fn typed(&self, zero: [Nm; AXES]) -> String {
+        let letters = self.machine.letters.letters().map(char::from);
+        let axes = letters.zip(zero).enumerate();
+        axes.filter(|(axis, (_, at))| *axis < 3 || *at != Nm(0))
+            .map(|(_, (letter, at))| format!("{letter}{at}"))
+            .collect()
+    }
+
     /// The tool stands `at` this position, and work zero is at `zero`.
-    pub(super) fn stand(&mut self, zero: [Nm; 3], at: [Nm; 3]) {
+    pub(super) fn stand(&mut self, zero: [Nm; AXES], at: [Nm; AXES]) {
         self.start = Start {
             zero,
             at,
@@ -162,7 +175,7 @@ impl Job {
     }
 
     /// Puts work zero here.
-    fn put(&mut self, zero: [Nm; 3]) {
+    fn put(&mut self, zero: [Nm; AXES]) {
         let mut at = zero;
         for (at, axis) in at.iter_mut().zip(&self.config.axes) {
             if let Some([low, high]) = axis.travel {
@@ -238,7 +251,7 @@ impl Job {
         if !self.may_move {
             return Ok(None);
         }
-        let Some(zero @ [x, y, z]) = self.placing(Lie::Middle)? else {
+        let Some(zero) = self.placing(Lie::Middle)? else {
             return Ok(None);
         };
         let start = self.start;
@@ -250,10 +263,10 @@ impl Job {
             self.is_placed = false;
             return Ok(None);
         }
-        let (name, machine) = (self.name(), &self.machine.name);
-        let note =
-            format!("{name}: placed in the middle of {machine}, as with --zero X{x}Y{y}Z{z}");
-        self.note(note);
+        let (name, machine, zero) = (self.name(), &self.machine.name, self.typed(zero));
+        self.note(format!(
+            "{name}: placed in the middle of {machine}, as with --zero {zero}"
+        ));
         Ok(Some((facts, findings)))
     }
 
@@ -262,6 +275,11 @@ impl Job {
         machine.set_compensation(compensation);
         if self.is_placed {
             (machine.place(self.start.zero, self.start.at)).map_err(|error| error.to_string())?;
+        }
+        for (system, zero) in (0..).zip(self.start.frames) {
+            if let Some(zero) = zero {
+                machine.set_work_zero(system, zero);
+            }
         }
         for (number, tool) in self.start.tools.into_iter().flatten() {
             machine.set_tool(number, tool);
@@ -272,9 +290,26 @@ impl Job {
 
     /// What the simulated probe touches.
     pub fn piece(&self) -> WorkPiece {
-        let [x, y, z] = self.start.zero.map(|Nm(nm)| nm);
+        let [x, y, z, ..] = self.start.zero.map(|Nm(nm)| nm);
         WorkPiece::new(self.machine.probe.as_ref(), [x, y, z])
     }
+}
+
+/// The requested work zero on the axes of a machine.
+fn of_letters(
+    zero: &[Option<Nm>; LETTERS.len()],
+    machine: &MachineFile,
+) -> Result<[Nm; AXES], Failure> {
+    let mut wanted = [Nm(0); AXES];
+    for (letter, at) in LETTERS.bytes().zip(zero) {
+        let Some(at) = at else { continue };
+        let axis = machine.letters.index(letter).ok_or_else(|| {
+            let letter = char::from(letter);
+            Failure::Usage(format!("--zero: {} has no axis {letter}", machine.name))
+        })?;
+        wanted[axis] = *at;
+    }
+    Ok(wanted)
 }
 
 /// How a file is called in messages.

@@ -14,6 +14,7 @@ use crate::diagnostics::Findings;
 use crate::machines::machine_file::MachineFile;
 use crate::micromill;
 use crate::programs::program;
+use crate::programs::setup;
 use comparison::compared;
 use husillo_clients::micromill::{self as client, Sender, Translated, Translator};
 use husillo_controllers::MicromillConfig;
@@ -82,7 +83,7 @@ pub(super) fn send(args: &Send, out: &mut dyn Write) -> Result<u8, Failure> {
         return by_line::send(args, out);
     }
     let mut job = Job::new(file, &args.target, "micromill")?;
-    let mut sender = match connected(args, port, &job.config)? {
+    let mut sender = match connected(args, port, &setup::first_three(&job.config))? {
         Ok(sender) => sender,
         Err(message) => return Ok(told(&job, &message)),
     };
@@ -137,8 +138,8 @@ fn stand(job: &mut Job, start: Option<State>) {
         }
         return;
     }
-    let at = client::position(&start, &job.config);
-    job.stand(client::work_zero(&start), at);
+    let at = client::position(&start, &setup::first_three(&job.config));
+    job.stand(setup::padded(client::work_zero(&start)), setup::padded(at));
 }
 
 /// Why a mill that is not homed cannot make these lines.
@@ -189,7 +190,9 @@ fn translated(job: &mut Job) -> Result<Option<Translated>, Failure> {
         eprintln!("{}: {verdict}; nothing is made", job.name());
         return Ok(None);
     }
-    let mut translator = Translator::new(&job.config, job.start.zero, job.start.at);
+    let config = setup::first_three(&job.config);
+    let [zero, at] = [job.start.zero, job.start.at].map(setup::three);
+    let mut translator = Translator::new(&config, zero, at);
     let mut source = job.open()?;
     program::walk(
         &mut source,

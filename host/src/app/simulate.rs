@@ -20,6 +20,7 @@ use crate::programs::mirror;
 use crate::programs::setup::{self, ClosedMicromill};
 use crate::simulation::run::Run;
 use husillo_gcode::Dialect;
+use husillo_sim::observers::AXES;
 use husillo_sim::observers::symmetry::Symmetry;
 use results::{Order, Results};
 use std::io::{self, Write};
@@ -38,7 +39,7 @@ fn simulate_job(job: &mut Job, args: &RunArgs) -> Result<u8, Failure> {
     if findings.errors > 0 {
         eprintln!("{}: {verdict}; nothing moves", job.name());
         if !is_text {
-            Results::refused(&findings).print_json(job, &findings)?;
+            Results::refused(&findings, job.machine.axes.len()).print_json(job, &findings)?;
         }
         return Ok(ERRORS);
     }
@@ -118,8 +119,8 @@ fn mirror(job: &mut Job, facts: &mut Facts) -> Result<Order, Failure> {
     Ok(Order {
         mirrored: made.contours,
         whole: made.whole,
-        reversals_of_file: as_file.reversals,
-        reversals: facts.reversals,
+        reversals_of_file: as_file.reversals[..job.machine.axes.len()].to_vec(),
+        reversals: facts.reversals[..job.machine.axes.len()].to_vec(),
     })
 }
 
@@ -165,7 +166,7 @@ impl Files {
 /// How the machine ended.
 struct End {
     /// Position of its work zero, nm of the machine frame.
-    offset_nm: [i64; 3],
+    offset_nm: [i64; AXES],
     /// An encoder stopped it.
     has_stopped: bool,
 }
@@ -177,7 +178,7 @@ fn feed(job: &Job, args: &RunArgs, run: &mut Run, events: f64) -> Result<End, Fa
     run.start_at(machine.position_steps());
     run.set_pushes(&args.lose);
     run.observers.symmetry = args.symmetry.map(|mm| {
-        let [x, y, _] = run.mechanics.nm_per_step();
+        let [x, y, ..] = run.mechanics.nm_per_step();
         Symmetry::new(mm * 1e6, [x, y])
     });
     let piece = job.piece();

@@ -4,8 +4,9 @@ use crate::diagnostics::{Finding, Findings};
 use crate::programs::program;
 use crate::programs::source::Source;
 use husillo_clients::drill::{Part, millimetres};
-use husillo_gcode::{Command, Dialect, Nm};
+use husillo_gcode::{Axes, Command, Dialect, Nm};
 use husillo_sim::device::drill::STROKE_STEPS;
+use husillo_sim::observers::AXES;
 use husillo_transports::drill::{Record, STEPS_PER_MM, Table};
 use std::fmt::Write as _;
 use std::io;
@@ -55,7 +56,7 @@ impl Translation {
         program::walk(
             source,
             file,
-            self.dialect,
+            self.dialect.with_axes(Axes::XYZ),
             findings,
             |meaning, command, from, findings| {
                 let at = &meaning.at;
@@ -87,7 +88,11 @@ impl Maker {
         }
     }
 
-    fn make(&mut self, command: &Command<3>, from: [Nm; 3]) -> Result<(), (&'static str, String)> {
+    fn make(
+        &mut self,
+        command: &Command<AXES>,
+        from: [Nm; AXES],
+    ) -> Result<(), (&'static str, String)> {
         match command {
             Command::Rapid { to } => self.go(*to, from, false),
             Command::Linear { to, .. } => self.go(*to, from, true),
@@ -117,11 +122,11 @@ impl Maker {
 
     fn go(
         &mut self,
-        to: [Nm; 3],
-        from: [Nm; 3],
+        to: [Nm; AXES],
+        from: [Nm; AXES],
         is_feed: bool,
     ) -> Result<(), (&'static str, String)> {
-        let [x, y, z] = to;
+        let [x, y, z, ..] = to;
         let steps = self
             .table
             .steps([x.0, y.0])

@@ -6,6 +6,7 @@ use husillo_gcode::Dialect;
 use husillo_machine::{Event, Motors, Origin};
 use husillo_metrology::calibration::backlash::{self, Map, Moment};
 use husillo_metrology::originals::micromill::{Screws, Settings, TRUE_STEP};
+use husillo_sim::observers::AXES;
 use husillo_sim::{LashField, Rig};
 use husillo_stepper::Drive;
 use std::sync::Arc;
@@ -13,8 +14,8 @@ use std::sync::Arc;
 /// A homed machine on screws with play.
 pub struct SimulatedBench {
     machine: Micromill,
-    motors: Motors<3, Drive>,
-    rig: Rig<3>,
+    motors: Motors<AXES, Drive>,
+    rig: Rig<AXES>,
     /// Length of a step as the controller calculates with it, nm.
     nm_per_step: [f64; 3],
     /// True length of a step, nm.
@@ -29,8 +30,8 @@ impl SimulatedBench {
     /// # Errors
     ///
     /// The machine file has mistakes, or no `[simulated_lash]`.
-    pub fn new(file: &MachineFile, maps: [Map; 3]) -> Result<Self, String> {
-        let steps = file.axes.each_ref().map(|axis| axis.step);
+    pub fn new(file: &MachineFile, maps: [Map; AXES]) -> Result<Self, String> {
+        let steps = file.xyz(|axis| axis.step);
         let field = file.lash.field(steps).ok_or_else(|| {
             format!(
                 "{}: no [simulated_lash], which describes the simulated screws",
@@ -53,7 +54,7 @@ impl SimulatedBench {
         for axis in &mut file.axes {
             axis.step = settings.step;
         }
-        let steps = file.axes.each_ref().map(|axis| axis.step);
+        let steps = file.xyz(|axis| axis.step);
         let mut maps = setup::no_lash();
         for (axis, table) in settings.take_up.iter().enumerate() {
             let map = table.map(steps[axis], steps);
@@ -66,16 +67,16 @@ impl SimulatedBench {
 
     fn on(
         file: &MachineFile,
-        maps: [Map; 3],
+        maps: [Map; AXES],
         field: Arc<dyn LashField<3>>,
     ) -> Result<Self, String> {
         let config = setup::config(file, Dialect::RS274)?;
         let motors = setup::motors(file)?;
-        let steps = file.axes.each_ref().map(|axis| axis.step);
+        let steps = file.xyz(|axis| axis.step);
         let nm_per_step = steps.map(|step| step.num as f64 / step.den as f64);
         Ok(Self {
             machine: setup::with_maps(config, maps),
-            rig: setup::rig(file, &motors).with_lash_field(field),
+            rig: setup::rig(file, &motors).with_lash_field(setup::field(field)),
             motors,
             nm_per_step,
             tool_nm_per_step: nm_per_step,
@@ -97,7 +98,7 @@ impl backlash::Bench for SimulatedBench {
                 .step(step.wait_ticks, &step.delta, |wait_ticks, levels| {
                     rig.apply(levels, wait_ticks);
                 });
-            let nm = |steps: [i32; 3], nm_per_step: [f64; 3]| {
+            let nm = |steps: [i32; AXES], nm_per_step: [f64; 3]| {
                 [0, 1, 2].map(|axis| f64::from(steps[axis]) * nm_per_step[axis])
             };
             each(&Moment {
@@ -108,7 +109,7 @@ impl backlash::Bench for SimulatedBench {
             });
         }
         match self.rig.lost_steps() {
-            [0, 0, 0] => Ok(()),
+            lost if lost == [0; AXES] => Ok(()),
             lost => Err(refused(&format!("{lost:?} steps lost"))),
         }
     }

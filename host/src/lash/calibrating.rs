@@ -12,6 +12,7 @@ use husillo_metrology::calibration::backlash::{
 };
 use husillo_metrology::quantity::{self, Quantity};
 use husillo_reports::lash::{self, Panel};
+use husillo_sim::observers::AXES;
 use std::io::Write;
 
 /// The files that a calibration writes.
@@ -40,11 +41,8 @@ pub fn calibrate_backlash(
         setup::maps(file)?
     };
     let readings = pairs(args, file, &now, travel_mm)?;
-    let step_nm = file
-        .axes
-        .each_ref()
-        .map(|axis| axis.step.num as f64 / axis.step.den as f64);
-    let steps = file.axes.each_ref().map(|axis| axis.step);
+    let step_nm = file.xyz(|axis| axis.step.num as f64 / axis.step.den as f64);
+    let steps = file.xyz(|axis| axis.step);
     let lash: Vec<(LinePair, f64)> = readings
         .iter()
         .map(|reading| {
@@ -113,7 +111,7 @@ pub fn calibrate_backlash(
 fn pairs(
     args: &BacklashArgs,
     file: &MachineFile,
-    now: &[Map; 3],
+    now: &[Map; AXES],
     travel_mm: [[f64; 2]; 2],
 ) -> Result<Vec<LinePair>, String> {
     let Some(path) = &args.file else {
@@ -167,7 +165,7 @@ fn travel(file: &MachineFile) -> Result<[[f64; 2]; 2], String> {
 fn simulated_pairs(
     args: &BacklashArgs,
     file: &MachineFile,
-    maps: &[Map; 3],
+    maps: &[Map; AXES],
     travel_mm: [[f64; 2]; 2],
 ) -> Result<Vec<LinePair>, String> {
     let every = match quantity::parse(&args.every) {

@@ -1,7 +1,8 @@
 //! `husillo machines`: lists the machines and shows their figures.
 
-use crate::machines::machine_file::{AxisFile, MEASURING, MachineFile, Travel};
+use crate::machines::machine_file::{AxisFile, MEASURING, MachineFile, Travel, work};
 use crate::machines::power::Power;
+use husillo_gcode::Nm;
 use husillo_metrology::calibration::backlash::Map;
 use serde::Serialize;
 use std::fmt::Write;
@@ -16,11 +17,26 @@ pub struct Shown {
     title: String,
     file: String,
     axes: Vec<ShownAxis>,
+    /// The zeros of work frames that the file states.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    work: Vec<ShownFrame>,
+}
+
+/// The zero of a work frame.
+#[derive(Serialize)]
+struct ShownFrame {
+    /// `G54` to `G59.3`.
+    frame: String,
+    /// Letter and position of each axis, nm or millionths of a degree.
+    zero: Vec<(char, i64)>,
 }
 
 #[derive(Serialize)]
 struct ShownAxis {
     axis: char,
+    /// Lengths are degrees: a millionth of a degree as a nanometre.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    is_rotary: bool,
     /// nm per step.
     step_nm: f64,
     travel_mm: Option<[f64; 2]>,
@@ -77,10 +93,27 @@ pub fn show(machine: &MachineFile) -> Shown {
         name: machine.name.clone(),
         title: machine.title.clone(),
         file: machine.path.clone(),
-        axes: (machine.axes.iter().zip(&machine.lash.maps))
-            .map(|(file, map)| axis(file, map.as_ref()))
+        axes: (machine.axes.iter().enumerate())
+            .map(|(index, file)| {
+                let map = machine.lash.maps.get(index);
+                axis(file, map.and_then(Option::as_ref))
+            })
             .collect(),
+        work: frames(machine),
     }
+}
+
+fn frames(machine: &MachineFile) -> Vec<ShownFrame> {
+    let stated = work::NAMES.iter().zip(machine.work);
+    stated
+        .filter_map(|(name, zero)| {
+            let letters = machine.letters.letters().map(char::from);
+            Some(ShownFrame {
+                frame: name.to_ascii_uppercase().replace('_', "."),
+                zero: letters.zip(zero?.map(|Nm(nm)| nm)).collect(),
+            })
+        })
+        .collect()
 }
 
 fn axis(file: &AxisFile, map: Option<&Map>) -> ShownAxis {
@@ -92,6 +125,7 @@ fn axis(file: &AxisFile, map: Option<&Map>) -> ShownAxis {
     let is_fixed = travel.is_some_and(|[low, high]| high - low < step_nm);
     ShownAxis {
         axis: char::from(file.letter),
+        is_rotary: file.is_rotary,
         step_nm,
         travel_mm: travel
             .filter(|_| !is_fixed)
@@ -151,20 +185,30 @@ impl Shown {
             // Writing to a string never fails.
             let _ = axis.write(&mut text);
         }
+        if !self.work.is_empty() {
+            text.push_str("\n  work offsets\n");
+        }
+        for ShownFrame { frame, zero } in &self.work {
+            let zero = zero
+                .iter()
+                .map(|(letter, nm)| format!("{letter}{}", Nm(*nm)))
+                .collect::<Vec<_>>();
+            let _ = writeln!(text, "  {frame:5}  {}", zero.join(" "));
+        }
         text
     }
 }
 
 impl ShownAxis {
     fn write(&self, out: &mut String) -> std::fmt::Result {
-        write!(
-            out,
-            "\n  {}  {:.4} um per step",
-            self.axis,
-            self.step_nm / 1e3
-        )?;
+        let (step, unit) = match self.is_rotary {
+            true => (self.step_nm / 1e6, "degrees"),
+            false => (self.step_nm / 1e3, "um"),
+        };
+        write!(out, "\n  {}  {step:.4} {unit} per step", self.axis)?;
+        let unit = if self.is_rotary { "degrees" } else { "mm" };
         if let Some([low, high]) = self.travel_mm {
-            write!(out, ", travel {low} to {high} mm")?;
+            write!(out, ", travel {low} to {high} {unit}")?;
         }
         if self.is_fixed {
             write!(out, ", moved only by the machine, from sensor to sensor")?;
@@ -191,7 +235,7 @@ impl ShownAxis {
         let speed = self.max_speed_mm_per_min;
         writeln!(
             out,
-            "\n     at most {} Hz, {speed:.2} mm/min",
+            "\n     at most {} Hz, {speed:.2} {unit}/min",
             self.max_rate_hz
         )?;
         if let Some(rate) = self.pull_out_rate_hz {

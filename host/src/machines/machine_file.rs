@@ -13,6 +13,7 @@ mod rates;
 mod step;
 mod step_mode;
 mod travel;
+pub mod work;
 
 pub use axis_file::AxisFile;
 pub use driver::Driver;
@@ -26,11 +27,13 @@ use crate::diagnostics::{Finding, Place};
 use crate::machines::bytes_file;
 use crate::machines::lash_file::LashFile;
 use crate::machines::table::{Table, document};
+use crate::programs::program::Frames;
 use built_in::BUILT_IN;
 pub use built_in::MEASURING;
-use husillo_gcode::{Dialect, Tool};
+use husillo_gcode::{Axes, Dialect, Tool};
 use husillo_machine::Equipment;
 use husillo_metrology::quantity::Fraction;
+use husillo_sim::observers::AXES;
 use husillo_transports::microfactory::ByteTable;
 use motion::Motion;
 
@@ -48,8 +51,12 @@ pub struct MachineFile {
     pub dialect: Option<Dialect>,
     /// Ticks per second of the timer that counts the waits between steps.
     pub timer_hz: u32,
-    /// The axes X, Y, Z.
-    pub axes: [AxisFile; 3],
+    /// The axes: X, Y, Z, and up to three others.
+    pub axes: Vec<AxisFile>,
+    /// The same by their letters.
+    pub letters: Axes,
+    /// The zeros of work frames.
+    pub work: Frames,
     /// Path speed of rapid moves, nm/min; `None`: only the axes limit it.
     pub rapid: Option<i64>,
     /// Largest path speed of feed moves, nm/min; `None`: only the axes limit it.
@@ -66,7 +73,7 @@ pub struct MachineFile {
     /// Its probe.
     pub probe: Option<Probe>,
     /// Its tools, by number.
-    pub tools: Vec<(u32, Tool<3>)>,
+    pub tools: Vec<(u32, Tool<AXES>)>,
     /// Axes that may move at once; more give a warning.
     pub simultaneous_axes: u32,
     /// Backlash by position.
@@ -157,7 +164,11 @@ impl MachineFile {
                 axes.table(key, |axis| AxisFile::read(axis, letter, hz))
                     .flatten()
             };
-            (read("x", b'X'), read("y", b'Y'), read("z", b'Z'))
+            let first = (read("x", b'X'), read("y", b'Y'), read("z", b'Z'));
+            (
+                first,
+                MORE.map(|(key, letter)| read_more(axes, key, letter, hz)),
+            )
         });
         let motion = root
             .optional_table("motion", Motion::read)
@@ -184,46 +195,86 @@ impl MachineFile {
             axis.as_ref().map_or(unknown, |axis| axis.step)
         };
         let steps = match &axes {
-            Some((x, y, z)) => [step(x), step(y), step(z)],
+            Some(((x, y, z), _)) => [step(x), step(y), step(z)],
             None => [Fraction { num: 1, den: 1 }; 3],
         };
         let lash = LashFile::read(&mut root, steps);
         let bytes = root.optional_table("bytes", bytes_file::read);
+        let axes = axes.and_then(|((x, y, z), more)| {
+            let mut axes = vec![x?, y?, z?];
+            axes.extend(more.into_iter().flatten());
+            Some(axes)
+        });
+        let letters = axes.as_deref().and_then(letters_of);
+        let work = root.optional_table("work", |table| {
+            work::read(table, &letters.unwrap_or(Axes::XYZABC))
+        });
         root.finish();
-        match axes {
-            Some((Some(x), Some(y), Some(z))) if findings.is_empty() => Ok(Self {
+        if let (Some(axes), None) = (&axes, letters) {
+            let message = format!("{} axes; a machine has at most six", axes.len());
+            findings.push(Finding::error(
+                "E0802",
+                message,
+                Place::in_text(path, text, 0..0),
+            ));
+        }
+        let view = view.flatten().filter(|view| {
+            axes.as_ref()
+                .is_some_and(|axes| view.iter().all(|axis| *axis < axes.len()))
+        });
+        match axes.zip(letters) {
+            Some((axes, letters)) if findings.is_empty() => Ok(Self {
                 path: path.to_owned(),
                 name,
                 title,
                 dialect,
                 timer_hz: u32::try_from(timer_hz).unwrap_or(1_000_000),
-                axes: [x, y, z],
+                simultaneous_axes: motion.simultaneous_axes.unwrap_or(axes.len() as u32),
+                axes,
+                letters,
                 rapid: motion.rapid,
                 top_feed: motion.top_feed,
                 arc_tolerance: motion.arc_tolerance,
                 corner_deviation: motion.corner_deviation,
                 spindle_counts,
+                work: work.unwrap_or_default(),
                 equipment: Equipment {
+                    heaters: dialect == Some(Dialect::PRINTER),
                     probe: probe.is_some(),
                     ..equipment
                 },
                 probe,
                 tools,
-                simultaneous_axes: motion.simultaneous_axes.unwrap_or(3),
                 lash,
                 bytes,
                 idle,
-                view: view.flatten().unwrap_or([0, 1]),
+                view: view.unwrap_or([0, 1]),
             }),
             _ => Err(findings),
         }
     }
 
+    /// A value of each axis, in the order of the coordinates of a command; `none` for those that the
+    /// machine does not have.
+    pub fn each<T: Clone>(&self, none: T, of: impl Fn(&AxisFile) -> T) -> [T; AXES] {
+        std::array::from_fn(|axis| self.axes.get(axis).map_or_else(|| none.clone(), &of))
+    }
+
+    /// A value of X, Y and Z.
+    pub fn xyz<T>(&self, of: impl Fn(&AxisFile) -> T) -> [T; 3] {
+        [0, 1, 2].map(|axis| of(&self.axes[axis]))
+    }
+
+    /// The letter of an axis.
+    pub fn letter(&self, axis: usize) -> u8 {
+        self.letters.letter(axis).unwrap_or(b'?')
+    }
+
     /// Reads the tools. Each number is used once, and the table of a controller has eight places.
-    fn tools(root: &mut Table<'_, '_>) -> Vec<(u32, Tool<3>)> {
+    fn tools(root: &mut Table<'_, '_>) -> Vec<(u32, Tool<AXES>)> {
         let tools = root.optional_tables("tool", equipment::tool);
         let tools: Vec<_> = tools.unwrap_or_default().into_iter().flatten().collect();
-        let number = |tool: &(u32, Tool<3>)| tool.0;
+        let number = |tool: &(u32, Tool<AXES>)| tool.0;
         let mut numbers: Vec<_> = tools.iter().map(number).collect();
         numbers.sort_unstable();
         numbers.dedup();
@@ -263,7 +314,35 @@ impl MachineFile {
 /// Tools in the table of a controller.
 const MOST_TOOLS: usize = 8;
 
-const VIEWS: [(&str, [usize; 2]); 4] = [
+/// The axes that a machine may have after X, Y and Z.
+const MORE: [(&str, u8); 7] = [
+    ("a", b'A'),
+    ("b", b'B'),
+    ("c", b'C'),
+    ("u", b'U'),
+    ("v", b'V'),
+    ("w", b'W'),
+    ("e", b'E'),
+];
+
+fn read_more(axes: &mut Table<'_, '_>, key: &str, letter: u8, timer_hz: u32) -> Option<AxisFile> {
+    let read = |axis: &mut Table<'_, '_>| AxisFile::read(axis, letter, timer_hz);
+    axes.optional_table(key, read).flatten()
+}
+
+/// The axes by their letters; `None` for more than six.
+fn letters_of(axes: &[AxisFile]) -> Option<Axes> {
+    let letters = |is_wrapped: bool| -> Vec<u8> {
+        let axes = axes.iter().filter(|axis| axis.is_wrapped || !is_wrapped);
+        axes.map(|axis| axis.letter).collect()
+    };
+    Axes::new(&letters(false))?.with_wrapped(&letters(true))
+}
+
+/// The planes of pictures. The first axis after Z, `A` on most machines, is unrolled: a degree is
+/// drawn as a millimetre.
+const VIEWS: [(&str, [usize; 2]); 5] = [
+    ("XA", [0, 3]),
     ("XY", [0, 1]),
     ("XZ", [0, 2]),
     ("ZX", [2, 0]),
@@ -282,10 +361,7 @@ mod tests {
     #[test]
     fn built_in_machines_are_read() {
         let micromill = MachineFile::load("micromill").unwrap();
-        assert_eq!(
-            micromill.axes.each_ref().map(|axis| axis.lash_steps),
-            [1457, 1271, 0]
-        );
+        assert_eq!(micromill.xyz(|axis| axis.lash_steps), [1457, 1271, 0]);
         assert_eq!(micromill.axes[0].travel, Travel::Range([0, 10_000_000]));
         assert_eq!(micromill.axes[2].travel, Travel::Unknown);
         let free = MachineFile::load("free").unwrap();
@@ -297,10 +373,7 @@ mod tests {
             (1_000_000, 107)
         );
         assert_eq!(
-            drill
-                .axes
-                .each_ref()
-                .map(|axis| axis.home.map(|home| home.order)),
+            drill.xyz(|axis| axis.home.map(|home| home.order)),
             [Some(3), Some(2), Some(1)]
         );
     }
@@ -400,7 +473,7 @@ mod tests {
 
     #[test]
     fn a_missing_axis_makes_no_key_unknown() {
-        let found = findings_with("[axis.z]", "[axis.w]");
+        let found = findings_with("[axis.z]", "[axis.q]");
         assert_eq!(found.len(), 2, "{found:?}");
         assert!(
             found.iter().all(|message| message.contains("axis")),

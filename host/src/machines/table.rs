@@ -1,7 +1,7 @@
 //! A TOML table that is read key by key. Unknown, missing and wrong keys become findings.
 
 use crate::diagnostics::{Finding, Place};
-use husillo_metrology::quantity::{self, Quantity};
+use husillo_metrology::quantity::{self, Fraction, Quantity};
 use std::ops::{Range, RangeInclusive};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -26,6 +26,8 @@ pub struct Table<'a, 'f> {
     span: Range<usize>,
     table: &'a DeTable<'a>,
     known: Vec<String>,
+    /// Whether quantities are those of a rotary axis: degrees where others have lengths.
+    is_rotary: bool,
     findings: &'f mut Vec<Finding>,
 }
 
@@ -46,6 +48,7 @@ impl<'a, 'f> Table<'a, 'f> {
             span,
             table,
             known: Vec::new(),
+            is_rotary: false,
             findings,
         }
     }
@@ -145,7 +148,7 @@ impl<'a, 'f> Table<'a, 'f> {
     ) -> Option<T> {
         let (value, span) = self.value(key)?;
         let parsed = match value.as_str() {
-            Some(text) => quantity::parse(text),
+            Some(text) => self.parsed(text),
             None => Err("a quantity is text with a unit".to_owned()),
         };
         match parsed.map(accept) {
@@ -167,6 +170,46 @@ impl<'a, 'f> Table<'a, 'f> {
                 None
             }
         }
+    }
+
+    /// Whether quantities are those of a rotary axis from here on: degrees where others have
+    /// lengths.
+    pub const fn set_rotary(&mut self, on: bool) {
+        self.is_rotary = on;
+    }
+
+    /// A quantity. Those of a rotary axis are converted to lengths, with a degree as a millimetre.
+    ///
+    /// # Errors
+    ///
+    /// It is not understood, or it has lengths for a rotary axis or angles for a linear one.
+    pub fn parsed(&self, text: &str) -> Result<Quantity, String> {
+        let scaled = |value: Fraction| {
+            Fraction::new(i128::from(value.num) * 1_000_000, i128::from(value.den))
+                .ok_or_else(|| format!("`{text}` is out of range"))
+        };
+        Ok(match (quantity::parse(text)?, self.is_rotary) {
+            (Quantity::Length(_) | Quantity::Speed(_) | Quantity::AxisAcceleration(_), true) => {
+                return Err("a rotary axis has degrees".to_owned());
+            }
+            (Quantity::Angle(value), true) => Quantity::Length(scaled(value)?),
+            (Quantity::RotarySpeed(value), true) => Quantity::Speed(scaled(value)?),
+            (Quantity::RotaryAcceleration(value), true) => {
+                Quantity::AxisAcceleration(scaled(value)?)
+            }
+            (quantity, _) => quantity,
+        })
+    }
+
+    /// Reads `true` or `false`.
+    pub fn boolean(&mut self, key: &str) -> Option<bool> {
+        let (value, span) = self.value(key)?;
+        let boolean = value.as_bool();
+        if boolean.is_none() {
+            let message = format!("`{key}` is not true or false");
+            self.wrong(span, &message, "expected true or false");
+        }
+        boolean
     }
 
     /// Reads one of several names.
@@ -254,6 +297,7 @@ impl<'a, 'f> Table<'a, 'f> {
             None => format!("[{key}]"),
         };
         let mut inner = Table::new(self.path, self.text, &name, span, table, self.findings);
+        inner.is_rotary = self.is_rotary;
         let result = read(&mut inner);
         inner.finish();
         result

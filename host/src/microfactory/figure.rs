@@ -4,7 +4,8 @@ use crate::diagnostics::Findings;
 use crate::programs::program;
 use crate::programs::source::Source;
 use husillo_clients::microfactory::{Figure, Settings, listed};
-use husillo_gcode::{Command, Dialect, Nm};
+use husillo_gcode::{Axes, Command, Dialect, Nm};
+use husillo_sim::observers::AXES;
 
 /// End of the name of a list of moves: one move per line, X and Z in steps; `;` begins a comment.
 const LIST: &str = ".fig";
@@ -76,7 +77,7 @@ fn programmed(file: &str, settings: &Settings) -> Result<Vec<[i16; 2]>, String> 
     program::walk(
         &mut source,
         file,
-        Dialect::RS274,
+        Dialect::RS274.with_axes(Axes::XYZ),
         &mut findings,
         |meaning, command, from, _| {
             if refused.is_none() {
@@ -104,8 +105,8 @@ fn programmed(file: &str, settings: &Settings) -> Result<Vec<[i16; 2]>, String> 
 
 /// The move of a command in steps, if it has one.
 fn straight(
-    command: &Command<3>,
-    from: [Nm; 3],
+    command: &Command<AXES>,
+    from: [Nm; AXES],
     at: &mut [i64; 2],
     settings: &Settings,
 ) -> Result<Option<[i16; 2]>, String> {
@@ -116,7 +117,7 @@ fn straight(
         }
         _ => return Ok(None),
     };
-    let [x, y, z] = to;
+    let [x, y, z, ..] = to;
     if from[1] != y {
         return Err("a figure is in X and Z: Y is fed to the work piece by the machine".into());
     }

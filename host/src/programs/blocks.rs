@@ -169,11 +169,11 @@ pub fn is_numbering(text: &[u8]) -> bool {
 /// # Errors
 ///
 /// Reading fails, or `each` does.
-pub fn each_block<C>(
+pub fn each_block<C, const N: usize>(
     source: &mut Source,
     dialect: Dialect,
     context: &mut C,
-    reading: impl Fn(&C) -> Reading<'_, 3>,
+    reading: impl Fn(&C) -> Reading<'_, N>,
     mut each: impl FnMut(&mut C, &Given<'_>, Result<Block, Error>) -> io::Result<ControlFlow<()>>,
 ) -> io::Result<()> {
     let mut percent = Percent::default();
@@ -262,12 +262,12 @@ struct Text<'a> {
 }
 
 /// Gives the blocks of a text in the order of execution.
-fn as_a_whole<C>(
+fn as_a_whole<C, const N: usize>(
     text: &Text<'_>,
     dialect: Dialect,
     percent: &mut Percent,
     context: &mut C,
-    reading: impl Fn(&C) -> Reading<'_, 3>,
+    reading: impl Fn(&C) -> Reading<'_, N>,
     mut each: impl FnMut(&mut C, &Given<'_>, Result<Block, Error>) -> io::Result<ControlFlow<()>>,
 ) -> io::Result<()> {
     let program = Whole::new(text.bytes, dialect).with_first_line(text.first);
@@ -383,7 +383,7 @@ mod tests {
             "%\n#1=1\nM30%\r\nrubbish\n",
         ] {
             let mut source = Source::from_reader(Box::new(text.as_bytes()));
-            let mut context = Modal::new(Dialect::RS274);
+            let mut context = Modal::<3>::new(Dialect::RS274);
             let error = |_: &mut _, given: &Given<'_>, block: Result<Block, Error>| {
                 assert!(block.is_ok(), "line {} of {text:?}", given.number);
                 Ok(ControlFlow::Continue(()))
@@ -405,7 +405,7 @@ mod tests {
     /// The numbers of the lines whose blocks are given.
     fn lines(dialect: Dialect, text: &'static str) -> Vec<usize> {
         let mut source = Source::from_reader(Box::new(text.as_bytes()));
-        let mut context = (Modal::new(dialect), Vec::new());
+        let mut context = (Modal::<3>::new(dialect), Vec::new());
         each_block(
             &mut source,
             dialect,

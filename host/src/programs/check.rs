@@ -7,12 +7,13 @@ use crate::programs::program::{self, Meaning, Start};
 use crate::programs::reversals::Turns;
 use crate::programs::setup;
 use crate::programs::source::Source;
-use husillo_gcode::{Arc, Command, Feed, Nm};
+use husillo_gcode::{Arc, Axes, Command, Feed, Nm};
 use husillo_machine::{Config, MoveError};
 use husillo_reports::text::duration;
 use husillo_reports::text::length;
 use husillo_reports::text::shortest;
 use husillo_sim::geometry::path::Path;
+use husillo_sim::observers::AXES;
 use std::io;
 
 /// The figures of a checked program.
@@ -25,7 +26,7 @@ pub struct Facts {
     /// Approximate number of step events.
     pub events: f64,
     /// Reversals of each axis. A first motion in negative direction counts as one.
-    pub reversals: [u64; 3],
+    pub reversals: [u64; AXES],
     /// The first move that leaves the travel of an axis, for
     /// [`crate::programs::zero::report_beyond`].
     pub beyond: Option<(Place, MoveError)>,
@@ -35,11 +36,11 @@ pub struct Facts {
 /// program, and sums over its moves.
 pub struct Checker<'a> {
     machine: &'a MachineFile,
-    config: &'a Config<3>,
+    config: &'a Config<AXES>,
     /// What the machine says to each command.
     checks: husillo_machine::Checker,
     turns: Turns,
-    unknown_travel: [bool; 3],
+    unknown_travel: [bool; AXES],
     three_axes: bool,
     warned_feed: Option<Nm>,
     feed_nm: f64,
@@ -59,7 +60,7 @@ pub fn check(
     file: &str,
     start: Start,
     machine: &MachineFile,
-    config: &Config<3>,
+    config: &Config<AXES>,
     findings: &mut Findings,
 ) -> io::Result<Facts> {
     let mut checker = Checker::new(machine, config);
@@ -95,7 +96,7 @@ pub fn check(
 
 impl<'a> Checker<'a> {
     /// No command was checked.
-    pub fn new(machine: &'a MachineFile, config: &'a Config<3>) -> Self {
+    pub fn new(machine: &'a MachineFile, config: &'a Config<AXES>) -> Self {
         Self {
             machine,
             config,
@@ -103,9 +104,9 @@ impl<'a> Checker<'a> {
             turns: Turns::new(
                 // `run` reports a backlash that is out of range.
                 setup::maps(machine).unwrap_or_else(|_| setup::no_lash()),
-                (machine.axes.each_ref()).map(|axis| axis.step.num as f64 / axis.step.den as f64),
+                machine.each(1.0, |axis| axis.step.num as f64 / axis.step.den as f64),
             ),
-            unknown_travel: [false; 3],
+            unknown_travel: [false; AXES],
             three_axes: false,
             warned_feed: None,
             feed_nm: 0.0,
@@ -126,8 +127,8 @@ impl Checker<'_> {
     pub fn command(
         &mut self,
         meaning: &Meaning<'_>,
-        command: &Command<3>,
-        from: [Nm; 3],
+        command: &Command<AXES>,
+        from: [Nm; AXES],
         findings: &mut Findings,
     ) {
         let end = command.end();
@@ -136,7 +137,7 @@ impl Checker<'_> {
             // All moves beyond the travel have one cause. It is reported when all are known.
             Err(error @ MoveError::Travel { axis, .. }) => {
                 if self.beyond.is_none() {
-                    let letter = self.machine.axes[axis.min(2)].letter;
+                    let letter = self.machine.letter(axis);
                     self.beyond = Some((meaning.at.word(letter), error));
                 }
             }
@@ -145,9 +146,10 @@ impl Checker<'_> {
         let Some(to) = end else {
             return;
         };
-        let moves = [0, 1, 2].map(|axis: usize| from[axis] != to[axis]);
-        for (axis, moved) in moves.into_iter().enumerate() {
-            if moved
+        let axes = self.machine.axes.len();
+        let moves: Vec<bool> = (0..axes).map(|axis| from[axis] != to[axis]).collect();
+        for (axis, moved) in moves.iter().enumerate() {
+            if *moved
                 && self.machine.axes[axis].travel == Travel::Unknown
                 && !self.unknown_travel[axis]
             {
@@ -172,7 +174,7 @@ impl Checker<'_> {
             }
             _ => {
                 self.turns.line(from, to);
-                distance(from, to)
+                fed_length(command, from, self.config.dialect.axes())
             }
         };
         self.events += length / self.step_nm();
@@ -195,8 +197,8 @@ impl Checker<'_> {
         step.num as f64 / step.den as f64
     }
 
-    fn limit(&self, error: &MoveError, at: &At<'_>, command: &Command<3>) -> Finding {
-        let letter = |axis: usize| self.machine.axes[axis.min(2)].letter;
+    fn limit(&self, error: &MoveError, at: &At<'_>, command: &Command<AXES>) -> Finding {
+        let letter = |axis: usize| self.machine.letter(axis);
         match *error {
             MoveError::Reach { axis } => {
                 let name = char::from(letter(axis));
@@ -266,7 +268,7 @@ impl Checker<'_> {
             .note("reported once for the whole program")
     }
 
-    fn arc(&self, arc: &Arc<3>, at: &At<'_>, findings: &mut Findings) {
+    fn arc(&self, arc: &Arc<AXES>, at: &At<'_>, findings: &mut Findings) {
         let [a, _] = arc.plane.axes();
         let step = self.machine.axes[a].step;
         let mismatch = i128::from(arc.mismatch.0);
@@ -300,9 +302,9 @@ impl Checker<'_> {
     fn feed(
         &mut self,
         feed: &Feed,
-        command: &Command<3>,
-        from: [Nm; 3],
-        to: [Nm; 3],
+        command: &Command<AXES>,
+        from: [Nm; AXES],
+        to: [Nm; AXES],
         length: f64,
         at: &At<'_>,
         findings: &mut Findings,
@@ -390,17 +392,26 @@ impl Checker<'_> {
     }
 }
 
-fn distance(from: [Nm; 3], to: [Nm; 3]) -> f64 {
-    [0, 1, 2]
-        .map(|axis| (to[axis].0 - from[axis].0) as f64)
+/// Length of a move as its feed measures it, in nm or millionths of a degree; see [`Axes::fed`].
+pub fn fed_length(command: &Command<AXES>, from: [Nm; AXES], axes: &Axes) -> f64 {
+    if let Command::Arc { arc, .. } = command {
+        return arc_length(from, arc);
+    }
+    let to = command.end().unwrap_or(from);
+    let ways: [u64; AXES] = std::array::from_fn(|axis| to[axis].0.abs_diff(from[axis].0));
+    let fed = axes.fed(&ways);
+    let squares = ways
         .iter()
-        .map(|d| d * d)
-        .sum::<f64>()
-        .sqrt()
+        .enumerate()
+        .map(|(axis, way)| match fed >> axis & 1 {
+            0 => 0.0,
+            _ => (*way as f64).powi(2),
+        });
+    squares.sum::<f64>().sqrt()
 }
 
 /// Length of an arc in nm.
-pub fn arc_length(from: [Nm; 3], arc: &Arc<3>) -> f64 {
+pub fn arc_length(from: [Nm; AXES], arc: &Arc<AXES>) -> f64 {
     Path::programmed(
         from,
         &Command::Arc {

@@ -22,6 +22,7 @@ pub fn print(
     findings: &mut Findings,
     out: &mut impl Write,
 ) -> io::Result<()> {
+    let axes = *start.dialect.axes();
     program::walk(
         source,
         file,
@@ -29,9 +30,10 @@ pub fn print(
         findings,
         |meaning, command, from, _| {
             if !is_json {
+                let command = command.shown(axes);
                 return writeln!(out, "{:>6}  {command}", meaning.at.line);
             }
-            if let Some(line) = Line::new(meaning.at.line, command, from) {
+            if let Some(line) = Line::new(meaning.at.line, command, from, &axes) {
                 write_line("husillo.commands/1", &line, out)?;
             }
             Ok(())

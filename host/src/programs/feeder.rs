@@ -9,6 +9,7 @@ use crate::simulation::work_piece::WorkPiece;
 use husillo_backlash::Lash;
 use husillo_gcode::{Block, Error};
 use husillo_machine::{Alarm, Event, Followed, Pause, Refused};
+use husillo_sim::observers::AXES;
 use std::io;
 use std::ops::ControlFlow;
 
@@ -19,18 +20,18 @@ use std::ops::ControlFlow;
 ///
 /// Reading or writing fails, the machine refuses a line, or a probe finds nothing. It refuses no
 /// line of a program that was checked before, unless a line depends on what a probe has found.
-pub fn feed<L: Lash<3>>(
+pub fn feed<L: Lash<AXES>>(
     source: &mut Source,
     machine: &mut Mill<L>,
     piece: &WorkPiece,
-    mut each: impl FnMut(&Mill<L>, &Event<3>) -> io::Result<()>,
+    mut each: impl FnMut(&Mill<L>, &Event<AXES>) -> io::Result<()>,
 ) -> io::Result<()> {
     let config = machine.config();
     let dialect = config.dialect;
     let mut turning = config
         .spindle_counts
         .map(|counts| Turning::new(counts, config.timer_hz));
-    let mut each = |machine: &Mill<L>, event: &Event<3>| match &mut turning {
+    let mut each = |machine: &Mill<L>, event: &Event<AXES>| match &mut turning {
         None => each(machine, event),
         Some(turning) => each(machine, &turning.timed(event)?),
     };
@@ -84,8 +85,8 @@ pub fn feed_followed(
     source: &mut Source,
     machine: &mut ClosedMicromill,
     piece: &WorkPiece,
-    mut counts: [i64; 3],
-    mut each: impl FnMut(&ClosedMicromill, &Followed<3>) -> io::Result<[i64; 3]>,
+    mut counts: [i64; AXES],
+    mut each: impl FnMut(&ClosedMicromill, &Followed<AXES>) -> io::Result<[i64; AXES]>,
 ) -> io::Result<()> {
     let config = machine.machine().config();
     let dialect = config.dialect;
@@ -144,7 +145,7 @@ pub fn feed_followed(
 }
 
 /// Gives a block to a machine that has room for it.
-fn take<L: Lash<3>>(
+fn take<L: Lash<AXES>>(
     machine: &mut Mill<L>,
     given: &Given<'_>,
     block: Result<Block, Error>,
@@ -156,7 +157,7 @@ fn take<L: Lash<3>>(
 }
 
 /// The moves that still wait for a corner at the end of the text.
-fn finish<L: Lash<3>>(machine: &mut Mill<L>) -> io::Result<()> {
+fn finish<L: Lash<AXES>>(machine: &mut Mill<L>) -> io::Result<()> {
     machine
         .finish()
         .map_err(|refused| io::Error::other(refused.to_string()))
@@ -167,7 +168,7 @@ fn at_line(given: &Given<'_>, why: &dyn std::fmt::Display) -> io::Error {
 }
 
 /// What expressions can read of a machine.
-fn reading<L: Lash<3>>(machine: &Mill<L>) -> Reading<'_, 3> {
+fn reading<L: Lash<AXES>>(machine: &Mill<L>) -> Reading<'_, AXES> {
     let probed = machine.probed();
     Reading {
         modal: machine.modal(),
@@ -177,7 +178,7 @@ fn reading<L: Lash<3>>(machine: &Mill<L>) -> Reading<'_, 3> {
 
 /// Sets the input of the probe, if the machine needs it.
 #[inline]
-fn touch<L: Lash<3>>(machine: &mut Mill<L>, piece: &WorkPiece) {
+fn touch<L: Lash<AXES>>(machine: &mut Mill<L>, piece: &WorkPiece) {
     if machine.needs_probe() {
         let steps = machine.position_steps();
         let scales = machine.config().axes.each_ref().map(|axis| axis.scale);
@@ -202,7 +203,7 @@ enum Pulled {
 impl Pulled {
     /// The kind of an event. A request for an input is answered.
     #[inline]
-    fn of<L: Lash<3>>(machine: &mut Mill<L>, event: &Event<3>) -> Self {
+    fn of<L: Lash<AXES>>(machine: &mut Mill<L>, event: &Event<AXES>) -> Self {
         match event {
             Event::Pause(Pause::End { .. }) => Self::End,
             Event::Alarm(alarm) => Self::Alarm(*alarm),
@@ -216,10 +217,10 @@ impl Pulled {
 }
 
 #[inline]
-fn pull<L: Lash<3>>(
+fn pull<L: Lash<AXES>>(
     machine: &mut Mill<L>,
     piece: &WorkPiece,
-    each: &mut impl FnMut(&Mill<L>, &Event<3>) -> io::Result<()>,
+    each: &mut impl FnMut(&Mill<L>, &Event<AXES>) -> io::Result<()>,
 ) -> io::Result<Pulled> {
     touch(machine, piece);
     // By reference for speed: a move would read the event as a whole right after it was written in

@@ -12,6 +12,7 @@ use husillo_gcode::{
     Arc, Command, Dialect, Direction, Feed, Nm, PathMode, Plane, SpindleDirection,
 };
 use husillo_sim::geometry::turn;
+use husillo_sim::observers::AXES;
 use std::fmt::Write;
 
 /// Points at most this far apart count as one, nm. It is about a step of these machines.
@@ -30,17 +31,17 @@ pub struct Mirrored {
 }
 
 /// A start point and the command that begins there.
-type Given = ([Nm; 3], Command<3>);
+type Given = ([Nm; AXES], Command<AXES>);
 
 /// A cut in the plane of X and Y.
 #[derive(Clone, Copy, Debug)]
 struct Cut {
-    from: [Nm; 3],
-    command: Command<3>,
+    from: [Nm; AXES],
+    command: Command<AXES>,
 }
 
 impl Cut {
-    fn to(&self) -> [Nm; 3] {
+    fn to(&self) -> [Nm; AXES] {
         self.command.end().unwrap_or(self.from)
     }
 
@@ -113,7 +114,7 @@ impl Cut {
 }
 
 /// Whether a point of the circle lies on the arc, without its ends.
-fn is_between(from: &[Nm; 3], to: &[Nm; 3], arc: &Arc<3>, point: [i64; 2]) -> bool {
+fn is_between(from: &[Nm; AXES], to: &[Nm; AXES], arc: &Arc<AXES>, point: [i64; 2]) -> bool {
     let angle = |x: i64, y: i64| {
         let spoke = [x - arc.centre[0].0, y - arc.centre[1].0];
         turn::angle(spoke.map(|nm| nm as f64), [0.0; 2])
@@ -224,7 +225,7 @@ fn contour(commands: &[Given]) -> Option<(Vec<Cut>, &[Given])> {
 /// Divides a contour where it crosses the vertical through its start again, at the crossing that is
 /// farthest from the start.
 fn halves(cuts: &[Cut]) -> Option<[Vec<Cut>; 2]> {
-    let [x, y, _] = cuts.first()?.from.map(|nm| nm.0);
+    let [x, y, ..] = cuts.first()?.from.map(|nm| nm.0);
     // Distance of the crossing, number of whole cuts before it, and the split of the next one if
     // the crossing lies inside it.
     let mut best: Option<(i64, usize, Option<[Cut; 2]>)> = None;
@@ -255,7 +256,7 @@ fn halves(cuts: &[Cut]) -> Option<[Vec<Cut>; 2]> {
 /// Writes commands as text.
 struct Writer {
     text: String,
-    at: [Nm; 3],
+    at: [Nm; AXES],
 }
 
 impl Writer {
@@ -263,7 +264,7 @@ impl Writer {
         Self {
             text: "G21 G90 G94 G17\n".to_owned(),
             // The position of a homed machine.
-            at: [Nm(0); 3],
+            at: [Nm(0); AXES],
         }
     }
 
@@ -271,7 +272,7 @@ impl Writer {
     fn halves(
         &mut self,
         [first, second]: &[Vec<Cut>; 2],
-        (up, plunge): (Nm, Command<3>),
+        (up, plunge): (Nm, Command<AXES>),
         next: Option<&Given>,
     ) -> Result<(), String> {
         let Some(start) = first.first().map(|cut| cut.from) else {
@@ -294,24 +295,32 @@ impl Writer {
             return self.write(&plunge);
         }
         // The next command lifts the tool: it goes straight up from here.
-        let [x, y, _] = self.at;
         match next {
-            Some((_, Command::Rapid { to })) => self.write(&Command::Rapid { to: [x, y, to[2]] }),
+            Some((_, Command::Rapid { to })) => self.lift(to[2]),
             _ => Ok(()),
         }
     }
 
     /// Lifts the tool, and moves it across to a position.
-    fn back_to(&mut self, position: [Nm; 3], up: Nm) -> Result<(), String> {
-        let [x, y, _] = self.at;
-        self.write(&Command::Rapid { to: [x, y, up] })?;
+    fn back_to(&mut self, position: [Nm; AXES], up: Nm) -> Result<(), String> {
+        self.lift(up)?;
+        let [x, y, ..] = position;
+        let [_, _, _, others @ ..] = self.at;
+        let [a, b, c] = others;
         self.write(&Command::Rapid {
-            to: [position[0], position[1], up],
+            to: [x, y, up, a, b, c],
         })
     }
 
+    /// Moves the tool straight up to this height.
+    fn lift(&mut self, up: Nm) -> Result<(), String> {
+        let mut to = self.at;
+        to[2] = up;
+        self.write(&Command::Rapid { to })
+    }
+
     /// Writes an arc without its feed.
-    fn arc(&mut self, arc: &Arc<3>) {
+    fn arc(&mut self, arc: &Arc<AXES>) {
         let (plane, letters) = match arc.plane {
             Plane::Xy => ("G17", "IJ"),
             Plane::Zx => ("G18", "KI"),
@@ -334,8 +343,12 @@ impl Writer {
         }
     }
 
-    fn write(&mut self, command: &Command<3>) -> Result<(), String> {
+    fn write(&mut self, command: &Command<AXES>) -> Result<(), String> {
         let text = &mut self.text;
+        let moves_others = |to: [Nm; AXES]| to.iter().skip(3).any(|at| *at != Nm(0));
+        if command.end().is_some_and(moves_others) {
+            return Err("a program that moves more axes than X, Y and Z".into());
+        }
         // Writing to a String cannot fail.
         match command {
             Command::Rapid { to } => {
@@ -403,7 +416,7 @@ impl Writer {
     }
 
     /// Writes the coordinates that change, or all of them.
-    fn go(&mut self, to: &[Nm; 3], all: bool) {
+    fn go(&mut self, to: &[Nm; AXES], all: bool) {
         for ((letter, to), at) in "XYZ".chars().zip(to).zip(&mut self.at) {
             if all || at != to {
                 let _ = write!(self.text, " {letter}{}", millimetres(*to));

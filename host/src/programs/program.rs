@@ -11,6 +11,7 @@ use crate::programs::source::{LONGEST_LINE, Source};
 use husillo_gcode::{
     Block, Command, Compensated, Compensation, Dialect, Error, Modal, Nm, Tool, words,
 };
+use husillo_sim::observers::AXES;
 use std::collections::VecDeque;
 use std::fmt::Write;
 use std::io;
@@ -28,12 +29,14 @@ const MOST_COMMANDS: u64 = 10_000_000;
 pub struct Start {
     /// Its language.
     pub dialect: Dialect,
-    /// Work zero of all work frames, in machine coordinates.
-    pub zero: [Nm; 3],
+    /// Work zero of the work frames that have none of their own, in machine coordinates.
+    pub zero: [Nm; AXES],
+    /// The zeros of work frames that the machine file states.
+    pub frames: Frames,
     /// Position of the tool, in machine coordinates.
-    pub at: [Nm; 3],
+    pub at: [Nm; AXES],
     /// The tools of the machine, by number.
-    pub tools: [Option<(u32, Tool<3>)>; 8],
+    pub tools: [Option<(u32, Tool<AXES>)>; 8],
 }
 
 impl From<Dialect> for Start {
@@ -41,8 +44,9 @@ impl From<Dialect> for Start {
     fn from(dialect: Dialect) -> Self {
         Self {
             dialect,
-            zero: [Nm(0); 3],
-            at: [Nm(0); 3],
+            zero: [Nm(0); AXES],
+            frames: [None; WORK_FRAMES],
+            at: [Nm(0); AXES],
             tools: [None; 8],
         }
     }
@@ -50,10 +54,10 @@ impl From<Dialect> for Start {
 
 impl Start {
     /// The initial modal state.
-    fn modal(&self) -> Modal<3> {
+    fn modal(&self) -> Modal<AXES> {
         let mut modal = Modal::new(self.dialect);
-        for system in 0..WORK_FRAMES {
-            modal.set_work_zero(system, self.zero);
+        for (system, own) in (0..).zip(self.frames) {
+            modal.set_work_zero(system, own.unwrap_or(self.zero));
         }
         modal.set_position(self.at);
         for (number, tool) in self.tools.into_iter().flatten() {
@@ -64,7 +68,9 @@ impl Start {
 }
 
 /// G54 to G59.3.
-const WORK_FRAMES: u8 = 9;
+pub const WORK_FRAMES: usize = 9;
+/// The zero of each work frame in machine coordinates, where it is stated.
+pub type Frames = [Option<[Nm; AXES]>; WORK_FRAMES];
 
 /// The origin of a command.
 #[derive(Debug)]
@@ -80,15 +86,15 @@ struct Walker<'a> {
     dialect: Dialect,
     /// Commands that a program with loops may still give.
     left: u64,
-    modal: Modal<3>,
+    modal: Modal<AXES>,
     /// What a probe and inputs are assumed to find.
-    results: Results<3>,
+    results: Results<AXES>,
     /// Computes the path of the tool under compensation. Otherwise it passes commands unchanged.
-    stage: Compensation<3>,
+    stage: Compensation<AXES>,
     /// Places of the commands that wait in it, in their order.
     waiting: VecDeque<Held>,
     /// End of the last command.
-    from: [Nm; 3],
+    from: [Nm; AXES],
     last_line: usize,
     has_ended: bool,
     progress: Progress,
@@ -132,7 +138,7 @@ impl Held {
 
 /// Receives each command with its place and the position of the tool before it.
 type Each<'e> =
-    &'e mut dyn FnMut(&Meaning<'_>, &Command<3>, [Nm; 3], &mut Findings) -> io::Result<()>;
+    &'e mut dyn FnMut(&Meaning<'_>, &Command<AXES>, [Nm; AXES], &mut Findings) -> io::Result<()>;
 
 impl<'a> Walker<'a> {
     fn new(left: u64, file: &'a str, start: Start) -> Self {
@@ -153,7 +159,7 @@ impl<'a> Walker<'a> {
     }
 
     /// What expressions can read.
-    const fn reading(&self) -> Reading<'_, 3> {
+    const fn reading(&self) -> Reading<'_, AXES> {
         Reading {
             modal: &self.modal,
             results: self.results,
@@ -161,7 +167,7 @@ impl<'a> Walker<'a> {
     }
 
     /// Interprets a block. An error leaves the state unchanged.
-    fn plan(&mut self, given: &Given<'_>, block: &Block) -> Result<Compensated<3>, Error> {
+    fn plan(&mut self, given: &Given<'_>, block: &Block) -> Result<Compensated<AXES>, Error> {
         let (next, commands) = self.modal.plan(block)?;
         let (after, commands) = self.stage.plan(commands).map_err(|kind| Error {
             kind,
@@ -175,7 +181,7 @@ impl<'a> Walker<'a> {
 
     /// The end that the axis words of a refused move give. `None` without such words, and in a
     /// block whose axis words are not the end of a move.
-    fn end_of(&self, given: &Given<'_>, block: &Block) -> Option<[Nm; 3]> {
+    fn end_of(&self, given: &Given<'_>, block: &Block) -> Option<[Nm; AXES]> {
         let mut line = String::from("G0");
         // Units and distances of this line count.
         for word in words(given.text).map_while(Result::ok) {
@@ -192,8 +198,8 @@ impl<'a> Walker<'a> {
             }
         }
         let modes = line.len();
-        for letter in [b'X', b'Y', b'Z'] {
-            if let Some(value) = block.word(letter) {
+        for (axis, letter) in self.dialect.axes().letters().enumerate() {
+            if let Some(value) = block.axis(axis) {
                 let _ = write!(line, " {}{value}", char::from(letter));
             }
         }
@@ -203,7 +209,7 @@ impl<'a> Walker<'a> {
     }
 
     /// Continues after a refused move as if it had been made, so that one error is reported once.
-    fn assume(&mut self, end: [Nm; 3]) {
+    fn assume(&mut self, end: [Nm; AXES]) {
         if !self.stage.is_active() {
             self.modal.set_position(end);
             self.stage = Compensation::new(end);
@@ -293,7 +299,7 @@ impl<'a> Walker<'a> {
         &mut self,
         waited: Option<Held>,
         meaning: &Meaning<'_>,
-        command: &Command<3>,
+        command: &Command<AXES>,
         findings: &mut Findings,
         each: Each<'_>,
     ) -> io::Result<()> {
@@ -363,8 +369,8 @@ pub fn walk(
     file: &str,
     start: impl Into<Start>,
     findings: &mut Findings,
-    each: impl FnMut(&Meaning<'_>, &Command<3>, [Nm; 3], &mut Findings) -> io::Result<()>,
-) -> io::Result<Modal<3>> {
+    each: impl FnMut(&Meaning<'_>, &Command<AXES>, [Nm; AXES], &mut Findings) -> io::Result<()>,
+) -> io::Result<Modal<AXES>> {
     walk_within(MOST_COMMANDS, source, file, start.into(), findings, each)
 }
 
@@ -374,8 +380,8 @@ fn walk_within(
     file: &str,
     start: Start,
     findings: &mut Findings,
-    mut each: impl FnMut(&Meaning<'_>, &Command<3>, [Nm; 3], &mut Findings) -> io::Result<()>,
-) -> io::Result<Modal<3>> {
+    mut each: impl FnMut(&Meaning<'_>, &Command<AXES>, [Nm; AXES], &mut Findings) -> io::Result<()>,
+) -> io::Result<Modal<AXES>> {
     let mut walker = Walker::new(left, file, start);
     blocks::each_block(
         source,

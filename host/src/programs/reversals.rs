@@ -3,18 +3,19 @@
 use husillo_gcode::{Arc, Direction, Nm};
 use husillo_metrology::calibration::backlash::Map;
 use husillo_sim::geometry::turn;
+use husillo_sim::observers::AXES;
 use std::f64::consts::FRAC_PI_2;
 
 /// Counts the reversals of each axis, and the backlash that they take up.
 #[derive(Debug)]
 pub struct Turns {
-    direction: [i8; 3],
-    reversals: [u64; 3],
+    direction: [i8; AXES],
+    reversals: [u64; AXES],
     /// Backlash of each axis by position.
-    maps: [Map; 3],
+    maps: [Map; AXES],
     /// Nanometres per step.
-    steps_nm: [f64; 3],
-    taken_up: [TakenUp; 3],
+    steps_nm: [f64; AXES],
+    taken_up: [TakenUp; AXES],
 }
 
 /// The take-ups of an axis, steps.
@@ -30,31 +31,31 @@ pub struct TakenUp {
 
 impl Turns {
     /// Starts after homing: each axis has left its switch in positive direction.
-    pub const fn new(maps: [Map; 3], steps_nm: [f64; 3]) -> Self {
+    pub fn new(maps: [Map; AXES], steps_nm: [f64; AXES]) -> Self {
         Self {
-            direction: [1; 3],
-            reversals: [0; 3],
+            direction: [1; AXES],
+            reversals: [0; AXES],
             maps,
             steps_nm,
             taken_up: [TakenUp {
                 steps: 0,
                 least: u32::MAX,
                 most: 0,
-            }; 3],
+            }; AXES],
         }
     }
 
     /// The take-ups so far.
-    pub const fn taken_up(&self) -> [TakenUp; 3] {
+    pub const fn taken_up(&self) -> [TakenUp; AXES] {
         self.taken_up
     }
 
     /// The reversals so far.
-    pub const fn reversals(&self) -> [u64; 3] {
+    pub const fn reversals(&self) -> [u64; AXES] {
         self.reversals
     }
 
-    fn go(&mut self, axis: usize, direction: i8, at: [f64; 3]) {
+    fn go(&mut self, axis: usize, direction: i8, at: [f64; AXES]) {
         if direction != 0 && direction != self.direction[axis] {
             self.direction[axis] = direction;
             self.add(axis, at, 1);
@@ -62,7 +63,7 @@ impl Turns {
     }
 
     /// Counts reversals at a position in nm.
-    fn add(&mut self, axis: usize, at: [f64; 3], count: u64) {
+    fn add(&mut self, axis: usize, at: [f64; AXES], count: u64) {
         if count == 0 {
             return;
         }
@@ -80,25 +81,23 @@ impl Turns {
     }
 
     /// Counts the reversals of a straight move.
-    pub fn line(&mut self, from: [Nm; 3], to: [Nm; 3]) {
+    pub fn line(&mut self, from: [Nm; AXES], to: [Nm; AXES]) {
         let at = from.map(|Nm(nm)| nm as f64);
-        for axis in 0..3 {
+        for axis in 0..AXES {
             self.go(axis, (to[axis].0 - from[axis].0).signum() as i8, at);
         }
     }
 
     /// Counts the reversals of an arc by quadrants. An axis reverses where the arc passes from one
     /// quadrant to the next.
-    pub fn arc(&mut self, from: [Nm; 3], arc: &Arc<3>) {
+    pub fn arc(&mut self, from: [Nm; AXES], arc: &Arc<AXES>) {
         let [a, b] = arc.plane.axes();
-        let across = 3 - a - b;
         let begin = from.map(|Nm(nm)| nm as f64);
-        self.go(
-            across,
-            (arc.to[across].0 - from[across].0).signum() as i8,
-            begin,
-        );
-        let angle = |p: [Nm; 3]| {
+        for across in (0..AXES).filter(|axis| ![a, b].contains(axis)) {
+            let way = arc.to[across].0 - from[across].0;
+            self.go(across, way.signum() as i8, begin);
+        }
+        let angle = |p: [Nm; AXES]| {
             let spoke = [a, b].map(|axis| (p[axis].0 - arc.centre[axis].0) as f64);
             turn::angle(spoke, [0.0; 2])
         };
@@ -149,8 +148,8 @@ mod tests {
     #[test]
     fn a_full_circle_reverses_each_axis_twice() {
         let arc = Arc {
-            to: [Nm(3), Nm(0), Nm(0)],
-            centre: [Nm(0); 3],
+            to: [Nm(3), Nm(0), Nm(0), Nm(0), Nm(0), Nm(0)],
+            centre: [Nm(0); AXES],
             plane: Plane::Xy,
             direction: Direction::CounterClockwise,
             turns: 0,
@@ -158,9 +157,9 @@ mod tests {
             mismatch: Nm(0),
             resolution: Nm(1),
         };
-        let mut turns = Turns::new(setup::no_lash(), [1.0; 3]);
-        turns.arc([Nm(3), Nm(0), Nm(0)], &arc);
-        assert_eq!(turns.reversals(), [2, 2, 0]);
+        let mut turns = Turns::new(setup::no_lash(), [1.0; AXES]);
+        turns.arc(arc.to, &arc);
+        assert_eq!(turns.reversals(), [2, 2, 0, 0, 0, 0]);
     }
 
     /// The backlash grows along X by one step per ten nanometres. Each end of a circle takes up the
@@ -173,11 +172,11 @@ mod tests {
             vec![0, 100].into(),
         )
         .unwrap();
-        let maps = [map.clone(), map.clone(), map];
-        let mut turns = Turns::new(maps, [1.0; 3]);
+        let maps = std::array::from_fn(|_| map.clone());
+        let mut turns = Turns::new(maps, [1.0; AXES]);
         let mut arc = Arc {
-            to: [Nm(600), Nm(0), Nm(0)],
-            centre: [Nm(500), Nm(0), Nm(0)],
+            to: [Nm(600), Nm(0), Nm(0), Nm(0), Nm(0), Nm(0)],
+            centre: [Nm(500), Nm(0), Nm(0), Nm(0), Nm(0), Nm(0)],
             plane: Plane::Xy,
             direction: Direction::CounterClockwise,
             turns: 0,
@@ -186,15 +185,15 @@ mod tests {
             resolution: Nm(1),
         };
         turns.arc(arc.to, &arc);
-        let [x, y, _] = turns.taken_up();
+        let [x, y, ..] = turns.taken_up();
         // X reverses at its start, 600, and at 400. Y reverses at the top and at the bottom, both
         // at X 500.
         assert_eq!((x.steps, x.least, x.most), (100, 40, 60));
         assert_eq!((y.steps, y.least, y.most), (100, 50, 50));
         arc.turns = 3;
         turns.arc(arc.to, &arc);
-        let [x, y, _] = turns.taken_up();
+        let [x, y, ..] = turns.taken_up();
         assert_eq!([x.steps, y.steps], [500, 500]);
-        assert_eq!(turns.reversals(), [10, 10, 0]);
+        assert_eq!(turns.reversals(), [10, 10, 0, 0, 0, 0]);
     }
 }

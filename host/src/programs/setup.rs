@@ -1,6 +1,6 @@
 //! Builds the parts of a machine from its file: limits, motors, the simulated machine.
 
-use crate::machines::machine_file::{Driver, Idle, MachineFile, StepMode, Travel};
+use crate::machines::machine_file::{AxisFile, Driver, Idle, MachineFile, StepMode, Travel};
 use husillo_backlash::{Flank, LashMap, MappedBacklash};
 use husillo_gcode::{Dialect, Nm};
 use husillo_interp::Path;
@@ -9,19 +9,20 @@ use husillo_machine::{
 };
 use husillo_metrology::calibration::backlash::Map;
 use husillo_probe::{PreTravel, Tip, UnitVector};
+use husillo_sim::observers::AXES;
 use husillo_sim::observers::phases;
-use husillo_sim::{AxisModel, Rig};
+use husillo_sim::{AxisModel, LashField, Rig};
 use husillo_stepper::{Drive, Mode, Sequencer, StepDirection, StepToggle};
 use std::sync::Arc;
 
 /// The backlash of an axis. A single value is a map with one position.
 pub type Screw = MappedBacklash<Arc<[i32]>, Arc<[u32]>>;
 /// A machine with all commands, and with this backlash.
-pub type Mill<L> = Machine<3, Path<3>, L, 16, Extended<3>>;
+pub type Mill<L> = Machine<AXES, Path<AXES>, L, 16, Extended<AXES>>;
 /// A machine with such screws.
 pub type Micromill = Mill<Screw>;
 /// A machine with such screws and with encoders.
-pub type ClosedMicromill = ClosedLoop<3, Path<3>, Screw, 16, Extended<3>>;
+pub type ClosedMicromill = ClosedLoop<AXES, Path<AXES>, Screw, 16, Extended<AXES>>;
 
 /// The backlash that the controller takes up: the maps of the file, or one value for an axis
 /// without a map.
@@ -29,7 +30,7 @@ pub type ClosedMicromill = ClosedLoop<3, Path<3>, Screw, 16, Extended<3>>;
 /// # Errors
 ///
 /// A backlash is out of range.
-pub fn maps(file: &MachineFile) -> Result<[Map; 3], String> {
+pub fn maps(file: &MachineFile) -> Result<[Map; AXES], String> {
     let one = one_value(file);
     for axis in &file.axes {
         if axis.lash_steps > MOST_LASH_STEPS {
@@ -54,13 +55,13 @@ pub fn maps(file: &MachineFile) -> Result<[Map; 3], String> {
 const MOST_LASH_STEPS: u32 = (1 << 20) - 1;
 
 /// One value per axis; the maps of the file are ignored.
-pub fn one_value(file: &MachineFile) -> [Map; 3] {
-    file.axes.each_ref().map(|axis| flat(axis.lash_steps))
+pub fn one_value(file: &MachineFile) -> [Map; AXES] {
+    file.each(flat(0), |axis| flat(axis.lash_steps))
 }
 
 /// No backlash.
-pub fn no_lash() -> [Map; 3] {
-    [0; 3].map(flat)
+pub fn no_lash() -> [Map; AXES] {
+    std::array::from_fn(|_| flat(0))
 }
 
 /// The same backlash everywhere.
@@ -75,7 +76,7 @@ fn flat(steps: u32) -> Map {
 }
 
 /// A machine that takes up the backlash of these maps.
-pub fn with_maps(config: Config<3>, maps: [Map; 3]) -> Micromill {
+pub fn with_maps(config: Config<AXES>, maps: [Map; AXES]) -> Micromill {
     Micromill::with_lash(
         config,
         maps.map(|map| MappedBacklash::new(map, Flank::Positive)),
@@ -113,10 +114,29 @@ pub fn dialect(
 }
 
 /// The encoders of the axes.
-pub fn encoders(file: &MachineFile) -> [Option<AxisEncoder>; 3] {
-    file.axes
-        .each_ref()
-        .map(|axis| Some(axis.encoder.as_ref()?.encoder(file.timer_hz)))
+pub fn encoders(file: &MachineFile) -> [Option<AxisEncoder>; AXES] {
+    file.each(None, |axis| {
+        Some(axis.encoder.as_ref()?.encoder(file.timer_hz))
+    })
+}
+
+/// The dialect of a program on this machine: with its axes.
+pub fn on_axes(dialect: Dialect, file: &MachineFile) -> Dialect {
+    dialect.with_axes(file.letters)
+}
+
+/// An axis that a machine does not have. It never moves.
+const fn absent() -> Axis {
+    Axis {
+        scale: match Scale::new(1, 1) {
+            Some(scale) => scale,
+            None => panic!("a nanometre per step"),
+        },
+        travel: None,
+        max_rate_hz: u32::MAX,
+        lash_steps: 0,
+        ramp: None,
+    }
 }
 
 /// The configuration of `husillo_machine`.
@@ -124,40 +144,15 @@ pub fn encoders(file: &MachineFile) -> [Option<AxisEncoder>; 3] {
 /// # Errors
 ///
 /// A step is not a ratio of 32-bit numbers.
-pub fn config(file: &MachineFile, dialect: Dialect) -> Result<Config<3>, String> {
-    let [x, y, z] = &file.axes;
-    let axis = |axis: &crate::machines::machine_file::AxisFile| {
-        let scale = u32::try_from(axis.step.num)
-            .ok()
-            .zip(u32::try_from(axis.step.den).ok())
-            .and_then(|(nm, steps)| Scale::new(nm, steps))
-            .ok_or_else(|| {
-                format!(
-                    "{}: the step of {} is out of range",
-                    file.path,
-                    char::from(axis.letter)
-                )
-            })?;
-        Ok::<_, String>(Axis {
-            scale,
-            travel: match axis.travel {
-                Travel::Range(range) => Some(range.map(Nm)),
-                Travel::Unknown | Travel::Unlimited => None,
-            },
-            max_rate_hz: axis.max_rate,
-            lash_steps: axis.lash_steps,
-            ramp: axis.acceleration.map(|acceleration_hz_per_s| AxisRamp {
-                acceleration_hz_per_s,
-                start_rate_hz: axis.start_rate,
-                jerk_hz_per_s2: axis.jerk,
-                junction_hz: axis.junction,
-            }),
-        })
-    };
+pub fn config(file: &MachineFile, dialect: Dialect) -> Result<Config<AXES>, String> {
+    let mut axes = [absent(); AXES];
+    for (axis, own) in axes.iter_mut().zip(&file.axes) {
+        *axis = axis_of(file, own)?;
+    }
     Ok(Config {
-        axes: [axis(x)?, axis(y)?, axis(z)?],
+        axes,
         timer_hz: file.timer_hz,
-        dialect,
+        dialect: on_axes(dialect, file),
         arc_tolerance: file.arc_tolerance.map(Nm),
         rapid: file.rapid.map(Nm),
         top_feed: file.top_feed.map(Nm),
@@ -177,26 +172,77 @@ pub fn tip(file: &MachineFile) -> Option<Tip<6>> {
     })
 }
 
+fn axis_of(file: &MachineFile, axis: &AxisFile) -> Result<Axis, String> {
+    let scale = u32::try_from(axis.step.num)
+        .ok()
+        .zip(u32::try_from(axis.step.den).ok())
+        .and_then(|(nm, steps)| Scale::new(nm, steps))
+        .ok_or_else(|| {
+            let letter = char::from(axis.letter);
+            format!("{}: the step of {letter} is out of range", file.path)
+        })?;
+    Ok(Axis {
+        scale,
+        travel: match axis.travel {
+            Travel::Range(range) => Some(range.map(Nm)),
+            Travel::Unknown | Travel::Unlimited => None,
+        },
+        max_rate_hz: axis.max_rate,
+        lash_steps: axis.lash_steps,
+        ramp: axis.acceleration.map(|acceleration_hz_per_s| AxisRamp {
+            acceleration_hz_per_s,
+            start_rate_hz: axis.start_rate,
+            jerk_hz_per_s2: axis.jerk,
+            junction_hz: axis.junction,
+        }),
+    })
+}
+
+/// X, Y and Z of a configuration.
+pub const fn first_three(config: &Config<AXES>) -> Config<3> {
+    let [x, y, z, ..] = config.axes;
+    Config {
+        axes: [x, y, z],
+        timer_hz: config.timer_hz,
+        dialect: config.dialect,
+        arc_tolerance: config.arc_tolerance,
+        rapid: config.rapid,
+        top_feed: config.top_feed,
+        corner_deviation: config.corner_deviation,
+        spindle_counts: config.spindle_counts,
+        equipment: config.equipment,
+    }
+}
+
+/// A position on a machine with more axes than X, Y and Z.
+pub const fn padded([x, y, z]: [Nm; 3]) -> [Nm; AXES] {
+    [x, y, z, Nm(0), Nm(0), Nm(0)]
+}
+
+/// X, Y and Z of a position.
+pub const fn three([x, y, z, ..]: [Nm; AXES]) -> [Nm; 3] {
+    [x, y, z]
+}
+
 /// The output stages of the motors.
 ///
 /// # Errors
 ///
 /// A driver does not have the requested step mode.
-pub fn motors(file: &MachineFile) -> Result<Motors<3, Drive>, String> {
-    let drive = |index: usize| {
-        let axis = &file.axes[index];
-        match driver(axis.driver) {
-            Some(driver) => Sequencer::new(driver, mode(axis.mode))
-                .map(Drive::Coils)
-                .map_err(|error| {
-                    format!("{}: axis {}: {error}", file.path, char::from(axis.letter))
-                }),
-            None if axis.driver == Driver::StepToggle => Ok(Drive::StepToggle(StepToggle::new())),
-            None => Ok(Drive::StepDirection(StepDirection::new(
-                axis.pulse.ticks(file.timer_hz),
-            ))),
-        }
+pub fn motors(file: &MachineFile) -> Result<Motors<AXES, Drive>, String> {
+    let drive = |axis: &AxisFile| match driver(axis.driver) {
+        Some(driver) => Sequencer::new(driver, mode(axis.mode))
+            .map(Drive::Coils)
+            .map_err(|error| format!("{}: axis {}: {error}", file.path, char::from(axis.letter))),
+        None if axis.driver == Driver::StepToggle => Ok(Drive::StepToggle(StepToggle::new())),
+        None => Ok(Drive::StepDirection(StepDirection::new(
+            axis.pulse.ticks(file.timer_hz),
+        ))),
     };
+    let mut drives = std::array::from_fn(|_| Drive::StepToggle(StepToggle::new()));
+    for (entry, axis) in drives.iter_mut().zip(&file.axes) {
+        *entry = drive(axis)?;
+    }
     let ticks = |micros: u64| micros.saturating_mul(u64::from(file.timer_hz)) / 1_000_000;
     let idle = match file.idle {
         Idle::Hold => husillo_machine::Idle::Hold,
@@ -207,12 +253,12 @@ pub fn motors(file: &MachineFile) -> Result<Motors<3, Drive>, String> {
             after_ticks: ticks(after),
         },
     };
-    Ok(Motors::new([drive(0)?, drive(1)?, drive(2)?], idle))
+    Ok(Motors::new(drives, idle))
 }
 
 /// The simulated machine that these motors drive.
-pub fn rig(file: &MachineFile, motors: &Motors<3, Drive>) -> Rig<3> {
-    let models = file.axes.each_ref().map(|axis| {
+pub fn rig(file: &MachineFile, motors: &Motors<AXES, Drive>) -> Rig<AXES> {
+    let models = file.each(AxisModel::step_toggle(), |axis| {
         let model = match driver(axis.driver) {
             Some(driver) => AxisModel::coils(driver, mode(axis.mode)),
             None if axis.driver == Driver::StepToggle => AxisModel::step_toggle(),
@@ -226,12 +272,21 @@ pub fn rig(file: &MachineFile, motors: &Motors<3, Drive>) -> Rig<3> {
     Rig::new(models, *motors.levels())
 }
 
-/// The motors whose currents a report draws, not yet turned.
-pub fn phases(file: &MachineFile) -> [phases::Motor; 3] {
-    file.axes.each_ref().map(|axis| {
+/// The backlash of the screws of X, Y and Z, for a machine with more axes.
+pub fn field(of_three: Arc<dyn LashField<3>>) -> Arc<dyn LashField<AXES>> {
+    Arc::new(move |[x, y, z, ..]: [f64; AXES]| {
+        let [x, y, z] = of_three.lash_steps([x, y, z]);
+        [x, y, z, 0.0, 0.0, 0.0]
+    })
+}
+
+/// The motors of the report.
+pub fn phases(file: &MachineFile) -> Vec<phases::Motor> {
+    let motor = |axis: &AxisFile| {
         let name = format!("{:?}, {:?}", axis.driver, axis.mode).to_lowercase();
         phases::Motor::new(char::from(axis.letter), name, driver(axis.driver))
-    })
+    };
+    file.axes.iter().map(motor).collect()
 }
 
 /// The coil driver of an axis; `None` for both kinds of step and direction.

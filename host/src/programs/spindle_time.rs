@@ -4,6 +4,7 @@
 use husillo_gcode::SpindleDirection;
 use husillo_machine::{Event, FollowEvent, MAX_WAIT_TICKS, Output, StepEvent};
 use husillo_sim::Spindle;
+use husillo_sim::observers::AXES;
 use std::io;
 
 /// The simulated spindle of a machine whose moves can follow it.
@@ -39,7 +40,7 @@ impl Turning {
     /// # Errors
     ///
     /// A move follows a spindle that is at rest or turns too slowly.
-    pub fn timed(&mut self, event: &Event<3>) -> io::Result<Event<3>> {
+    pub fn timed(&mut self, event: &Event<AXES>) -> io::Result<Event<AXES>> {
         match *event {
             Event::Follow(FollowEvent {
                 wait_counts_q16,
@@ -52,7 +53,7 @@ impl Turning {
                 }
                 self.due += f64::from(wait_counts_q16) / 65536.0 / self.counts_per_turn;
                 let wait_ticks = self.wait()?;
-                Ok(if delta == [0; 3] {
+                Ok(if delta == [0; AXES] {
                     Event::Dwell { wait_ticks }
                 } else {
                     Event::Step(StepEvent { wait_ticks, delta })
@@ -151,7 +152,7 @@ mod tests {
             // 1/1000 of a turn of 0.1 s.
             let follow = Event::Follow(FollowEvent {
                 wait_counts_q16: 65_536,
-                delta: [0, 0, 1],
+                delta: [0, 0, 1, 0, 0, 0],
             });
             let Event::Step(step) = turning.timed(&follow).unwrap() else {
                 panic!("a step")

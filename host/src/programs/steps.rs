@@ -5,10 +5,11 @@ use crate::programs::setup::Micromill;
 use crate::programs::source::Source;
 use crate::simulation::work_piece::WorkPiece;
 use husillo_machine::{Event, Motors};
+use husillo_sim::observers::AXES;
 use husillo_stepper::{Drive, Levels};
 use std::io::{self, Write};
 
-/// Writes `event,wait_ticks,dx,dy,dz`, one row per event. Dwells are rows with zero deltas and the
+/// Writes `event,wait_ticks,dx,dy,dz`, one row per event, with further axes after Z. Dwells are rows with zero deltas and the
 /// number of the event before them. With motors, each row ends with the new inputs of their
 /// drivers, `lx,ly,lz`; bit 0 is the first input of a driver. A step of a step and direction driver
 /// is then several rows. All of them have zero deltas except that of the rising edge.
@@ -20,29 +21,38 @@ pub fn write(
     source: &mut Source,
     machine: &mut Micromill,
     piece: &WorkPiece,
-    mut motors: Option<Motors<3, Drive>>,
+    mut motors: Option<Motors<AXES, Drive>>,
     out: &mut impl Write,
 ) -> io::Result<u64> {
-    out.write_all(b"event,wait_ticks,dx,dy,dz")?;
-    out.write_all(if motors.is_some() {
-        b",lx,ly,lz\n"
+    let axes = *machine.config().dialect.axes();
+    out.write_all(b"event,wait_ticks")?;
+    let kinds: &[char] = if motors.is_some() {
+        &['d', 'l']
     } else {
-        b"\n"
-    })?;
+        &['d']
+    };
+    for kind in kinds {
+        for letter in axes.letters() {
+            write!(out, ",{kind}{}", char::from(letter.to_ascii_lowercase()))?;
+        }
+    }
+    out.write_all(b"\n")?;
+    let axes = axes.len();
     let mut count = 0_u64;
     let mut changes = Vec::new();
     feeder::feed(source, machine, piece, |_, event| {
         let (wait_ticks, delta) = match event {
             Event::Step(step) => (step.wait_ticks, step.delta),
-            Event::Dwell { wait_ticks } => (*wait_ticks, [0; 3]),
+            Event::Dwell { wait_ticks } => (*wait_ticks, [0; AXES]),
             _ => return Ok(()),
         };
         let is_step = matches!(event, Event::Step(_));
         let Some(motors) = &mut motors else {
             count += u64::from(is_step);
-            return write_row(out, count, wait_ticks, delta, None);
+            return write_row(out, count, wait_ticks, &delta[..axes], None);
         };
-        let present = |wait_ticks: u32, levels: &[Levels; 3]| changes.push((wait_ticks, *levels));
+        let present =
+            |wait_ticks: u32, levels: &[Levels; AXES]| changes.push((wait_ticks, *levels));
         if is_step {
             motors.step(wait_ticks, &delta, present);
         } else {
@@ -52,8 +62,14 @@ pub fn write(
         for (index, (wait_ticks, levels)) in changes.drain(..).enumerate() {
             let is_last = index == last;
             count += u64::from(is_step && is_last);
-            let delta = if is_last { delta } else { [0; 3] };
-            write_row(out, count, wait_ticks, delta, Some(&levels))?;
+            let delta = if is_last { delta } else { [0; AXES] };
+            write_row(
+                out,
+                count,
+                wait_ticks,
+                &delta[..axes],
+                Some(&levels[..axes]),
+            )?;
         }
         Ok(())
     })?;
@@ -61,7 +77,13 @@ pub fn write(
         motors.end_pulses(|wait_ticks, levels| changes.push((wait_ticks, *levels)));
     }
     for (wait_ticks, levels) in changes {
-        write_row(out, count, wait_ticks, [0; 3], Some(&levels))?;
+        write_row(
+            out,
+            count,
+            wait_ticks,
+            &[0; AXES][..axes],
+            Some(&levels[..axes]),
+        )?;
     }
     Ok(count)
 }
@@ -70,10 +92,11 @@ fn write_row(
     out: &mut impl Write,
     event: u64,
     wait_ticks: u32,
-    delta: [i8; 3],
-    levels: Option<&[Levels; 3]>,
+    delta: &[i8],
+    levels: Option<&[Levels]>,
 ) -> io::Result<()> {
-    let mut row = [0_u8; 64];
+    // 20 and 10 digits, three bytes for a delta and four for levels.
+    let mut row = [0_u8; 96];
     let mut length = 0;
     let mut put = |text: &[u8]| {
         row[length..length + text.len()].copy_from_slice(text);

@@ -7,10 +7,11 @@ use crate::programs::program::{self, Start};
 use crate::programs::source::Source;
 use husillo_gcode::Nm;
 use husillo_machine::{Config, MoveError, extent};
+use husillo_sim::observers::AXES;
 use std::io;
 
 /// Lowest and highest coordinate of every axis.
-type Extent = [Option<[Nm; 2]>; 3];
+type Extent = [Option<[Nm; 2]>; AXES];
 
 /// The extent of a program.
 #[derive(Debug, Default)]
@@ -21,9 +22,9 @@ struct Reach {
     /// and work frames that the program sets itself.
     machine: Extent,
     /// The first place where the part leaves the travel of each axis, and the error.
-    part_leaves: [Option<(Place, MoveError)>; 3],
+    part_leaves: [Option<(Place, MoveError)>; AXES],
     /// The same for moves that work zero does not shift.
-    machine_leaves: [Option<(Place, MoveError)>; 3],
+    machine_leaves: [Option<(Place, MoveError)>; AXES],
     /// The axis whose travel the part leaves first.
     first: usize,
     /// The program has other errors, which may hide moves.
@@ -45,11 +46,11 @@ impl Reach {
         source: &mut Source,
         file: &str,
         start: Start,
-        config: &Config<3>,
-        zero: [Nm; 3],
+        config: &Config<AXES>,
+        zero: [Nm; AXES],
     ) -> io::Result<Self> {
         let mut reach = Self::default();
-        let far = [Nm(FAR); 3];
+        let far = [Nm(FAR); AXES];
         let start = Start {
             zero: far,
             // 1 nm from work zero, so that a move to work zero counts. It is far less than a step.
@@ -76,7 +77,7 @@ impl Reach {
         Ok(reach)
     }
 
-    fn add(&mut self, axis: usize, span: [Nm; 2], config: &Config<3>, zero: Nm, at: &At<'_>) {
+    fn add(&mut self, axis: usize, span: [Nm; 2], config: &Config<AXES>, zero: Nm, at: &At<'_>) {
         // The end decides: a move that begins at a machine coordinate begins far from the part.
         let is_part = span[1].0 > FAR / 2;
         let span = span.map(|Nm(nm)| if is_part { Nm(nm - FAR) } else { Nm(nm) });
@@ -92,7 +93,7 @@ impl Reach {
         };
         widen(extent, span);
         if let Some(beyond) = beyond.filter(|_| leaves.is_none()) {
-            let letter = *b"XYZ".get(axis).unwrap_or(&b'?');
+            let letter = config.dialect.axes().letter(axis).unwrap_or(b'?');
             *leaves = Some((at.word(letter), beyond));
             if is_first && is_part {
                 self.first = axis;
@@ -101,7 +102,7 @@ impl Reach {
     }
 
     /// Compares the part with the travel of an axis, with work zero at `zero`.
-    fn place(&self, axis: usize, zero: Nm, config: &Config<3>) -> InAxis {
+    fn place(&self, axis: usize, zero: Nm, config: &Config<AXES>) -> InAxis {
         let (Some(travel @ [low, high]), Some(part)) = (config.axes[axis].travel, self.part[axis])
         else {
             return InAxis::Unknown;
@@ -164,14 +165,14 @@ pub fn placing(
     source: &mut Source,
     file: &str,
     start: Start,
-    config: &Config<3>,
+    config: &Config<AXES>,
     lie: Lie,
-) -> io::Result<Option<[Nm; 3]>> {
-    let reach = Reach::of(source, file, start, config, [Nm(0); 3])?;
+) -> io::Result<Option<[Nm; AXES]>> {
+    let reach = Reach::of(source, file, start, config, [Nm(0); AXES])?;
     if reach.has_errors {
         return Ok(None);
     }
-    let mut zero = [Nm(0); 3];
+    let mut zero = [Nm(0); AXES];
     for (axis, zero) in zero.iter_mut().enumerate() {
         let Some([low, high]) = config.axes[axis].travel else {
             continue;
@@ -218,7 +219,7 @@ pub fn report_beyond(
     file: &str,
     start: Start,
     machine: &MachineFile,
-    config: &Config<3>,
+    config: &Config<AXES>,
     first: &(Place, MoveError),
     findings: &mut Findings,
 ) -> io::Result<()> {
@@ -252,14 +253,14 @@ pub fn move_beyond((place, error): &(Place, MoveError), machine: &MachineFile) -
 fn report_machine_frame(
     reach: &Reach,
     machine: &MachineFile,
-    config: &Config<3>,
+    config: &Config<AXES>,
     findings: &mut Findings,
 ) {
     for (axis, leaves) in reach.machine_leaves.iter().enumerate() {
         let (Some((place, beyond)), Some(extent)) = (leaves, reach.machine[axis]) else {
             continue;
         };
-        let name = char::from(machine.axes[axis].letter);
+        let name = char::from(machine.letter(axis));
         let message = format!(
             "machine coordinates of {name} reach {}, and {} has {}",
             span(extent),
@@ -289,14 +290,14 @@ struct Remedy {
 /// Reports where the part is beyond the travel, and the zero that corrects it.
 fn report_part(
     reach: &Reach,
-    zero: [Nm; 3],
+    zero: [Nm; AXES],
     machine: &MachineFile,
-    config: &Config<3>,
+    config: &Config<AXES>,
     findings: &mut Findings,
 ) {
     let mut remedy = Remedy::default();
-    for (axis, zero) in zero.into_iter().enumerate() {
-        let name = char::from(machine.axes[axis].letter);
+    for (axis, zero) in zero.into_iter().enumerate().take(machine.axes.len()) {
+        let name = char::from(machine.letter(axis));
         match reach.place(axis, zero, config) {
             InAxis::Unknown => remedy.zero += &worded(name, zero),
             InAxis::TooLong { length, room } => {
@@ -363,7 +364,7 @@ fn placed(finding: Finding, beyond: &MoveError, machine: &MachineFile) -> Findin
     else {
         return finding;
     };
-    let name = char::from(machine.axes[axis.min(2)].letter);
+    let name = char::from(machine.letter(axis));
     let mut finding = finding.label(format!(
         "machine {name} = {position} mm; limit is {limit} mm"
     ));

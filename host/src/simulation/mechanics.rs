@@ -5,23 +5,24 @@ use crate::machines::machine_file::MachineFile;
 use crate::programs::setup;
 use husillo_machine::{Motors, StepEvent};
 use husillo_sim::Rig;
+use husillo_sim::observers::AXES;
 use husillo_sim::observers::losses::{FirstLoss, Losses};
 use husillo_stepper::{Drive, Levels};
 
 /// The simulated machine, and its clock.
 pub struct Mechanics {
-    motors: Motors<3, Drive>,
-    rig: Rig<3>,
+    motors: Motors<AXES, Drive>,
+    rig: Rig<AXES>,
     timer_hz: u32,
-    nm_per_step: [f64; 3],
-    tool: [i32; 3],
+    nm_per_step: [f64; AXES],
+    tool: [i32; AXES],
     events: u64,
     ticks: u64,
     /// Simulated losses that are still to come.
     pushes: Vec<Push>,
     losses: Losses,
     /// Counts and steps of each encoder.
-    encoders: [Option<(i64, i64)>; 3],
+    encoders: [Option<(i64, i64)>; AXES],
 }
 
 impl Mechanics {
@@ -36,25 +37,24 @@ impl Mechanics {
         let motors = setup::motors(machine)?;
         let mut rig = setup::rig(machine, &motors);
         if is_worn {
-            let steps = machine.axes.each_ref().map(|axis| axis.step);
+            let steps = machine.xyz(|axis| axis.step);
             let field = machine.lash.field(steps).ok_or_else(|| {
                 let path = &machine.path;
                 format!("{path}: no [simulated_lash], which describes the worn screws")
             })?;
-            rig = rig.with_lash_field(field);
+            rig = rig.with_lash_field(setup::field(field));
         }
-        let axes = machine.axes.each_ref();
         Ok(Self {
             motors,
             rig,
             timer_hz: machine.timer_hz,
-            nm_per_step: axes.map(|axis| axis.step.num as f64 / axis.step.den as f64),
-            tool: [0; 3],
+            nm_per_step: machine.each(1.0, |axis| axis.step.num as f64 / axis.step.den as f64),
+            tool: [0; AXES],
             events: 0,
             ticks: 0,
             pushes: Vec::new(),
             losses: Losses::default(),
-            encoders: axes.map(|axis| {
+            encoders: machine.each(None, |axis| {
                 let encoder = axis.encoder.as_ref()?.encoder;
                 Some((encoder.counts.into(), encoder.steps.into()))
             }),
@@ -62,7 +62,7 @@ impl Mechanics {
     }
 
     /// Puts the tool at these steps before the run.
-    pub fn start_at(&mut self, steps: [i32; 3]) {
+    pub fn start_at(&mut self, steps: [i32; AXES]) {
         self.rig = self.rig.clone().with_tool_at(steps);
         self.tool = self.rig.tool();
     }
@@ -74,7 +74,7 @@ impl Mechanics {
 
     /// Makes a step.
     #[inline]
-    pub fn step(&mut self, step: &StepEvent<3>) {
+    pub fn step(&mut self, step: &StepEvent<AXES>) {
         self.events += 1;
         self.ticks += u64::from(step.wait_ticks);
         if !self.pushes.is_empty() {
@@ -144,23 +144,23 @@ impl Mechanics {
     }
 
     /// Position of the tool, steps.
-    pub const fn tool(&self) -> [i32; 3] {
+    pub const fn tool(&self) -> [i32; AXES] {
         self.tool
     }
 
     /// Nanometres per step of each axis.
-    pub const fn nm_per_step(&self) -> [f64; 3] {
+    pub const fn nm_per_step(&self) -> [f64; AXES] {
         self.nm_per_step
     }
 
     /// Converts steps to nm.
     #[inline]
-    pub fn in_nm(&self, steps: [i32; 3]) -> [f64; 3] {
-        [0, 1, 2].map(|axis| f64::from(steps[axis]) * self.nm_per_step[axis])
+    pub fn in_nm(&self, steps: [i32; AXES]) -> [f64; AXES] {
+        std::array::from_fn(|axis| f64::from(steps[axis]) * self.nm_per_step[axis])
     }
 
     /// Inputs of the drivers.
-    pub fn levels(&self) -> &[Levels; 3] {
+    pub fn levels(&self) -> &[Levels; AXES] {
         self.motors.levels()
     }
 
@@ -170,9 +170,9 @@ impl Mechanics {
     }
 
     /// Counts of the encoders, from the homed position.
-    pub fn counts(&self) -> [i64; 3] {
+    pub fn counts(&self) -> [i64; AXES] {
         let motor = self.rig.motor();
-        [0, 1, 2].map(|axis| {
+        std::array::from_fn(|axis| {
             self.encoders[axis].map_or(0, |(counts, steps)| {
                 (i64::from(motor[axis]) * counts).div_euclid(steps)
             })
@@ -184,9 +184,9 @@ impl Mechanics {
 mod tests {
     use super::*;
 
-    const FORWARD: StepEvent<3> = StepEvent {
+    const FORWARD: StepEvent<AXES> = StepEvent {
         wait_ticks: 10_000,
-        delta: [1, 0, 0],
+        delta: [1, 0, 0, 0, 0, 0],
     };
 
     #[test]
@@ -197,12 +197,15 @@ mod tests {
         for _ in 0..5 {
             mechanics.step(&FORWARD);
         }
-        assert_eq!((mechanics.tool(), mechanics.events()), ([5, 0, 0], 5));
-        assert_eq!(mechanics.losses().lost(), [0; 3]);
+        assert_eq!(
+            (mechanics.tool(), mechanics.events()),
+            ([5, 0, 0, 0, 0, 0], 5)
+        );
+        assert_eq!(mechanics.losses().lost(), [0; AXES]);
         mechanics.rest(7);
         mechanics.step(&FORWARD);
         assert_eq!(mechanics.ticks(), 60_007);
-        assert_eq!(mechanics.losses().lost(), [4, 0, 0]);
+        assert_eq!(mechanics.losses().lost(), [4, 0, 0, 0, 0, 0]);
         let first = mechanics.losses().first()[0].unwrap();
         assert_eq!((first.event, first.time_s), (6, mechanics.seconds()));
     }
@@ -211,14 +214,14 @@ mod tests {
     fn backlash_holds_the_tool_back() {
         let file = MachineFile::load("micromill").unwrap();
         let mut mechanics = Mechanics::new(&file, false).unwrap();
-        mechanics.start_at([3, 0, 0]);
+        mechanics.start_at([3, 0, 0, 0, 0, 0]);
         let back = StepEvent {
-            delta: [-1, 0, 0],
+            delta: [-1, 0, 0, 0, 0, 0],
             ..FORWARD
         };
         for _ in 0..5 {
             mechanics.step(&back);
         }
-        assert_eq!(mechanics.tool(), [3, 0, 0]);
+        assert_eq!(mechanics.tool(), [3, 0, 0, 0, 0, 0]);
     }
 }

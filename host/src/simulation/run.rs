@@ -6,6 +6,7 @@ use crate::programs::setup::{self, ClosedMicromill, Micromill};
 use crate::simulation::mechanics::Mechanics;
 use husillo_gcode::SpindleDirection;
 use husillo_machine::{Event, Followed, Origin, Output, Probed, StepEvent};
+use husillo_sim::observers::AXES;
 use husillo_sim::observers::deviation::Deviation;
 use husillo_sim::observers::encoders::EncoderReports;
 use husillo_sim::observers::moves::Moves;
@@ -71,7 +72,7 @@ impl Observer for Observers {
 
 /// A run and its results.
 pub struct Run {
-    letters: [char; 3],
+    letters: [char; AXES],
     /// The simulated machine.
     pub mechanics: Mechanics,
     moves: Moves,
@@ -80,7 +81,7 @@ pub struct Run {
     /// The reports of the encoders.
     pub encoders: EncoderReports,
     /// What the probe has found, in the order of the program.
-    pub probed: Vec<Probed<3>>,
+    pub probed: Vec<Probed<AXES>>,
 }
 
 impl Run {
@@ -98,7 +99,7 @@ impl Run {
     ) -> Result<Self, String> {
         let mechanics = Mechanics::new(machine, is_worn)?;
         let ramps = machine.axes.iter().filter_map(|axis| axis.acceleration);
-        let trace = trace.map(|out| Trace::new(out, machine.timer_hz));
+        let trace = trace.map(|out| Trace::new(out, machine.timer_hz, &machine.letters));
         let observers = Observers {
             statistics: Statistics::default(),
             deviation: Deviation::default(),
@@ -110,7 +111,7 @@ impl Run {
         };
         let step = machine.axes[0].step;
         Ok(Self {
-            letters: machine.axes.each_ref().map(|axis| char::from(axis.letter)),
+            letters: machine.each('?', |axis| char::from(axis.letter)),
             mechanics,
             moves: Moves::new(0.5 * (step.num as f64 / step.den as f64)),
             observers,
@@ -120,7 +121,7 @@ impl Run {
     }
 
     /// Puts the tool at these steps before the run.
-    pub fn start_at(&mut self, steps: [i32; 3]) {
+    pub fn start_at(&mut self, steps: [i32; AXES]) {
         self.mechanics.start_at(steps);
         self.observers.statistics.start_at(self.mechanics.tool());
         self.moves.start_at(self.mechanics.tool());
@@ -139,8 +140,8 @@ impl Run {
     pub fn followed(
         &mut self,
         machine: &ClosedMicromill,
-        entry: &Followed<3>,
-    ) -> io::Result<[i64; 3]> {
+        entry: &Followed<AXES>,
+    ) -> io::Result<[i64; AXES]> {
         match entry {
             Followed::Event(Event::Step(step)) if machine.is_correcting() => {
                 self.mechanics.step(step);
@@ -160,7 +161,7 @@ impl Run {
     ///
     /// The trace cannot be written.
     #[inline]
-    pub fn event(&mut self, machine: &Micromill, event: &Event<3>) -> io::Result<()> {
+    pub fn event(&mut self, machine: &Micromill, event: &Event<AXES>) -> io::Result<()> {
         match event {
             Event::Step(step) => self.step(machine, step),
             Event::Dwell { wait_ticks } => {
@@ -188,7 +189,7 @@ impl Run {
     }
 
     #[inline]
-    fn step(&mut self, machine: &Micromill, step: &StepEvent<3>) -> io::Result<()> {
+    fn step(&mut self, machine: &Micromill, step: &StepEvent<AXES>) -> io::Result<()> {
         self.mechanics.step(step);
         let origin = machine.origin();
         let is_turn = self.moves.is_turn(origin);

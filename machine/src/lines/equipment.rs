@@ -28,6 +28,8 @@ pub struct Equipment {
     /// Highest speed of a spindle whose speed can change during a move, in thousandths of a turn
     /// per minute: G96. `None`: its speed changes between moves only.
     pub surface_milli_rpm: Option<u32>,
+    /// Heaters and fans of a printer: M104 to M109, M140, M141, M190, M191.
+    pub heaters: bool,
     /// Pallets are changed by hand: M60 waits for the operator.
     pub pallets: bool,
 }
@@ -43,6 +45,7 @@ impl Equipment {
         analog_inputs: 0,
         spindle_angle: false,
         surface_milli_rpm: None,
+        heaters: false,
         pallets: false,
     };
 
@@ -100,6 +103,7 @@ impl Equipment {
                 Means::InputsAndOutputs
             }
             Command::Wait { input, .. } if !self.has(input) => Means::InputsAndOutputs,
+            Command::Heat { .. } | Command::Fan { .. } if !self.heaters => Means::Heaters,
             Command::Pallet if !self.pallets => Means::Pallets,
             Command::Switch {
                 what: Switch::AdaptiveFeed,

@@ -1,6 +1,6 @@
 //! The event stream of the machine.
 
-use husillo_gcode::{Input, SpindleDirection, WaitFor};
+use husillo_gcode::{HeatWait, Heater, Input, SpindleDirection, WaitFor};
 
 use crate::StepEvent;
 
@@ -121,6 +121,25 @@ pub enum Output {
         /// Direction of rotation: 0 the shorter one, 1 clockwise, 2 counter-clockwise.
         way: u8,
     },
+    /// A heater of a printer gets a target (M104, M109, M140, M190). Where `wait` says so, the next
+    /// event follows when the target is reached.
+    Heater {
+        /// The heater.
+        heater: Heater,
+        /// The target in thousandths of a degree Celsius; 0 is off.
+        milli_celsius: u32,
+        /// Whether the stream waits for it.
+        wait: HeatWait,
+    },
+    /// A fan of a printer (M106, M107).
+    Fan {
+        /// Its number.
+        number: u8,
+        /// Its speed in thousandths of the highest.
+        per_mille: u16,
+    },
+    /// The motors lose their current (M84), until the next step.
+    MotorsOff,
     /// Tool in the spindle from here on.
     Tool {
         /// Number of the T word.

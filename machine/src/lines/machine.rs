@@ -171,6 +171,12 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
         Ok(())
     }
 
+    /// Sets the zero of one work frame in the machine frame, 0 (G54) to 8 (G59.3), before the first
+    /// line. Returns `false`, with no effect, for another number.
+    pub fn set_work_zero(&mut self, system: u8, zero: [Nm; N]) -> bool {
+        self.modal.set_work_zero(system, zero)
+    }
+
     /// Takes one block of text.
     ///
     /// Everything is checked before anything moves: the words, the modal rules, and the travel of

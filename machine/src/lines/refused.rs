@@ -77,6 +77,8 @@ pub enum Means {
     InputsAndOutputs,
     /// M60: pallets.
     Pallets,
+    /// M104 to M109, M140, M190: heaters and fans.
+    Heaters,
     /// M52 P1: an input that scales the feed.
     AdaptiveFeed,
     /// G38 under G95: a feed per turn cannot brake at a contact.
@@ -96,6 +98,7 @@ impl Means {
             Self::RadiusCompensation => "cutter compensation",
             Self::InputsAndOutputs => "an input or output of this number",
             Self::Pallets => "pallets",
+            Self::Heaters => "heaters and fans",
             Self::AdaptiveFeed => "a feed from an input",
             Self::ProbeFeed => "probing at a feed per turn",
         }

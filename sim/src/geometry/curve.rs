@@ -16,11 +16,11 @@ const PARTS: u32 = 4096;
 
 impl CurvePath {
     /// The path of a spline.
-    pub fn new(spline: &Spline<3>) -> Self {
+    pub fn new<const N: usize>(spline: &Spline<N>) -> Self {
         let nm = |Nm(nm): Nm| nm as f64;
         Self {
             points: spline.points.map(|point| point.map(nm)),
-            z: nm(spline.to[2]),
+            z: spline.to.get(2).map_or(0.0, |z| nm(*z)),
             u: 0.0,
         }
     }

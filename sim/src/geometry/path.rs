@@ -95,10 +95,14 @@ impl Path {
         })
     }
 
-    /// The path of a command, if it moves. An arc whose radii differ by at most `half_step` is a
+    /// The path of a command in X, Y and Z, if it moves. An arc whose radii differ by at most `half_step` is a
     /// circle, otherwise it is a spiral.
-    pub fn programmed(from: [Nm; 3], command: &Command<3>, half_step: f64) -> Option<Self> {
-        let nm = |p: [Nm; 3]| p.map(|at| at.0 as f64);
+    pub fn programmed<const N: usize>(
+        from: [Nm; N],
+        command: &Command<N>,
+        half_step: f64,
+    ) -> Option<Self> {
+        let nm = |p: [Nm; N]| [0, 1, 2].map(|axis| p.get(axis).map_or(0.0, |at| at.0 as f64));
         match command {
             Command::Rapid { to }
             | Command::Linear { to, .. }

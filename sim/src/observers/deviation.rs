@@ -56,7 +56,7 @@ impl Observer for Deviation {
     #[inline]
     fn step(&mut self, now: &Now<'_>) -> io::Result<()> {
         if now.origin == Origin::Feed {
-            let squared = self.path.distance_squared(&now.tool_nm);
+            let squared = self.path.distance_squared(&now.place());
             self.add(squared);
         }
         Ok(())
@@ -80,7 +80,7 @@ mod tests {
             (Origin::TakeUp, 900.0),
             (Origin::Feed, -40.0),
         ] {
-            let tool_nm = [1000.0, y, 0.0];
+            let tool_nm = [1000.0, y, 0.0, 0.0, 0.0, 0.0];
             let seen = Now {
                 origin,
                 tool_nm,

@@ -1,12 +1,13 @@
 //! The reports of the encoders in a run: axes that are behind, corrected, or stalled.
 
+use crate::observers::AXES;
 use husillo_machine::Followed;
 
 /// The reports of the encoders.
 #[derive(Clone, Debug, Default)]
 pub struct EncoderReports {
     /// Axes that are behind and not yet corrected.
-    pub behind: [bool; 3],
+    pub behind: [bool; AXES],
     /// All reports as sentences.
     pub sentences: Vec<String>,
 }
@@ -14,7 +15,7 @@ pub struct EncoderReports {
 impl EncoderReports {
     /// Takes an entry after so many step events. `letters` are those of the axes.
     #[cold]
-    pub fn add(&mut self, entry: &Followed<3>, letters: [char; 3], events: u64) {
+    pub fn add(&mut self, entry: &Followed<AXES>, letters: [char; AXES], events: u64) {
         let (axis, is_behind, what) = match *entry {
             Followed::Event(_) => return,
             Followed::Lost { axis, steps } => (axis, true, format!("is {steps} steps behind")),
@@ -38,14 +39,14 @@ mod tests {
     fn an_axis_is_behind_until_it_is_corrected() {
         let mut reports = EncoderReports::default();
         let mut add = |entry| {
-            reports.add(&entry, ['X', 'Y', 'Z'], 12);
+            reports.add(&entry, ['X', 'Y', 'Z', 'A', 'B', 'C'], 12);
             reports.behind
         };
         let lost = Followed::Lost { axis: 1, steps: 4 };
-        assert_eq!(add(lost), [false, true, false]);
-        assert_eq!(add(Followed::Corrected { axis: 1 }), [false; 3]);
+        assert_eq!(add(lost), [false, true, false, false, false, false]);
+        assert_eq!(add(Followed::Corrected { axis: 1 }), [false; AXES]);
         let stalled = Followed::Stalled { axis: 0, steps: -9 };
-        assert_eq!(add(stalled), [true, false, false]);
+        assert_eq!(add(stalled), [true, false, false, false, false, false]);
         let sentences = [
             "Y is 4 steps behind, after 12 step events",
             "Y is corrected, after 12 step events",

@@ -1,7 +1,7 @@
 //! Assigns steps to programmed moves, and finds where moves and take-ups begin and end.
 
 use crate::geometry::path::Path;
-use crate::observers::Begun;
+use crate::observers::{AXES, Begun};
 use husillo_gcode::Nm;
 use husillo_machine::{Config, Origin, Segment, StepEvent};
 
@@ -11,8 +11,8 @@ pub struct Moves {
     half_step_nm: f64,
     /// Programmed spindle speed in thousandths of a turn per minute; 0 if the spindle is off.
     pub milli_rpm: u64,
-    segment: Option<Segment<3>>,
-    target: [i32; 3],
+    segment: Option<Segment<AXES>>,
+    target: [i32; AXES],
     is_arrived: bool,
     origin: Origin,
     take_up_axis: Option<usize>,
@@ -21,8 +21,8 @@ pub struct Moves {
 /// A move with its path.
 #[derive(Debug)]
 pub struct Move {
-    segment: Segment<3>,
-    to: [Nm; 3],
+    segment: Segment<AXES>,
+    to: [Nm; AXES],
     path: Path,
     milli_rpm: u64,
 }
@@ -47,7 +47,7 @@ impl Moves {
             half_step_nm,
             milli_rpm: 0,
             segment: None,
-            target: [0; 3],
+            target: [0; AXES],
             is_arrived: true,
             origin: Origin::Rest,
             take_up_axis: None,
@@ -55,7 +55,7 @@ impl Moves {
     }
 
     /// Puts the tool at these steps before the run.
-    pub const fn start_at(&mut self, tool: [i32; 3]) {
+    pub const fn start_at(&mut self, tool: [i32; AXES]) {
         self.target = tool;
     }
 
@@ -71,8 +71,8 @@ impl Moves {
     #[cold]
     pub fn turn(
         &mut self,
-        executing: Option<Segment<3>>,
-        config: &Config<3>,
+        executing: Option<Segment<AXES>>,
+        config: &Config<AXES>,
         origin: Origin,
     ) -> Option<Move> {
         let is_other = executing != self.segment;
@@ -98,7 +98,7 @@ impl Moves {
     }
 
     /// Takes a step of a take-up. Returns whether the take-up of its axis begins with this step.
-    pub fn takes_up(&mut self, step: &StepEvent<3>) -> bool {
+    pub fn takes_up(&mut self, step: &StepEvent<AXES>) -> bool {
         let axis = step.delta.iter().position(|delta| *delta != 0);
         let begins = axis != self.take_up_axis;
         self.take_up_axis = axis;
@@ -107,7 +107,7 @@ impl Moves {
 
     /// Takes the position in steps to which the machine has sent the tool.
     #[inline]
-    pub fn sent(&mut self, position: [i32; 3]) {
+    pub fn sent(&mut self, position: [i32; AXES]) {
         self.is_arrived = position == self.target;
     }
 }
@@ -123,7 +123,7 @@ mod tests {
             wait_ticks: 1,
             delta,
         };
-        let [x, y] = [step([-1, 0, 0]), step([0, 1, 0])];
+        let [x, y] = [step([-1, 0, 0, 0, 0, 0]), step([0, 1, 0, 0, 0, 0])];
         assert_eq!(
             [x, x, y, y].map(|step| moves.takes_up(&step)),
             [true, false, true, false]
@@ -133,11 +133,11 @@ mod tests {
     #[test]
     fn a_move_begins_after_its_target_or_with_another_origin() {
         let mut moves = Moves::new(70.0);
-        moves.start_at([2, 0, 0]);
+        moves.start_at([2, 0, 0, 0, 0, 0]);
         assert!(moves.is_turn(Origin::Rest));
-        moves.sent([1, 0, 0]);
+        moves.sent([1, 0, 0, 0, 0, 0]);
         assert!(!moves.is_turn(Origin::Rest) && moves.is_turn(Origin::Feed));
-        moves.sent([2, 0, 0]);
+        moves.sent([2, 0, 0, 0, 0, 0]);
         assert!(moves.is_turn(Origin::Rest));
     }
 }

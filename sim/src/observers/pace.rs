@@ -44,7 +44,7 @@ impl Observer for Speed {
         if now.origin == Origin::TakeUp {
             self.stand(now.ticks, Stop::TakeUp);
         } else {
-            self.advance(now.ticks, &now.tool_nm);
+            self.advance(now.ticks, &now.place());
         }
         Ok(())
     }

@@ -1,6 +1,6 @@
 //! Coil currents of the motors during their first steps.
 
-use crate::observers::{Now, Observer};
+use crate::observers::{AXES, Now, Observer};
 use husillo_stepper::{Driver, Levels};
 use std::io;
 
@@ -51,14 +51,14 @@ const MOST_EVENTS: u64 = 100_000;
 /// Currents of the first steps.
 #[derive(Clone, Debug)]
 pub struct Phases {
-    motors: [Motor; 3],
+    motors: Vec<Motor>,
     timer_hz: u32,
     is_open: bool,
 }
 
 impl Phases {
     /// Motors at rest at these levels.
-    pub fn new(mut motors: [Motor; 3], timer_hz: u32, levels: &[Levels; 3]) -> Self {
+    pub fn new(mut motors: Vec<Motor>, timer_hz: u32, levels: &[Levels; AXES]) -> Self {
         for (motor, levels) in motors.iter_mut().zip(levels) {
             motor.steps = vec![(0, motor.currents(*levels))];
         }
@@ -91,7 +91,7 @@ impl Phases {
     }
 
     /// The first steps of the motors, for the report.
-    pub const fn motors(&self) -> &[Motor; 3] {
+    pub fn motors(&self) -> &[Motor] {
         &self.motors
     }
 }
@@ -114,15 +114,17 @@ mod tests {
     #[test]
     fn only_the_first_steps_of_an_axis_are_kept() {
         let motors = ['X', 'Y', 'Z'].map(|letter| Motor::new(letter, "step".into(), None));
-        let mut phases = Phases::new(motors, 500_000, &[Levels(0); 3]);
+        let mut phases = Phases::new(motors.into(), 500_000, &[Levels(0); AXES]);
         for event in 3..100 {
             let seen = Now {
-                levels: &[Levels(0b01); 3],
+                levels: &[Levels(0b01); AXES],
                 ..now(event)
             };
             phases.step(&seen).unwrap();
         }
-        let [x, y, _] = phases.motors();
+        let [x, y, _] = phases.motors() else {
+            panic!("three motors")
+        };
         assert_eq!((x.letter, x.rows), ('X', ["STEP", "DIR"]));
         assert_eq!((x.steps.len(), y.steps.len()), (MOST_STEPS + 1, 1));
         // X rested until the wait of its first step began. A tick is 2 us.

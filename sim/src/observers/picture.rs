@@ -2,7 +2,7 @@
 
 use crate::geometry::path::Path;
 use crate::observers::drawing::{Class, Drawing, Point};
-use crate::observers::{Begun, Now, Observer};
+use crate::observers::{AXES, Begun, Now, Observer};
 use husillo_gcode::{Command, Direction, Nm};
 use husillo_machine::Origin;
 use std::io;
@@ -35,7 +35,8 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// An empty picture with these axes to the right and up.
+    /// An empty picture with these axes to the right and up. Of axes other than X, Y and Z the
+    /// programmed path is not known, so the picture shows the tool alone.
     pub fn new(view: [usize; 2]) -> Self {
         Self {
             view,
@@ -48,15 +49,18 @@ impl Picture {
 
     /// The point in the axes of the picture.
     #[inline]
-    const fn flat(&self, at: [f64; 3]) -> [f64; 2] {
+    const fn flat(&self, at: [f64; AXES]) -> [f64; 2] {
         let [right, up] = self.view;
         [at[right], at[up]]
     }
 
-    fn point(&self, at: [f64; 3]) -> Point {
-        let ideal = self.path.nearest(at);
+    fn point(&self, now: &Now<'_>) -> Point {
+        let mut ideal = now.tool_nm;
+        for (ideal, nearest) in ideal.iter_mut().zip(self.path.nearest(now.place())) {
+            *ideal = nearest;
+        }
         Point {
-            tool: self.flat(at),
+            tool: self.flat(now.tool_nm),
             ideal: self.flat(ideal),
         }
     }
@@ -64,7 +68,7 @@ impl Picture {
     /// Adds the point of a step. A new kind of move begins a new stroke.
     #[inline(never)]
     fn draw(&mut self, now: &Now<'_>) {
-        let at = self.point(now.tool_nm);
+        let at = self.point(now);
         let class = if now.origin == Origin::Feed {
             Class::Feed
         } else {
@@ -83,7 +87,7 @@ impl Picture {
             self.ideal_is_whole = false;
             return;
         }
-        let flat = |p: [Nm; 3]| self.flat(p.map(|Nm(nm)| nm as f64));
+        let flat = |p: [Nm; AXES]| self.flat(p.map(|Nm(nm)| nm as f64));
         let (from, to) = (flat(begun.segment.from), flat(begun.to));
         let [right, up] = self.view;
         let is_seen_flat = |axes: [usize; 2]| axes == [right, up] || axes == [up, right];
@@ -139,7 +143,7 @@ mod tests {
         picture.begin(&begun(&segment, &path));
         for event in 1..=9 {
             let seen = Now {
-                tool_nm: [1000.0 * event as f64, 70.0, 0.0],
+                tool_nm: [1000.0 * event as f64, 70.0, 0.0, 0.0, 0.0, 0.0],
                 ..now(event)
             };
             picture.step(&seen).unwrap();

@@ -1,6 +1,6 @@
 //! Statistics of a run: extents, reversals, and the time of take-ups.
 
-use crate::observers::{Now, Observer};
+use crate::observers::{AXES, Now, Observer};
 use husillo_machine::Origin;
 use std::io;
 
@@ -8,18 +8,18 @@ use std::io;
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Statistics {
     /// Smallest position of the tool, steps.
-    pub low: [i32; 3],
+    pub low: [i32; AXES],
     /// Largest position of the tool, steps.
-    pub high: [i32; 3],
+    pub high: [i32; AXES],
     /// Timer ticks of take-up.
     pub take_up_ticks: u64,
     /// Take-ups of each axis.
-    pub reversals: [u64; 3],
+    pub reversals: [u64; AXES],
 }
 
 impl Statistics {
     /// Sets the start of the tool.
-    pub const fn start_at(&mut self, tool: [i32; 3]) {
+    pub const fn start_at(&mut self, tool: [i32; AXES]) {
         self.low = tool;
         self.high = tool;
     }
@@ -53,10 +53,13 @@ mod tests {
     #[test]
     fn extents_and_take_ups_are_counted() {
         let mut statistics = Statistics::default();
-        statistics.start_at([5, 5, 5]);
+        statistics.start_at([5, 5, 5, 0, 0, 0]);
         statistics.step(&now(1)).unwrap();
         statistics.step(&now(9)).unwrap();
-        assert_eq!((statistics.low, statistics.high), ([1, 0, 0], [9, 5, 5]));
+        assert_eq!(
+            (statistics.low, statistics.high),
+            ([1, 0, 0, 0, 0, 0], [9, 5, 5, 0, 0, 0])
+        );
         for begins_take_up in [true, false, false] {
             let seen = Now {
                 origin: Origin::TakeUp,
@@ -66,6 +69,6 @@ mod tests {
             statistics.step(&seen).unwrap();
         }
         assert_eq!(statistics.take_up_ticks, 3000);
-        assert_eq!(statistics.reversals, [1, 0, 0]);
+        assert_eq!(statistics.reversals, [1, 0, 0, 0, 0, 0]);
     }
 }

@@ -106,8 +106,8 @@ mod tests {
             for x in [-2, 2] {
                 let seen = Now {
                     origin,
-                    sent: [x, 0, 0],
-                    tool_nm: [500.0 * f64::from(x) + 20.0, 0.0, 5.0],
+                    sent: [x, 0, 0, 0, 0, 0],
+                    tool_nm: [500.0 * f64::from(x) + 20.0, 0.0, 5.0, 0.0, 0.0, 0.0],
                     ..now(1)
                 };
                 figure.step(&seen).unwrap();

@@ -1,25 +1,39 @@
 //! The position of the simulated tool after each step, as CSV.
 
 use crate::observers::{Now, Observer};
+use husillo_gcode::Axes;
 use husillo_machine::Origin;
 use std::io::{self, Write};
 
-/// Writes `event,t_us,x_nm,y_nm,z_nm,kind`, one row per step.
+/// Writes `event,t_us,x_nm,y_nm,z_nm,kind`, one row per step, with further axes after Z; those of
+/// rotary axes, in millionths of a degree, end with `_udeg`.
 #[derive(Debug)]
 pub struct Trace<W> {
     out: W,
     timer_hz: u32,
+    axes: usize,
 }
 
 impl<W: Write> Trace<W> {
-    /// Writes the heading.
+    /// Writes the heading for these axes.
     ///
     /// # Errors
     ///
     /// It cannot be written.
-    pub fn new(mut out: W, timer_hz: u32) -> io::Result<Self> {
-        out.write_all(b"event,t_us,x_nm,y_nm,z_nm,kind\n")?;
-        Ok(Self { out, timer_hz })
+    pub fn new(mut out: W, timer_hz: u32, axes: &Axes) -> io::Result<Self> {
+        out.write_all(b"event,t_us")?;
+        for (axis, letter) in axes.letters().enumerate() {
+            let unit = if axes.is_rotary(axis) { "udeg" } else { "nm" };
+            let letter = char::from(letter.to_ascii_lowercase());
+            write!(out, ",{letter}_{unit}")?;
+        }
+        out.write_all(b",kind\n")?;
+        let axes = axes.len();
+        Ok(Self {
+            out,
+            timer_hz,
+            axes,
+        })
     }
 }
 
@@ -27,14 +41,17 @@ impl<W: Write> Observer for Trace<W> {
     #[cold]
     fn step(&mut self, now: &Now<'_>) -> io::Result<()> {
         let micros = u128::from(now.ticks) * 1_000_000 / u128::from(self.timer_hz);
-        let [x, y, z] = now.tool_nm.map(|nm| nm.round() as i64);
         let kind = match now.origin {
             Origin::TakeUp => "take-up",
             Origin::Rapid => "rapid",
             Origin::Feed => "feed",
             Origin::Rest => "rest",
         };
-        writeln!(self.out, "{},{micros},{x},{y},{z},{kind}", now.event)
+        write!(self.out, "{},{micros}", now.event)?;
+        for nm in now.tool_nm.iter().take(self.axes) {
+            write!(self.out, ",{}", nm.round() as i64)?;
+        }
+        writeln!(self.out, ",{kind}")
     }
 
     fn finish(&mut self) -> io::Result<()> {
@@ -65,11 +82,11 @@ mod tests {
     #[test]
     fn each_step_is_a_row() {
         let out = Shared::default();
-        let mut trace = Trace::new(out.clone(), 2_000_000).unwrap();
+        let mut trace = Trace::new(out.clone(), 2_000_000, &Axes::XYZ).unwrap();
         trace.step(&now(1)).unwrap();
         let seen = Now {
             origin: Origin::TakeUp,
-            tool_nm: [-139.6, 0.4, -0.4],
+            tool_nm: [-139.6, 0.4, -0.4, 0.0, 0.0, 0.0],
             ..now(7)
         };
         trace.step(&seen).unwrap();

@@ -11,6 +11,7 @@ use crate::console::typed::{next_line, terminal_lines, typed_lines};
 use crate::diagnostics::Findings;
 use crate::programs::check::Checker;
 use crate::programs::program::{Lines, Meaning};
+use crate::programs::setup;
 use crate::programs::zero;
 use husillo_clients::micromill::{Sender, Translated, Translator};
 use husillo_transports::micromill::Line;
@@ -86,7 +87,8 @@ pub(super) fn send(args: &Send, out: &mut dyn Write) -> Result<u8, Failure> {
         let message = "--single-block waits for Enter at the terminal, and there is none";
         return Err(message.to_owned().into());
     }
-    let mut sender = match connected(args, port, &job.config)? {
+    let config = setup::first_three(&job.config);
+    let mut sender = match connected(args, port, &config)? {
         Ok(sender) => sender,
         Err(message) => return Ok(told(&job, &message)),
     };
@@ -95,13 +97,15 @@ pub(super) fn send(args: &Send, out: &mut dyn Write) -> Result<u8, Failure> {
     if let Err(message) = sender.begin() {
         return Ok(told(&job, &message));
     }
+    let config = setup::first_three(&job.config);
+    let [zero, at] = [job.start.zero, job.start.at].map(setup::three);
     let mut session = Session {
         args,
         job: &job,
         sender,
         program: Lines::new(job.name(), job.start),
         checker: Checker::new(&job.machine, &job.config),
-        translator: Translator::new(&job.config, job.start.zero, job.start.at),
+        translator: Translator::new(&config, zero, at),
         sent: Translated::default(),
         input: typed_lines(),
         is_terminal,

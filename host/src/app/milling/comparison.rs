@@ -11,6 +11,7 @@ use husillo_backlash::{Lash, Play};
 use husillo_clients::micromill::{self as client, Sent, Translated};
 use husillo_gcode::Dialect;
 use husillo_machine::{Config, Event};
+use husillo_sim::observers::AXES;
 use husillo_transports::micromill::State;
 use std::io::{self, Write};
 
@@ -19,7 +20,7 @@ struct Expected {
     /// Axis, and whether forward, in the order in which a controller reports the steps.
     steps: Vec<(u8, bool)>,
     /// Positions of the loads at the end, in steps from machine zero.
-    end: [i32; 3],
+    end: [i32; AXES],
 }
 
 /// Prints the comparison. Returns the exit status. The mill began in the state `start`, where it
@@ -78,7 +79,7 @@ fn steps(
 
 /// Whether the mill ends where the simulator does.
 fn position(
-    expected: &[i32; 3],
+    expected: &[i32; AXES],
     start: Option<State>,
     sent: &Sent,
     out: &mut dyn Write,
@@ -88,11 +89,11 @@ fn position(
         return Ok(true);
     };
     let [x, y, z] = end.axes.map(|axis| axis.load_steps);
-    if [x, y, z] == *expected && end.is_homed {
+    let [to_x, to_y, to_z, ..] = expected;
+    if [x, y, z] == [*to_x, *to_y, *to_z] && end.is_homed {
         writeln!(out, "Position   x {x} y {y} z {z} steps from machine zero")?;
         return Ok(true);
     }
-    let [to_x, to_y, to_z] = expected;
     writeln!(
         out,
         "Position   x {x} y {y} z {z} steps, in the simulator x {to_x} y {to_y} z {to_z}"
@@ -110,18 +111,19 @@ fn expected(job: &Job, text: String, start: Option<State>) -> Result<Expected, F
     let Some(start) = start else {
         return run(setup::with_maps(config, setup::maps(&job.machine)?), text);
     };
-    let plays = start
-        .axes
-        .map(|axis| Play::at(axis.lash_steps, axis.ahead_steps, axis.load_steps));
+    let plays = std::array::from_fn(|axis| match start.axes.get(axis) {
+        Some(axis) => Play::at(axis.lash_steps, axis.ahead_steps, axis.load_steps),
+        None => Play::at(0, 0, 0),
+    });
     let mut machine = Mill::<Play>::with_lash(config, plays);
-    let at = client::position(&start, &config);
+    let at = client::position(&start, &setup::first_three(&config));
     machine
-        .place(client::work_zero(&start), at)
+        .place(setup::padded(client::work_zero(&start)), setup::padded(at))
         .map_err(|error| error.to_string())?;
     run(machine, text)
 }
 
-fn run<L: Lash<3>>(mut machine: Mill<L>, text: String) -> Result<Expected, Failure> {
+fn run<L: Lash<AXES>>(mut machine: Mill<L>, text: String) -> Result<Expected, Failure> {
     let mut source = Source::from_reader(Box::new(io::Cursor::new(text.into_bytes())));
     let mut steps = Vec::new();
     feeder::feed(

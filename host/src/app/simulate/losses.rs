@@ -20,11 +20,16 @@ pub fn sentences(job: &Job, run: &Run) -> Vec<String> {
             continue;
         }
         let place = first.map_or(String::new(), |first| {
-            let [x, y, z] = first.at_nm.map(millimetres);
+            let letters = job.machine.letters.letters().map(char::from);
+            let place: Vec<String> = letters
+                .zip(first.at_nm.map(millimetres))
+                .map(|(letter, at)| format!("{letter}{at}"))
+                .collect();
             format!(
-                "; the first at step event {}, after {}, near X{x} Y{y} Z{z} mm of the machine",
+                "; the first at step event {}, after {}, near {} mm of the machine",
                 first.event,
-                duration(first.time_s)
+                duration(first.time_s),
+                place.join(" ")
             )
         });
         let advice = match axis.pull_out_rate {

@@ -8,6 +8,7 @@ use crate::simulation::run::Run;
 use husillo_reports::run::{AxisRow, Report};
 use husillo_reports::text::duration;
 use husillo_reports::text::length;
+use husillo_sim::observers::AXES;
 
 /// The table of figures. It has no time of take-ups if the backlash is not compensated.
 pub fn figures(
@@ -44,7 +45,7 @@ pub fn made(
     run: &Run,
     results: &Results,
     figures: Vec<(&'static str, String)>,
-    offset_nm: [i64; 3],
+    offset_nm: [i64; AXES],
     warnings: Vec<String>,
 ) -> Report {
     let travel = |axis: usize| match job.machine.axes[axis].travel {
@@ -52,7 +53,7 @@ pub fn made(
         Travel::Unknown | Travel::Unlimited => None,
     };
     let lost = run.mechanics.losses().lost();
-    let axes = (0..3)
+    let axes = (0..job.machine.axes.len())
         .map(|axis| AxisRow {
             letter: char::from(job.machine.axes[axis].letter),
             extent_nm: [results.min_nm[axis] as f64, results.max_nm[axis] as f64],

@@ -8,6 +8,7 @@ use crate::simulation::run::Run;
 use crate::text::json::write_found;
 use husillo_gcode::Nm;
 use husillo_machine::Probed;
+use husillo_sim::observers::AXES;
 use husillo_sim::observers::symmetry::{Difference, Symmetry};
 use serde::Serialize;
 use std::io;
@@ -17,12 +18,12 @@ use std::io;
 pub struct Results {
     pub events: u64,
     pub duration_s: f64,
-    pub end_nm: [i64; 3],
-    pub min_nm: [i64; 3],
-    pub max_nm: [i64; 3],
+    pub end_nm: Vec<i64>,
+    pub min_nm: Vec<i64>,
+    pub max_nm: Vec<i64>,
     pub max_deviation_nm: f64,
     pub rms_deviation_nm: f64,
-    pub reversals: [u64; 3],
+    pub reversals: Vec<u64>,
     pub lost_steps: u64,
     /// A sentence about each axis that lost steps.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -51,33 +52,37 @@ struct Document<'a> {
 }
 
 /// What a probe has found.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Touch {
     /// Whether the contact changed.
     pub is_touched: bool,
     /// The position in the work frame of the move, or the end of a move without contact.
-    pub position_nm: [i64; 3],
+    pub position_nm: Vec<i64>,
     /// The same in machine coordinates.
-    pub machine_nm: [i64; 3],
+    pub machine_nm: Vec<i64>,
 }
 
 /// What `--order mirrored` has done.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Order {
     /// Contours cut in halves.
     pub mirrored: usize,
     /// Closed contours cut as they were.
     pub whole: usize,
     /// Reversals of every axis in the order of the file.
-    pub reversals_of_file: [u64; 3],
+    pub reversals_of_file: Vec<u64>,
     /// The same in the order that was cut.
-    pub reversals: [u64; 3],
+    pub reversals: Vec<u64>,
 }
 
 impl Results {
     /// The results of a program with errors: nothing moved.
-    pub fn refused(findings: &Findings) -> Self {
+    pub fn refused(findings: &Findings, axes: usize) -> Self {
         Self {
+            end_nm: vec![0; axes],
+            min_nm: vec![0; axes],
+            max_nm: vec![0; axes],
+            reversals: vec![0; axes],
             errors: findings.errors,
             warnings: findings.warnings,
             ..Self::default()
@@ -85,9 +90,13 @@ impl Results {
     }
 
     /// The results of a completed run with its work zero at `offset_nm` of the machine.
-    pub fn new(job: &Job, run: &Run, facts: &Facts, offset_nm: [i64; 3]) -> Self {
-        let nm =
-            |steps: [i32; 3]| [0, 1, 2].map(|axis| in_nm(job, axis, steps[axis]) - offset_nm[axis]);
+    pub fn new(job: &Job, run: &Run, facts: &Facts, offset_nm: [i64; AXES]) -> Self {
+        let axes = job.machine.axes.len();
+        let nm = |steps: [i32; AXES]| -> Vec<i64> {
+            let ends = steps.into_iter().zip(offset_nm).take(axes).enumerate();
+            ends.map(|(axis, (steps, offset))| in_nm(job, axis, steps) - offset)
+                .collect()
+        };
         let seen = &run.observers;
         Self {
             events: run.mechanics.events(),
@@ -97,11 +106,15 @@ impl Results {
             max_nm: nm(seen.statistics.high),
             max_deviation_nm: rounded(seen.deviation.largest_nm()),
             rms_deviation_nm: rounded(seen.deviation.rms_nm()),
-            reversals: seen.statistics.reversals,
+            reversals: seen.statistics.reversals[..axes].to_vec(),
             lost_steps: run.mechanics.losses().lost().iter().sum(),
             losses: Vec::new(),
             encoders: run.encoders.sentences.clone(),
-            probes: run.probed.iter().map(touch).collect(),
+            probes: run
+                .probed
+                .iter()
+                .map(|probed| touch(probed, axes))
+                .collect(),
             order: None,
             left_right: seen.symmetry.as_ref().and_then(Symmetry::difference),
             feed_nm: facts.feed_nm.round() as i64,
@@ -126,8 +139,8 @@ impl Results {
     }
 }
 
-fn touch(probed: &Probed<3>) -> Touch {
-    let nm = |at: [Nm; 3]| at.map(|Nm(nm)| nm);
+fn touch(probed: &Probed<AXES>, axes: usize) -> Touch {
+    let nm = |at: [Nm; AXES]| at.into_iter().take(axes).map(|Nm(nm)| nm).collect();
     Touch {
         is_touched: probed.is_touched,
         position_nm: nm(probed.in_work),

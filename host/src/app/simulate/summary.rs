@@ -40,14 +40,17 @@ pub fn print(job: &Job, run: &Run, results: &Results, facts: &Facts) -> io::Resu
     )?;
     print_axes(job, run, results, out)?;
     for touch in &results.probes {
-        let at = touch.position_nm.map(|nm| millimetres(nm as f64));
-        let [x, y, z] = at;
+        let letters = job.machine.letters.letters().map(char::from);
+        let at: Vec<String> = letters
+            .zip(&touch.position_nm)
+            .map(|(letter, nm)| format!("{letter}{}", millimetres(*nm as f64)))
+            .collect();
         let what = if touch.is_touched {
             "contact"
         } else {
             "no contact"
         };
-        writeln!(out, "Probed     X{x} Y{y} Z{z}: {what}")?;
+        writeln!(out, "Probed     {}: {what}", at.join(" "))?;
     }
     if let Some(order) = &results.order {
         print_order(order, out)?;
@@ -68,11 +71,12 @@ pub fn print(job: &Job, run: &Run, results: &Results, facts: &Facts) -> io::Resu
 fn print_axes(job: &Job, run: &Run, results: &Results, out: &mut impl Write) -> io::Result<()> {
     let lost = run.mechanics.losses().lost();
     for (axis, facts) in job.machine.axes.iter().enumerate() {
-        let [low, high, end] =
-            [results.min_nm, results.max_nm, results.end_nm].map(|nm| millimetres(nm[axis] as f64));
+        let [low, high, end] = [&results.min_nm, &results.max_nm, &results.end_nm]
+            .map(|nm| millimetres(nm[axis] as f64));
+        let unit = if facts.is_rotary { "degrees" } else { "mm" };
         write!(
             out,
-            "           {} {low} to {high} mm, ends at {end}, {} take-ups",
+            "           {} {low} to {high} {unit}, ends at {end}, {} take-ups",
             char::from(facts.letter),
             results.reversals[axis]
         )?;
@@ -85,15 +89,15 @@ fn print_axes(job: &Job, run: &Run, results: &Results, out: &mut impl Write) -> 
 }
 
 fn print_order(order: &Order, out: &mut impl Write) -> io::Result<()> {
-    let count = |reversals: [u64; 3]| reversals.iter().sum::<u64>();
+    let count = |reversals: &[u64]| reversals.iter().sum::<u64>();
     writeln!(
         out,
         "Mirrored   {} contours in halves, {} as they were; {} reversals, \
          {} in the order of the file",
         order.mirrored,
         order.whole,
-        count(order.reversals),
-        count(order.reversals_of_file)
+        count(&order.reversals),
+        count(&order.reversals_of_file)
     )
 }
 

@@ -13,13 +13,18 @@ use crate::machines::table::Table;
 use husillo_metrology::quantity::{Fraction, Quantity};
 use husillo_stepper::PulseNanoseconds;
 use std::ops::Range;
+use toml::de::DeValue;
 
 /// One axis.
 #[allow(dead_code)] // homing is not simulated yet
 #[derive(Clone, Debug)]
 pub struct AxisFile {
-    /// `X`, `Y` or `Z`.
+    /// `X`, `Y`, `Z`, or one of `A`, `B`, `C`, `U`, `V`, `W` and `E`.
     pub letter: u8,
+    /// Lengths are degrees times 10^6, and speeds degrees.
+    pub is_rotary: bool,
+    /// Absolute positions are less than a turn, and their sign is the direction.
+    pub is_wrapped: bool,
     /// Nanometres per motor step.
     pub step: Fraction,
     /// Limits of the machine coordinate.
@@ -54,10 +59,34 @@ pub struct AxisFile {
     pub encoder: Option<EncoderFile>,
 }
 
+/// The value of a key that is not there.
+const NONE: DeValue<'_> = DeValue::Boolean(false);
+
 impl AxisFile {
     /// Reads the table of an axis of a machine with this timer.
     pub(super) fn read(table: &mut Table<'_, '_>, letter: u8, timer_hz: u32) -> Option<Self> {
-        let step = step::read(table);
+        let kinds = [("linear", false), ("rotary", true)];
+        let is_rotary = table.choice("kind", &kinds).unwrap_or(false);
+        if is_rotary != matches!(letter, b'A' | b'B' | b'C') {
+            let (_, span) = table.value("kind").unwrap_or((&NONE, table.span()));
+            let message = format!(
+                "axis {} is {}",
+                char::from(letter),
+                if is_rotary {
+                    "linear"
+                } else {
+                    "rotary: `kind = \"rotary\"`"
+                }
+            );
+            table.wrong(
+                span,
+                &message,
+                "A, B and C are rotary, all others are linear",
+            );
+        }
+        table.set_rotary(is_rotary);
+        let is_wrapped = is_rotary && table.boolean("wrapped").unwrap_or(false);
+        let step = step::read(table, is_rotary);
         let (travel, travel_span) = Travel::read(table, step);
         let lash = table.quantity(
             "backlash",
@@ -75,7 +104,7 @@ impl AxisFile {
         let pulse = pulse::read(table, driver, rates.max, timer_hz);
         let acceleration = table.quantity(
             "acceleration",
-            "as in \"300 mm/s^2\" or, in steps/s^2, \"2000 Hz/s\"",
+            "as in \"300 mm/s^2\", \"300 deg/s^2\" or, in steps/s^2, \"2000 Hz/s\"",
             |quantity| match quantity {
                 Quantity::Acceleration(value) => positive(value.rounded()),
                 Quantity::AxisAcceleration(nm_per_s2) => nm_per_s2.over(step).and_then(positive),
@@ -84,6 +113,8 @@ impl AxisFile {
         );
         Some(Self {
             letter,
+            is_rotary,
+            is_wrapped,
             step,
             travel,
             travel_span,

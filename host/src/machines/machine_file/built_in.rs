@@ -1,7 +1,7 @@
 //! The built-in machines.
 
 /// Name, path and text of each built-in machine.
-pub const BUILT_IN: [(&str, &str, &str); 6] = [
+pub const BUILT_IN: [(&str, &str, &str); 8] = [
     (
         "micromill",
         "machines/micromill.toml",
@@ -18,9 +18,19 @@ pub const BUILT_IN: [(&str, &str, &str); 6] = [
         include_str!("../../../../machines/router.toml"),
     ),
     (
+        "router4",
+        "machines/router4.toml",
+        include_str!("../../../../machines/router4.toml"),
+    ),
+    (
         "lathe",
         "machines/lathe.toml",
         include_str!("../../../../machines/lathe.toml"),
+    ),
+    (
+        "printer",
+        "machines/printer.toml",
+        include_str!("../../../../machines/printer.toml"),
     ),
     (
         "drill",

@@ -4,6 +4,7 @@ use crate::machines::table::Table;
 use husillo_gcode::{Nm, Tool};
 use husillo_machine::Equipment;
 use husillo_metrology::quantity::{self, Quantity};
+use husillo_sim::observers::AXES;
 
 /// A probe, and what it touches in a simulation.
 #[derive(Clone, Debug)]
@@ -36,6 +37,7 @@ pub(super) fn equipment(table: &mut Table<'_, '_>) -> Equipment {
             .integer("surface_speed_rpm", 1..=1_000_000)
             .and_then(|rpm| u32::try_from(rpm * 1000).ok()),
         pallets: table.flag("pallets").unwrap_or(false),
+        heaters: false,
     }
 }
 
@@ -92,7 +94,7 @@ fn side(table: &mut Table<'_, '_>, key: &str) -> Option<[i64; 2]> {
 }
 
 /// Reads one `[[tool]]`: its number and its data.
-pub(super) fn tool(table: &mut Table<'_, '_>) -> Option<(u32, Tool<3>)> {
+pub(super) fn tool(table: &mut Table<'_, '_>) -> Option<(u32, Tool<AXES>)> {
     let number = table.integer("number", 1..=99_999);
     if number.is_none() {
         table.missing("number");
@@ -100,7 +102,7 @@ pub(super) fn tool(table: &mut Table<'_, '_>) -> Option<(u32, Tool<3>)> {
     let reach = length(table, "length").unwrap_or(0);
     let diameter = length(table, "diameter").unwrap_or(0);
     let tool = Tool {
-        offset: [Nm(0), Nm(0), Nm(reach)],
+        offset: [Nm(0), Nm(0), Nm(reach), Nm(0), Nm(0), Nm(0)],
         radius: Nm(diameter / 2),
     };
     Some((u32::try_from(number?).ok()?, tool))

@@ -20,7 +20,7 @@ impl Home {
     pub(super) fn read(table: &mut Table<'_, '_>, step: Fraction) -> Self {
         Self {
             order: table
-                .integer("order", 1..=3)
+                .integer("order", 1..=6)
                 .and_then(|order| u32::try_from(order).ok())
                 .unwrap_or(1),
             direction: table

@@ -47,7 +47,7 @@ impl Motion {
             arc_tolerance: length(table, "arc_tolerance"),
             corner_deviation: length(table, "corner_deviation"),
             simultaneous_axes: table
-                .integer("simultaneous_axes", 1..=3)
+                .integer("simultaneous_axes", 1..=6)
                 .and_then(|n| u32::try_from(n).ok()),
         }
     }

@@ -50,7 +50,7 @@ impl Rates {
 fn rate(table: &mut Table<'_, '_>, key: &'static str, step: Fraction) -> Option<u32> {
     table.quantity(
         key,
-        "a rate as in \"170 Hz\", or a speed as in \"30 mm/min\"",
+        "a rate as in \"170 Hz\", or a speed as in \"30 mm/min\" or \"720 deg/min\"",
         |quantity| match quantity {
             Quantity::Rate(value) => positive(value.rounded()),
             Quantity::Speed(nm_per_min) => nm_per_min

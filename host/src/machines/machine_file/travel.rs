@@ -1,7 +1,7 @@
 //! `travel` of an axis in a machine file.
 
 use crate::machines::table::Table;
-use husillo_metrology::quantity::{self, Fraction, Quantity};
+use husillo_metrology::quantity::{Fraction, Quantity};
 use std::ops::Range;
 
 /// Travel of an axis.
@@ -22,7 +22,7 @@ impl Travel {
         let Some((value, span)) = table.value("travel") else {
             return (Travel::Unknown, 0..0);
         };
-        let length = |value: &toml::de::DeValue<'_>| match quantity::parse(value.as_str()?) {
+        let length = |value: &toml::de::DeValue<'_>| match table.parsed(value.as_str()?) {
             Ok(Quantity::Length(length)) => Some(length.rounded()),
             Ok(Quantity::Steps(steps)) => Fraction::new(
                 i128::from(steps.num) * i128::from(step.num),
@@ -48,7 +48,8 @@ impl Travel {
                 table.wrong(
                     span.clone(),
                     "travel is not understood",
-                    "expected [\"0 mm\", \"10 mm\"], \"unknown\" or \"unlimited\"",
+                    "expected [\"0 mm\", \"10 mm\"] (a rotary axis: \"deg\"), \"unknown\" or \
+                     \"unlimited\"",
                 );
                 (Travel::Unknown, span)
             }

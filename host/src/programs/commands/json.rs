@@ -1,8 +1,11 @@
 //! A command as a JSON object.
 
+use crate::programs::check::fed_length;
 use crate::text::json::decimal;
-use husillo_gcode::{Command, Direction, Feed, Nm, Plane, Side, SpindleDirection};
-use husillo_sim::geometry::path::Path;
+use husillo_gcode::{
+    Axes, Command, Direction, Feed, HeatWait, Heater, Nm, Plane, Side, SpindleDirection,
+};
+use husillo_sim::observers::AXES;
 use serde::Serialize;
 use serde_json::value::RawValue;
 
@@ -19,16 +22,16 @@ pub struct Line {
 #[serde(tag = "kind", rename_all = "snake_case")]
 enum Object {
     Rapid {
-        to_nm: [i64; 3],
+        to_nm: Vec<i64>,
     },
     Linear {
-        to_nm: [i64; 3],
+        to_nm: Vec<i64>,
         #[serde(flatten)]
         feed: PathFeed,
     },
     Arc {
-        to_nm: [i64; 3],
-        centre_nm: [i64; 3],
+        to_nm: Vec<i64>,
+        centre_nm: Vec<i64>,
         plane: &'static str,
         direction: &'static str,
         turns: u32,
@@ -56,7 +59,7 @@ enum Object {
         rewind: bool,
     },
     Spline {
-        to_nm: [i64; 3],
+        to_nm: Vec<i64>,
         points_nm: Vec<[i64; 2]>,
         #[serde(flatten)]
         feed: PathFeed,
@@ -72,19 +75,19 @@ enum Object {
         micro_weight: u64,
     },
     NurbsEnd {
-        to_nm: [i64; 3],
+        to_nm: Vec<i64>,
     },
     Thread {
-        to_nm: [i64; 3],
+        to_nm: Vec<i64>,
         lead_nm: i64,
     },
     Tap {
-        bottom_nm: [i64; 3],
-        to_nm: [i64; 3],
+        bottom_nm: Vec<i64>,
+        to_nm: Vec<i64>,
         lead_nm: i64,
     },
     Probe {
-        to_nm: [i64; 3],
+        to_nm: Vec<i64>,
         away: bool,
         must: bool,
         #[serde(flatten)]
@@ -95,13 +98,23 @@ enum Object {
     },
     ToolLength {
         number: u32,
-        offset_nm: [i64; 3],
+        offset_nm: Vec<i64>,
     },
     Compensation {
         side: &'static str,
         plane: &'static str,
         radius_nm: i64,
     },
+    Heat {
+        heater: String,
+        celsius: Box<RawValue>,
+        wait: &'static str,
+    },
+    Fan {
+        number: u8,
+        per_mille: u16,
+    },
+    MotorsOff,
     Drill,
     Other {
         text: String,
@@ -119,8 +132,13 @@ enum PathFeed {
 
 impl Line {
     /// The object of a command that begins at `from`. `None` for a command that only sets a mode.
-    pub fn new(line: usize, command: &Command<3>, from: [Nm; 3]) -> Option<Self> {
-        let object = motion(command, from).or_else(|| tool(command));
+    pub fn new(
+        line: usize,
+        command: &Command<AXES>,
+        from: [Nm; AXES],
+        axes: &Axes,
+    ) -> Option<Self> {
+        let object = motion(command, from, axes).or_else(|| tool(command, axes));
         Some(Self {
             line,
             object: object.or_else(|| other(command))?,
@@ -132,9 +150,15 @@ fn nm<const N: usize>(at: [Nm; N]) -> [i64; N] {
     at.map(|Nm(nm)| nm)
 }
 
+/// The coordinates of the axes that the machine has.
+fn of_axes(at: [Nm; AXES], axes: &Axes) -> Vec<i64> {
+    at.into_iter().take(axes.len()).map(|Nm(nm)| nm).collect()
+}
+
 /// The object of a command that moves.
-fn motion(command: &Command<3>, from: [Nm; 3]) -> Option<Object> {
-    let along = |feed: &Feed| path_feed(feed, command, from);
+fn motion(command: &Command<AXES>, from: [Nm; AXES], axes: &Axes) -> Option<Object> {
+    let nm = |at: [Nm; AXES]| of_axes(at, axes);
+    let along = |feed: &Feed| path_feed(feed, command, from, axes);
     Some(match command {
         Command::Rapid { to } => Object::Rapid { to_nm: nm(*to) },
         Command::Linear { to, feed } => Object::Linear {
@@ -158,7 +182,7 @@ fn motion(command: &Command<3>, from: [Nm; 3]) -> Option<Object> {
         },
         Command::Spline { spline, feed } => Object::Spline {
             to_nm: nm(spline.to),
-            points_nm: spline.points.iter().map(|at| nm(*at)).collect(),
+            points_nm: spline.points.iter().map(|at| self::nm(*at)).collect(),
             feed: along(feed),
         },
         Command::NurbsBegin {
@@ -171,7 +195,7 @@ fn motion(command: &Command<3>, from: [Nm; 3]) -> Option<Object> {
             feed: along(feed),
         },
         Command::NurbsPoint { at, micro_weight } => Object::NurbsPoint {
-            at_nm: nm(*at),
+            at_nm: self::nm(*at),
             micro_weight: *micro_weight,
         },
         Command::NurbsEnd { to } => Object::NurbsEnd { to_nm: nm(*to) },
@@ -200,13 +224,13 @@ fn motion(command: &Command<3>, from: [Nm; 3]) -> Option<Object> {
 }
 
 /// The object of a command about the tool.
-fn tool(command: &Command<3>) -> Option<Object> {
+fn tool(command: &Command<AXES>, axes: &Axes) -> Option<Object> {
     Some(match command {
         Command::Tool { number } => Object::Tool { number: *number },
         Command::ToolIs { number } => Object::ToolIs { number: *number },
         Command::ToolLength { number, offset } => Object::ToolLength {
             number: *number,
-            offset_nm: nm(*offset),
+            offset_nm: of_axes(*offset, axes),
         },
         Command::Compensation {
             side,
@@ -226,7 +250,7 @@ fn tool(command: &Command<3>) -> Option<Object> {
 }
 
 /// The object of a command that neither moves nor is about the tool.
-fn other(command: &Command<3>) -> Option<Object> {
+fn other(command: &Command<AXES>) -> Option<Object> {
     Some(match command {
         Command::Dwell { micros } => Object::Dwell { micros: *micros },
         Command::Spindle {
@@ -248,6 +272,28 @@ fn other(command: &Command<3>) -> Option<Object> {
             optional: *optional,
         },
         Command::End { rewind } => Object::End { rewind: *rewind },
+        Command::Heat {
+            heater,
+            milli_celsius,
+            wait,
+        } => Object::Heat {
+            heater: match heater {
+                Heater::Extruder(number) => format!("extruder {number}"),
+                Heater::Bed => "bed".to_owned(),
+                Heater::Chamber => "chamber".to_owned(),
+            },
+            celsius: decimal(thousandths((*milli_celsius).into())),
+            wait: match wait {
+                HeatWait::None => "none",
+                HeatWait::Heated => "heated",
+                HeatWait::Reached => "reached",
+            },
+        },
+        Command::Fan { number, per_mille } => Object::Fan {
+            number: *number,
+            per_mille: *per_mille,
+        },
+        Command::MotorsOff => Object::MotorsOff,
         Command::Drill => Object::Drill,
         Command::Surface { .. }
         | Command::Orient { .. }
@@ -272,11 +318,11 @@ fn thousandths(value: u64) -> String {
 }
 
 /// The feed along the path. An inverse-time feed is converted with the length of the move.
-fn path_feed(feed: &Feed, command: &Command<3>, from: [Nm; 3]) -> PathFeed {
+fn path_feed(feed: &Feed, command: &Command<AXES>, from: [Nm; AXES], axes: &Axes) -> PathFeed {
     match *feed {
         Feed::PerMinute(rate) => PathFeed::PerMinute(rate.0),
         Feed::InverseTime { micro_per_minute } => {
-            let length = Path::programmed(from, command, 0.0).map_or(0.0, |path| path.length());
+            let length = fed_length(command, from, axes);
             PathFeed::PerMinute((length * micro_per_minute as f64 / 1e6).round() as i64)
         }
         Feed::PerRevolution(rate) => PathFeed::PerRevolution(rate.0),
@@ -287,14 +333,14 @@ fn path_feed(feed: &Feed, command: &Command<3>, from: [Nm; 3]) -> PathFeed {
 mod tests {
     use super::*;
 
-    fn json(command: &Command<3>) -> String {
-        let line = Line::new(7, command, [Nm(0); 3]);
+    fn json(command: &Command<AXES>) -> String {
+        let line = Line::new(7, command, [Nm(0); AXES], &Axes::XYZ);
         line.map_or(String::new(), |line| serde_json::to_string(&line).unwrap())
     }
 
     #[test]
     fn the_line_comes_first_then_the_kind() {
-        let to = [Nm(1), Nm(-2), Nm(3)];
+        let to = [Nm(1), Nm(-2), Nm(3), Nm(0), Nm(0), Nm(0)];
         let feed = Feed::PerMinute(Nm(40));
         let linear = "{\"line\":7,\"kind\":\"linear\",\"to_nm\":[1,-2,3],\"feed_nm_per_min\":40}";
         assert_eq!(json(&Command::Linear { to, feed }), linear);

@@ -8,6 +8,7 @@ use crate::programs::source::Source;
 use husillo_gcode::contour::needs_contours;
 use husillo_gcode::parameters::needs_program;
 use husillo_gcode::{Command, Nm};
+use husillo_sim::observers::AXES;
 use std::io::{self, Cursor};
 
 /// A program that is typed, or comes from a pipe: the modal state lasts from line to line. A line
@@ -47,7 +48,7 @@ impl<'a> Lines<'a> {
         &mut self,
         bytes: &[u8],
         findings: &mut Findings,
-        mut each: impl FnMut(&Meaning<'_>, &Command<3>, [Nm; 3], &mut Findings) -> io::Result<()>,
+        mut each: impl FnMut(&Meaning<'_>, &Command<AXES>, [Nm; AXES], &mut Findings) -> io::Result<()>,
     ) -> io::Result<()> {
         self.number += 1;
         let dialect = self.walker.dialect;
@@ -78,7 +79,7 @@ impl<'a> Lines<'a> {
     pub fn finish(
         &mut self,
         findings: &mut Findings,
-        mut each: impl FnMut(&Meaning<'_>, &Command<3>, [Nm; 3], &mut Findings) -> io::Result<()>,
+        mut each: impl FnMut(&Meaning<'_>, &Command<AXES>, [Nm; AXES], &mut Findings) -> io::Result<()>,
     ) -> io::Result<()> {
         self.walker.finish(findings, &mut each)
     }
@@ -131,7 +132,7 @@ mod tests {
             let mut ends = String::new();
             program
                 .line(line.as_bytes(), &mut findings, |_, command, _, _| {
-                    if let Some([x, y, z]) = command.end() {
+                    if let Some([x, y, z, ..]) = command.end() {
                         ends += &format!("{x} {y} {z};");
                     }
                     Ok(())

@@ -90,6 +90,25 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
             Command::Coolant { mist, flood } => {
                 self.signal([Some(Event::Output(Output::Coolant { mist, flood })), None]);
             }
+            Command::Heat {
+                heater,
+                milli_celsius,
+                wait,
+            } if E::IS_EXTENDED => {
+                let output = Output::Heater {
+                    heater,
+                    milli_celsius,
+                    wait,
+                };
+                self.signal([Some(Event::Output(output)), None]);
+            }
+            Command::Fan { number, per_mille } if E::IS_EXTENDED => {
+                let output = Output::Fan { number, per_mille };
+                self.signal([Some(Event::Output(output)), None]);
+            }
+            Command::MotorsOff if E::IS_EXTENDED => {
+                self.signal([Some(Event::Output(Output::MotorsOff)), None]);
+            }
             Command::Drill => self.signal([Some(Event::Output(Output::Drill)), None]),
             Command::Tool { number } => self.signal([
                 Some(Event::Pause(Pause::ToolChange)),

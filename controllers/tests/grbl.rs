@@ -1,0 +1,274 @@
+//! The Grbl controller under random input, and its memory in a flash.
+
+#[path = "../../store/tests/flash/mod.rs"]
+mod flash;
+
+use flash::Flash;
+use husillo_controllers::{
+    Controller, Grbl, GrblEvent, GrblInputs, GrblMemory, GrblOptions, Timed,
+};
+use husillo_store::Store;
+use husillo_transports::grbl::{Message, Settings};
+use proptest::prelude::*;
+
+/// A controller with its motors, as fast as it can.
+struct Mill {
+    grbl: Grbl,
+    steps: [i32; 3],
+    us: u64,
+    said: Vec<u8>,
+    stored: u32,
+}
+
+fn settings() -> Settings {
+    let mut settings = Settings::DEFAULT;
+    for number in 110..113 {
+        settings.write(number, b"3000").unwrap();
+        settings.write(number + 10, b"300").unwrap();
+    }
+    settings
+}
+
+impl Mill {
+    fn new() -> Self {
+        let memory = GrblMemory::FACTORY.with_settings(settings());
+        let mut mill = Mill {
+            grbl: Grbl::new(GrblOptions::FULL, Some(&memory)),
+            steps: [0; 3],
+            us: 0,
+            said: Vec::new(),
+            stored: 0,
+        };
+        mill.run(200_000);
+        mill.said.clear();
+        mill
+    }
+
+    /// Makes events for this time, or until there are none.
+    fn run(&mut self, us: u64) {
+        let end = self.us + us;
+        while self.us < end {
+            self.said
+                .extend(std::iter::from_fn(|| self.grbl.transmit()));
+            let Some(event) = self.grbl.next_event(0, &GrblInputs::default()) else {
+                return;
+            };
+            match event {
+                GrblEvent::Step { delta, .. } => {
+                    for (steps, delta) in self.steps.iter_mut().zip(delta) {
+                        *steps += i32::from(delta);
+                    }
+                }
+                GrblEvent::Store => self.stored += 1,
+                _ => {}
+            }
+            if let Some(wait) = event.wait_ticks() {
+                self.us += u64::from(wait);
+                self.grbl.made(0, 1);
+            }
+        }
+    }
+
+    fn send(&mut self, bytes: &[u8]) {
+        for byte in bytes {
+            if self.grbl.receive(*byte) {
+                self.grbl.halted();
+            }
+        }
+    }
+
+    fn lines(&self) -> impl Iterator<Item = &[u8]> {
+        let lines = self.said.split(|byte| *byte == b'\n');
+        lines.map(|line| line.strip_suffix(b"\r").unwrap_or(line))
+    }
+
+    fn answers(&self) -> usize {
+        let messages = self.lines().filter_map(Message::parse);
+        messages.filter(Message::is_answer).count()
+    }
+}
+
+/// Bytes that make sense now and then.
+fn input() -> impl Strategy<Value = Vec<u8>> {
+    let text = prop::sample::select(vec![
+        "G1X1F500\n",
+        "G0Y-2Z1\n",
+        "G91\n",
+        "G90\n",
+        "G2X1Y1I.5J.5F900\n",
+        "G4P.01\n",
+        "M3S100\n",
+        "M5\n",
+        "M8\n",
+        "M9\n",
+        "G92X0\n",
+        "G10L20P1X0\n",
+        "$J=G91X3F900\n",
+        "$$\n",
+        "$#\n",
+        "$G\n",
+        "$X\n",
+        "$C\n",
+        "$H\n",
+        "$22=1\n",
+        "$22=0\n",
+        "$100=80\n",
+        "$100=250\n",
+        "$32=1\n",
+        "$32=0\n",
+        "G38.2X4F300\n",
+        "G38.3X-4F300\n",
+        "M0\n",
+        "M30\n",
+        "$SLP\n",
+        "$N0=G21\n",
+        "$RST=#\n",
+        "G20\n",
+        "?",
+        "!",
+        "~",
+        "\x18",
+        "\n",
+        "G93G1X2F60\n",
+        "G94\n",
+        "G0",
+    ]);
+    let text = text.prop_map(|text| text.as_bytes().to_vec());
+    let realtime = (0x80_u8..=0xa2).prop_map(|byte| vec![byte]);
+    let any = prop::collection::vec(any::<u8>(), 1..4);
+    prop_oneof![8 => text, 3 => realtime, 1 => any]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(400))]
+
+    /// Whatever comes, no line is answered twice, every line that is said is a message of Grbl, and
+    /// the position is the sum of the steps (homing sets it). A reset brings the controller back.
+    #[test]
+    fn any_input_is_answered_at_most_once(
+        parts in prop::collection::vec((input(), 0_u64..300_000), 1..60),
+    ) {
+        let mut mill = Mill::new();
+        let (mut ends, mut homes) = (0, false);
+        for (bytes, us) in parts {
+            ends += bytes.iter().filter(|byte| matches!(byte, b'\r' | b'\n')).count();
+            homes |= bytes.contains(&b'H') || bytes.contains(&b'h');
+            mill.send(&bytes);
+            mill.run(us);
+            prop_assert!(mill.answers() <= ends);
+            if !homes {
+                prop_assert_eq!(mill.grbl.position_steps(), mill.steps);
+            }
+        }
+        for line in mill.lines() {
+            let is_message = Message::parse(line).is_some();
+            prop_assert!(is_message, "{:?}", String::from_utf8_lossy(line));
+        }
+        mill.run(90_000_000);
+        mill.said.clear();
+        mill.send(b"\x18");
+        mill.run(2_000_000);
+        mill.send(b"?");
+        mill.run(10_000);
+        let is_status = |line| matches!(Message::parse(line), Some(Message::Status(_)));
+        prop_assert!(mill.lines().any(is_status));
+    }
+
+    /// Holds, overrides and reports at any moment change neither the path nor the answers of a
+    /// program.
+    #[test]
+    fn disturbed_programs_end_in_the_same_place(
+        targets in prop::collection::vec((-40_i32..40, -40_i32..40, any::<bool>()), 1..25),
+        disturbances in prop::collection::vec((0_u64..150_000, 0_usize..8), 0..40),
+    ) {
+        let mut program = String::from("G90F1800\n");
+        for (x, y, is_rapid) in &targets {
+            let code = if *is_rapid { "G0" } else { "G1" };
+            program += &format!("{code}X{}Y{}\n", f64::from(*x) / 10.0, f64::from(*y) / 10.0);
+        }
+        let mut mill = Mill::new();
+        let mut disturbances = disturbances.into_iter();
+        for line in program.lines() {
+            mill.send(line.as_bytes());
+            mill.send(b"\n");
+            let answered = mill.answers() + 1;
+            while mill.answers() < answered {
+                mill.run(5000);
+                if let Some((us, kind)) = disturbances.next() {
+                    mill.run(us);
+                    mill.send(&[b"!~?\x91\x92\x96\x95\x99"[kind]]);
+                }
+                // A hold would wait for ever.
+                mill.run(300_000);
+                mill.send(b"~");
+            }
+        }
+        mill.send(b"~");
+        for _ in 0..200 {
+            mill.run(500_000);
+            mill.send(b"~");
+        }
+        let (x, y, _) = targets[targets.len() - 1];
+        prop_assert_eq!(mill.steps, [x * 25, y * 25, 0]);
+        prop_assert_eq!(mill.answers(), targets.len() + 1);
+        let has_errors = mill.lines().any(|line| line.starts_with(b"error"));
+        prop_assert!(!has_errors);
+    }
+}
+
+/// A loss of power during any write leaves the old memory or the new one.
+#[test]
+fn the_memory_survives_a_loss_of_power() {
+    let mut flash = Flash::<8>::new(16, 256);
+    let save = |flash: &mut Flash<8>, bytes: &[u8]| {
+        let mut store = Store::open(flash, 0..4096).unwrap();
+        let Ok(mut save) = store.save() else { return };
+        if save.write(bytes).is_ok() {
+            let _ = save.commit();
+        }
+    };
+    let load = |flash: &mut Flash<8>| {
+        let mut store = Store::open(flash, 0..4096).unwrap();
+        let mut bytes = [0; GrblMemory::BYTES];
+        store.read(0, &mut bytes).unwrap();
+        GrblMemory::from_bytes(&bytes).unwrap()
+    };
+    let mut mill = Mill::new();
+    let old = *mill.grbl.memory();
+    save(&mut flash, &old.to_bytes());
+    assert_eq!(load(&mut flash), old);
+    mill.send(b"$110=1234\nG10L2P3X1.5\n$N1=G21G90\n");
+    mill.run(1_000_000);
+    assert_eq!(mill.stored, 3);
+    let new = *mill.grbl.memory();
+    assert_ne!(old, new);
+    let (mut olds, mut news) = (0, 0);
+    for operation in 0..200 {
+        flash.power = Some((operation, 7));
+        save(&mut flash, &new.to_bytes());
+        flash.power = None;
+        let found = load(&mut flash);
+        assert!(found == old || found == new);
+        olds += i32::from(found == old);
+        news += i32::from(found == new);
+        save(&mut flash, &old.to_bytes());
+    }
+    assert!(olds > 0 && news > 0, "{olds} {news}");
+    // A damaged memory is noticed.
+    assert_eq!(GrblMemory::from_bytes(&[0; GrblMemory::BYTES]), None);
+    assert_eq!(GrblMemory::from_bytes(&new.to_bytes()[1..]), None);
+}
+
+/// With braking at once, a hold in full motion stops within the distance of the acceleration.
+#[test]
+fn a_hold_brakes_at_once() {
+    let mut mill = Mill::new();
+    mill.send(b"G1X50F3000\n");
+    mill.run(1_000_000);
+    let at = mill.steps[0];
+    mill.send(b"!");
+    mill.run(1_000_000);
+    // 50 mm/s and 300 mm/s^2: 4.17 mm, and the step that was under way.
+    let braked = f64::from(mill.steps[0] - at) / 250.0;
+    assert!((4.1..4.25).contains(&braked), "{braked}");
+}
