@@ -135,19 +135,24 @@ impl<const N: usize> Modal<N> {
         };
         done.map_err(|fault| {
             commands.clear();
-            let mut error = block.error_on(
-                self.modes.dialect.axes(),
-                fault,
-                Measure::of(commands.arc.mismatch),
-            );
+            let axes = self.modes.dialect.axes();
+            let error = block.error_on(axes, fault, Measure::of(commands.arc.mismatch));
             #[cfg(feature = "extended")]
-            if let (ErrorKind::UnusedWord(letter), true) =
-                (&mut error.kind, self.modes.dialect.has_polar())
-            {
-                *letter = polar_sign(*letter);
-            }
+            let error = self.with_polar_sign(error);
             error
         })
+    }
+
+    /// The error with a polar coordinate as it is written.
+    #[cfg(feature = "extended")]
+    #[cold]
+    fn with_polar_sign(&self, mut error: Error) -> Error {
+        if let (ErrorKind::UnusedWord(letter), true) =
+            (&mut error.kind, self.modes.dialect.has_polar())
+        {
+            *letter = polar_sign(*letter);
+        }
+        error
     }
 
     /// The stages of [`Modal::execute`] for a block that is only a move.

@@ -95,6 +95,7 @@ fn a_machine_without_them_refuses_rotary_words() {
 }
 
 #[test]
+#[cfg(feature = "program")]
 fn parameters_know_the_letters() {
     use husillo_gcode::parameters::System;
     let dialect = Dialect::RS274.with_axes(axes("XYZCW"));

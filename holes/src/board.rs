@@ -3,6 +3,7 @@
 use crate::visiting_order::{self, Metric};
 use husillo_excellon::{Hole, Settings, Slot, Tool};
 use husillo_gcode::Nm;
+use std::collections::{HashMap, HashSet};
 
 /// A drill file, read.
 #[derive(Clone, Debug)]
@@ -38,13 +39,13 @@ impl Board {
     pub fn sort_shortest(&mut self, metric: Metric) {
         let mut sorted = Vec::with_capacity(self.holes.len());
         let mut at = [0; 2];
+        // A file may have nearly as many tools as holes.
+        let mut by_tool = HashMap::<u16, Vec<_>>::new();
+        for hole in &self.holes {
+            by_tool.entry(hole.tool.number).or_default().push(*hole);
+        }
         for tool in self.tools_in_use() {
-            let of_tool: Vec<_> = self
-                .holes
-                .iter()
-                .filter(|hole| hole.tool.number == tool)
-                .copied()
-                .collect();
+            let of_tool = by_tool.remove(&tool).unwrap_or_default();
             let points: Vec<_> = of_tool.iter().map(|hole| hole.at_nm).collect();
             let path = visiting_order::shortest(&points, at, metric);
             if metric == Metric::Straight {
@@ -59,7 +60,7 @@ impl Board {
     pub fn tools_in_use(&self) -> Vec<u16> {
         let holes = self.holes.iter().map(|hole| hole.tool.number);
         let slots = self.slots.iter().map(|slot| slot.tool.number);
-        let mut seen = std::collections::HashSet::new();
+        let mut seen = HashSet::new();
         holes
             .chain(slots)
             .filter(|tool| seen.insert(*tool))

@@ -9,12 +9,13 @@ mod new_machine;
 mod reporting;
 mod reproduce;
 mod rewrite;
+mod schema;
 mod simulate;
 mod stop;
 
 use husillo_sim::observers::AXES;
 use job::{Job, displayed, load, not_loaded, whole};
-use reporting::{colour, verdict, with_findings};
+use reporting::{MOST_PRINTED, left_out, verdict, with_findings, with_some_findings};
 
 use crate::cli::{
     Calibrate, Check, Cli, Command, Commands, Compare, Compile, DrillOrder, DrillOutput, Emulate,
@@ -41,6 +42,7 @@ use crate::programs::commands;
 use crate::programs::program::{self, Meaning};
 use crate::programs::setup;
 use crate::programs::steps;
+use crate::text::json::{write_found, write_line};
 use crate::tuning;
 use clap::CommandFactory;
 use husillo_clients::microfactory::Settings;
@@ -48,6 +50,7 @@ use husillo_gcode::Dialect;
 use husillo_holes::Metric;
 use husillo_methods::{Comparer, Weights, programmed};
 use husillo_reports::methods;
+use serde_json::json;
 use std::io::{self, BufWriter, IsTerminal, Write};
 
 /// The program has no errors.
@@ -93,19 +96,20 @@ pub fn run(cli: &Cli) -> Result<u8, Failure> {
         Command::Steps(args) => write_steps(args),
         Command::Holes(args) => list_holes(args),
         Command::Compile(args) => compile(args),
-        Command::Send(args) => send(args),
+        Command::Send(args) => driven(|out| send(args, out)),
         Command::Interpolate(args) => walk(args),
         Command::Compare(args) => compare_methods(args),
         Command::Machines(args) => show_machines(args),
         Command::Explain(args) => explain::explain(args),
+        Command::Schema { name } => schema::print(name.as_deref()),
         Command::Completions { shell } => completions(*shell),
         Command::Man { folder } => man_pages(folder),
-        Command::Jog(args) => jog(args),
-        Command::Stop(args) => stop::stop(args),
-        Command::Measure(args) => measure(args),
+        Command::Jog(args) => driven(|out| jog(args, out)),
+        Command::Stop(args) => driven(|out| stop::stop(args, out)),
+        Command::Measure(args) => driven(|out| measure(args, out)),
         Command::Emulate(args) => emulate(args),
-        Command::Tune(args) => tune_servo(args),
-        Command::Calibrate(args) => calibrate(args),
+        Command::Tune(args) => driven(|out| tune_servo(args, out)),
+        Command::Calibrate(args) => driven(|out| calibrate(args, out)),
         Command::Reproduce(args) => reproduce::reproduce(args),
     }
 }
@@ -120,8 +124,11 @@ fn completions(shell: clap_complete::Shell) -> Result<u8, Failure> {
 
 /// Writes a manual page of the program and of each command.
 fn man_pages(folder: &str) -> Result<u8, Failure> {
-    std::fs::create_dir_all(folder).map_err(|error| format!("{folder}: {error}"))?;
-    clap_mangen::generate_to(Cli::command(), folder)?;
+    let mut command = Cli::command().disable_help_subcommand(true);
+    command.build();
+    let mut outputs = Outputs::new();
+    write_page(&command, folder, &mut outputs)?;
+    outputs.finish()?;
     writeln!(
         console::stdout(),
         "Wrote      {}/husillo.1 and others",
@@ -130,34 +137,49 @@ fn man_pages(folder: &str) -> Result<u8, Failure> {
     Ok(OK)
 }
 
+/// Writes the manual pages of a command and of those below it.
+fn write_page(command: &clap::Command, folder: &str, outputs: &mut Outputs) -> io::Result<()> {
+    let man = clap_mangen::Man::new(command.clone());
+    let mut page = Vec::new();
+    man.render(&mut page)?;
+    outputs.write(&format!("{folder}/{}", man.get_filename()), &page)?;
+    let mut below = command
+        .get_subcommands()
+        .filter(|below| !below.is_hide_set());
+    below.try_for_each(|below| write_page(below, folder, outputs))
+}
+
 fn show_machines(args: &Machines) -> Result<u8, Failure> {
-    let text = match &args.action {
-        None => listing::list()?,
+    let out = &mut console::stdout();
+    match &args.action {
+        None if args.format == Output::Json => {
+            let list = json!({"machines": listing::machines()?});
+            write_line("husillo.machines/1", &list, out)?;
+        }
+        None => out.write_all(listing::list()?.as_bytes())?,
         Some(MachinesAction::New(args)) => return new_machine::make(args),
         Some(MachinesAction::Write { machine, file }) => return write_machine(machine, file),
         Some(MachinesAction::Show { machine, format }) if MachineFile::is_measuring(machine) => {
             // Its file contains all that is known of it.
             let text = MachineFile::text_of(machine).unwrap_or_default();
             match format {
-                Output::Text => text.to_owned(),
+                Output::Text => out.write_all(text.as_bytes())?,
                 Output::Json => {
-                    let table: toml::Table =
+                    let file: toml::Table =
                         toml::from_str(text).map_err(|error| error.to_string())?;
-                    serde_json::to_string_pretty(&table).map_err(io::Error::from)? + "\n"
+                    let shown = json!({"name": machine, "title": file.get("title"), "file": file});
+                    write_line("husillo.machines.measuring/1", &shown, out)?;
                 }
             }
         }
         Some(MachinesAction::Show { machine, format }) => {
             let shown = listing::show(&load(machine)?);
             match format {
-                Output::Text => shown.text(),
-                Output::Json => {
-                    serde_json::to_string_pretty(&shown).map_err(io::Error::from)? + "\n"
-                }
+                Output::Text => out.write_all(shown.text().as_bytes())?,
+                Output::Json => write_line("husillo.machines.show/1", &shown, out)?,
             }
         }
-    };
-    console::stdout().write_all(text.as_bytes())?;
+    }
     Ok(OK)
 }
 
@@ -196,8 +218,18 @@ fn write_new(file: &str, text: &str) -> Result<(), Failure> {
     Ok(())
 }
 
-fn jog(args: &Jog) -> Result<u8, Failure> {
-    let out = &mut console::stdout();
+/// Calls a function that drives a machine, with an output that never stops it. Its exit status
+/// outranks an output that failed.
+fn driven(drive: impl FnOnce(&mut dyn Write) -> Result<u8, Failure>) -> Result<u8, Failure> {
+    let mut out = console::lasting_stdout();
+    let code = drive(&mut out)?;
+    match out.end() {
+        Err(error) if code == OK => Err(error.into()),
+        _ => Ok(code),
+    }
+}
+
+fn jog(args: &Jog, out: &mut dyn Write) -> Result<u8, Failure> {
     let is_well = match args.machine.as_str() {
         "drill" => drill::jog(args, out)?,
         machine if milling::is_mill(machine) => {
@@ -244,19 +276,19 @@ fn compile(args: &Compile) -> Result<u8, Failure> {
     }
 }
 
-fn send(args: &Send) -> Result<u8, Failure> {
+fn send(args: &Send, out: &mut dyn Write) -> Result<u8, Failure> {
     let first = args.files.first().map_or("", String::as_str);
     if let Some(settings) = figures(&args.target, first)? {
         expect_no_single_block(args, "microfactory")?;
-        let is_well = microfactory::send(args, &settings, &mut console::stdout())?;
+        let is_well = microfactory::send(args, &settings, out)?;
         return Ok(if is_well { OK } else { ERRORS });
     }
     let (file, _) = args.alone()?;
     if milling::is_for(&args.target, file) {
-        milling::send(args)
+        milling::send(args, out)
     } else {
         expect_no_single_block(args, "drill")?;
-        drilling::send(args)
+        drilling::send(args, out)
     }
 }
 
@@ -287,18 +319,18 @@ fn microfactory(machine: &str) -> Result<Option<Settings>, Failure> {
     Ok(microfactory::settings_of(&load(machine)?))
 }
 
-fn measure(args: &Measure) -> Result<u8, Failure> {
+fn measure(args: &Measure, out: &mut dyn Write) -> Result<u8, Failure> {
     let mut table = Vec::new();
-    let result = measuring::measure(args, &mut console::lasting_stdout(), &mut table);
+    let result = measuring::measure(args, out, &mut table);
     if let Some(path) = args.output.as_ref().filter(|_| !table.is_empty()) {
         write(path, &table)?;
     }
     ended(result)
 }
 
-fn tune_servo(args: &Tune) -> Result<u8, Failure> {
+fn tune_servo(args: &Tune, out: &mut dyn Write) -> Result<u8, Failure> {
     let mut page = String::new();
-    let result = tuning::tune(args, &mut console::stdout(), &mut page);
+    let result = tuning::tune(args, out, &mut page);
     if let Some(path) = args.output.as_ref().filter(|_| !page.is_empty()) {
         write(path, page.as_bytes())?;
     }
@@ -306,47 +338,52 @@ fn tune_servo(args: &Tune) -> Result<u8, Failure> {
 }
 
 fn emulate(args: &Emulate) -> Result<u8, Failure> {
+    let out = &mut console::stdout();
+    // It is complete however the emulation ends.
+    let mut outputs = Outputs::record();
+    let done = emulate_into(args, &mut outputs, out);
+    outputs.finish()?;
+    done
+}
+
+/// Emulates a machine. The file of its events is one of `outputs`.
+fn emulate_into(args: &Emulate, outputs: &mut Outputs, out: &mut dyn Write) -> Result<u8, Failure> {
     #[cfg(unix)]
-    if let Some(settings) = microfactory(&args.machine)? {
-        args.expect_microfactory()?;
-        microfactory::emulate(args, &settings, made(args)?, &mut console::stdout())?;
-        return Ok(OK);
-    }
-    #[cfg(unix)]
-    if args.machine == "micromill" {
-        args.expect_micromill()?;
-        micromill::emulate(args, made(args)?, &mut console::stdout())?;
-        return Ok(OK);
-    }
-    #[cfg(unix)]
-    if args.machine == "grbl" {
-        args.expect_micromill()?;
-        let settings = match &args.mechanics {
-            Some(name) => crate::grbl::settings(&load(name)?)?,
-            None => husillo_transports::grbl::Settings::DEFAULT,
+    {
+        let microfactory = microfactory(&args.machine)?;
+        match (&microfactory, args.machine.as_str()) {
+            (Some(_), _) => args.expect_microfactory()?,
+            (None, "micromill" | "grbl") => args.expect_micromill()?,
+            (None, "drill") => args.expect_drill()?,
+            _ => args.expect_chain()?,
+        }
+        let made = match &args.steps {
+            Some(path) => Some(Box::new(outputs.create(path)?) as Box<dyn Write>),
+            None => None,
         };
-        crate::grbl::emulate(args, settings, made(args)?, &mut console::stdout())?;
-        return Ok(OK);
+        let served = match (&microfactory, args.machine.as_str()) {
+            (Some(settings), _) => microfactory::emulate(args, settings, made, out),
+            (None, "micromill") => micromill::emulate(args, made, out),
+            (None, "grbl") => {
+                let settings = match &args.mechanics {
+                    Some(name) => crate::grbl::settings(&load(name)?)?,
+                    None => husillo_transports::grbl::Settings::DEFAULT,
+                };
+                crate::grbl::emulate(args, settings, made, out)
+            }
+            (None, "drill") => drill::emulate(args, made, out),
+            _ => return ended(measuring::emulate(args, out)),
+        };
+        Ok(served.map(|()| OK)?)
     }
-    #[cfg(unix)]
-    if args.machine == "drill" {
-        args.expect_drill()?;
-        drill::emulate(args, made(args)?, &mut console::stdout())?;
-        return Ok(OK);
+    #[cfg(not(unix))]
+    {
+        args.expect_chain()?;
+        ended(measuring::emulate(args, out))
     }
-    args.expect_chain()?;
-    ended(measuring::emulate(args, &mut console::stdout()))
 }
 
-/// The file for the events of an emulated machine.
-#[cfg(unix)]
-fn made(args: &Emulate) -> Result<Option<Box<dyn Write>>, Failure> {
-    let file = args.steps.as_deref().map(Outputs::stream).transpose()?;
-    Ok(file.map(|file| Box::new(file) as Box<dyn Write>))
-}
-
-fn calibrate(args: &Calibrate) -> Result<u8, Failure> {
-    let out = &mut console::lasting_stdout();
+fn calibrate(args: &Calibrate, out: &mut dyn Write) -> Result<u8, Failure> {
     ended(match &args.what {
         What::Backlash(args) => {
             let made = lash::calibrate_backlash(args, &load(&args.machine)?, out)?;
@@ -431,11 +468,8 @@ fn compare_methods(args: &Compare) -> Result<u8, Failure> {
     match format {
         Page::Text => methods::print(&comparison, &mut out)?,
         Page::Json => {
-            let json = serde_json::to_string_pretty(&comparison.rows).map_err(io::Error::other)?;
-            writeln!(out, "{json}")?;
-            for note in &comparison.notes {
-                eprintln!("note: {note}");
-            }
+            let body = json!({"methods": comparison.rows, "notes": comparison.notes});
+            write_line("husillo.compare/1", &body, &mut out)?;
         }
         Page::Html => out.write_all(methods::html(&comparison).as_bytes())?,
     }
@@ -498,10 +532,16 @@ fn list_holes(args: &Holes) -> Result<u8, Failure> {
         let message = "records are bytes and not for a terminal: see -o and --format json";
         return Err(Failure::Usage(message.into()));
     }
+    // A list has the findings in it. Other forms may not be written for them.
+    let printed = match args.make {
+        DrillOutput::List => args.format,
+        DrillOutput::Gcode | DrillOutput::Drill => Output::Text,
+    };
     let name = displayed(&args.file);
     let text = whole(&args.file)?;
-    let (mut board, findings) =
-        with_findings(|findings| Ok(holes::read(&text, name, &options, findings)))?;
+    let (mut board, findings) = with_some_findings(MOST_PRINTED, printed, |findings| {
+        Ok(holes::read(&text, name, &options, findings))
+    })?;
     let (errors, warnings) = (findings.errors, findings.warnings);
     if errors > 0 && args.make != DrillOutput::List {
         eprintln!("{name}: {}; nothing written", verdict(errors, warnings));
@@ -536,7 +576,7 @@ fn list_holes(args: &Holes) -> Result<u8, Failure> {
             }
         }
         (None, Output::Text) => holes::listing::print(&board, name, &mut made)?,
-        (None, Output::Json) => holes::listing::print_json(&board, errors, warnings, &mut made)?,
+        (None, Output::Json) => holes::listing::print_json(&board, &findings, &mut made)?,
     }
     match args.output.as_deref().unwrap_or("-") {
         // A list is text or one line of JSON; the other forms are bytes for a machine.
@@ -583,13 +623,20 @@ fn check_file(args: &Check, file: &str, findings: &mut Findings) -> Result<(), F
 /// Prints the findings and, as text, the verdict about a file that was checked to its end.
 fn print_checked(args: &Check, file: &str, findings: &Findings, is_whole: bool) -> io::Result<()> {
     let stdout = io::stdout();
-    let is_coloured = colour(stdout.is_terminal());
+    let is_coloured = console::is_coloured(&stdout);
+    if args.format == Format::Json {
+        let body = json!({
+            "file": displayed(file),
+            "errors": findings.errors,
+            "warnings": findings.warnings,
+        });
+        return write_found("husillo.check/1", &body, findings, &mut console::stdout());
+    }
     let mut out = BufWriter::new(stdout.lock());
     findings.print(args.format, is_coloured, &mut out)?;
     if is_whole && args.format == Format::Text {
-        let hidden = findings.hidden();
-        if hidden > 0 {
-            writeln!(out, "{hidden} more findings: see --limit\n")?;
+        if let Some(left_out) = left_out(findings) {
+            writeln!(out, "{left_out}\n")?;
         }
         let verdict = verdict(findings.errors, findings.warnings);
         writeln!(out, "{}: {verdict}", shown(displayed(file)))?;
@@ -610,23 +657,31 @@ fn print_commands(args: &Commands) -> Result<u8, Failure> {
     let mut source = job.open()?;
     let mut out = BufWriter::with_capacity(1 << 18, console::stdout());
     let json = args.format == Listing::Json;
-    let ((), findings) = with_findings(|findings| {
+    let format = if json { Output::Json } else { Output::Text };
+    let ((), findings) = with_some_findings(args.limit, format, |findings| {
         commands::print(&mut source, job.name(), job.start, json, findings, &mut out)?;
         Ok(out.flush()?)
     })?;
-    if findings.hidden() > 0 {
-        eprintln!(
-            "{} more errors: see husillo check --limit",
-            findings.hidden()
-        );
+    if json {
+        let body = json!({
+            "kind": "findings",
+            "errors": findings.errors,
+            "warnings": findings.warnings,
+        });
+        write_found(
+            "husillo.commands/1",
+            &body,
+            &findings,
+            &mut console::stdout(),
+        )?;
     }
     Ok(if findings.errors > 0 { ERRORS } else { OK })
 }
 
 fn write_steps(args: &Steps) -> Result<u8, Failure> {
-    let mut job = choice::job(&args.file, &args.target, args.place.zero)?;
-    job.place(args.place.zero)?;
-    let (_, findings) = with_findings(|findings| job.check(findings))?;
+    let mut job = choice::job(&args.file, &args.target, args.place.zero, args.limit)?;
+    let (_, findings) =
+        with_some_findings(args.limit, Output::Text, |findings| job.check(findings))?;
     if findings.errors > 0 {
         eprintln!(
             "{}: {}; nothing moves",

@@ -130,6 +130,14 @@ pub enum Command {
         husillo explain E0302\n  \
         husillo explain G83 M19")]
     Explain(Explain),
+    /// Print the JSON schema of what a command prints
+    #[command(after_help = "Examples:\n  \
+        husillo schema              the names of all schemas\n  \
+        husillo schema run          of `husillo run --format json`")]
+    Schema {
+        /// Name of the schema, as in husillo.NAME/1
+        name: Option<String>,
+    },
     /// Print the completions of a shell
     #[command(after_help = "Example:\n  \
         husillo completions bash > ~/.local/share/bash-completion/completions/husillo")]
@@ -306,6 +314,9 @@ pub struct Run {
     /// Push a motor by STEPS before a step event, as an overload does; may be repeated
     #[arg(long, value_name = "AXIS:EVENT:STEPS")]
     pub lose: Vec<crate::machines::encoder_file::Push>,
+    /// Print no more than this many findings
+    #[arg(long, value_name = "N", default_value_t = 50)]
+    pub limit: u64,
 }
 
 /// Order of cutting closed contours.
@@ -391,6 +402,9 @@ pub struct Explain {
 /// `husillo machines`.
 #[derive(Debug, Args)]
 pub struct Machines {
+    /// How to print the list
+    #[arg(long, value_enum, default_value = "text")]
+    pub format: Output,
     #[command(subcommand)]
     pub action: Option<MachinesAction>,
 }
@@ -466,6 +480,9 @@ pub struct Commands {
     /// How to print the commands; gcode is for records of the drill
     #[arg(long, value_enum, default_value = "text")]
     pub format: Listing,
+    /// Print no more than this many findings
+    #[arg(long, value_name = "N", default_value_t = 50)]
+    pub limit: u64,
 }
 
 /// `husillo steps`.
@@ -489,6 +506,9 @@ pub struct Steps {
     /// is the first input
     #[arg(long)]
     pub levels: bool,
+    /// Print no more than this many findings
+    #[arg(long, value_name = "N", default_value_t = 50)]
+    pub limit: u64,
 }
 
 /// Text for people, JSON for programs, or a page with pictures.

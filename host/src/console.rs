@@ -3,6 +3,7 @@
 //! Names, cells, comments and answers of devices come from others. A control character in them is
 //! shown as its JSON escape, so a line of JSON stays one line.
 
+pub mod progress;
 pub mod sharing;
 pub mod stop;
 pub mod typed;
@@ -29,48 +30,85 @@ pub fn stdout() -> Shown<StdoutLock<'static>> {
     Shown::new(io::stdout().lock())
 }
 
-/// Standard output for commands that continue after its reader has closed it: a machine completes
-/// its work, and files are still written.
+/// Standard output for commands that go on when it fails: a machine completes its work, and files
+/// are still written.
 pub fn lasting_stdout() -> Lasting<Shown<StdoutLock<'static>>> {
     Lasting {
         out: stdout(),
-        has_reader: true,
+        lost: None,
     }
 }
 
-/// A writer that drops everything after its reader has closed it.
+/// A writer that drops everything after its first error, and keeps the error.
 #[derive(Debug)]
 pub struct Lasting<W> {
     out: W,
-    has_reader: bool,
+    lost: Option<io::Error>,
 }
 
 impl<W: Write> Lasting<W> {
-    /// The value of `written`, or `gone` if the reader has closed the output.
-    fn or_gone<T>(&mut self, written: io::Result<T>, gone: T) -> io::Result<T> {
-        match written {
-            Err(error) if error.kind() == io::ErrorKind::BrokenPipe => {
-                self.has_reader = false;
-                Ok(gone)
-            }
-            written => written,
-        }
+    fn keep(&mut self, result: io::Result<()>) {
+        self.lost = self.lost.take().or(result.err());
+    }
+
+    /// Ends the output.
+    ///
+    /// # Errors
+    ///
+    /// The first error. A reader that has gone is none.
+    pub fn end(mut self) -> io::Result<()> {
+        let flushed = self.out.flush();
+        self.keep(flushed);
+        self.lost.map_or(Ok(()), of_stdout)
     }
 }
 
 impl<W: Write> Write for Lasting<W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        if !self.has_reader {
-            return Ok(bytes.len());
+        if self.lost.is_none() {
+            let written = self.out.write_all(bytes);
+            self.keep(written);
         }
-        let written = self.out.write(bytes);
-        self.or_gone(written, bytes.len())
+        Ok(bytes.len())
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        let flushed = self.out.flush();
-        self.or_gone(flushed, ())
+        if self.lost.is_none() {
+            let flushed = self.out.flush();
+            self.keep(flushed);
+        }
+        Ok(())
     }
+}
+
+/// An error of standard output as a result. A reader that has gone is no error.
+fn of_stdout(error: io::Error) -> io::Result<()> {
+    match error.kind() {
+        io::ErrorKind::BrokenPipe => Ok(()),
+        kind => Err(io::Error::new(kind, format!("standard output: {error}"))),
+    }
+}
+
+/// Writes what is still in the buffer of standard output.
+///
+/// # Errors
+///
+/// It cannot be written.
+pub fn flush() -> io::Result<()> {
+    io::stdout().flush().or_else(of_stdout)
+}
+
+/// Whether a stream is a terminal that shows colours and moves its cursor, and the user wants that.
+pub fn is_smart(stream: &impl IsTerminal) -> bool {
+    let is_dumb = std::env::var_os("TERM").is_some_and(|terminal| terminal == "dumb");
+    stream.is_terminal() && !is_dumb
+}
+
+/// Whether text on a stream has colours.
+pub fn is_coloured(stream: &impl IsTerminal) -> bool {
+    // As https://no-color.org has it: an empty value does not count.
+    let is_unwanted = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
+    is_smart(stream) && !is_unwanted
 }
 
 /// Standard error for text.
@@ -88,10 +126,27 @@ pub fn data() -> Box<dyn Write + Send> {
     }
 }
 
-/// Writes a line to standard error.
+/// Writes a message to standard error. Its lines are cut to a readable length.
 pub fn message(text: std::fmt::Arguments<'_>) {
+    let text = text.to_string();
+    let lines = text.split('\n').map(|line| format!("{}\n", cut(line)));
     // Standard error itself has failed, so nothing can be reported.
-    let _ = writeln!(stderr(), "{text}");
+    let _ = stderr().write_all(lines.collect::<String>().as_bytes());
+}
+
+/// Longest line of a message, characters.
+const LONGEST: usize = 1000;
+
+/// The beginning of a text that is too long for a message. It quotes a line of a file, or a name.
+pub fn cut(text: &str) -> std::borrow::Cow<'_, str> {
+    match text.char_indices().nth(LONGEST) {
+        None => text.into(),
+        Some((end, _)) => {
+            let left_out = text.chars().count() - LONGEST;
+            let begin = text.get(..end).unwrap_or_default();
+            format!("{begin}... ({left_out} characters left out)").into()
+        }
+    }
 }
 
 /// A text as [`Shown`] writes it.

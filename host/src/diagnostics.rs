@@ -180,6 +180,8 @@ pub struct Findings {
     most: u64,
     /// Line, first byte and code of each reported finding. `None` while lines do not repeat.
     reported: Option<HashSet<(usize, usize, String)>>,
+    /// The first error decides: others need not be found.
+    ends_at_error: bool,
     /// Number of errors, kept or not.
     pub errors: u64,
     /// Number of warnings, kept or not.
@@ -193,14 +195,29 @@ impl Findings {
             kept: Vec::new(),
             most,
             reported: None,
+            ends_at_error: false,
             errors: 0,
             warnings: 0,
         }
     }
 
     /// No findings, with the same limit: the program is checked once more.
-    pub const fn restarted(&self) -> Self {
-        Self::new(self.most)
+    pub fn restarted(&self) -> Self {
+        Self {
+            ends_at_error: self.ends_at_error,
+            ..Self::new(self.most)
+        }
+    }
+
+    /// The search for findings ends at the first error.
+    pub const fn up_to_error(mut self) -> Self {
+        self.ends_at_error = true;
+        self
+    }
+
+    /// Whether no other finding is needed.
+    pub const fn is_decided(&self) -> bool {
+        self.ends_at_error && self.errors > 0
     }
 
     /// From now on ignores a finding that repeats an earlier code and place. It is for programs
@@ -229,6 +246,11 @@ impl Findings {
     /// Number of findings that were counted but not kept.
     pub const fn hidden(&self) -> u64 {
         (self.errors + self.warnings).saturating_sub(self.most)
+    }
+
+    /// The kept findings.
+    pub fn kept(&self) -> &[Finding] {
+        &self.kept
     }
 
     /// Each kept finding as one line of text, without control characters.

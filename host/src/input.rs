@@ -63,44 +63,97 @@ pub fn open(path: impl AsRef<Path>) -> io::Result<File> {
     Ok(file)
 }
 
-/// Most bytes that are read as a whole. A device such as `/dev/zero` has no end.
+/// Most bytes of a program or a drill file that is read as a whole, or that comes from a pipe. A
+/// device such as `/dev/zero` has no end.
 const MOST_BYTES: u64 = 512 << 20;
+/// Most bytes of any other text: machine files, manifests, routines, figures, readings.
+const MOST_TEXT: u64 = 64 << 20;
 
-/// Reads the bytes of a file.
-///
-/// # Errors
-///
-/// The file cannot be read, or is larger than 512 MiB.
-pub fn read(path: impl AsRef<Path>) -> io::Result<Vec<u8>> {
-    to_end(open(path)?)
+/// A reader that fails after a number of bytes.
+#[derive(Debug)]
+pub struct Bounded<R> {
+    inner: R,
+    left: u64,
+    most: u64,
 }
 
-/// Reads to the end.
+/// A reader that fails after 512 MiB.
+pub const fn bounded<R>(inner: R) -> Bounded<R> {
+    bounded_by(inner, MOST_BYTES)
+}
+
+const fn bounded_by<R>(inner: R, most: u64) -> Bounded<R> {
+    Bounded {
+        inner,
+        left: most,
+        most,
+    }
+}
+
+impl<R: Read> Read for Bounded<R> {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        let count = self.inner.read(bytes)?;
+        self.left = self.left.checked_sub(count as u64).ok_or_else(|| {
+            let mib = self.most >> 20;
+            let why = format!("more than {mib} MiB, the most of such a file that is read");
+            io::Error::new(io::ErrorKind::FileTooLarge, why)
+        })?;
+        Ok(count)
+    }
+}
+
+/// Reads the bytes of a program or a drill file.
 ///
 /// # Errors
 ///
-/// Reading fails, or there are more than 512 MiB.
-pub fn to_end(input: impl Read) -> io::Result<Vec<u8>> {
+/// The file cannot be read, is larger than 512 MiB, or is text in UTF-16.
+pub fn read(path: impl AsRef<Path>) -> io::Result<Vec<u8>> {
+    to_end(bounded(open(path)?))
+}
+
+/// Reads to the end of an input that has one.
+///
+/// # Errors
+///
+/// Reading fails, or it is text in UTF-16.
+pub fn to_end<R: Read>(mut input: Bounded<R>) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    input.take(MOST_BYTES + 1).read_to_end(&mut bytes)?;
-    if bytes.len() as u64 > MOST_BYTES {
-        let kind = io::ErrorKind::FileTooLarge;
-        return Err(io::Error::new(
-            kind,
-            "more than 512 MiB, the most that is read as a whole",
-        ));
-    }
+    input.read_to_end(&mut bytes)?;
+    expect_bytes_of_text(&bytes)?;
     Ok(bytes)
 }
 
-/// Reads the text of a file.
+/// Checks that a text does not begin as one in UTF-16 does.
 ///
 /// # Errors
 ///
-/// The file cannot be read, or is not text in UTF-8.
+/// It does.
+pub fn expect_bytes_of_text(begin: &[u8]) -> io::Result<()> {
+    // An editor begins such a text with this mark, in one of both orders. Without a mark each
+    // second byte of a letter or a digit is zero.
+    let is_plain = |byte: &u8| byte.is_ascii_graphic() || byte.is_ascii_whitespace();
+    match begin {
+        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => {}
+        [a, 0, b, 0, ..] | [0, a, 0, b, ..] if is_plain(a) && is_plain(b) => {}
+        _ => return Ok(()),
+    }
+    let kind = io::ErrorKind::InvalidData;
+    Err(io::Error::new(kind, "text in UTF-16: save it as UTF-8"))
+}
+
+/// Reads the text of a file other than a program; `-` is standard input.
+///
+/// # Errors
+///
+/// The file cannot be read, is larger than 64 MiB, or is not text in UTF-8.
 pub fn read_to_string(path: impl AsRef<Path>) -> io::Result<String> {
-    let text = String::from_utf8(read(path)?);
-    text.map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "the file is not text in UTF-8"))
+    let path = path.as_ref();
+    let bytes = match path.as_os_str() == "-" {
+        true => to_end(bounded_by(stdin(), MOST_TEXT))?,
+        false => to_end(bounded_by(open(path)?, MOST_TEXT))?,
+    };
+    String::from_utf8(bytes)
+        .map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "the file is not text in UTF-8"))
 }
 
 /// Standard input. If it comes from a file, that file is remembered too.

@@ -43,6 +43,7 @@ mod text;
 mod tuning;
 
 use clap::Parser;
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -50,21 +51,38 @@ fn main() -> ExitCode {
         Ok(cli) => cli,
         Err(error) => return answered(&error),
     };
-    let ended = app::run(&cli);
+    let ended = app::run(&cli).and_then(|code| {
+        console::flush()?;
+        Ok(code)
+    });
     console::sharing::end();
     match ended {
         Ok(code) => ExitCode::from(code),
         Err(app::Failure::Gone) => ExitCode::SUCCESS,
         Err(app::Failure::Usage(message)) => {
+            if wants_json() {
+                let body = serde_json::json!({"message": message});
+                // The message follows, whatever becomes of this one.
+                let _ = text::json::print("husillo.error/1", &body);
+            }
             eprintln!("error: {message}");
             ExitCode::from(2)
         }
     }
 }
 
+/// Whether the command line asks for JSON.
+fn wants_json() -> bool {
+    let words: Vec<_> = std::env::args_os().collect();
+    let is_asked = |pair: &[OsString]| pair[0] == "--format" && pair[1] == "json";
+    words.contains(&"--format=json".into()) || words.windows(2).any(is_asked)
+}
+
 /// Help, or what is wrong with the command line. Colours only where all escapes in it are our own.
 fn answered(error: &clap::Error) -> ExitCode {
-    let is_hostile = |text: String| text.chars().any(console::is_obeyed);
+    let is_hostile = |text: String| {
+        text.chars().any(console::is_obeyed) || text.len() != console::cut(&text).len()
+    };
     if std::env::args_os().any(|word| is_hostile(word.to_string_lossy().into_owned())) {
         eprintln!("{}", error.render().to_string().trim_end());
     } else {

@@ -29,6 +29,7 @@ pub use halt::halt;
 use crate::cli::{Emulate, Measure, Results};
 use crate::console::stop::INTERRUPTED;
 use crate::machines::machine_file::LoadError;
+use crate::text::json::write_line;
 use action::Action;
 use husillo_metrology::Trouble;
 use husillo_metrology::calibration::Calibrated;
@@ -38,7 +39,7 @@ use interrupt::{Interrupt, User};
 use result_row::{CSV_HEAD, ResultRow};
 use routine::{Ending, Routine};
 use session::{AnyPort, Session};
-use std::io::{self, ErrorKind, Write};
+use std::io::{self, BufRead, BufReader, ErrorKind, Write};
 
 /// Why a command on a measuring machine has failed.
 pub enum Stopped {
@@ -143,8 +144,8 @@ fn write_rows(
     table: &mut Vec<u8>,
 ) -> std::io::Result<()> {
     if format == Results::Json {
-        let json = serde_json::to_string_pretty(rows)?;
-        writeln!(out, "{json}")?;
+        let body = serde_json::json!({"results": rows});
+        write_line("husillo.measure/1", &body, &mut &mut *out)?;
     }
     writeln!(table, "{CSV_HEAD}")?;
     rows.iter()
@@ -236,7 +237,7 @@ fn typed(
     mut report: impl FnMut(&ResultRow),
 ) -> Result<bool, Trouble> {
     let mut is_refused = false;
-    for line in std::io::stdin().lines() {
+    for line in BufReader::new(crate::input::bounded(std::io::stdin())).lines() {
         let line = line?;
         let words: Vec<String> = line.split_whitespace().map(str::to_owned).collect();
         if matches!(line.trim(), "end" | "quit") {

@@ -16,7 +16,7 @@ use husillo_machine::Config;
 use husillo_sim::device::micromill::Device;
 use husillo_transports::micromill::{Line, Order};
 use std::fmt::Write as _;
-use std::io::{self, Write as _};
+use std::io;
 
 /// `husillo emulate micromill`; its events go to `steps`, if it is given.
 ///
@@ -82,8 +82,7 @@ pub fn jog(args: &Jog, config: Config<3>, out: &mut dyn io::Write) -> Result<boo
     let mut hand = match Hand::new(wire, baud, lease_ms, frame, stop) {
         Ok(hand) => hand,
         Err(sentence) => {
-            // A closed terminal does not matter.
-            let _ = writeln!(io::stderr(), "error: {name}: {sentence}");
+            eprintln!("error: {name}: {sentence}");
             return Ok(false);
         }
     };
@@ -101,7 +100,7 @@ pub fn jog(args: &Jog, config: Config<3>, out: &mut dyn io::Write) -> Result<boo
                 let _ = writeln!(out, "{action}: {seconds:.1} s, {how}").and_then(|()| out.flush());
             }
             Err(sentence) => {
-                let _ = writeln!(io::stderr(), "error: {name}: {action}: {sentence}");
+                eprintln!("error: {name}: {action}: {sentence}");
                 return Ok(false);
             }
         }

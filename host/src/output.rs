@@ -13,8 +13,15 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-/// Temporary files that are not complete yet. Ctrl-C removes them.
-static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+/// Temporary files that are not complete yet.
+static UNFINISHED: Mutex<Vec<Begun>> = Mutex::new(Vec::new());
+
+/// A temporary file.
+struct Begun {
+    beside: PathBuf,
+    /// Its final path if it is worth keeping at every instant: a record of what happened.
+    record: Option<PathBuf>,
+}
 
 /// Buffer of a writer, bytes. It keeps rows of a table from going to the system one by one.
 const BUFFER: usize = 1 << 18;
@@ -27,8 +34,9 @@ pub struct Outputs {
     direct: Vec<Fault>,
     /// An output may replace the file that was read, as in `format`.
     rewrites: bool,
-    /// Whether Ctrl-C must be handled here, because no other part of the program does.
-    listens: bool,
+    /// A record of what happens, which is complete whenever the command ends. Another part of the
+    /// program handles Ctrl-C.
+    is_record: bool,
 }
 
 /// The first error of a writer, with the name of its file.
@@ -60,8 +68,13 @@ pub struct Writer {
 impl Outputs {
     /// Starts without files.
     pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The record of what happens while a command runs. At Ctrl-C it ends as it is.
+    pub fn record() -> Self {
         let mut outputs = Self::default();
-        outputs.listens = true;
+        outputs.is_record = true;
         outputs
     }
 
@@ -101,7 +114,7 @@ impl Outputs {
             // A file without write permission must not be replaced either.
             OpenOptions::new().write(true).open(&place).map_err(named)?;
         }
-        let (file, beside) = begun(&place, old, self.listens).map_err(named)?;
+        let (file, beside) = begun(&place, old, self.is_record).map_err(named)?;
         let fault = Fault::default();
         let copy = file.try_clone();
         self.files.push(Unfinished {
@@ -130,19 +143,6 @@ impl Outputs {
         let mut out = self.create(name)?;
         out.write_all(bytes)?;
         out.flush()
-    }
-
-    /// Begins a file that others may read while it grows. From now on it has its final name; it is
-    /// empty at first.
-    ///
-    /// # Errors
-    ///
-    /// As [`Outputs::create`] and [`Outputs::finish`].
-    pub fn stream(name: &str) -> io::Result<Writer> {
-        let mut outputs = Self::default();
-        let writer = outputs.create(name)?;
-        outputs.finish()?;
-        Ok(writer)
     }
 
     /// Renames all files to their final names. Their writers must be dropped or flushed before.
@@ -174,7 +174,7 @@ impl Outputs {
                 drop(unfinished);
                 return Err(error);
             }
-            unfinished.retain(|path| *path != file.beside);
+            unfinished.retain(|begun| begun.beside != file.beside);
             self.files.remove(0);
         }
         Ok(())
@@ -209,7 +209,7 @@ impl Drop for Outputs {
         for file in &self.files {
             // It may be gone already.
             let _ = std::fs::remove_file(&file.beside);
-            unfinished.retain(|path| *path != file.beside);
+            unfinished.retain(|begun| begun.beside != file.beside);
         }
     }
 }
@@ -293,7 +293,7 @@ fn place(path: &Path) -> io::Result<PathBuf> {
 const MOST_LINKS: u32 = 40;
 
 /// Makes a temporary file in the folder of `place`, with the permissions of the old file.
-fn begun(place: &Path, old: Option<Metadata>, listens: bool) -> io::Result<(File, PathBuf)> {
+fn begun(place: &Path, old: Option<Metadata>, is_record: bool) -> io::Result<(File, PathBuf)> {
     let mut number = 0;
     loop {
         let mut name = place.as_os_str().to_owned();
@@ -307,10 +307,13 @@ fn begun(place: &Path, old: Option<Metadata>, listens: bool) -> io::Result<(File
             .open(&beside)
         {
             Ok(file) => {
-                if listens && unfinished.is_empty() {
-                    remove_when_interrupted();
+                if !is_record && unfinished.is_empty() {
+                    end_when_interrupted();
                 }
-                unfinished.push(beside.clone());
+                unfinished.push(Begun {
+                    beside: beside.clone(),
+                    record: is_record.then(|| place.to_owned()),
+                });
                 if let Some(old) = old {
                     let set = file.set_permissions(old.permissions());
                     set.inspect_err(|_| {
@@ -330,15 +333,21 @@ fn begun(place: &Path, old: Option<Metadata>, listens: bool) -> io::Result<(File
     }
 }
 
-/// From now on Ctrl-C, or a request to end, removes incomplete files and ends the program. If the
-/// program already has a handler, its orderly end removes them too.
-fn remove_when_interrupted() {
-    let _ = on_request(|| {
-        // The lock is kept, so that no file is renamed any more.
-        let mut unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
-        for path in unfinished.drain(..) {
-            let _ = std::fs::remove_file(path);
-        }
-        std::process::exit(INTERRUPTED.into());
-    });
+/// From now on Ctrl-C, or a request to end, ends the files and the program. If the program already
+/// has a handler, its orderly end does this too.
+fn end_when_interrupted() {
+    let _ = on_request(|| exit(INTERRUPTED));
+}
+
+/// Ends the program at once: records get their final names, other incomplete files are removed.
+pub fn exit(status: u8) -> ! {
+    // The lock is kept, so that no file is renamed any more.
+    let mut unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
+    for begun in unfinished.drain(..) {
+        let _ = match begun.record {
+            Some(place) => std::fs::rename(begun.beside, place),
+            None => std::fs::remove_file(begun.beside),
+        };
+    }
+    std::process::exit(status.into());
 }

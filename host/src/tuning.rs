@@ -8,6 +8,7 @@ use crate::measuring::machine_file;
 use crate::measuring::memory_file;
 use crate::measuring::port::ChainPort;
 use crate::measuring::{Stopped, error_text};
+use crate::text::json::write_line;
 use husillo_metrology::Trouble;
 use husillo_metrology::heads::{AxisSettings, Line, Machine, Port};
 use husillo_metrology::simulated::{SimulatedChain, SimulatedPort};
@@ -17,7 +18,7 @@ use husillo_metrology::tuning::{
 use husillo_pid::tuning::Rule;
 use husillo_reports::tuning;
 use husillo_transports::nmc::Gains;
-use std::io::{self, Write};
+use std::io::Write;
 
 /// Runs the experiment, prints its results to `out`, and writes the page to `page`.
 ///
@@ -49,9 +50,7 @@ pub fn tune(args: &Tune, out: &mut dyn Write, page: &mut String) -> Result<(), S
     outcome.aborted = result.is_err().then(|| message.clone()).flatten();
     let written = match args.format {
         Output::Text => write!(out, "{}", tuning::text(&outcome)),
-        Output::Json => serde_json::to_string_pretty(&outcome)
-            .map_err(io::Error::from)
-            .and_then(|json| writeln!(out, "{json}")),
+        Output::Json => write_line("husillo.tune/1", &outcome, &mut &mut *out),
     }
     .and_then(|()| out.flush());
     *page = tuning::html(&outcome, &stand.traces);

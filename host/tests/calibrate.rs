@@ -55,7 +55,8 @@ fn readings_make_a_machine_file() {
         "X20",
         "Y20",
     ];
-    let rows: Vec<Value> = serde_json::from_str(&printed(&args)).unwrap();
+    let rows: Value = serde_json::from_str(&printed(&args)).unwrap();
+    let rows = rows["results"].as_array().unwrap();
     let last = &rows.last().unwrap()["position"];
     let near = |value: &Value, wanted: f64| (value.as_f64().unwrap() - wanted).abs() < 0.0045;
     assert!(near(&last[0], 20.0) && near(&last[1], 20.0), "{last}");

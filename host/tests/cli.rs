@@ -8,11 +8,7 @@ use predicates::str::contains;
 use serde_json::Value;
 
 fn json_lines(args: &[&str]) -> Vec<Value> {
-    let output = husillo().args(args).output().unwrap();
-    let text = String::from_utf8(output.stdout).unwrap();
-    text.lines()
-        .map(|line| serde_json::from_str(line).unwrap())
-        .collect()
+    common::objects(&husillo().args(args).output().unwrap().stdout)
 }
 
 #[test]
@@ -328,9 +324,10 @@ fn findings_as_text_and_json() {
         .stdout(
             contains("2 | G1 X1.2.3")
                 .and(contains("^^"))
-                .and(contains("5 more findings")),
+                .and(contains("5 findings not printed")),
         );
-    let findings = json_lines(&["check", "tests/data/errors.nc", "--format", "json"]);
+    let check = ["check", "tests/data/errors.nc", "--format", "json"];
+    let findings = common::findings(&husillo().args(check).output().unwrap().stdout);
     assert_eq!(findings.len(), 6);
     assert_eq!(findings[2]["code"], "E0201");
     assert_eq!(
@@ -634,40 +631,4 @@ fn lines_with_checksums_are_checked() {
         .assert()
         .code(1)
         .stdout(contains("E0110").and(contains("line number 7 is not the next one")));
-}
-
-/// An editor may save text in UTF-16. That is said in words, not as wrong bytes.
-#[test]
-fn text_in_utf_16_is_named() {
-    let path = scratch("utf-16.nc");
-    for mark in [[0xff, 0xfe], [0xfe, 0xff]] {
-        std::fs::write(&path, [&mark[..], b"G\x000\x00"].concat()).unwrap();
-        husillo()
-            .arg("check")
-            .arg(&path)
-            .assert()
-            .code(2)
-            .stderr(contains("text in UTF-16: save it as UTF-8"));
-    }
-}
-
-/// A file without an end is refused before memory ends.
-#[cfg(target_os = "linux")]
-#[test]
-fn a_file_without_an_end_is_refused() {
-    let program = scratch("short.nc");
-    std::fs::write(&program, "G21\nG0 X1\nM30\n").unwrap();
-    let program = program.to_str().unwrap();
-    for args in [
-        &["check", program, "-m", "/dev/zero"][..],
-        &["check", "/dev/zero"],
-        &["holes", "/dev/zero"],
-        &["measure", "-m", "cmm", "run", "/dev/zero"],
-        &["measure", "-m", "/dev/zero", "status"],
-    ] {
-        let output = husillo().args(args).output().unwrap();
-        let told = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{args:?}: {told}");
-        assert!(told.contains("more than 512 MiB"), "{args:?}: {told}");
-    }
 }

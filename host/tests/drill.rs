@@ -239,7 +239,7 @@ fn programs_are_compiled_and_listed() {
     };
     listed("text").stdout(contains("1  X 1070       10 mm").and(contains("drill        to the")));
     listed("json").stdout(contains(
-        "{\"record\":4,\"kind\":\"x\",\"steps\":1342,\"nm\":12542056}",
+        "\"record\":4,\"kind\":\"x\",\"steps\":1342,\"nm\":12542056}",
     ));
     // There and back: the same bytes.
     let text = String::from_utf8(listed("gcode").get_output().stdout.clone()).unwrap();
@@ -733,6 +733,7 @@ fn what_it_makes_is_written_down() {
     };
     jog(&device, &["home", "x", "3", "z", "2", "spindle", "on"]).success();
     device.type_line("where", "lost");
+    device.end();
     let text = std::fs::read_to_string(&path).unwrap();
     let (heading, rows) = text.split_once('\n').unwrap();
     assert_eq!(heading, "event,t_us,wait_ticks,dx,dy,dz,lx,ly,lz,spindle");
@@ -772,6 +773,7 @@ fn the_spindle_of_the_original_is_in_what_it_makes() {
     let file = program("made-original.nc", THREE);
     send(&device, &file, &["--baud", "9600"]).success();
     device.type_line("where", "spindle off");
+    device.end();
     let text = std::fs::read_to_string(&path).unwrap();
     let rows: Vec<Vec<i64>> = (text.lines().skip(1))
         .map(|row| row.split(',').map(|cell| cell.parse().unwrap()).collect())

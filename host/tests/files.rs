@@ -5,6 +5,7 @@ mod common;
 use common::husillo;
 use predicates::prelude::PredicateBooleanExt;
 use predicates::str::contains;
+use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
@@ -292,160 +293,253 @@ fn devices_are_written_directly() {
 
 /// The outputs of a command, old as they are before it and new as it makes them.
 struct Job {
-    args: &'static [&'static str],
+    line: &'static str,
     outputs: &'static [&'static str],
 }
 
-const JOBS: [Job; 8] = [
-    Job {
-        args: &["steps", "long.nc", "-o", "o"],
-        outputs: &["o"],
-    },
-    Job {
-        args: &["run", "long.nc", "-o", "o", "--trace", "t"],
-        outputs: &["o", "t"],
-    },
-    Job {
-        args: &["holes", "b.drl", "--as", "gcode", "--depth", "1", "-o", "o"],
-        outputs: &["o"],
-    },
-    Job {
-        args: &[
-            "compile", "b.drl", "-m", "drill", "--shift", "corner", "-o", "o.cod", "--report", "p",
-        ],
-        outputs: &["o.T1.cod", "o.T2.cod", "o.toml", "p"],
-    },
-    Job {
-        args: &["compile", "long.nc", "-m", "micromill", "-o", "o"],
-        outputs: &["o"],
-    },
-    Job {
-        args: &["compare", "long.nc", "-m", "micromill", "-o", "o.html"],
-        outputs: &["o.html"],
-    },
-    Job {
-        args: &["format", "long.nc", "-o", "o"],
-        outputs: &["o"],
-    },
-    Job {
-        args: &[
-            "measure",
-            "-m",
-            "cmm3",
-            "--piece",
-            "piece.toml",
-            "run",
-            "r.routine",
-            "-o",
-            "o",
-        ],
-        outputs: &["o"],
-    },
+const fn job(line: &'static str, outputs: &'static [&'static str]) -> Job {
+    Job { line, outputs }
+}
+
+/// Every command that writes files.
+const JOBS: [Job; 16] = [
+    job("steps long.nc -o o", &["o"]),
+    job("run long.nc -o o --trace t", &["o", "t"]),
+    job("run long.nc --format json --trace t", &["t"]),
+    job("holes b.drl --as gcode --depth 1 -o o", &["o"]),
+    job(
+        "holes b.drl --as drill --only 1 --shift corner -o o",
+        &["o"],
+    ),
+    job("holes b.drl --format json -o o", &["o"]),
+    job(
+        "compile b.drl -m drill --shift corner -o o.cod --report p",
+        &["o.T1.cod", "o.T2.cod", "o.toml", "p"],
+    ),
+    job("compile long.nc -m micromill -o o", &["o"]),
+    job("compile square.nc -m microfactory -o o", &["o"]),
+    job("compare circle --radius 30 -o o.html", &["o.html"]),
+    job("format long.nc -o o", &["o"]),
+    job("measure -m cmm status -o o", &["o"]),
+    job("tune --method step -o o", &["o"]),
+    job(
+        "calibrate backlash readings.csv -o o --report p",
+        &["o", "p"],
+    ),
+    job("reproduce microfactory 4.3 -o o.html", &["o.html"]),
+    job("man pages", &["pages/husillo.1", "pages/husillo-run.1"]),
 ];
+
+impl Job {
+    fn args(&self) -> Vec<&'static str> {
+        self.line.split(' ').collect()
+    }
+}
 
 /// Some work, so that there are instants to be killed at.
 fn long() -> String {
     let mut text = String::from("g21 g90 f10\n");
-    for turn in 0..400 {
-        text += &format!("g1 x{}.{:02} y{}\n", 1 + turn % 3, turn % 100, 1 + turn % 2);
+    for turn in 0..40 {
+        text += &format!("g1 x1.{:02} y1.{:02}\n", turn % 3, turn % 2);
     }
     text + "m2\n"
 }
 
-/// Kills every command at instants of its run: each output is the old file or the new one.
-fn kill(name: &str, times: u32) {
+/// What every output is before a command.
+const OLD: &[u8] = b"old, and longer than nothing";
+
+/// A folder with the old outputs of a job.
+fn prepared(name: &str, job: &Job) -> Folder {
     let folder = Folder::new(name);
     folder.put("long.nc", long().as_bytes());
-    let mut seed = 0x9e37_79b9_u32;
-    for job in &JOBS {
-        let spawn = || {
-            Command::new(env!("CARGO_BIN_EXE_husillo"))
-                .current_dir(&folder.0)
-                .args(job.args)
-                .env("SOURCE_DATE_EPOCH", "1700000000") // reports of two runs are equal
-                .stdin(Stdio::null())
-                .stdout(Stdio::null())
-                .stderr(Stdio::null())
-                .spawn()
-                .unwrap()
-        };
-        let start = Instant::now();
-        let status = spawn().wait().unwrap();
-        let whole = start.elapsed();
-        assert_ne!(status.code(), Some(2), "{:?}", job.args);
-        let new: Vec<_> = job.outputs.iter().map(|name| folder.get(name)).collect();
-        assert!(new.iter().all(|new| !new.is_empty()), "{:?}", job.args);
-        let old = b"old, and longer than nothing".to_vec();
-        for _ in 0..times {
-            for name in job.outputs {
-                folder.put(name, &old);
-            }
-            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            let share = f64::from(seed >> 8) / f64::from(1 << 24);
-            let mut child = spawn();
-            std::thread::sleep(Duration::from_secs_f64(whole.as_secs_f64() * 1.1 * share));
-            child.kill().unwrap();
-            child.wait().unwrap();
-            for (name, new) in job.outputs.iter().zip(&new) {
-                let now = folder.get(name);
-                assert!(
-                    now == old || now == *new,
-                    "{:?} left a piece of {name}",
-                    job.args
-                );
-            }
+    folder.put(
+        "readings.csv",
+        b"axis,x,programmed,measured\nx,2,1,1.02\nx,8,1,1.03\n",
+    );
+    std::fs::create_dir(folder.0.join("pages")).unwrap();
+    job.outputs.iter().for_each(|name| folder.put(name, OLD));
+    folder
+}
+
+/// A program that works on a job.
+fn begun(folder: &Folder, job: &Job, stdout: Stdio) -> std::process::Child {
+    Command::new(env!("CARGO_BIN_EXE_husillo"))
+        .current_dir(&folder.0)
+        .args(job.args())
+        .env("SOURCE_DATE_EPOCH", "1700000000") // reports of two runs are equal
+        .env("XDG_STATE_HOME", &folder.0)
+        .stdin(Stdio::null())
+        .stdout(stdout)
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap()
+}
+
+/// Kills a command at instants of its run: each output is the old file or the new one.
+fn kill(job: &Job, number: usize, times: u32) {
+    let folder = prepared(&format!("killed-{number}"), job);
+    let start = Instant::now();
+    let status = begun(&folder, job, Stdio::null()).wait().unwrap();
+    let whole = start.elapsed().as_secs_f64();
+    assert_ne!(status.code(), Some(2), "{}", job.line);
+    let new: Vec<_> = job.outputs.iter().map(|name| folder.get(name)).collect();
+    assert!(
+        new.iter().all(|new| !new.is_empty() && new != OLD),
+        "{}",
+        job.line
+    );
+    let mut seed = 0x9e37_79b9_u32.wrapping_add(number as u32);
+    for _ in 0..times {
+        job.outputs.iter().for_each(|name| folder.put(name, OLD));
+        seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        let share = f64::from(seed >> 8) / f64::from(1 << 24);
+        let mut child = begun(&folder, job, Stdio::null());
+        std::thread::sleep(Duration::from_secs_f64(whole * 1.1 * share));
+        child.kill().unwrap();
+        child.wait().unwrap();
+        for (name, new) in job.outputs.iter().zip(&new) {
+            let now = folder.get(name);
+            assert!(
+                now == OLD || now == *new,
+                "{} left a piece of {name}",
+                job.line
+            );
         }
     }
-    // What is left is named for what it is.
-    for name in folder.names() {
-        if name.ends_with(".new") {
-            std::fs::remove_file(folder.0.join(name)).unwrap();
-        }
-    }
+    std::fs::remove_dir_all(&folder.0).unwrap();
 }
 
 #[test]
 fn killed_commands_leave_the_old_file_or_the_new_one() {
-    kill("killed", 4);
+    let next = std::sync::atomic::AtomicUsize::new(0);
+    let work = || {
+        loop {
+            let number = next.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+            let Some(job) = JOBS.get(number) else { break };
+            kill(job, number, 100);
+        }
+    };
+    std::thread::scope(|scope| {
+        for _ in 0..4 {
+            scope.spawn(work);
+        }
+    });
 }
 
+/// So does one whose reader has gone, and it leaves nothing else.
+#[cfg(unix)]
 #[test]
-#[ignore = "takes minutes: 100 kills a command"]
-fn killed_commands_a_hundred_times() {
-    kill("killed-often", 100);
+fn a_closed_pipe_leaves_the_old_file_or_the_new_one() {
+    for (number, job) in JOBS.iter().enumerate() {
+        let folder = prepared(&format!("closed-{number}"), job);
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        let status = begun(&folder, job, writer.into()).wait().unwrap();
+        assert_eq!(status.code(), Some(0), "{}", job.line);
+        let now: Vec<_> = job.outputs.iter().map(|name| folder.get(name)).collect();
+        let is_old = now[0] == OLD;
+        assert!(now.iter().all(|now| (now == OLD) == is_old), "{}", job.line);
+        assert!(now.iter().all(|now| !now.is_empty()), "{}", job.line);
+        assert!(
+            !folder.names().iter().any(|name| name.ends_with(".new")),
+            "{}",
+            job.line
+        );
+        std::fs::remove_dir_all(&folder.0).unwrap();
+    }
+}
+
+/// A record of what happens has its name when the command ends, also by Ctrl-C. At a kill the old
+/// file stays.
+#[cfg(unix)]
+#[test]
+fn a_record_is_whole_when_its_command_ends() {
+    for (signal, is_kept) in [("TERM", false), ("KILL", true)] {
+        for (args, input, sign) in [
+            (
+                &[
+                    "emulate",
+                    "drill",
+                    "--listen",
+                    "127.0.0.1:0",
+                    "--steps",
+                    "o",
+                ][..],
+                "reset\n",
+                "reset",
+            ),
+            (
+                &[
+                    "measure",
+                    "-m",
+                    "cmm3",
+                    "--piece",
+                    "piece.toml",
+                    "record",
+                    "o",
+                ],
+                "safe z -10\npoint left towards +x at x10 y30 z-25\n",
+                "left",
+            ),
+        ] {
+            let folder = Folder::new(&format!("record-{signal}-{}", args[0]));
+            folder.put("o", OLD);
+            let mut child = Command::new(env!("CARGO_BIN_EXE_husillo"))
+                .current_dir(&folder.0)
+                .args(args)
+                .env("XDG_STATE_HOME", &folder.0)
+                .stdin(Stdio::piped())
+                .stdout(Stdio::piped())
+                .spawn()
+                .unwrap();
+            let mut typed = child.stdin.take().unwrap();
+            typed.write_all(input.as_bytes()).unwrap();
+            let mut lines = BufReader::new(child.stdout.take().unwrap()).lines();
+            assert!(lines.any(|line| line.unwrap().contains(sign)), "{args:?}");
+            // What was reported is written a little later.
+            std::thread::sleep(Duration::from_millis(300));
+            assert_eq!(folder.get("o"), OLD);
+            let id = child.id().to_string();
+            let sent = Command::new("kill").args(["-s", signal, &id]).status();
+            assert!(sent.unwrap().success());
+            child.wait().unwrap();
+            let now = folder.get("o");
+            assert_eq!(now == OLD, is_kept, "{args:?} {signal}");
+            assert!(now.len() > 20, "{args:?} {signal}");
+        }
+    }
 }
 
 /// Where there is no more room: here a limit of the size of files, as a quota is.
 #[cfg(target_os = "linux")]
 #[test]
 fn without_room_the_old_files_stay() {
-    let folder = Folder::new("full");
-    folder.put("long.nc", long().as_bytes());
-    for job in &JOBS {
-        for name in job.outputs {
-            folder.put(name, b"old");
-        }
-        let words = job.args.iter().map(|word| format!("'{word}'"));
-        let words = words.collect::<Vec<_>>().join(" ");
+    for (number, job) in JOBS.iter().enumerate() {
+        let folder = prepared(&format!("full-{number}"), job);
         // No byte may be written to a file; the signal for it is not obeyed.
         let script = format!(
-            "trap '' XFSZ; ulimit -f 0; exec '{}' {words}",
-            env!("CARGO_BIN_EXE_husillo")
+            "trap '' XFSZ; ulimit -f 0; exec '{}' {}",
+            env!("CARGO_BIN_EXE_husillo"),
+            job.line
         );
         let output = Command::new("sh")
             .current_dir(&folder.0)
+            .env("XDG_STATE_HOME", &folder.0)
             .args(["-c", &script])
             .output()
             .unwrap();
         let told = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{:?}: {told}", job.args);
+        assert_eq!(output.status.code(), Some(2), "{}: {told}", job.line);
         assert!(told.contains("too large"), "{told}");
         for name in job.outputs {
-            assert_eq!(folder.get(name), b"old", "{:?}: {name}", job.args);
+            assert_eq!(folder.get(name), OLD, "{}: {name}", job.line);
         }
+        assert!(
+            !folder.names().iter().any(|name| name.ends_with(".new")),
+            "{}",
+            job.line
+        );
     }
-    let names = folder.names();
-    assert_eq!(names.iter().find(|name| name.ends_with(".new")), None);
 }
 
 /// A command that is requested to end removes the file that it has begun.
@@ -468,7 +562,7 @@ fn a_requested_end_under_nohup_leaves_nothing() {
 #[cfg(target_os = "linux")]
 fn removes_its_file_at_sigterm(mut command: Command, name: &str) {
     let folder = Folder::new(name);
-    folder.put("long.nc", long().replace("m2\n", "").repeat(40).as_bytes());
+    folder.put("long.nc", long().replace("m2\n", "").repeat(900).as_bytes());
     folder.put("o", b"old");
     let mut child = command
         .current_dir(&folder.0)

@@ -123,9 +123,9 @@ fn tango_has_its_own_defaults_and_tools_from_the_command_line() {
         ])
         .assert()
         .success()
-        .stdout(contains("[31.75, 50.8, null]"))
-        .stderr(contains("the diameter of tool T1 is unknown"))
-        .stderr(contains("--tool 1=0.8"));
+        .stdout(contains("[31.75,50.8,null]"))
+        .stdout(contains("the diameter of tool T1 is unknown"))
+        .stdout(contains("--tool 1=0.8"));
 }
 
 #[test]
@@ -622,8 +622,7 @@ fn the_drill_reads_the_places_of_a_board() {
         .output()
         .unwrap();
     let (mut at, mut found) = ([0; 2], Vec::new());
-    for line in String::from_utf8(output.stdout).unwrap().lines() {
-        let command: Value = serde_json::from_str(line).unwrap();
+    for command in common::objects(&output.stdout) {
         match command["kind"].as_str().unwrap() {
             "rapid" => at = [0, 1].map(|axis: usize| command["to_nm"][axis].as_i64().unwrap()),
             "drill" => {

@@ -60,6 +60,7 @@ fn the_same_over_a_pseudo_terminal() {
     assert!(place.contains("from home; 0 lost"), "{place}");
     // Current and RESET come before the first step of the first move, and the spindle goes last but
     // one.
+    device.end();
     let text = std::fs::read_to_string(&made).unwrap();
     let rows: Vec<&str> = text.lines().collect();
     assert_eq!(

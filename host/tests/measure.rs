@@ -665,6 +665,7 @@ fn a_touch_after_another_one_latches_its_own_contact() {
             .unwrap();
         let told = String::from_utf8_lossy(&output.stderr).into_owned();
         let rows: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let rows = &rows["results"];
         match rows[2]["trigger"].as_f64() {
             Some(trigger) => assert_eq!(trigger, far.parse::<f64>().unwrap()),
             None => assert!(
@@ -884,8 +885,8 @@ fn the_next_command_goes_on_where_the_last_one_ended() {
         let output = command.args(actions).output().unwrap();
         let errors = String::from_utf8(output.stderr).unwrap();
         assert!(output.status.success(), "{actions:?}: {errors}");
-        let rows: Value = serde_json::from_slice(&output.stdout).unwrap();
-        (rows, errors)
+        let mut rows: Value = serde_json::from_slice(&output.stdout).unwrap();
+        (rows["results"].take(), errors)
     };
     let (_, told) = run(&["goto", "30", "home", "x", "goto", "120", "zero"]);
     assert!(

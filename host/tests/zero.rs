@@ -22,10 +22,9 @@ fn errors(args: &[&str]) -> Vec<Value> {
         .args([&["check", "--format", "json"], args].concat())
         .output()
         .unwrap();
-    let text = String::from_utf8(output.stdout).unwrap();
-    let all = text.lines().map(|line| serde_json::from_str(line).unwrap());
-    all.filter(|found: &Value| found["severity"] == "error")
-        .collect()
+    let mut all = common::findings(&output.stdout);
+    all.retain(|found| found["severity"] == "error");
+    all
 }
 
 #[test]

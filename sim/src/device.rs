@@ -248,6 +248,10 @@ impl<M: Machine> Emulation for Device<M> {
         }
     }
 
+    fn on_the_line(&self) -> usize {
+        self.line.waiting()
+    }
+
     fn tick(&mut self) -> Vec<u8> {
         let start_us = self.emulated.now_us();
         let is_due = |(at_us, _): &mut (u64, String)| *at_us <= start_us;

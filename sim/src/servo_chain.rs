@@ -182,6 +182,11 @@ impl ServoChain {
         self.to_modules.push_back((byte, self.host_rate));
     }
 
+    /// Number of bytes that have not arrived at the modules yet.
+    pub fn waiting(&self) -> usize {
+        self.to_modules.len()
+    }
+
     /// Changes the inputs of a servo module, counted from 0; other numbers have no effect.
     pub fn surround(&mut self, module: usize, around: Surroundings) {
         if let Some(Device::Servo(servo)) = self.device_mut(module) {

@@ -39,7 +39,7 @@ TOLERANCES = {
 def results(*where: str) -> list[dict[str, Any]]:
     """Has the host measure. Returns its results."""
     said = host.says("measure", "-m", "cmm", *ACTIONS, *where, "--format", "json")
-    rows: list[dict[str, Any]] = json.loads(said)
+    rows: list[dict[str, Any]] = json.loads(said)["results"]
     require(len(rows) == RESULTS, rows)
     return rows
 

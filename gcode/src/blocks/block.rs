@@ -361,8 +361,11 @@ impl Block {
         let mut slot = slot_of(letter);
         let mut bit = 1u32.wrapping_shl(u32::from(slot));
         if dialect.letters().0 & bit == 0 {
+            if !EXTENDED {
+                return Err(ErrorKind::UnknownWord(letter));
+            }
             let polar = polar(letter).filter(|_| dialect.has_polar()).map(slot_of);
-            let axis = dialect.axes().slot(letter).or(polar).filter(|_| EXTENDED);
+            let axis = dialect.axes().slot(letter).or(polar);
             slot = axis.ok_or(ErrorKind::UnknownWord(letter))?;
             bit = 1u32.wrapping_shl(u32::from(slot));
         }

@@ -1,6 +1,8 @@
 //! The axes of a machine, by their letters.
 
-use crate::codes::letters::{AXES, Letters, axis_letter, bit, slot_of};
+use crate::codes::letters::{AXES, axis_letter};
+#[cfg(feature = "extended")]
+use crate::codes::letters::{Letters, bit, slot_of};
 
 /// The axes of a machine by their letters, in the order of the coordinates of a command: X, Y, Z,
 /// and up to three of A, B, C, U, V, W and E.
@@ -35,6 +37,7 @@ const MORE: usize = AXES - 3;
 const LETTERS: [u8; 7] = *b"ABCUVWE";
 
 /// The set of the letters of axes that are not axes of every machine.
+#[cfg(feature = "extended")]
 const OPTIONAL: Letters = Letters::new(b"ABC");
 
 impl Axes {
@@ -178,6 +181,7 @@ impl Axes {
 
     /// The letters of words of a dialect with these axes: those that are stored under their own
     /// letter. The other axes are found by [`Axes::slot`].
+    #[cfg(feature = "extended")]
     pub(crate) const fn words(&self, dialect: Letters) -> Letters {
         let mut letters = dialect.0 & !OPTIONAL.0;
         let mut axis = 3;
@@ -250,6 +254,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg(feature = "extended")]
     fn words_of_axes_have_their_slots() {
         let all = Letters::new(b"XYZABCIJKEF");
         let axes = Axes::new(b"XYZBE").unwrap();

@@ -1,7 +1,9 @@
 //! Differences between the programs of different machines.
 
 use crate::codes::axes::Axes;
-use crate::codes::letters::{Letters, bit};
+use crate::codes::letters::Letters;
+#[cfg(feature = "extended")]
+use crate::codes::letters::bit;
 use crate::features::EXTENDED;
 use crate::text::framing::Framing;
 
@@ -11,6 +13,17 @@ use crate::text::framing::Framing;
 pub struct Dialect {
     pub(crate) flavour: Flavour,
     block_delete: bool,
+    /// Only machines with the extended codes have other axes than A, B and C. Without these fields
+    /// all bytes of [`Dialect::RS274`] are zero but one, so a modal state needs no constant.
+    #[cfg(feature = "extended")]
+    words: Words,
+}
+
+/// The axes of a machine, and what follows from them.
+#[cfg(feature = "extended")]
+#[derive(Copy, Clone, Eq, PartialEq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+struct Words {
     /// The letters other than G and M that can start a word and are stored under their own letter.
     letters: Letters,
     axes: Axes,
@@ -31,7 +44,7 @@ pub(crate) enum Flavour {
 }
 
 /// The letters of words in each dialect, by its flavour.
-const WORDS: [Letters; 8] = {
+static WORDS: [Letters; 8] = {
     let rs274 = Letters::ALL.without(b"OUVW");
     [
         rs274.and(b"O"),
@@ -170,6 +183,7 @@ impl Dialect {
         matches!(self.flavour, Flavour::Micromill)
     }
 
+    #[cfg(feature = "extended")]
     const fn new(flavour: Flavour, block_delete: bool, axes: Axes) -> Dialect {
         let words = WORDS[flavour as usize];
         let has_more = words.0 & bit(b'A') != 0;
@@ -178,8 +192,15 @@ impl Dialect {
         Dialect {
             flavour,
             block_delete,
-            letters,
-            axes,
+            words: Words { letters, axes },
+        }
+    }
+
+    #[cfg(not(feature = "extended"))]
+    const fn new(flavour: Flavour, block_delete: bool, _axes: Axes) -> Dialect {
+        Dialect {
+            flavour,
+            block_delete,
         }
     }
 
@@ -206,15 +227,25 @@ impl Dialect {
     }
 
     /// The axes of the machine.
+    #[cfg(feature = "extended")]
     pub const fn axes(&self) -> &Axes {
-        &self.axes
+        &self.words.axes
+    }
+
+    /// The axes of the machine: those of every dialect.
+    #[cfg(not(feature = "extended"))]
+    pub const fn axes(&self) -> &Axes {
+        &Axes::XYZABC
     }
 
     /// The letters other than G and M that can start a word in this dialect and are stored under
     /// their own letter. The words of other axes have the slot of [`Axes::slot`].
     #[inline(always)]
     pub(crate) const fn letters(&self) -> Letters {
-        self.letters
+        #[cfg(feature = "extended")]
+        return self.words.letters;
+        #[cfg(not(feature = "extended"))]
+        return WORDS[self.flavour as usize];
     }
 
     /// Whether points may be given by polar coordinates, `@` and `^`.

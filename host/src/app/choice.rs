@@ -3,7 +3,6 @@
 use super::Failure;
 use super::job::Job;
 use crate::cli::{Target, Zero};
-use crate::console::shown;
 use crate::diagnostics::Findings;
 use crate::machines::machine_file::MachineFile;
 
@@ -15,51 +14,56 @@ const NONE: &str = "free";
 /// A comment that names a machine is within this number of bytes from the start of a program.
 const HEAD: usize = 4096;
 
-/// The program with its machine: that of the command line, or that of a comment of the program (`-m
+/// The program, placed, with its machine: that of the command line, or that of a comment of the program (`-m
 /// NAME`), or the first one that accepts the program without an error. In the last two cases a line
 /// names the machine.
-pub fn job(file: &str, target: &Target, zero: Option<Zero>) -> Result<Job, Failure> {
-    if target.machine.is_some() {
-        return Job::new(file, target, NONE);
-    }
+///
+/// `limit` is the number of findings that are kept.
+pub fn job(file: &str, target: &Target, zero: Option<Zero>, limit: u64) -> Result<Job, Failure> {
     let mut job = Job::new(file, target, TRIED[0])?;
-    job.keep_input()?;
-    let mut machines = TRIED.iter();
-    let named = named(&job.head(HEAD)?);
-    if let Some(machine) = named {
-        return job.on(machine, target);
-    }
-    let fitting = loop {
-        let Some(machine) = machines.next() else {
-            break None;
+    if target.machine.is_none() {
+        job.keep_input()?;
+        let machine = match named(&job.head(HEAD)?) {
+            Some(machine) => machine,
+            None => {
+                for machine in TRIED {
+                    let mut trial = job.on(machine, target)?;
+                    if trial.accepts(zero, limit)? {
+                        return Ok(trial);
+                    }
+                }
+                let tried = TRIED.join(", ");
+                let name = job.name();
+                eprintln!("{name}: none of {tried} accepts it; for {NONE}, which has no limits");
+                NONE
+            }
         };
-        let mut trial = job.on(machine, target)?;
-        if trial.takes(zero)? {
-            break Some(machine);
-        }
-    };
-    let name = shown(job.name());
-    match fitting {
-        Some(machine) => eprintln!(
-            "{name}: for {machine}, the first of {} that accepts it; -m NAME selects another",
-            TRIED.join(", ")
-        ),
-        None => eprintln!(
-            "{name}: none of {} accepts it; for {NONE}, which has no limits",
-            TRIED.join(", ")
-        ),
+        job = job.on(machine, target)?;
     }
-    job.on(fitting.unwrap_or(&NONE), target)
+    job.place(zero)?;
+    Ok(job)
 }
 
 impl Job {
-    /// Whether the machine accepts the program without an error.
-    fn takes(&mut self, zero: Option<Zero>) -> Result<bool, Failure> {
+    /// Whether the machine accepts the program without an error. If so, the result of the check is
+    /// kept, and a line names the machine.
+    fn accepts(&mut self, zero: Option<Zero>, limit: u64) -> Result<bool, Failure> {
         self.is_trial = true;
         self.place(zero)?;
-        let mut findings = Findings::new(0);
-        self.check(&mut findings)?;
-        Ok(findings.errors == 0)
+        let mut findings = Findings::new(limit).up_to_error();
+        let facts = self.check(&mut findings)?;
+        if findings.errors > 0 {
+            return Ok(false);
+        }
+        let (name, machine, tried) = (self.name(), &self.machine.name, TRIED.join(", "));
+        eprintln!(
+            "{name}: for {machine}, the first of {tried} that accepts it; -m NAME selects another"
+        );
+        for note in self.notes.drain(..) {
+            eprintln!("{note}");
+        }
+        self.checked = Some((facts, findings));
+        Ok(true)
     }
 }
 

@@ -11,6 +11,7 @@ use crate::holes::drill_records::{Compiler, Refusal};
 use crate::output::Outputs;
 use crate::programs::setup;
 use crate::programs::source::Source;
+use crate::text::json::write_line;
 use husillo_clients::drill::{Part, lean, millimetres, seconds, spoken, travel_steps};
 use husillo_gcode::{Dialect, Nm};
 use husillo_holes::{Metric, ToolRecords};
@@ -18,7 +19,7 @@ use husillo_reports::board::{self, Board};
 use husillo_sim::device::drill::STROKE_STEPS;
 use husillo_transports::drill::{Record, STEPS_PER_MM, Table};
 use serde::Serialize;
-use std::io::{self, BufWriter, Write};
+use std::io::{BufWriter, Write};
 
 /// What is to be drilled.
 pub(super) struct Job {
@@ -245,7 +246,7 @@ pub(super) fn compile(args: &Compile) -> Result<u8, Failure> {
 }
 
 /// `send`.
-pub(super) fn send(args: &Send) -> Result<u8, Failure> {
+pub(super) fn send(args: &Send, out: &mut dyn Write) -> Result<u8, Failure> {
     expect_drill(args.target.machine.as_deref())?;
     let (file, _) = args.alone()?;
     let name = displayed(file);
@@ -257,7 +258,7 @@ pub(super) fn send(args: &Send) -> Result<u8, Failure> {
     if job.parts.is_empty() {
         return Err(Failure::Usage(format!("{name}: no hole")));
     }
-    let is_well = drill::send(args, &job.parts, &mut console::stdout())?;
+    let is_well = drill::send(args, &job.parts, out)?;
     Ok(if is_well { OK } else { ERRORS })
 }
 
@@ -301,8 +302,7 @@ pub(super) fn list(file: &str, format: Listing) -> Result<u8, Failure> {
                     steps,
                     nm: millimetres(steps).0,
                 };
-                serde_json::to_writer(&mut out, &listed).map_err(io::Error::from)?;
-                out.write_all(b"\n")?;
+                write_line("husillo.commands.records/1", &listed, &mut out)?;
             }
         }
     }

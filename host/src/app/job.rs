@@ -1,6 +1,7 @@
 //! A program with its machine, and the files of both.
 
-use super::{Failure, reporting};
+use super::Failure;
+use super::reporting::{self, count};
 use crate::cli::Target;
 use crate::cli::{LETTERS, Zero};
 use crate::diagnostics::Findings;
@@ -33,6 +34,10 @@ pub struct Job {
     may_move: bool,
     /// Only a check whether the machine accepts the program: no message is printed.
     pub(super) is_trial: bool,
+    /// The messages of a trial.
+    pub(super) notes: Vec<String>,
+    /// The result of the check, where it is known.
+    pub(super) checked: Option<(Facts, Findings)>,
     /// Standard input is read once and kept, because a run reads its program twice. For a list of
     /// moves this is the program made from it.
     pub input: Option<Vec<u8>>,
@@ -66,6 +71,8 @@ impl Job {
             is_placed: false,
             may_move: false,
             is_trial: false,
+            notes: Vec::new(),
+            checked: None,
             input: input.map(String::into_bytes),
             #[cfg(test)]
             opened: std::cell::Cell::new(0),
@@ -123,12 +130,18 @@ impl Job {
         };
         self.start.frames[0] = None;
         if let Some(zero) = self.placing(lie)? {
-            if !self.is_trial {
-                eprintln!("{}: --zero {}", self.name(), self.typed(zero));
-            }
+            self.note(format!("{}: --zero {}", self.name(), self.typed(zero)));
             self.put(zero);
         }
         Ok(())
+    }
+
+    /// Prints a message. That of a trial is kept.
+    fn note(&mut self, note: String) {
+        match self.is_trial {
+            true => self.notes.push(note),
+            false => eprintln!("{note}"),
+        }
     }
 
     fn placing(&self, lie: Lie) -> Result<Option<[Nm; AXES]>, Failure> {
@@ -196,6 +209,10 @@ impl Job {
     /// Checks the program. One that does not fit at machine zero is moved to the middle of the
     /// table, if it fits there and no zero was asked for.
     pub fn check(&mut self, findings: &mut Findings) -> Result<Facts, Failure> {
+        if let Some((facts, found)) = self.checked.take() {
+            *findings = found;
+            return Ok(facts);
+        }
         let facts = self.check_here(findings)?;
         let Some(first) = &facts.beyond else {
             return Ok(facts);
@@ -246,14 +263,10 @@ impl Job {
             self.is_placed = false;
             return Ok(None);
         }
-        if !self.is_trial {
-            eprintln!(
-                "{}: placed in the middle of {}, as with --zero {}",
-                self.name(),
-                self.machine.name,
-                self.typed(zero)
-            );
-        }
+        let (name, machine, zero) = (self.name(), &self.machine.name, self.typed(zero));
+        self.note(format!(
+            "{name}: placed in the middle of {machine}, as with --zero {zero}"
+        ));
         Ok(Some((facts, findings)))
     }
 
@@ -307,7 +320,7 @@ pub fn displayed(file: &str) -> &str {
 /// A whole file, or standard input.
 pub fn whole(file: &str) -> Result<Vec<u8>, Failure> {
     let read = match file {
-        "-" => input::to_end(input::stdin()),
+        "-" => input::to_end(input::bounded(input::stdin())),
         _ => input::read(file),
     };
     read.map_err(|error| Failure::Usage(format!("{file}: {error}")))
@@ -326,7 +339,7 @@ pub fn not_loaded(machine: &str, error: LoadError) -> io::Result<Failure> {
         LoadError::File(message) => message,
         LoadError::Findings(found) => {
             reporting::print(&found)?;
-            format!("{machine}: {} errors", found.len())
+            format!("{machine}: {}", count(found.len() as u64, "error"))
         }
     }))
 }

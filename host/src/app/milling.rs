@@ -20,7 +20,7 @@ use husillo_clients::micromill::{self as client, Sender, Translated, Translator}
 use husillo_controllers::MicromillConfig;
 use husillo_machine::Config;
 use husillo_transports::micromill::{Line, State};
-use std::io::{self, Write};
+use std::io::Write;
 
 /// Whether a machine is the micro mill, or the file of one, whose motors may make other steps. Such
 /// a file has the same `name`.
@@ -77,10 +77,10 @@ fn expect_a_command(made: &Translated, job: &Job) -> Result<(), String> {
     }
 }
 
-pub(super) fn send(args: &Send) -> Result<u8, Failure> {
+pub(super) fn send(args: &Send, out: &mut dyn Write) -> Result<u8, Failure> {
     let (file, port) = args.alone()?;
     if by_line::is_for(file) {
-        return by_line::send(args);
+        return by_line::send(args, out);
     }
     let mut job = Job::new(file, &args.target, "micromill")?;
     let mut sender = match connected(args, port, &setup::first_three(&job.config))? {
@@ -97,7 +97,7 @@ pub(super) fn send(args: &Send) -> Result<u8, Failure> {
     }
     let start = sender.start();
     match all(args, &mut sender, &made).and_then(|()| sender.finish()) {
-        Ok(sent) => compared(&job, args.every, &made, start, &sent),
+        Ok(sent) => compared(&job, args.every, &made, start, &sent, out),
         Err(message) => Ok(told(&job, &message)),
     }
 }
@@ -168,8 +168,7 @@ fn all(args: &Send, sender: &mut Sender, made: &Translated) -> Result<(), String
         })?;
         let done = done + 1;
         if done == count || done.is_multiple_of(100) {
-            // A closed terminal does not stop a machine in the middle of a line.
-            let _ = writeln!(io::stderr(), "{done} of {count} lines");
+            eprintln!("{done} of {count} lines");
         }
     }
     Ok(())
@@ -177,8 +176,7 @@ fn all(args: &Send, sender: &mut Sender, made: &Translated) -> Result<(), String
 
 /// Prints a failure of the controller.
 fn told(job: &Job, message: &str) -> u8 {
-    // A terminal that has gone away does not matter.
-    let _ = writeln!(io::stderr(), "{}: {message}", job.name());
+    eprintln!("{}: {message}", job.name());
     failed()
 }
 

@@ -5,8 +5,9 @@ use crate::cli::{Page, Reproduce};
 use crate::console;
 use crate::output::Outputs;
 use crate::reproducing;
+use crate::text::json::write_line;
 use husillo_reports::originals;
-use std::io::{self, Write};
+use std::io::Write;
 
 /// Prints the tables of an original, or writes them.
 pub fn reproduce(args: &Reproduce) -> Result<u8, Failure> {
@@ -18,7 +19,11 @@ pub fn reproduce(args: &Reproduce) -> Result<u8, Failure> {
     });
     let made = match format {
         Page::Text => originals::text(&rebuilt),
-        Page::Json => serde_json::to_string_pretty(&rebuilt).map_err(io::Error::other)? + "\n",
+        Page::Json => {
+            let mut line = Vec::new();
+            write_line("husillo.reproduce/1", &rebuilt, &mut line)?;
+            String::from_utf8_lossy(&line).into_owned()
+        }
         Page::Html => originals::html(&rebuilt),
     };
     let Some(path) = &args.output else {

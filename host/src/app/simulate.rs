@@ -7,10 +7,11 @@ mod summary;
 
 use super::choice;
 use super::job::Job;
-use super::reporting::{verdict, with_findings};
+use super::reporting::{verdict, with_some_findings};
 use super::{ERRORS, Failure, OK};
 use crate::cli::{CuttingOrder, Output, Run as RunArgs};
 use crate::console;
+use crate::console::progress::Progress;
 use crate::diagnostics::Findings;
 use crate::output::{Outputs, Writer};
 use crate::programs::check::Facts;
@@ -21,25 +22,24 @@ use crate::simulation::run::Run;
 use husillo_gcode::Dialect;
 use husillo_sim::observers::AXES;
 use husillo_sim::observers::symmetry::Symmetry;
-use indicatif::{ProgressBar, ProgressStyle};
 use results::{Order, Results};
-use std::io::{self, IsTerminal, Write};
+use std::io::{self, Write};
 use std::path::Path;
 
 pub(super) fn simulate(args: &RunArgs) -> Result<u8, Failure> {
-    let mut job = choice::job(&args.file, &args.target, args.place.zero)?;
-    job.place(args.place.zero)?;
+    let mut job = choice::job(&args.file, &args.target, args.place.zero, args.limit)?;
     simulate_job(&mut job, args)
 }
 
 fn simulate_job(job: &mut Job, args: &RunArgs) -> Result<u8, Failure> {
     let is_text = args.format == Output::Text;
-    let (mut facts, findings) = with_findings(|findings| job.check(findings))?;
+    let (mut facts, findings) =
+        with_some_findings(args.limit, args.format, |findings| job.check(findings))?;
     let verdict = verdict(findings.errors, findings.warnings);
     if findings.errors > 0 {
         eprintln!("{}: {verdict}; nothing moves", job.name());
         if !is_text {
-            Results::refused(&findings, job.machine.axes.len()).print_json()?;
+            Results::refused(&findings, job.machine.axes.len()).print_json(job, &findings)?;
         }
         return Ok(ERRORS);
     }
@@ -62,13 +62,14 @@ fn simulate_job(job: &mut Job, args: &RunArgs) -> Result<u8, Failure> {
     let results = Results {
         order,
         errors: lost.len() as u64,
+        losses: lost,
         warnings: findings.warnings,
         ..Results::new(job, &run, &facts, end.offset_nm)
     };
     if is_text {
         summary::print(job, &run, &results, &facts)?;
     } else {
-        results.print_json()?;
+        results.print_json(job, &findings)?;
     }
     let size = files.write_report(|| {
         let take_up_s = (!args.no_compensation).then(|| {
@@ -89,7 +90,7 @@ fn simulate_job(job: &mut Job, args: &RunArgs) -> Result<u8, Failure> {
             "Wrote      {path} ({size} kB) - open it in any browser"
         )?;
     }
-    for sentence in &lost {
+    for sentence in &results.losses {
         eprintln!("{}: {sentence}", job.name());
     }
     if end.has_stopped {
@@ -98,7 +99,7 @@ fn simulate_job(job: &mut Job, args: &RunArgs) -> Result<u8, Failure> {
             job.name()
         );
     }
-    let is_well = lost.is_empty() && !end.has_stopped;
+    let is_well = results.losses.is_empty() && !end.has_stopped;
     Ok(if is_well { OK } else { ERRORS })
 }
 
@@ -181,67 +182,31 @@ fn feed(job: &Job, args: &RunArgs, run: &mut Run, events: f64) -> Result<End, Fa
         Symmetry::new(mm * 1e6, [x, y])
     });
     let piece = job.piece();
-    let mut progress = Progress::new(events);
+    let template = "Simulating [{bar:36}] {percent} % {human_pos} steps";
+    let mut progress = Progress::new(template, Some(events as u64));
     let encoders = setup::encoders(&job.machine);
     let mut has_stopped = false;
     if encoders.iter().any(Option::is_some) {
         let mut closed = ClosedMicromill::new(machine, encoders);
         let counts = run.mechanics.counts();
         feeder::feed_followed(&mut source, &mut closed, &piece, counts, |closed, entry| {
-            progress.event();
+            progress.step();
             run.followed(closed, entry)
         })?;
         has_stopped = closed.is_stopped();
         machine = closed.machine().clone();
     } else {
         feeder::feed(&mut source, &mut machine, &piece, |machine, event| {
-            progress.event();
+            progress.step();
             run.event(machine, event)
         })?;
     }
-    progress.bar.finish_and_clear();
+    drop(progress);
     run.finish()?;
     Ok(End {
         offset_nm: machine.modal().work_offset().map(|nm| nm.0),
         has_stopped,
     })
-}
-
-/// Events between two updates of the progress bar.
-const PROGRESS_EVENTS: u64 = 1 << 20;
-
-/// A bar on a terminal, for a long run.
-struct Progress {
-    bar: ProgressBar,
-    countdown: u64,
-}
-
-impl Progress {
-    /// Of about so many events.
-    fn new(events: f64) -> Self {
-        let is_shown = events >= 4.0 * PROGRESS_EVENTS as f64 && io::stderr().is_terminal();
-        let bar = match is_shown {
-            true => ProgressBar::new(events as u64),
-            false => ProgressBar::hidden(),
-        };
-        let template = "Simulating [{bar:36}] {percent} % {human_pos} steps";
-        if let Ok(style) = ProgressStyle::with_template(template) {
-            bar.set_style(style.progress_chars("=> "));
-        }
-        Self {
-            bar,
-            countdown: PROGRESS_EVENTS,
-        }
-    }
-
-    #[inline]
-    fn event(&mut self) {
-        self.countdown -= 1;
-        if self.countdown == 0 {
-            self.countdown = PROGRESS_EVENTS;
-            self.bar.inc(PROGRESS_EVENTS);
-        }
-    }
 }
 
 fn default_report(file: &str) -> String {

@@ -3,8 +3,8 @@
 
 use super::{ERRORS, Failure, OK, ended, jog, microfactory};
 use crate::cli::{Jog, Stop};
-use crate::console;
 use crate::measuring;
+use std::io::Write;
 
 /// A port, and the machine at it.
 struct Place {
@@ -18,7 +18,7 @@ struct Place {
 /// # Errors
 ///
 /// There is nothing to stop, or the command line is wrong.
-pub(super) fn stop(args: &Stop) -> Result<u8, Failure> {
+pub(super) fn stop(args: &Stop, out: &mut dyn Write) -> Result<u8, Failure> {
     let mut is_well = true;
     let mut places = released(args, &mut is_well);
     if let (true, Some(port)) = (places.is_empty() && is_well, &args.port) {
@@ -40,27 +40,27 @@ pub(super) fn stop(args: &Stop) -> Result<u8, Failure> {
         )));
     }
     for place in places {
-        is_well &= confirm(place, args)?;
+        is_well &= confirm(place, args, out)?;
     }
     Ok(if is_well { OK } else { ERRORS })
 }
 
 /// Sends the stop to the machine at a port that is free now. Returns whether it has confirmed it.
-fn confirm(place: Place, args: &Stop) -> Result<bool, Failure> {
+fn confirm(place: Place, args: &Stop, out: &mut dyn Write) -> Result<bool, Failure> {
     let Place { port, baud, .. } = place;
     let Some(machine) = args.machine.clone().or(place.machine) else {
         return Ok(true);
     };
     let is_by_hand = machine == "drill" || super::milling::is_mill(&machine);
     if !is_by_hand && microfactory(&machine)?.is_none() {
-        let halted = measuring::halt(&machine, &port, &mut console::stdout());
+        let halted = measuring::halt(&machine, &port, out);
         return Ok(ended(halted)? == OK);
     }
     let action = match !is_by_hand && args.emergency {
         true => "emergency",
         false => "stop",
     };
-    let done = jog(&Jog {
+    let action = Jog {
         actions: vec![action.into()],
         // A machine that stands needs no lease.
         lease: Some(0),
@@ -70,8 +70,8 @@ fn confirm(place: Place, args: &Stop) -> Result<bool, Failure> {
         baud: args.baud.or(baud),
         inch: false,
         without_answers: args.without_answers,
-    });
-    match done {
+    };
+    match jog(&action, out) {
         Ok(code) => Ok(code == OK),
         Err(Failure::Usage(message)) => {
             eprintln!("error: {message}");

@@ -13,7 +13,7 @@ pub struct Jog {
     pub machine: String,
     /// Port: sim, a serial device, or tcp:HOST:PORT; repeated, for several machines at once; PORT#2
     /// for the second machine of a controller
-    #[arg(long, value_name = "PORT", default_value = "sim")]
+    #[arg(short, long, value_name = "PORT", default_value = "sim")]
     pub port: Vec<String>,
     /// Figure of the simulated device: a G-code program of straight moves in X and Z, or a list of
     /// them (NAME.fig)

@@ -117,7 +117,7 @@ Methods:
   arcs   direct-search, dda, staircase and, as their literature prints them,
          direct-search-printed, dda-printed, staircase-printed
 
-Figures (1 BLU = one motor step; JSON: a list with one object per method):
+Figures (1 BLU = one motor step; JSON: `methods` has an object for each):
   iterations      passes of the method's loop
   moving          passes that step an axis; the others are idle
   max_error_blu   largest distance of the tool from the exact curve after a pass: square to a line,

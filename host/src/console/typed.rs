@@ -1,7 +1,7 @@
 //! Lines that the operator types.
 
 use crate::console::stop::stops_asked;
-use std::io::{self, BufRead};
+use std::io::{self, BufRead, Read};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
@@ -42,14 +42,24 @@ pub fn terminal_lines() -> Option<Receiver<String>> {
     Some(lines_of(io::BufReader::new(terminal)))
 }
 
-fn lines_of(reader: impl BufRead + Send + 'static) -> Receiver<String> {
-    let (sender, receiver) = mpsc::channel();
+/// Lines that may wait for the program. What types them waits when there are more.
+const WAITING: usize = 16;
+/// Longest line, bytes. The rest of a longer one is taken for another line.
+const LONGEST: u64 = 1 << 16;
+
+fn lines_of(mut reader: impl BufRead + Send + 'static) -> Receiver<String> {
+    let (sender, receiver) = mpsc::sync_channel(WAITING);
     std::thread::spawn(move || {
-        for line in reader.split(b'\n').map_while(Result::ok) {
-            let line = String::from_utf8_lossy(&line);
-            if sender.send(line.trim_end_matches('\r').to_owned()).is_err() {
+        let mut line = Vec::new();
+        while let Ok(1..) = reader.by_ref().take(LONGEST).read_until(b'\n', &mut line) {
+            let text = String::from_utf8_lossy(&line);
+            if sender
+                .send(text.trim_end_matches(['\r', '\n']).to_owned())
+                .is_err()
+            {
                 break;
             }
+            line.clear();
         }
     });
     receiver

@@ -1,7 +1,7 @@
 //! Prints findings as drawn text, as one line each, or as JSON.
 
 use super::{Finding, Place, Severity};
-use crate::console::{is_obeyed, shown};
+use crate::console::{cut, is_obeyed, shown};
 use annotate_snippets::{AnnotationKind, Group, Level, Patch, Renderer, Snippet};
 use serde::Serialize;
 use std::io::{self, Write};
@@ -13,9 +13,14 @@ pub enum Format {
     Text,
     /// `file:line:column: error[E0301]: message`, for editors and screen readers.
     Short,
-    /// One JSON object per line.
+    /// One JSON object for each program, with its findings.
     Json,
 }
+
+/// Longest mark under a line, characters.
+const LONGEST_MARK: usize = 100;
+/// Longest line that is drawn with the change that removes the finding, bytes.
+const LONGEST_FIX: usize = 200;
 
 impl Place {
     /// The same place without control characters. Those that the renderer does not replace become
@@ -26,11 +31,15 @@ impl Place {
             3 if is_obeyed(one) => char::REPLACEMENT_CHARACTER,
             _ => one,
         };
+        // A mark of a whole long line would be printed with the whole line.
+        let mark = self.text.get(self.span.clone()).unwrap_or_default();
+        let longest = mark.char_indices().nth(LONGEST_MARK);
+        let length = longest.map_or(mark.len(), |(at, _)| at);
         Self {
-            file: shown(&self.file),
+            file: shown(&cut(&self.file)),
             line: self.line,
             text: self.text.chars().map(visible).collect(),
-            span: self.span.clone(),
+            span: self.span.start..self.span.start + length,
         }
     }
 }
@@ -45,7 +54,8 @@ impl Finding {
         match format {
             Format::Text => writeln!(out, "{}\n", self.drawn(colour)),
             Format::Short => writeln!(out, "{}", shown(&self.short())),
-            Format::Json => writeln!(out, "{}", shown(&self.json())),
+            // Findings are printed in the object of their command.
+            Format::Json => Ok(()),
         }
     }
 
@@ -59,15 +69,15 @@ impl Finding {
         Self {
             code: self.code.clone(),
             severity: self.severity,
-            message: shown(&self.message),
+            message: shown(&cut(&self.message)),
             place: self.place.as_ref().map(Place::shown),
-            label: shown(&self.label),
+            label: shown(&cut(&self.label)),
             elsewhere: self
                 .elsewhere
                 .as_ref()
-                .map(|(place, label)| (place.shown(), shown(label))),
-            notes: self.notes.iter().map(|note| shown(note)).collect(),
-            help: self.help.as_deref().map(shown),
+                .map(|(place, label)| (place.shown(), shown(&cut(label)))),
+            notes: self.notes.iter().map(|note| shown(&cut(note))).collect(),
+            help: self.help.as_deref().map(|help| shown(&cut(help))),
             fix: self.fix.clone(),
         }
     }
@@ -90,7 +100,7 @@ impl Finding {
         }
         let mut report = Vec::new();
         match (&self.help, &self.fix, &self.place) {
-            (Some(help), Some(fix), Some(place)) => {
+            (Some(help), Some(fix), Some(place)) if place.text.len() <= LONGEST_FIX => {
                 let patch = Patch::new(fix.span.clone(), &fix.text);
                 let snippet = Snippet::source(&place.text)
                     .line_start(place.line)
@@ -110,7 +120,7 @@ impl Finding {
     }
 
     pub(super) fn short(&self) -> String {
-        let (severity, code, message) = (self.severity.name(), &self.code, &self.message);
+        let (severity, code, message) = (self.severity.name(), &self.code, cut(&self.message));
         match &self.place {
             Some(place) => {
                 let (file, line, column) = (&place.file, place.line, place.column());
@@ -120,7 +130,7 @@ impl Finding {
         }
     }
 
-    fn json(&self) -> String {
+    fn listed(&self) -> JsonFinding<'_> {
         let place = self.place.as_ref();
         let fixes = match (&self.fix, place) {
             (Some(fix), Some(place)) => vec![JsonFix {
@@ -131,7 +141,7 @@ impl Finding {
             }],
             _ => Vec::new(),
         };
-        let json = JsonFinding {
+        JsonFinding {
             code: &self.code,
             severity: self.severity.name(),
             file: place.map(|place| place.file.as_str()),
@@ -143,8 +153,7 @@ impl Finding {
             notes: &self.notes,
             help: self.help.as_deref(),
             fixes,
-        };
-        serde_json::to_string(&json).unwrap_or_default()
+        }
     }
 }
 
@@ -168,6 +177,12 @@ fn drawn_at<'a>(
         .line_start(place.line)
         .path(&place.file)
         .annotation(mark)
+}
+
+impl Serialize for Finding {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.listed().serialize(serializer)
+    }
 }
 
 /// One finding of `--format json`.
@@ -209,7 +224,8 @@ mod tests {
             finding.short(),
             "part.nc:2:15: error[E0201]: unknown word `U`"
         );
-        assert!(finding.json().contains("\"column\":15,\"end\":19"));
+        let json = serde_json::to_string(&finding).unwrap();
+        assert!(json.contains("\"column\":15,\"end\":19"));
         let drawn = finding.drawn(false);
         assert!(drawn.contains("--> part.nc:2:15"), "{drawn}");
         assert!(drawn.contains("2 + N050 G01 X2.0 F12"), "{drawn}");

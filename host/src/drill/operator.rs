@@ -1,5 +1,6 @@
 //! The operator before a terminal.
 
+use crate::console::is_smart;
 use crate::console::stop::stops_asked;
 use crate::console::typed::typed_line;
 use husillo_clients::drill::{Operator, left};
@@ -19,7 +20,10 @@ pub struct Console<'a> {
 impl<'a> Console<'a> {
     /// Where lines are shown.
     pub fn new(out: &'a mut dyn Write) -> Self {
-        let bar = ProgressBar::new(PARTS);
+        let bar = match is_smart(&std::io::stderr()) {
+            true => ProgressBar::new(PARTS),
+            false => ProgressBar::hidden(),
+        };
         if let Ok(style) = ProgressStyle::with_template("{wide_bar} {percent} %, {msg}") {
             bar.set_style(style);
         }

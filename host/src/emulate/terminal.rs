@@ -20,6 +20,12 @@ const BUSY_LOOK: Duration = Duration::from_micros(200);
 /// Bytes come and go for so long after the last one.
 const BUSY: Duration = Duration::from_millis(20);
 
+/// Bytes on the line to the device from which on no more are taken from a client. It waits then, as
+/// it does at a serial port. The bytes of one read may come on top.
+const MOST_ON_THE_LINE: usize = 1024;
+/// Lines of the panel that are carried out at once.
+const PANEL_LINES: usize = 16;
+
 /// Rate of a port before a client sets one, bits/s.
 const FIRST_RATE: u32 = 19200;
 
@@ -107,14 +113,17 @@ enum Outlet {
 impl Outlet {
     /// A pseudo-terminal whose client's end is found at `link`.
     fn terminal(link: &Path) -> io::Result<Self> {
+        let leads_nowhere = !link.exists();
         let (master, mut slave) = TTYPort::pair()?;
         // For clients that set no rate.
         slave.set_baud_rate(FIRST_RATE)?;
         let name = slave.name().ok_or(ErrorKind::NotFound)?;
-        let is_symlink = std::fs::symlink_metadata(link).is_ok_and(|old| old.is_symlink());
-        if is_symlink && !link.exists() {
-            // It leads nowhere: a killed program has left it.
-            std::fs::remove_file(link)?;
+        if let Ok(old) = std::fs::read_link(link) {
+            // A killed program has left it: it leads nowhere, or to the number of its terminal,
+            // which this one has now.
+            if leads_nowhere || old == Path::new(&name) {
+                std::fs::remove_file(link)?;
+            }
         }
         std::os::unix::fs::symlink(name, link)?;
         Ok(Self::Terminal {
@@ -245,15 +254,20 @@ impl Server {
             } else {
                 LOOK
             };
-            let received = self.outlet.read(look);
-            let received = received.map_err(|error| of_port(&self.asked, &error))?;
+            let received = if device.on_the_line() < MOST_ON_THE_LINE {
+                let received = self.outlet.read(look);
+                received.map_err(|error| of_port(&self.asked, &error))?
+            } else {
+                std::thread::sleep(look);
+                Vec::new()
+            };
             // A client sets its rate before it sends.
             device.set_host_rate(self.outlet.rate());
             if !received.is_empty() {
                 last_byte = Instant::now();
             }
             let mut shown = Vec::new();
-            while let Ok(line) = panel.try_recv() {
+            for line in panel.try_iter().take(PANEL_LINES) {
                 shown.push(typed(device, line.trim(), &mut is_plugged));
             }
             let periods = start.elapsed().as_secs_f64() * pace.speed * 1e9 / E::PERIOD_NS as f64;

@@ -103,7 +103,7 @@ impl Compiler {
             table_steps: [self.table.x, self.table.y],
             tools: tools.iter().map(ListedTool::new).collect(),
         };
-        json::write_line(&listing, out)
+        json::write_line("husillo.holes.records/1", &listing, out)
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::count;
 use super::explain::because;
+use crate::diagnostics::Findings;
 use crate::text::json::{self, Millimetres};
 use husillo_excellon::{Hole, Path, Reason, Slot, Tool, Zeros};
 use husillo_gcode::Nm;
@@ -108,12 +109,7 @@ fn print_tools(board: &Board, out: &mut impl Write) -> io::Result<()> {
 /// # Errors
 ///
 /// The error of the writer.
-pub fn print_json(
-    board: &Board,
-    errors: u64,
-    warnings: u64,
-    out: &mut impl Write,
-) -> io::Result<()> {
+pub fn print_json(board: &Board, findings: &Findings, out: &mut impl Write) -> io::Result<()> {
     let settings = &board.settings;
     let listing = Listing {
         holes: &board.holes,
@@ -128,10 +124,10 @@ pub fn print_json(
         zeros_reason: because(settings.zeros.reason),
         digits: settings.digits.value.to_string(),
         digits_reason: because(settings.digits.reason),
-        errors,
-        warnings,
+        errors: findings.errors,
+        warnings: findings.warnings,
     };
-    json::write_line(&listing, out)
+    json::write_found("husillo.holes/1", &listing, findings, out)
 }
 
 /// What `--format json` prints; lengths in mm.

@@ -1,19 +1,20 @@
 //! Tables in text files, with a heading.
 
-use std::io::Read;
-
 /// A table whose fields are found by the names of their columns.
 pub struct Columns {
     names: Vec<String>,
-    /// Line number and fields of each row.
-    rows: Vec<(usize, Vec<String>)>,
+    /// Line number and text of each row.
+    rows: Vec<(usize, Box<str>)>,
 }
+
+/// Most rows of a table. More is no work of a person with a gauge.
+const MOST_ROWS: usize = 250_000;
 
 /// One row.
 pub struct Row<'a> {
     columns: &'a Columns,
     line: usize,
-    fields: &'a [String],
+    fields: Vec<&'a str>,
 }
 
 impl Columns {
@@ -23,13 +24,8 @@ impl Columns {
     ///
     /// The file cannot be read, or [`Columns::parse`] fails.
     pub fn read(path: &str, known: &[&str]) -> Result<Self, String> {
-        let mut text = String::new();
-        let read = if path == "-" {
-            crate::input::stdin().read_to_string(&mut text).map(drop)
-        } else {
-            crate::input::read_to_string(path).map(|all| text = all)
-        };
-        read.map_err(|error| format!("{path}: {error}"))?;
+        let text = crate::input::read_to_string(path);
+        let text = text.map_err(|error| format!("{path}: {error}"))?;
         Self::parse(&text, known).map_err(|why| format!("{path}: {why}"))
     }
 
@@ -46,22 +42,26 @@ impl Columns {
             let line = line.trim();
             !line.is_empty() && !line.starts_with('#')
         });
-        let split = |line: &str| -> Vec<String> {
-            let fields = line.split([',', ';', '\t']);
-            fields.map(|field| field.trim().to_owned()).collect()
-        };
         let heading = format!("expected a heading with {}", known.join(", "));
         let (_, names) = lines.next().ok_or(heading.as_str())?;
-        let names: Vec<String> = split(&names.to_ascii_lowercase());
+        let names = names.to_ascii_lowercase();
+        let names: Vec<String> = split(&names).map(str::to_owned).collect();
         if let Some(name) = names.iter().find(|name| !known.contains(&name.as_str())) {
             return Err(format!("line 1: unknown column `{name}`: {heading}"));
         }
-        let rows: Vec<_> = lines.map(|(line, text)| (line, split(text))).collect();
-        if let Some((line, fields)) = rows.iter().find(|(_, row)| row.len() != names.len()) {
-            let (there, wanted) = (fields.len(), names.len());
-            return Err(format!(
-                "line {line}: {there} fields, but {wanted} in the heading"
-            ));
+        let mut rows = Vec::new();
+        for (line, text) in lines {
+            let (there, wanted) = (split(text).count(), names.len());
+            if there != wanted {
+                let fields = if there == 1 { "field" } else { "fields" };
+                return Err(format!(
+                    "line {line}: {there} {fields}, but {wanted} in the heading"
+                ));
+            }
+            if rows.len() == MOST_ROWS {
+                return Err(format!("line {line}: more than {MOST_ROWS} rows"));
+            }
+            rows.push((line, text.into()));
         }
         Ok(Self { names, rows })
     }
@@ -76,16 +76,21 @@ impl Columns {
         self.rows.iter().map(|(line, fields)| Row {
             columns: self,
             line: *line,
-            fields,
+            fields: split(fields).collect(),
         })
     }
+}
+
+/// The fields of a line.
+fn split(line: &str) -> impl Iterator<Item = &str> {
+    line.split([',', ';', '\t']).map(str::trim)
 }
 
 impl Row<'_> {
     /// The field of a column.
     pub fn get(&self, name: &str) -> Option<&str> {
         let column = self.columns.names.iter().position(|there| there == name)?;
-        self.fields.get(column).map(String::as_str)
+        self.fields.get(column).copied()
     }
 
     /// The field of a column, converted by `parse`.
@@ -128,7 +133,7 @@ mod tests {
         assert!(why("a,c\n").starts_with("line 1: unknown column `c`"));
         assert_eq!(
             why("a,b\n1,2\n3\n"),
-            "line 3: 1 fields, but 2 in the heading"
+            "line 3: 1 field, but 2 in the heading"
         );
     }
 }

@@ -289,24 +289,43 @@ impl ShownMotor {
     }
 }
 
+/// A built-in machine.
+#[derive(Serialize)]
+pub struct Listed {
+    name: &'static str,
+    title: String,
+}
+
+/// The built-in machines.
+///
+/// # Errors
+///
+/// The file of one is wrong.
+pub fn machines() -> Result<Vec<Listed>, String> {
+    let mut machines = Vec::new();
+    for name in MachineFile::names() {
+        let machine = MachineFile::load(name).map_err(|_| format!("{name}: its file is wrong"))?;
+        let title = machine.title;
+        machines.push(Listed { name, title });
+    }
+    for (name, _, file) in MEASURING {
+        let table: toml::Table =
+            toml::from_str(file).map_err(|error| format!("{name}: {error}"))?;
+        let title = table.get("title").and_then(toml::Value::as_str);
+        let title = title.unwrap_or_default().to_owned();
+        machines.push(Listed { name, title });
+    }
+    Ok(machines)
+}
+
 /// The built-in machines, one per line.
 ///
 /// # Errors
 ///
 /// The file of a built-in machine has a mistake. The message names the machine.
 pub fn list() -> Result<String, String> {
-    let mut text = String::new();
-    for name in MachineFile::names() {
-        let machine = MachineFile::load(name).map_err(|_| format!("{name}: its file is wrong"))?;
-        let _ = writeln!(text, "{name:14}{}", machine.title);
-    }
-    for (name, _, file) in MEASURING {
-        let table: toml::Table =
-            toml::from_str(file).map_err(|error| format!("{name}: {error}"))?;
-        let title = table.get("title").and_then(toml::Value::as_str);
-        let _ = writeln!(text, "{name:14}{}", title.unwrap_or_default());
-    }
-    Ok(text)
+    let line = |Listed { name, title }| format!("{name:14}{title}\n");
+    Ok(machines()?.into_iter().map(line).collect())
 }
 
 #[cfg(test)]

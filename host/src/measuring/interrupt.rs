@@ -30,7 +30,7 @@ impl Interrupt {
         on_request(move || {
             if !heard.is_moving.load(Ordering::SeqCst) {
                 eprintln!("interrupted: nothing was moving");
-                std::process::exit(INTERRUPTED.into());
+                crate::output::exit(INTERRUPTED);
             }
             heard.ask();
         })?;

@@ -4,8 +4,10 @@ use crate::programs::library::Folders;
 use crate::programs::reading::Reading;
 use crate::programs::source::Source;
 use husillo_gcode::contour::{Contours, needs_contours};
-use husillo_gcode::parameters::{Program, needs_program};
+use husillo_gcode::parameters::{Fault, Program, needs_program};
 use husillo_gcode::{Block, Dialect, Error, ErrorKind, FramingError, Receiver, words};
+use std::fmt::{self, Debug, Write};
+use std::hash::{DefaultHasher, Hasher};
 use std::io;
 use std::ops::ControlFlow;
 
@@ -271,6 +273,7 @@ fn as_a_whole<C, const N: usize>(
     let program = Whole::new(text.bytes, dialect).with_first_line(text.first);
     let mut program = Box::new(program.with_library(&text.folders));
     let mut contours = Box::new(Turned::new(text.bytes, dialect));
+    let mut repetition = Repetition::default();
     loop {
         let state = reading(context);
         let line = match contours.next_of_cycle(state.modal) {
@@ -298,10 +301,71 @@ fn as_a_whole<C, const N: usize>(
             overlong: false,
             repeats: true,
         };
+        let state = || state_of(&(program.clone().with_steps(0), &contours, reading(context)));
+        if repetition.is_endless(line.number, state) {
+            let endless = Error {
+                kind: ErrorKind::Program(Fault::OutOfSteps),
+                at: 0,
+                end: line.text.trim_ascii_end().len(),
+            };
+            return each(context, &given, Err(endless)).map(drop);
+        }
         if each(context, &given, line.block)?.is_break() {
             return Ok(());
         }
     }
+}
+
+/// Notices that a program repeats itself with nothing changed. Such a program never ends, because
+/// the next state follows from the last one.
+#[derive(Default)]
+struct Repetition {
+    /// Lines so far.
+    lines: u64,
+    /// A line, and the state after it.
+    before: Option<(usize, u64)>,
+    /// How often the states at this line are still compared.
+    looks: u8,
+}
+
+impl Repetition {
+    /// A program has made this number of lines before it is suspected.
+    const SUSPECT: u64 = 1 << 12;
+    /// Comparisons with one state. A state of a large program takes milliseconds.
+    const LOOKS: u8 = 4;
+
+    /// Counts a line. Returns whether the state after it is that of the same line before.
+    fn is_endless(&mut self, line: usize, state: impl FnOnce() -> u64) -> bool {
+        self.lines += 1;
+        // A later state is kept from time to time, as the repetition may begin late.
+        if self.lines >= Self::SUSPECT && self.lines.is_power_of_two() {
+            self.before = Some((line, state()));
+            self.looks = Self::LOOKS;
+            return false;
+        }
+        match self.before {
+            Some((there, before)) if there == line && self.looks > 0 => {
+                self.looks -= 1;
+                state() == before
+            }
+            _ => false,
+        }
+    }
+}
+
+/// A number that equal states share. Two different states share it once in 2^64.
+fn state_of(state: &impl Debug) -> u64 {
+    struct Sum(DefaultHasher);
+    impl fmt::Write for Sum {
+        fn write_str(&mut self, text: &str) -> fmt::Result {
+            self.0.write(text.as_bytes());
+            Ok(())
+        }
+    }
+    let mut sum = Sum(DefaultHasher::new());
+    // The sum takes every text.
+    let _ = write!(sum, "{state:?}");
+    sum.0.finish()
 }
 
 #[cfg(test)]

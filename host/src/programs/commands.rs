@@ -5,6 +5,7 @@ mod json;
 use crate::diagnostics::Findings;
 use crate::programs::program::{self, Start};
 use crate::programs::source::Source;
+use crate::text::json::write_line;
 use json::Line;
 use std::io::{self, Write};
 
@@ -33,8 +34,7 @@ pub fn print(
                 return writeln!(out, "{:>6}  {command}", meaning.at.line);
             }
             if let Some(line) = Line::new(meaning.at.line, command, from, &axes) {
-                serde_json::to_writer(&mut *out, &line)?;
-                out.write_all(b"\n")?;
+                write_line("husillo.commands/1", &line, out)?;
             }
             Ok(())
         },

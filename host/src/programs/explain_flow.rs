@@ -72,8 +72,8 @@ pub fn finding(fault: Fault, finding: Finding) -> Finding {
         Fault::NoCall => finding.label("not inside a subroutine"),
         Fault::TooDeep => finding.label("at most 128 calls and 128 loops"),
         Fault::OutOfSteps => finding
-            .label("an endless loop?")
-            .note("the limit is 10 million lines, including skipped ones"),
+            .label("an endless loop")
+            .note("nothing has changed since the last pass, or 10 million lines were carried out"),
         Fault::FlowNotOfDialect => finding
             .label("this dialect has no O-words")
             .help("choose another dialect with `--dialect`"),

@@ -56,7 +56,7 @@ pub const fn simulated(_: Input, until: WaitFor) -> i64 {
 }
 
 /// The state of a machine as expressions read it.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Reading<'a, const N: usize> {
     /// The modal state.
     pub modal: &'a Modal<N>,

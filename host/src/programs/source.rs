@@ -91,14 +91,21 @@ impl std::fmt::Debug for Source {
 ///
 /// # Errors
 ///
-/// The file cannot be opened, or is a directory.
+/// The file cannot be opened, is a directory, or is text in UTF-16. Reading it fails after 512 MiB
+/// if it is no regular file.
 pub fn open(path: &str) -> io::Result<Box<dyn BufRead>> {
-    Ok(if path == "-" {
-        Box::new(BufReader::new(input::stdin()))
+    let mut reader: Box<dyn BufRead> = if path == "-" {
+        Box::new(BufReader::new(input::bounded(input::stdin())))
     } else {
         let file = input::open(path)?;
-        Box::new(BufReader::with_capacity(1 << 18, file))
-    })
+        match file.metadata()?.is_file() {
+            // It has an end, and is not kept in memory.
+            true => Box::new(BufReader::with_capacity(1 << 18, file)),
+            false => Box::new(BufReader::with_capacity(1 << 18, input::bounded(file))),
+        }
+    };
+    input::expect_bytes_of_text(fill(&mut *reader)?)?;
+    Ok(reader)
 }
 
 impl Source {
@@ -108,13 +115,7 @@ impl Source {
     ///
     /// The file cannot be opened, or is text in UTF-16.
     pub fn open(path: &str) -> io::Result<Self> {
-        let mut reader = open(path)?;
-        // An editor begins such a text with this mark, in one of both orders.
-        if let [0xff, 0xfe, ..] | [0xfe, 0xff, ..] = fill(&mut *reader)? {
-            let kind = io::ErrorKind::InvalidData;
-            return Err(io::Error::new(kind, "text in UTF-16: save it as UTF-8"));
-        }
-        Ok(Self::from_reader(reader))
+        Ok(Self::from_reader(open(path)?))
     }
 
     /// Reads from any reader.
@@ -183,7 +184,8 @@ impl Source {
     pub fn rest(&mut self) -> io::Result<Vec<u8>> {
         let mut text = std::mem::take(&mut self.buffer);
         text.push(b'\n');
-        self.reader.read_to_end(&mut text)?;
+        let mut rest = input::to_end(input::bounded(&mut self.reader))?;
+        text.append(&mut rest);
         Ok(text)
     }
 }

@@ -1,19 +1,68 @@
-//! JSON with a blank after each comma and colon, and with exact decimal numbers.
+//! The JSON of all commands: one object a line, with the name of its schema first. Decimal numbers
+//! are exact.
 
+use crate::console;
+use crate::diagnostics::{Finding, Findings};
 use husillo_gcode::Nm;
 use serde::Serialize;
-use serde_json::ser::{Formatter, Serializer};
 use serde_json::value::RawValue;
 use std::io::{self, Write};
 
-/// Writes a value and a newline.
+/// The object of a command.
+#[derive(Serialize)]
+struct Document<'a, T> {
+    schema: &'a str,
+    #[serde(flatten)]
+    body: &'a T,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    findings: Option<&'a [Finding]>,
+}
+
+/// Writes an object on a line of its own. `schema` is its name, as `husillo.run/1`.
 ///
 /// # Errors
 ///
 /// The writer fails.
-pub fn write_line(value: &impl Serialize, out: &mut impl Write) -> io::Result<()> {
-    value.serialize(&mut Serializer::with_formatter(&mut *out, Spaced))?;
-    writeln!(out)
+pub fn write_line(schema: &str, body: &impl Serialize, out: &mut impl Write) -> io::Result<()> {
+    write(schema, body, None, out)
+}
+
+/// The same with findings in it.
+///
+/// # Errors
+///
+/// The writer fails.
+pub fn write_found(
+    schema: &str,
+    body: &impl Serialize,
+    findings: &Findings,
+    out: &mut impl Write,
+) -> io::Result<()> {
+    write(schema, body, Some(findings.kept()), out)
+}
+
+fn write(
+    schema: &str,
+    body: &impl Serialize,
+    findings: Option<&[Finding]>,
+    out: &mut impl Write,
+) -> io::Result<()> {
+    let document = Document {
+        schema,
+        body,
+        findings,
+    };
+    serde_json::to_writer(&mut *out, &document)?;
+    out.write_all(b"\n")
+}
+
+/// Prints an object on standard output.
+///
+/// # Errors
+///
+/// It cannot be written.
+pub fn print(schema: &str, body: &impl Serialize) -> io::Result<()> {
+    write_line(schema, body, &mut console::stdout())
 }
 
 /// Nanometres that are written as millimetres, with as many decimals as needed.
@@ -32,38 +81,12 @@ pub fn decimal(digits: String) -> Box<RawValue> {
     RawValue::from_string(digits).unwrap_or_else(|_| RawValue::NULL.to_owned())
 }
 
-/// Writes one line with blanks between its parts.
-struct Spaced;
-
-impl Spaced {
-    fn separate<W: Write + ?Sized>(out: &mut W, is_first: bool) -> io::Result<()> {
-        if is_first {
-            return Ok(());
-        }
-        out.write_all(b", ")
-    }
-}
-
-impl Formatter for Spaced {
-    fn begin_array_value<W: Write + ?Sized>(&mut self, out: &mut W, first: bool) -> io::Result<()> {
-        Self::separate(out, first)
-    }
-
-    fn begin_object_key<W: Write + ?Sized>(&mut self, out: &mut W, first: bool) -> io::Result<()> {
-        Self::separate(out, first)
-    }
-
-    fn begin_object_value<W: Write + ?Sized>(&mut self, out: &mut W) -> io::Result<()> {
-        out.write_all(b": ")
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn parts_have_blanks_and_decimals_are_exact() {
+    fn the_schema_comes_first_and_decimals_are_exact() {
         #[derive(Serialize)]
         struct Hole<'a> {
             name: &'a str,
@@ -77,8 +100,9 @@ mod tests {
             tool: None,
         };
         let mut line = Vec::new();
-        write_line(&hole, &mut line).unwrap();
-        let expected = "{\"name\": \"a\\\"b\", \"at\": [12.000001, -0.5], \"tool\": null}\n";
+        write_line("husillo.hole/1", &hole, &mut line).unwrap();
+        let expected = "{\"schema\":\"husillo.hole/1\",\"name\":\"a\\\"b\",\
+                        \"at\":[12.000001,-0.5],\"tool\":null}\n";
         assert_eq!(String::from_utf8(line).unwrap(), expected);
     }
 }

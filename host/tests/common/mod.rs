@@ -34,12 +34,32 @@ pub fn json(args: &[&str]) -> Value {
     serde_json::from_str(&printed(args)).unwrap()
 }
 
-/// What actions of `husillo measure` gave, a row each.
+/// What actions of `husillo measure` gave, a row each; a routine is one row.
 pub fn measured(args: &[&str]) -> Vec<Value> {
-    match json(&[&["measure", "--format", "json"], args].concat()) {
+    let mut all = json(&[&["measure", "--format", "json"], args].concat());
+    match all["results"].take() {
         Value::Array(rows) => rows,
-        one => vec![one],
+        _ => vec![all],
     }
+}
+
+/// The objects of a stream: the commands of a program without the findings at its end.
+pub fn objects(text: &[u8]) -> Vec<Value> {
+    let text = String::from_utf8(text.to_vec()).unwrap();
+    let all = text
+        .lines()
+        .map(|line| serde_json::from_str::<Value>(line).unwrap());
+    all.filter(|one| one["kind"] != "findings").collect()
+}
+
+/// The findings of a program that `husillo check --format json` printed.
+pub fn findings(text: &[u8]) -> Vec<Value> {
+    let objects = objects(text).into_iter();
+    let all = objects.flat_map(|mut one| match one["findings"].take() {
+        Value::Array(findings) => findings,
+        _ => Vec::new(),
+    });
+    all.collect()
 }
 
 /// A number of a row.

@@ -78,6 +78,24 @@ impl Emulated {
         self.link.to_str().unwrap()
     }
 
+    /// The number of its process.
+    pub fn id(&self) -> u32 {
+        self.process.id()
+    }
+
+    /// Types bytes at the panel.
+    pub fn type_bytes(&mut self, bytes: &[u8]) {
+        self.panel.write_all(bytes).unwrap();
+    }
+
+    /// Ends it in order, as Ctrl-C does.
+    pub fn end(&mut self) {
+        let id = self.process.id().to_string();
+        let sent = Command::new("kill").args(["-TERM", &id]).status();
+        assert!(sent.unwrap().success());
+        self.process.wait().unwrap();
+    }
+
     /// Types a line at the panel and reads until the answer to it.
     pub fn type_line(&mut self, line: &str, answer: &str) -> String {
         writeln!(self.panel, "{line}").unwrap();

@@ -284,6 +284,11 @@ impl SimulatedChain {
         self.chain.send(byte);
     }
 
+    /// Number of bytes that have not arrived at the modules yet.
+    pub fn on_the_line(&self) -> usize {
+        self.chain.waiting()
+    }
+
     /// Simulates a servo period and returns the bytes that the modules send in it.
     pub fn tick(&mut self) -> Vec<u8> {
         #[cfg(test)]

@@ -70,6 +70,10 @@ impl Emulation for SimulatedChain {
         self.send(byte);
     }
 
+    fn on_the_line(&self) -> usize {
+        self.on_the_line()
+    }
+
     fn tick(&mut self) -> Vec<u8> {
         self.tick()
     }

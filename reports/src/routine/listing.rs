@@ -99,9 +99,9 @@ pub fn json(
     features: &[Feature],
     trouble: Option<&str>,
     has_collided: bool,
-) -> String {
+) -> Value {
     let all: Vec<Value> = features.iter().map(object).collect();
-    let whole = json!({
+    json!({
         "routine": heading.routine,
         "part": heading.part,
         "machine": heading.machine,
@@ -110,8 +110,7 @@ pub fn json(
         "collision": has_collided,
         "in_tolerance": trouble.is_none() && !has_collided && features.iter().all(Feature::is_good),
         "features": all,
-    });
-    format!("{whole:#}")
+    })
 }
 
 fn object(feature: &Feature) -> Value {

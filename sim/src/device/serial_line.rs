@@ -105,6 +105,11 @@ impl Line {
         self.carry(true, byte, now_us)
     }
 
+    /// Number of bytes that have not arrived at the device yet.
+    pub fn waiting(&self) -> usize {
+        self.there.bytes.len()
+    }
+
     /// Takes a byte that has arrived at the device.
     pub fn received(&mut self, now_us: u64) -> Option<u8> {
         self.there.take(now_us)

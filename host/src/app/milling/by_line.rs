@@ -6,7 +6,6 @@ use crate::app::job::Job;
 use crate::app::reporting::with_findings;
 use crate::app::{ERRORS, Failure};
 use crate::cli::Send;
-use crate::console;
 use crate::console::stop::stops_asked;
 use crate::console::typed::{next_line, terminal_lines, typed_lines};
 use crate::diagnostics::Findings;
@@ -56,6 +55,7 @@ struct Session<'a> {
     is_terminal: bool,
     /// Answers of the operator, where standard input is a pipe.
     terminal: Option<Receiver<String>>,
+    out: &'a mut dyn Write,
 }
 
 /// The fate of a line.
@@ -67,7 +67,7 @@ enum Fate {
     Failed(String),
 }
 
-pub(super) fn send(args: &Send) -> Result<u8, Failure> {
+pub(super) fn send(args: &Send, out: &mut dyn Write) -> Result<u8, Failure> {
     let (file, port) = args.alone()?;
     let mut job = Job::new(file, &args.target, "micromill")?;
     if job.start.dialect.framing().is_some() {
@@ -110,18 +110,21 @@ pub(super) fn send(args: &Send) -> Result<u8, Failure> {
         input: typed_lines(),
         is_terminal,
         terminal,
+        out,
     };
     let is_well = match session.all()? {
         Ok(is_well) => is_well,
         Err(message) => return Ok(told(&job, &message)),
     };
-    let Session { sender, sent, .. } = session;
+    let Session {
+        sender, sent, out, ..
+    } = session;
     if is_well && !is_terminal {
         expect_a_command(&sent, &job)?;
     }
     match sender.finish() {
         Ok(made) => {
-            let status = compared(&job, args.every, &sent, start, &made)?;
+            let status = compared(&job, args.every, &sent, start, &made, out)?;
             Ok(if is_well { status } else { ERRORS })
         }
         Err(message) => Ok(told(&job, &message)),
@@ -132,8 +135,7 @@ impl Session<'_> {
     /// Makes all lines. Whether each was right; the message of a fault.
     fn all(&mut self) -> Result<Result<bool, String>, Failure> {
         if self.is_terminal {
-            let _ = writeln!(
-                io::stderr(),
+            eprintln!(
                 "Each line is made when you end it with Enter; M30 or Ctrl-D ends the program"
             );
         }
@@ -245,9 +247,8 @@ impl Session<'_> {
         }
         let (echo, after) = self.sender.echo();
         let steps = after - before;
-        let mut out = console::stdout();
-        writeln!(out, "sent {shown} echo {echo} {steps} steps")?;
-        out.flush()?;
+        writeln!(self.out, "sent {shown} echo {echo} {steps} steps")?;
+        self.out.flush()?;
         self.sent.lines.push((number, line));
         Ok(Ok(()))
     }

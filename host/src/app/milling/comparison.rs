@@ -2,7 +2,6 @@
 
 use super::super::job::Job;
 use super::super::{ERRORS, Failure, OK};
-use crate::console;
 use crate::micromill;
 use crate::programs::feeder;
 use crate::programs::setup::{self, Mill};
@@ -32,9 +31,9 @@ pub(super) fn compared(
     made: &Translated,
     start: Option<State>,
     sent: &Sent,
+    out: &mut dyn Write,
 ) -> Result<u8, Failure> {
     let expected = expected(job, micromill::text(&made.lines), start)?;
-    let mut out = console::stdout();
     writeln!(out, "Lines      {} made", sent.lines)?;
     if start.is_none() {
         writeln!(
@@ -43,8 +42,8 @@ pub(super) fn compared(
              compared with a start at machine zero"
         )?;
     }
-    let is_same = steps(every, &expected.steps, sent, &mut out)?;
-    let is_there = position(&expected.end, start, sent, &mut out)?;
+    let is_same = steps(every, &expected.steps, sent, out)?;
+    let is_there = position(&expected.end, start, sent, out)?;
     Ok(if is_same && is_there { OK } else { ERRORS })
 }
 
@@ -53,7 +52,7 @@ fn steps(
     every: u16,
     expected: &[(u8, bool)],
     sent: &Sent,
-    out: &mut impl Write,
+    out: &mut dyn Write,
 ) -> io::Result<bool> {
     let (count, reported) = (expected.len(), sent.steps.len());
     if every != 1 {
@@ -83,7 +82,7 @@ fn position(
     expected: &[i32; AXES],
     start: Option<State>,
     sent: &Sent,
-    out: &mut impl Write,
+    out: &mut dyn Write,
 ) -> io::Result<bool> {
     // Before homing, positions count from where the mill was switched on.
     let (Some(_), Some(end)) = (start.filter(|start| start.is_homed), sent.state) else {

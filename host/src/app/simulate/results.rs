@@ -5,12 +5,13 @@ use crate::console;
 use crate::diagnostics::Findings;
 use crate::programs::check::Facts;
 use crate::simulation::run::Run;
+use crate::text::json::write_found;
 use husillo_gcode::Nm;
 use husillo_machine::Probed;
 use husillo_sim::observers::AXES;
 use husillo_sim::observers::symmetry::{Difference, Symmetry};
 use serde::Serialize;
-use std::io::{self, Write};
+use std::io;
 
 /// What `run --format json` prints.
 #[derive(Debug, Default, Serialize)]
@@ -24,6 +25,9 @@ pub struct Results {
     pub rms_deviation_nm: f64,
     pub reversals: Vec<u64>,
     pub lost_steps: u64,
+    /// A sentence about each axis that lost steps.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub losses: Vec<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub order: Option<Order>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -36,6 +40,15 @@ pub struct Results {
     pub rapid_nm: i64,
     pub errors: u64,
     pub warnings: u64,
+}
+
+/// The results and what they are about.
+#[derive(Serialize)]
+struct Document<'a> {
+    file: &'a str,
+    machine: &'a str,
+    #[serde(flatten)]
+    results: &'a Results,
 }
 
 /// What a probe has found.
@@ -95,6 +108,7 @@ impl Results {
             rms_deviation_nm: rounded(seen.deviation.rms_nm()),
             reversals: seen.statistics.reversals[..axes].to_vec(),
             lost_steps: run.mechanics.losses().lost().iter().sum(),
+            losses: Vec::new(),
             encoders: run.encoders.sentences.clone(),
             probes: run
                 .probed
@@ -110,14 +124,18 @@ impl Results {
         }
     }
 
-    /// Prints them as one line of JSON.
+    /// Prints them as JSON, with the findings of the check.
     ///
     /// # Errors
     ///
     /// Writing fails.
-    pub fn print_json(&self) -> io::Result<()> {
-        let json = serde_json::to_string(self).map_err(io::Error::other)?;
-        writeln!(console::stdout(), "{json}")
+    pub fn print_json(&self, job: &Job, findings: &Findings) -> io::Result<()> {
+        let body = Document {
+            file: job.name(),
+            machine: &job.machine.name,
+            results: self,
+        };
+        write_found("husillo.run/1", &body, findings, &mut console::stdout())
     }
 }
 

@@ -5,6 +5,7 @@ use super::measured::now;
 use crate::cli::{Measure, Results};
 use crate::diagnostics::{Finding, Format};
 use crate::output::Outputs;
+use crate::text::json::write_line;
 use husillo_metrology::heads::Prober;
 use husillo_metrology::heads::{Machine, Stylus};
 use husillo_metrology::routine::{Feature, Parser, Runner, Site, Statement, program, record};
@@ -154,7 +155,7 @@ pub fn run(
     };
     match args.format {
         Results::Text => writeln!(out, "{}", routine::summary(features))?,
-        Results::Json => writeln!(out, "{}", json())?,
+        Results::Json => write_line("husillo.measure.run/1", &json(), &mut &mut *out)?,
         Results::Csv => write!(out, "{}", routine::csv(features))?,
     }
     if let Some(path) = &args.output {
@@ -162,7 +163,9 @@ pub fn run(
         let text = if lower.ends_with(".html") || lower.ends_with(".htm") {
             routine::html(&heading, features, &runner.site, trouble.as_deref())
         } else if lower.ends_with(".json") {
-            json()
+            let mut line = Vec::new();
+            write_line("husillo.measure.run/1", &json(), &mut line)?;
+            String::from_utf8_lossy(&line).into_owned()
         } else {
             routine::csv(features)
         };
@@ -193,14 +196,18 @@ pub fn recorded(
 ) -> io::Result<Ending> {
     let mut runner = Runner::new(Site::new(prober, stylus));
     // The file keeps the lines so far, however the session ends.
-    let mut routine = Outputs::stream(path)?;
-    let mut input = BufReader::new(io::stdin());
+    let mut outputs = Outputs::record();
+    let mut routine = outputs.create(path)?;
+    let mut input = BufReader::new(crate::input::bounded(io::stdin()));
     let each = |feature: &Feature| {
         writeln!(out, "{}", routine::text(feature))?;
         out.flush()
     };
     let refuse = |refused: &_| tell(&findings::of_refused(refused));
-    let refused = record(&mut input, &mut routine, &mut runner, each, refuse)?;
+    let refused = record(&mut input, &mut routine, &mut runner, each, refuse);
+    drop(routine);
+    outputs.finish()?;
+    let refused = refused?;
     let has_collided = runner.site.has_collided();
     if has_collided {
         runner.features.iter_mut().for_each(Feature::spoil);
@@ -226,7 +233,7 @@ fn pause(line: usize) {
 }
 
 fn tell(finding: &Finding) {
-    let is_colour = io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
+    let is_colour = crate::console::is_coloured(&io::stderr());
     // If standard error is closed, there is no place left for a message.
     let _ = finding.print(Format::Text, is_colour, &mut io::stderr());
 }
