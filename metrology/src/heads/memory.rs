@@ -322,8 +322,8 @@ mod tests {
         ));
     }
 
-    /// A program that was killed in the middle of a move has left the axes moving. They are stopped,
-    /// and nothing is lost.
+    /// A program that was killed in the middle of a move has left the axes moving. They are
+    /// stopped, and nothing is lost.
     #[test]
     fn a_killed_program_loses_nothing() {
         use husillo_transports::nmc::{Mode, Trajectory};
