@@ -39,7 +39,7 @@ fn programs_of_cam_systems_run_on_the_router() {
         // Half of the longer step, its rounding at both ends of an arc, and G64 where a program
         // permits it. A printer has steps of 12.5 um.
         let most = if name.ends_with(".gcode") {
-            9000.0
+            12_500.0
         } else {
             3000.0
         };

@@ -58,8 +58,8 @@ pub(crate) fn rest(letter: u8, number: u16) -> Option<Rest> {
     })
 }
 
-/// The letter and the whole number of the code at the start of a text, without the digits after a
-/// blank or a point: `M117 100 %` is M117.
+/// The letter and the whole number of the code at the start of a text, without digits after a
+/// blank: `M117 100 %` is M117. `None` for a number with a point, except those of M862.
 pub(crate) fn code_at(text: &[u8]) -> Option<(u8, u16)> {
     let (letter, rest) = text.split_first()?;
     let digits = rest.iter().take_while(|byte| byte.is_ascii_digit());
@@ -68,7 +68,10 @@ pub(crate) fn code_at(text: &[u8]) -> Option<(u8, u16)> {
         let digit = u16::from(digit.wrapping_sub(b'0'));
         number.wrapping_mul(10).wrapping_add(digit)
     });
-    Some((letter.to_ascii_uppercase(), number))
+    let mut behind = rest.iter().skip_while(|byte| byte.is_ascii_digit());
+    let has_point = behind.next() == Some(&b'.');
+    let is_whole = !has_point || matches!(behind.next(), Some(b'0'));
+    (is_whole || number == 862).then_some((letter.to_ascii_uppercase(), number))
 }
 
 #[cfg(test)]
@@ -85,6 +88,8 @@ mod tests {
             ("M84 X Y E", Some(Rest::MotorsOff)),
             ("M600", Some(Rest::Pause)),
             ("M1170", None),
+            ("G12.1 X1", None),
+            ("G29.0", Some(Rest::Ignored)),
             ("M3", None),
             ("", None),
         ] {

@@ -13,13 +13,11 @@ use fixed::traits::Fixed;
 #[derive(Copy, Clone, Eq, PartialEq, Hash, Debug, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Decimal {
-    /// [`NEGATIVE_ZERO`], or the digits as a number.
     digits: i64,
     places: u8,
+    /// With the feature `extended`: written with a minus sign. Below zero it is always set.
+    minus: bool,
 }
-
-/// The only 64-bit number without a positive counterpart stands for the digits of `-0`.
-const NEGATIVE_ZERO: i64 = i64::MIN;
 
 /// The largest power of ten that an `i64` holds.
 const MOST: u8 = 18;
@@ -61,9 +59,6 @@ const fn times(digits: i64, factor: i32, shift: i32) -> Option<i64> {
             let scale = factor.wrapping_mul(scale);
             return Some((digits as i32 as i64).wrapping_mul(scale as i64));
         }
-    }
-    if EXTENDED && digits == NEGATIVE_ZERO {
-        return Some(0);
     }
     let (magnitude, by) = (digits.unsigned_abs(), factor.unsigned_abs());
     let scaled = if cfg!(target_pointer_width = "64") {
@@ -170,6 +165,7 @@ impl Decimal {
     pub const ZERO: Decimal = Decimal {
         digits: 0,
         places: 0,
+        minus: false,
     };
 
     /// The largest number of places.
@@ -181,13 +177,17 @@ impl Decimal {
         if places > Decimal::MAX_PLACES || digits == i64::MIN {
             None
         } else {
-            Some(Decimal { digits, places })
+            Some(Decimal {
+                digits,
+                places,
+                minus: EXTENDED && digits < 0,
+            })
         }
     }
 
     /// All digits as one signed integer.
     pub const fn digits(self) -> i64 {
-        if self.is_zero() { 0 } else { self.digits }
+        self.digits
     }
 
     /// Number of digits after the point.
@@ -197,18 +197,18 @@ impl Decimal {
 
     /// Whether the value is below zero.
     pub const fn is_negative(self) -> bool {
-        self.digits < 0 && !self.is_zero()
+        self.digits < 0
     }
 
     /// Whether the value is zero.
     pub const fn is_zero(self) -> bool {
-        self.digits == 0 || EXTENDED && self.digits == NEGATIVE_ZERO
+        self.digits == 0
     }
 
     /// Whether it was written with a minus sign: [`Decimal::is_negative`], or `-0`.
     #[cfg(feature = "extended")]
     pub const fn has_minus(self) -> bool {
-        self.digits < 0
+        self.minus
     }
 
     /// `value * factor * 10^exponent`, rounded once, halves away from zero; `None` when it does not
@@ -243,7 +243,7 @@ impl Decimal {
         };
         // Rounded up it is at most 2^63 / 10 + 1, and the product is within 2^64: it wraps only
         // where it differs.
-        if rounded.wrapping_mul(power as i64) == self.digits() {
+        if rounded.wrapping_mul(power as i64) == self.digits {
             Some(rounded)
         } else {
             None
@@ -255,6 +255,7 @@ impl Decimal {
         Decimal {
             digits: 1,
             places: self.places,
+            minus: false,
         }
     }
 
@@ -268,7 +269,7 @@ impl Decimal {
     where
         F::Bits: TryFrom<u128> + TryFrom<i128>,
     {
-        let magnitude = self.digits().unsigned_abs();
+        let magnitude = self.digits.unsigned_abs();
         let mut divisor = 1u128; // 10^30 < 2^100
         for _ in 0..self.places {
             divisor = divisor.wrapping_mul(10);
@@ -312,16 +313,15 @@ impl Decimal {
     pub(crate) fn short(digits: u32, places: u8, negative: bool) -> Decimal {
         // Below 10^9 < 2^31, so 32 bits hold the sign.
         let digits = digits as i32;
-        if negative {
-            return Decimal {
-                digits: i64::from(digits),
-                places,
-            }
-            .negated();
-        }
+        let digits = if negative {
+            digits.wrapping_neg()
+        } else {
+            digits
+        };
         Decimal {
             digits: i64::from(digits),
             places,
+            minus: EXTENDED && negative,
         }
     }
 
@@ -344,25 +344,24 @@ impl Decimal {
         }
     }
 
-    /// A positive number with a minus sign.
-    #[inline(always)]
+    /// A positive number with a minus sign. (`i64::MIN` is never stored.)
     pub(crate) fn negated(self) -> Decimal {
-        let digits = if EXTENDED && self.digits == 0 {
-            NEGATIVE_ZERO
-        } else {
-            self.digits.wrapping_neg()
-        };
         Decimal {
-            digits,
+            digits: self.digits.wrapping_neg(),
             places: self.places,
+            minus: EXTENDED,
         }
     }
 }
 
 impl fmt::Display for Decimal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let magnitude = self.digits().unsigned_abs();
-        let sign = if self.digits < 0 { "-" } else { "" };
+        let magnitude = self.digits.unsigned_abs();
+        let sign = if self.digits < 0 || self.minus {
+            "-"
+        } else {
+            ""
+        };
         if self.places == 0 {
             return write!(f, "{sign}{magnitude}");
         }
