@@ -2,8 +2,8 @@
 
 use husillo_gcode::{Dialect, Nm};
 use husillo_machine::{
-    Axis, AxisEncoder, AxisRamp, ClosedLoop, Config, Equipment, Event, Followed, MAX_WAIT_TICKS, Machine,
-    OnLoss, Refused, Scale,
+    Axis, AxisEncoder, AxisRamp, ClosedLoop, Config, Equipment, Event, Followed, MAX_WAIT_TICKS,
+    Machine, OnLoss, Refused, Scale,
 };
 
 use crate::bytes::Bytes;

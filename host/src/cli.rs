@@ -260,8 +260,8 @@ pub struct Target {
     /// [default: that of the machine, or rs274; micromill for files ending in .mm]
     #[arg(long, value_name = "NAME")]
     pub dialect: Option<String>,
-    /// Folder with files of subroutines, after that of the program: NAME.ngc for o<NAME> call,
-    /// 100.ngc for M98 P100; repeatable
+    /// Folder with files of subroutines, after that of the program: NAME.ngc for a call of the
+    /// O-word NAME, 100.ngc for M98 P100; repeatable
     #[arg(long, value_name = "DIR")]
     pub include: Vec<String>,
 }
@@ -371,8 +371,8 @@ pub struct FormatArgs {
     /// Language of the programs [default: rs274; micromill for files ending in .mm]
     #[arg(long, value_name = "NAME")]
     pub dialect: Option<String>,
-    /// Translate the program into this language: lines that it lacks, or reads otherwise, become the
-    /// moves that they make
+    /// Translate the program into this language: lines that it lacks, or reads otherwise, become
+    /// the moves that they make
     #[arg(long, value_enum, value_name = "NAME", conflicts_with = "check")]
     pub to: Option<TargetDialect>,
     /// With --to: folder with files of subroutines, after that of the program; repeatable

@@ -900,8 +900,8 @@ fn the_next_command_goes_on_where_the_last_one_ended() {
     let (rows, _) = run(&["home", "x"]);
     near(&rows[0]["position"], 0.0, 1.0);
 
-    // A killed program leaves a jog that runs on. The next command stops it and keeps what is known,
-    // and so does a stop.
+    // A killed program leaves a jog that runs on. The next command stops it and keeps what is
+    // known, and so does a stop.
     run(&["goto", "50", "zero"]);
     let killed = || {
         let mut jog = std::process::Command::new(env!("CARGO_BIN_EXE_husillo"))

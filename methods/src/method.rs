@@ -197,8 +197,8 @@ impl Method {
         self.name == "direct-search"
     }
 
-    /// Instructions per event on each of [`PROCESSORS`]. `None` without a count. Direct search with
-    /// a centre between the steps has a separate count.
+    /// Instructions per event on a Cortex-M0, a Cortex-M4F and an RV32IMAC, in this order. `None`
+    /// without a count. Direct search with a centre between the steps has a separate count.
     pub fn instructions(&self, is_between: bool) -> [Option<f64>; PROCESSORS.len()] {
         let kernel = if is_between && self.takes_fractions() {
             "arc_32_bits"

@@ -345,8 +345,8 @@ pub const fn why(outcome: Outcome) -> &'static str {
         Outcome::Refused => "the controller refuses it: not homed, beyond the travel, or busy",
         Outcome::Wrong => "the controller does not know the string",
         Outcome::NoSwitch => {
-            "no home switch was found, or one sticks closed: look at the switches and home again; the \
-             next search is over the whole travel"
+            "no home switch was found, or one sticks closed: look at the switches and home again; \
+             the next search is over the whole travel"
         }
         Outcome::Garbled => "the echo differs from what was sent: check the cable and the rate",
         Outcome::Silent => "no answer: check the cable, the rate and the power",

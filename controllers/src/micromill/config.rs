@@ -22,9 +22,9 @@ pub struct MicromillConfig {
     /// Steps of homing towards each switch after which the search fails, where the position is not
     /// known: travel, backlash, and the way to the switch.
     pub search_steps: [u32; 3],
-    /// Steps of homing away from a closed switch after which it fails: the backlash, and how deep an
-    /// axis may stand in its switch. Where the position is known, a search for the switch ends this
-    /// many steps beyond machine zero.
+    /// Steps of homing away from a closed switch after which it fails: the backlash, and how deep
+    /// an axis may stand in its switch. Where the position is known, a search for the switch ends
+    /// this many steps beyond machine zero.
     pub leave_steps: u16,
 }
 

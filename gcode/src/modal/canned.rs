@@ -118,7 +118,8 @@ impl<const N: usize> Modal<N> {
         }
         holes.dwell_micros = self.modes.sticky.dwell_micros;
         holes.spindle = (self.spindle_direction(), self.modes.milli_rpm);
-        // Without a tolerance only the speed in corners differs from G61, as in a program without it.
+        // Without a tolerance only the speed in corners differs from G61, as in a program that has
+        // none.
         let is_wide = |path: &PathMode| matches!(path, PathMode::Blend { tolerance: Some(_) });
         holes.path = Some(self.path()).filter(is_wide);
         self.check_cycle_spindle(kind)?;

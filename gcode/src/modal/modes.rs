@@ -192,8 +192,8 @@ pub(crate) struct More {
     /// G96: surface speed per minute and the largest speed in thousandths of a revolution per
     /// minute; `None` under G97.
     pub(crate) surface: Option<(Nm, Option<u64>)>,
-    /// G5: the reversed vector from the end of the curve to its second control point. G5.2: the last
-    /// control point.
+    /// G5: the reversed vector from the end of the curve to its second control point. G5.2: the
+    /// last control point.
     pub(crate) tail: Option<[Nm; 2]>,
     /// G5.2: order and number of control points of the NURBS that is not ended yet; 0 without one.
     pub(crate) nurbs: (u8, u32),

@@ -14,9 +14,9 @@ const NONE: &str = "free";
 /// A comment that names a machine is within this number of bytes from the start of a program.
 const HEAD: usize = 4096;
 
-/// The program, placed, with its machine: that of the command line, or that of a comment of the program (`-m
-/// NAME`), or the first one that accepts the program without an error. In the last two cases a line
-/// names the machine.
+/// The program, placed, with its machine: that of the command line, or that of a comment of the
+/// program (`-m NAME`), or the first one that accepts the program without an error. In the last two
+/// cases a line names the machine.
 ///
 /// `limit` is the number of findings that are kept.
 pub fn job(file: &str, target: &Target, zero: Option<Zero>, limit: u64) -> Result<Job, Failure> {

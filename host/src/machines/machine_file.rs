@@ -254,8 +254,8 @@ impl MachineFile {
         }
     }
 
-    /// A value of each axis, in the order of the coordinates of a command; `none` for those that the
-    /// machine does not have.
+    /// A value of each axis, in the order of the coordinates of a command; `none` for those that
+    /// the machine does not have.
     pub fn each<T: Clone>(&self, none: T, of: impl Fn(&AxisFile) -> T) -> [T; AXES] {
         std::array::from_fn(|axis| self.axes.get(axis).map_or_else(|| none.clone(), &of))
     }

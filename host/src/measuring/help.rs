@@ -79,8 +79,8 @@ pub const fn help(trouble: &Trouble) -> Option<&'static str> {
              that `travel` lies within the switches"
         }
         Trouble::UnknownEnd { .. } => {
-            "jog it a little in one direction. If the switch does not open, jog it in the other one; \
-             or `home` it, which tries both"
+            "jog it a little in one direction. If the switch does not open, jog it in the other \
+             one; or `home` it, which tries both"
         }
         Trouble::NoEndSwitch { .. } => {
             "is the switch wired to the input that `limit_2` of the axis says, and is `travel` as \

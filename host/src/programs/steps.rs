@@ -9,10 +9,11 @@ use husillo_sim::observers::AXES;
 use husillo_stepper::{Drive, Levels};
 use std::io::{self, Write};
 
-/// Writes `event,wait_ticks,dx,dy,dz`, one row per event, with further axes after Z. Dwells are rows with zero deltas and the
-/// number of the event before them. With motors, each row ends with the new inputs of their
-/// drivers, `lx,ly,lz`; bit 0 is the first input of a driver. A step of a step and direction driver
-/// is then several rows. All of them have zero deltas except that of the rising edge.
+/// Writes `event,wait_ticks,dx,dy,dz`, one row per event, with further axes after Z. Dwells are
+/// rows with zero deltas and the number of the event before them. With motors, each row ends with
+/// the new inputs of their drivers, `lx,ly,lz`; bit 0 is the first input of a driver. A step of a
+/// step and direction driver is then several rows. All of them have zero deltas except that of the
+/// rising edge.
 ///
 /// # Errors
 ///

@@ -8,10 +8,10 @@ import time
 import unittest
 from pathlib import Path
 
-import serial
+import serial  # type: ignore[import-untyped]
 from emulated import Emulated
-from grbl_streamer import GrblStreamer as Streamer
-from pygrbl_streamer import GrblStreamer as PyStreamer
+from grbl_streamer import GrblStreamer as Streamer  # type: ignore[import-not-found]
+from pygrbl_streamer import GrblStreamer as PyStreamer  # type: ignore[import-not-found]
 
 LINES = 2000
 # Several seconds of motion in one of real time.
@@ -46,7 +46,7 @@ def position(port: str) -> bytes:
     with serial.Serial(port, 115200, timeout=5) as line:
         line.reset_input_buffer()
         line.write(b"?")
-        return line.readline()
+        return bytes(line.readline())
 
 
 class Senders(unittest.TestCase):
@@ -56,7 +56,7 @@ class Senders(unittest.TestCase):
         """Streams by counting characters, holds, resumes and polls reports."""
         with Emulated("grbl", "--speed", SPEED) as emulated:
             prepared(emulated.port)
-            events: list[tuple[str, tuple]] = []
+            events: list[tuple[str, tuple[object, ...]]] = []
             done = threading.Event()
 
             def called(event: str, *data: object) -> None:

@@ -15,9 +15,9 @@ const MOST_IN_SPAN: u32 = 1 << 12;
 
 /// The chords of a curve, each at most a quarter of a step from it.
 ///
-/// With h = 1/n a chord of a curve C is at most h^2 max |C''| / 8 from it, and the second derivative
-/// of a cubic curve is largest at its ends: six times the second difference of the control points.
-/// For a NURBS, n is doubled until the middle of each chord is near enough.
+/// With h = 1/n a chord of a curve C is at most h^2 max |C''| / 8 from it, and the second
+/// derivative of a cubic curve is largest at its ends: six times the second difference of the
+/// control points. For a NURBS, n is doubled until the middle of each chord is near enough.
 ///
 /// The ends of the chords are points of the curve, rounded to within 3 nm. The steps are those of
 /// lines between the nearest steps of these points, so they are within 1.46 steps of the curve.

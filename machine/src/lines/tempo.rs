@@ -110,8 +110,8 @@ impl<const N: usize> Config<N> {
         }
     }
 
-    /// The length that a feed measures, of a move that covers these lengths in its axes and `around`
-    /// in the plane of an arc; `whole` is the length in all axes. See [`Axes::fed`].
+    /// The length that a feed measures, of a move that covers these lengths in its axes and
+    /// `around` in the plane of an arc; `whole` is the length in all axes. See [`Axes::fed`].
     ///
     /// [`Axes::fed`]: husillo_gcode::Axes::fed
     fn fed_length(&self, ways: &[u64; N], around: u64, whole: u64) -> u64 {

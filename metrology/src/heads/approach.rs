@@ -4,8 +4,8 @@ use super::head::Head;
 use super::port::Port;
 use husillo_planner::Direction;
 
-/// How a move outside of a search meets a contact. In both ways the contact is a collision: all axes
-/// stop, and the modules stop theirs without the host.
+/// How a move outside of a search meets a contact. In both ways the contact is a collision: all
+/// axes stop, and the modules stop theirs without the host.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Approach {
     /// At the speed of moves. The axes stop abruptly.

@@ -135,9 +135,9 @@ impl<P: Port> Head<P> {
         self.only(index, inside, None, quick).map(drop)
     }
 
-    /// Leaves an end switch that is not the one of a search. Returns where it opens, and the sign of
-    /// the direction. Where the end is not known, the axis tries both directions, each over a short
-    /// distance.
+    /// Leaves an end switch that is not the one of a search. Returns where it opens, and the sign
+    /// of the direction. Where the end is not known, the axis tries both directions, each over a
+    /// short distance.
     fn leave_end(&mut self, index: usize) -> Result<(i32, i32), Trouble> {
         let (slow, short) = (self.probe.slow_rate, self.leaving());
         let left = match self.axes[index].end {

@@ -8,8 +8,8 @@ use husillo_transports::nmc::{Command, Mode, StopWay, Trajectory};
 
 impl<P: Port> Head<P> {
     /// Runs an axis for some time and stops it smoothly. It runs at the speed of moves, or at that
-    /// of a search if it `is_slow` or starts in contact. The jog is a move over the distance of this
-    /// time, within the travel. So without the host the module ends it as asked.
+    /// of a search if it `is_slow` or starts in contact. The jog is a move over the distance of
+    /// this time, within the travel. So without the host the module ends it as asked.
     ///
     /// # Errors
     ///
@@ -178,8 +178,8 @@ mod tests {
         port.chain.motor(1).unwrap().counts()
     }
 
-    /// 1200 counts/s: without its host a jog goes as far as with it, not to the end of the travel at
-    /// 8000 counts.
+    /// 1200 counts/s: without its host a jog goes as far as with it, not to the end of the travel
+    /// at 8000 counts.
     #[test]
     fn a_jog_whose_host_is_killed_ends_as_asked() {
         for (seconds, is_positive) in [(3.0, true), (2.0, false)] {

@@ -78,8 +78,8 @@ pub enum Rejoined<P> {
 impl<P: Port> Head<P> {
     /// Goes on where an earlier session has left the modules. It asks them without a reset and
     /// compares their answers with the memory. Origins and homes then hold as before. If the
-    /// program of the session was killed, all axes are stopped smoothly first, and only their
-    /// [`MARK`] is compared.
+    /// program of the session was killed, all axes are stopped smoothly first, and only the status
+    /// items that the session defined in their modules are compared.
     ///
     /// # Errors
     ///
@@ -322,8 +322,8 @@ mod tests {
         ));
     }
 
-    /// A program that was killed in the middle of a move has left the axes moving. They are stopped,
-    /// and nothing is lost.
+    /// A program that was killed in the middle of a move has left the axes moving. They are
+    /// stopped, and nothing is lost.
     #[test]
     fn a_killed_program_loses_nothing() {
         use husillo_transports::nmc::{Mode, Trajectory};

@@ -14,8 +14,8 @@ pub trait Emulation {
     /// Takes a byte that a client sent.
     fn send(&mut self, byte: u8);
 
-    /// Number of bytes that a client sent and the device has not received yet: they are on the line.
-    /// A port takes no more bytes of a client while there are many.
+    /// Number of bytes that a client sent and the device has not received yet: they are on the
+    /// line. A port takes no more bytes of a client while there are many.
     fn on_the_line(&self) -> usize;
 
     /// Simulates one period. Returns the bytes that the device sends in it.

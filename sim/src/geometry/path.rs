@@ -95,8 +95,8 @@ impl Path {
         })
     }
 
-    /// The path of a command in X, Y and Z, if it moves. An arc whose radii differ by at most `half_step` is a
-    /// circle, otherwise it is a spiral.
+    /// The path of a command in X, Y and Z, if it moves. An arc whose radii differ by at most
+    /// `half_step` is a circle, otherwise it is a spiral.
     pub fn programmed<const N: usize>(
         from: [Nm; N],
         command: &Command<N>,

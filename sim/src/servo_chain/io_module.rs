@@ -35,10 +35,10 @@ enum Pending {
 /// the pins at the last Synchronous Input (2 bytes) and the timer then (4 bytes). An output reads
 /// as its own level.
 ///
-/// The timer has 32 bits. Its mode is 0 for off, 1 for a timer, 3 for a counter of the pulses at its
-/// input, plus 00, 10, 20 or 30 hex for one count in 1, 2, 4 or 8. A timer counts the 5 MHz of the
-/// instructions of the chip, whose clock has 20 MHz. The texts that we have leave open what a new
-/// mode does; here it begins at 0, and the mode off keeps the count.
+/// The timer has 32 bits. Its mode is 0 for off, 1 for a timer, 3 for a counter of the pulses at
+/// its input, plus 00, 10, 20 or 30 hex for one count in 1, 2, 4 or 8. A timer counts the 5 MHz of
+/// the instructions of the chip, whose clock has 20 MHz. The texts that we have leave open what a
+/// new mode does; here it begins at 0, and the mode off keeps the count.
 #[derive(Clone, Debug)]
 pub(super) struct IoModule {
     version: u8,

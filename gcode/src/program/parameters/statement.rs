@@ -118,7 +118,8 @@ fn is_program_number(text: &[u8]) -> bool {
 }
 
 /// Whether a line needs a [`Program`](super::Program): it has a parameter or a bracket outside
-/// comments, begins with an O-word, or has M70 to M73, M98 or M99. Always `false` in a dialect without them.
+/// comments, begins with an O-word, or has M70 to M73, M98 or M99. Always `false` in a dialect
+/// without them.
 ///
 /// # Cost
 /// One check per byte.

@@ -44,12 +44,10 @@ impl<'a> Lines<'a> {
     /// # Errors
     ///
     /// `each` fails.
-    pub fn line(
-        &mut self,
-        bytes: &[u8],
-        findings: &mut Findings,
-        mut each: impl FnMut(&Meaning<'_>, &Command<AXES>, [Nm; AXES], &mut Findings) -> io::Result<()>,
-    ) -> io::Result<()> {
+    pub fn line<F>(&mut self, bytes: &[u8], findings: &mut Findings, mut each: F) -> io::Result<()>
+    where
+        F: FnMut(&Meaning<'_>, &Command<AXES>, [Nm; AXES], &mut Findings) -> io::Result<()>,
+    {
         self.number += 1;
         let dialect = self.walker.dialect;
         if bytes.trim_ascii().starts_with(b"%") {
@@ -76,11 +74,10 @@ impl<'a> Lines<'a> {
     /// # Errors
     ///
     /// `each` fails.
-    pub fn finish(
-        &mut self,
-        findings: &mut Findings,
-        mut each: impl FnMut(&Meaning<'_>, &Command<AXES>, [Nm; AXES], &mut Findings) -> io::Result<()>,
-    ) -> io::Result<()> {
+    pub fn finish<F>(&mut self, findings: &mut Findings, mut each: F) -> io::Result<()>
+    where
+        F: FnMut(&Meaning<'_>, &Command<AXES>, [Nm; AXES], &mut Findings) -> io::Result<()>,
+    {
         self.walker.finish(findings, &mut each)
     }
 

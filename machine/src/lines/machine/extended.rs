@@ -356,14 +356,15 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize>
         self.extension.state.probing.is_some()
     }
 
-    /// Whether the level of the probe's input matters: a probing move is being made or waits for the
-    /// moves before it. Otherwise [`set_probe`](Machine::set_probe) need not be called.
+    /// Whether the level of the probe's input matters: a probing move is being made or waits for
+    /// the moves before it. Otherwise [`set_probe`](Machine::set_probe) need not be called.
     pub const fn needs_probe(&self) -> bool {
         self.is_probing() || matches!(self.waiting, Some(Command::Probe { .. }))
     }
 
     /// Sets the tip of the probe. Reported positions are then points of the surface, which is taken
-    /// to be square to the move. `None` (as on a new machine): positions of the axes at the contact.
+    /// to be square to the move. `None` (as on a new machine): positions of the axes at the
+    /// contact.
     pub fn set_tip(&mut self, tip: Option<Tip<6>>) {
         self.extension.tip = tip;
     }
