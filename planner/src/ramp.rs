@@ -497,7 +497,8 @@ impl Ramp {
         let square = self.square_now();
         let grain = u32::from(self.grain_bits);
         // Below 2^54 2^32.
-        let gain = u128::from(self.course.gain()).wrapping_mul(sweep.into()) >> grain;
+        let gain = u128::from(self.course.gain()).wrapping_mul(sweep.into());
+        let gain = gain.wrapping_shr(grain);
         u128::from(square) <= gain.wrapping_add(self.course.floor.into())
     }
 
@@ -712,7 +713,9 @@ impl Ramp {
             None => {
                 // The rest is owed for longer.
                 let left = time.wrapping_add_signed(late) as i64;
-                let left = i128::from(left).wrapping_shl(32) >> fraction_bits;
+                let left = i128::from(left)
+                    .wrapping_shl(32)
+                    .wrapping_shr(fraction_bits);
                 self.late = left.clamp(i64::MIN.into(), i64::MAX.into()) as i64;
                 0
             }

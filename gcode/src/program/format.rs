@@ -184,10 +184,11 @@ impl<'a> Formatted<'a> {
                 self.heads = [space, letter, &[]];
                 self.word(rest, letter)
             }
-            b'(' => rest
-                .split_inclusive(|&byte| byte == b')')
-                .next()
-                .map_or(1, <[u8]>::len),
+            b'(' => {
+                let end = rest.iter().position(|&byte| byte == b')');
+                // Below the length.
+                end.map_or(rest.len(), |end| end.wrapping_add(1))
+            }
             b';' if !self.strings => rest.len(),
             b'#' => {
                 // Checked before: the line has expressions, and there is an end.

@@ -103,11 +103,11 @@ impl<const N: usize> Translator<N> {
     ///
     /// # Errors
     /// The line has an error, or a command that the other dialect lacks: the first of them.
-    pub fn line(
+    pub fn line<Out: FnMut(&[u8])>(
         &mut self,
         text: &[u8],
         block: &Block,
-        out: &mut impl FnMut(&[u8]),
+        out: &mut Out,
     ) -> Result<Translated, Untranslated<N>> {
         let (next, commands) = self.source.plan(block).map_err(Untranslated::Error)?;
         // A copy, as a kept line has the commands of the block itself.
@@ -142,7 +142,7 @@ impl<const N: usize> Translator<N> {
     ///
     /// # Errors
     /// As [`Translator::line`].
-    pub fn finish(&mut self, out: &mut impl FnMut(&[u8])) -> Result<(), Untranslated<N>> {
+    pub fn finish<Out: FnMut(&[u8])>(&mut self, out: &mut Out) -> Result<(), Untranslated<N>> {
         match self.stage.clone() {
             Some(stage) if stage.is_active() => {
                 self.write_all(stage.finish(), &mut Comments::of(b""), out)
@@ -353,19 +353,16 @@ impl<'t> Comments<'t> {
     }
 
     fn piece(&self, comment: &[u8], out: &mut impl FnMut(&[u8])) {
-        for part in comment.split_inclusive(|byte| matches!(byte, b'(' | b')')) {
-            match part {
-                [before @ .., b'('] => {
-                    out(before);
-                    out(b"[");
-                }
-                [before @ .., b')'] => {
-                    out(before);
-                    out(b"]");
-                }
-                whole => out(whole),
-            }
+        let is_parenthesis = |byte: &u8| matches!(byte, b'(' | b')');
+        let mut rest = comment;
+        while let Some(end) = rest.iter().position(is_parenthesis) {
+            out(rest.get(..end).unwrap_or_default());
+            let is_opening = rest.get(end) == Some(&b'(');
+            out(if is_opening { b"[" } else { b"]" });
+            // Below the length.
+            rest = rest.get(end.wrapping_add(1)..).unwrap_or_default();
         }
+        out(rest);
         out(b")");
     }
 }

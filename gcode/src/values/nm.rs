@@ -1,6 +1,6 @@
 //! Lengths and positions.
 
-use core::fmt;
+use core::fmt::{self, Write};
 
 /// A length or a position in nanometres. `Display` prints millimetres without trailing zeros.
 #[derive(Copy, Clone, Eq, PartialEq, Ord, PartialOrd, Hash, Debug, Default)]
@@ -63,16 +63,20 @@ impl fmt::Display for Nm {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let magnitude = self.0.unsigned_abs();
         let sign = if self.0 < 0 { "-" } else { "" };
-        let (whole, mut rest, mut width) = (magnitude / 1_000_000, magnitude % 1_000_000, 6);
+        let (whole, mut rest) = (magnitude / 1_000_000, magnitude % 1_000_000);
         write!(f, "{sign}{whole}")?;
         if rest == 0 {
             return Ok(());
         }
-        while rest % 10 == 0 {
-            rest /= 10;
-            width = usize::wrapping_sub(width, 1);
+        f.write_str(".")?;
+        while rest != 0 {
+            // Below 10,000,000, so the digit is below 10.
+            let tenfold = rest.wrapping_mul(10);
+            let digit = b'0'.wrapping_add((tenfold / 1_000_000) as u8);
+            f.write_char(char::from(digit))?;
+            rest = tenfold % 1_000_000;
         }
-        write!(f, ".{rest:0width$}")
+        Ok(())
     }
 }
 

@@ -137,7 +137,10 @@ impl Course {
         }
         self.phase = 0;
         // The rest is below 2^bits and 2^32.
-        let share = |whole: u64| (u128::from(whole).wrapping_mul(rest.into()) >> bits) as u64;
+        let share = |whole: u64| {
+            let product = u128::from(whole).wrapping_mul(rest.into());
+            product.wrapping_shr(bits) as u64
+        };
         self.corner(
             share(self.gain()).max(1),
             share(self.path).max(1),

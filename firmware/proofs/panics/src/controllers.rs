@@ -3,16 +3,18 @@
 use core::hint::black_box;
 
 use husillo_controllers::{
-    Controller, Drill as AnyDrill, DrillEvent, DrillLights, Microfactory as AnyMicrofactory,
-    MicrofactoryEvent, MicrofactoryStation as AnyMicrofactoryStation, Micromill as AnyMicromill,
-    MicromillConfig, MicromillEvent, MicromillStep, MicromillStops as Stops, ServoModule,
-    ServoModuleOutput, StopBytes, Timed, servo_law,
+    Controller, Drill as AnyDrill, DrillEvent, DrillLights, Grbl as AnyGrbl, GrblEvent, GrblMemory,
+    GrblStops, Microfactory as AnyMicrofactory, MicrofactoryEvent,
+    MicrofactoryStation as AnyMicrofactoryStation, Micromill as AnyMicromill, MicromillConfig,
+    MicromillEvent, MicromillStep, MicromillStops as Stops, ServoModule, ServoModuleOutput,
+    StopBytes, Timed, servo_law,
 };
 
 type Microfactory = AnyMicrofactory<&'static [[i16; 2]]>;
 type MicrofactoryStation = AnyMicrofactoryStation<100, 2>;
 type Drill = AnyDrill<64>;
 type Micromill = AnyMicromill<'static>;
+type Grbl = AnyGrbl<15>;
 
 /// Keeps every function in the program.
 #[unsafe(export_name = "controllers")]
@@ -97,6 +99,25 @@ pub fn keep() {
         <MicrofactoryEvent as Timed>::wait_ticks as *const (),
         <MicromillEvent as Timed>::wait_ticks as *const (),
         <ServoModuleOutput as Timed>::wait_ticks as *const (),
+        Grbl::new as *const (),
+        Grbl::memory as *const (),
+        Grbl::position_steps as *const (),
+        <Grbl as Controller>::stops as *const (),
+        <Grbl as Controller>::halted as *const (),
+        <Grbl as Controller>::lease_us as *const (),
+        <Grbl as Controller>::machines as *const (),
+        <Grbl as Controller>::expire as *const (),
+        <Grbl as Controller>::receive as *const (),
+        <Grbl as Controller>::next_event as *const (),
+        <Grbl as Controller>::made as *const (),
+        <Grbl as Controller>::transmit as *const (),
+        <Grbl as Controller>::reset as *const (),
+        <GrblStops as StopBytes>::takes as *const (),
+        <GrblEvent as Timed>::wait_ticks as *const (),
+        GrblMemory::settings as *const (),
+        GrblMemory::with_settings as *const (),
+        GrblMemory::to_bytes as *const (),
+        GrblMemory::from_bytes as *const (),
         servo_law as *const (),
         ServoModule::new as *const (),
         ServoModule::link as *const (),

@@ -6,15 +6,17 @@ use fixed::types::I32F32;
 use husillo_gcode::contour::{Contours, needs_contours};
 use husillo_gcode::parameters::{Fault, NoMachine, Program, System, Value, needs_program};
 use husillo_gcode::{
-    Arc, Block, Blocks, Command, Commands, Compensated, Compensation, Decimal, Dialect, Direction,
-    Error, ErrorKind, Formatted, LineReader, LineTooLong, Measure, Modal, Plane, Receiver,
-    SpindleDirection, Tokens, Tool, Word, WordReader, Words, formatted, tokens, words,
+    Arc, Axes, Block, Blocks, Command, Commands, Compensated, Compensation, Decimal, Dialect,
+    Direction, Error, ErrorKind, Formatted, LineReader, LineTooLong, Measure, Modal, Plane,
+    Receiver, SpindleDirection, Tokens, Tool, Translator, Word, WordReader, Words, formatted,
+    tokens, words,
 };
 
 /// Keeps every function in the program.
 #[unsafe(export_name = "gcode")]
 pub fn keep() {
     keep_parameters();
+    keep_axes();
     black_box([
         words as *const (),
         Words::is_deleted as *const (),
@@ -50,6 +52,7 @@ pub fn keep() {
         Decimal::digits as *const (),
         Decimal::places as *const (),
         Decimal::is_negative as *const (),
+        Decimal::has_minus as *const (),
         Decimal::is_zero as *const (),
         Decimal::last_place as *const (),
         Decimal::scaled as *const (),
@@ -75,6 +78,7 @@ pub fn keep() {
         Block::parse as *const (),
         Block::from_words::<[Result<Word, Error>; 2]> as *const (),
         Block::word as *const (),
+        Block::axis as *const (),
         Block::line_number as *const (),
         Block::program_number as *const (),
         Block::is_deleted as *const (),
@@ -84,6 +88,7 @@ pub fn keep() {
         Modal::<3>::new as *const (),
         Modal::<3>::plan as *const (),
         Modal::<3>::position as *const (),
+        Modal::<3>::work_position as *const (),
         Modal::<3>::set_position as *const (),
         Modal::<3>::stop_outputs as *const (),
         Modal::<3>::work_offset as *const (),
@@ -100,6 +105,9 @@ pub fn keep() {
         Modal::<3>::centre_distance as *const (),
         Modal::<3>::feed_mode as *const (),
         Modal::<3>::feed as *const (),
+        Modal::<3>::feed_word as *const (),
+        Modal::<3>::rotation as *const (),
+        Modal::<3>::set_rotation as *const (),
         Modal::<3>::spindle as *const (),
         Modal::<3>::coolant as *const (),
         Modal::<3>::tool as *const (),
@@ -114,6 +122,7 @@ pub fn keep() {
         Modal::<3>::is_diameter as *const (),
         Tool::<3>::of_radius as *const (),
         Command::<3>::end as *const (),
+        Command::<3>::shown as *const (),
         SpindleDirection::name as *const (),
         Direction::is_clockwise as *const (),
         Compensation::<3>::new as *const (),
@@ -144,6 +153,7 @@ fn keep_parameters() {
         <Modal<3> as System>::named as *const (),
         Program::<'_, 64, 96, 10>::new as *const (),
         Program::<'_, 64, 96, 10>::with_steps as *const (),
+        Program::<'_, 64, 96, 10>::with_library as *const (),
         Program::<'_, 64, 96, 10>::with_first_line as *const (),
         Program::<'_, 64, 96, 10>::steps_left as *const (),
         Program::<'_, 64, 96, 10>::call_level as *const (),
@@ -155,5 +165,27 @@ fn keep_parameters() {
         Program::<'_, 64, 96, 10>::set_named_parameter as *const (),
         Program::<'_, 64, 96, 10>::next_line::<Modal<3>> as *const (),
         Program::<'_, 64, 96, 10>::next_line::<NoMachine> as *const (),
+    ]);
+}
+
+/// The axes of a machine, and the translator between dialects.
+fn keep_axes() {
+    black_box([
+        Axes::new as *const (),
+        Axes::with_wrapped as *const (),
+        Axes::len as *const (),
+        Axes::letter as *const (),
+        Axes::letters as *const (),
+        Axes::index as *const (),
+        Axes::is_rotary as *const (),
+        Axes::is_wrapped as *const (),
+        Axes::fed::<3> as *const (),
+        Dialect::axes as *const (),
+        Dialect::with_axes as *const (),
+        Translator::<3>::new as *const (),
+        Translator::<3>::modal as *const (),
+        Translator::<3>::target as *const (),
+        Translator::<3>::line::<fn(&[u8])> as *const (),
+        Translator::<3>::finish::<fn(&[u8])> as *const (),
     ]);
 }

@@ -3,8 +3,9 @@
 use core::hint::black_box;
 
 use husillo_planner::{
-    AxisTimers, Burst, Bursts, Direction, Follower, Junction, LookAhead, Ramp, Recurrence, Replay,
-    SCurve, ServoLine, ServoProfile, Stretch, Timer, Trapezoid, arc_acceleration, arc_speed,
+    AxisTimers, Burst, Bursts, Direction, Follower, Junction, LookAhead, Piece, Ramp, Recurrence,
+    Replay, SCurve, ServoLine, ServoProfile, Stretch, Timer, Trapezoid, arc_acceleration,
+    arc_speed,
 };
 
 /// Keeps every function in the program.
@@ -34,6 +35,7 @@ fn path() {
         LookAhead::<u32, 16>::back as *const (),
         LookAhead::<u32, 16>::limits as *const (),
         LookAhead::<u32, 16>::set_override as *const (),
+        LookAhead::<u32, 16>::set_rapid_override as *const (),
         LookAhead::<u32, 16>::percent as *const (),
         LookAhead::<u32, 16>::len as *const (),
         LookAhead::<u32, 16>::is_empty as *const (),
@@ -42,6 +44,8 @@ fn path() {
         Ramp::new as *const (),
         Ramp::begin as *const (),
         Ramp::wait as *const (),
+        Ramp::take_piece as *const (),
+        Piece::next as *const (),
         Ramp::hold as *const (),
         Ramp::resume as *const (),
         Ramp::is_held as *const (),

@@ -22,6 +22,7 @@ pub fn keep() {
     drill::keep();
     micromill::keep();
     link::keep();
+    grbl::keep();
     black_box([
         Auxiliary::contains as *const (),
         Baud::bits_per_s as *const (),
@@ -368,6 +369,68 @@ mod link {
             Station::unacknowledged as *const (),
             Timing::of as *const (),
             Timing::wait_us as *const (),
+        ]);
+    }
+}
+
+/// The link of Grbl.
+mod grbl {
+    use core::hint::black_box;
+
+    use husillo_transports::grbl::{
+        Adjust, Alarm, ErrorCode, Feedback, LineReader, Message, Parameter, Place, Realtime,
+        Receiver, Settings, State, Status, Text, Window, decimal, key_and_value,
+    };
+
+    pub fn keep() {
+        black_box([
+            Adjust::apply as *const (),
+            Alarm::number as *const (),
+            Alarm::of as *const (),
+            Alarm::text as *const (),
+            ErrorCode::number as *const (),
+            ErrorCode::of as *const (),
+            ErrorCode::text as *const (),
+            Feedback::text as *const (),
+            LineReader::clear as *const (),
+            LineReader::new as *const (),
+            LineReader::push as *const (),
+            Message::is_answer as *const (),
+            Message::parse as *const (),
+            Message::write as *const (),
+            Parameter::name as *const (),
+            Place::new as *const (),
+            Place::nm as *const (),
+            Realtime::byte as *const (),
+            Realtime::of as *const (),
+            Receiver::<256>::clear as *const (),
+            Receiver::<256>::free as *const (),
+            Receiver::<256>::lost as *const (),
+            Receiver::<256>::new as *const (),
+            Receiver::<256>::push as *const (),
+            Receiver::<256>::take as *const (),
+            Settings::from_bytes as *const (),
+            Settings::is_set as *const (),
+            Settings::milli as *const (),
+            Settings::text as *const (),
+            Settings::to_bytes as *const (),
+            Settings::whole as *const (),
+            Settings::write as *const (),
+            State::name as *const (),
+            Status::new as *const (),
+            Text::bytes as *const (),
+            Text::new as *const (),
+            Text::put as *const (),
+            Text::put_decimal as *const (),
+            Text::put_number as *const (),
+            Window::answered as *const (),
+            Window::bytes as *const (),
+            Window::clear as *const (),
+            Window::lines as *const (),
+            Window::new as *const (),
+            Window::send as *const (),
+            decimal as *const (),
+            key_and_value as *const (),
         ]);
     }
 }
