@@ -59,7 +59,15 @@ fn blocks(line: &[u8], dialect: &Dialect) -> Vec<Result<(String, bool), ErrorKin
     let meaning = |text| {
         let block = Block::parse(text, dialect).map_err(|error| error.kind)?;
         let words = (b'A'..=b'Z').filter_map(|letter| {
-            let value = block.word(letter)?;
+            let value = block.word(letter)?.to_string();
+            // The normal form keeps the sign of a zero for rotary axes only.
+            let is_zero = value.bytes().all(|byte| matches!(byte, b'-' | b'0' | b'.'));
+            let is_signed = matches!(letter, b'A'..=b'C') || !is_zero;
+            let value = if is_signed {
+                &value
+            } else {
+                value.trim_start_matches('-')
+            };
             Some(format!("{}{value}", char::from(letter)))
         });
         Ok((words.collect(), block.is_deleted()))

@@ -51,7 +51,7 @@ pub use stepper::stepper;
 pub type Target = fn(&[u8]);
 
 /// Every target with its name, which is also that of its program and of its folder in `corpus`.
-pub const TARGETS: [(&str, Target); 20] = [
+pub const TARGETS: [(&str, Target); 21] = [
     ("gcode", gcode),
     ("reader", reader),
     ("format", format),
