@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import json
 import math
 import re
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from husillo_firmware import host, registers
 from husillo_firmware.boards import Board
@@ -91,9 +93,13 @@ def lines_of(strings: Sequence[str], folder: Path, *options: str | Path) -> list
     return lines
 
 
-def report(path: Path) -> str:
-    """The simulator's report of a program."""
-    return host.says("run", path, "-m", "micromill", "--format", "json")
+def report(path: Path) -> dict[str, Any]:
+    """The simulator's report of a program, without what depends on its file."""
+    said = host.says("run", path, "-m", "micromill", "--format", "json")
+    values: dict[str, Any] = json.loads(said)
+    for name in ("file", "findings"):
+        del values[name]
+    return values
 
 
 def phases(levels: int) -> int:
