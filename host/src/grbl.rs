@@ -42,7 +42,8 @@ pub fn emulate(
 pub fn settings(file: &MachineFile) -> Result<Settings, String> {
     let config = setup::config(file, Dialect::GRBL)?;
     let mut settings = Settings::DEFAULT;
-    for (number, axis) in (0_u8..).zip(config.axes) {
+    // Grbl has X, Y and Z.
+    for (number, axis) in (0_u8..3).zip(config.axes) {
         let mm_per_step = f64::from(axis.scale.nm()) / f64::from(axis.scale.steps()) / 1e6;
         let travel = axis
             .travel

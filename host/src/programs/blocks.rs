@@ -119,7 +119,7 @@ const GRBL_LINE: u8 = 79;
 
 /// Checks that a line fits into the buffer of Grbl.
 fn fits(text: &[u8], dialect: &Dialect) -> Result<(), Error> {
-    if *dialect != Dialect::GRBL || text.len() <= usize::from(GRBL_LINE) {
+    if dialect.name() != Dialect::GRBL.name() || text.len() <= usize::from(GRBL_LINE) {
         return Ok(());
     }
     let (mut is_comment, mut length) = (false, 0);

@@ -130,6 +130,11 @@ pub fn finding(error: &Error, at: &At<'_>) -> Finding {
     }
 }
 
+/// Whether the program is of this dialect, whatever the axes of its machine.
+fn is_of(at: &At<'_>, dialect: &Dialect) -> bool {
+    at.dialect.name() == dialect.name()
+}
+
 fn described(error: &Error, at: &At<'_>) -> Finding {
     let code = format!("E{:04}", error.kind.code());
     // An error at the very end of the block points at its last character.
@@ -154,7 +159,7 @@ fn described(error: &Error, at: &At<'_>) -> Finding {
             .note("a grbl controller answers `error:20` here")
             .help("remove the word")
             .fix(at.removal(span), ""),
-        ErrorKind::NotALetter(b'$') if at.dialect.name() == Dialect::GRBL.name() => finding
+        ErrorKind::NotALetter(b'$') if is_of(at, &Dialect::GRBL) => finding
             .label("a jog (`$J=`) is for the operator")
             .help("write G1, or send it by a Grbl sender"),
         ErrorKind::NotALetter(_) => finding
@@ -265,12 +270,15 @@ fn described(error: &Error, at: &At<'_>) -> Finding {
         ErrorKind::NotOfDialect(letter, tenths) => {
             let finding = finding.label("this dialect has no such code");
             // The languages of machines that can do nothing else.
-            if [Dialect::MICROMILL, Dialect::DRILL].contains(&at.dialect) {
+            if [Dialect::MICROMILL, Dialect::DRILL]
+                .iter()
+                .any(|one| is_of(at, one))
+            {
                 return finding.help("leave the code out: this machine has no such function");
             }
-            let finding = match at.dialect {
-                Dialect::GRBL => finding.note("grbl: `error:20`"),
-                _ => finding,
+            let finding = match is_of(at, &Dialect::GRBL) {
+                true => finding.note("grbl: `error:20`"),
+                false => finding,
             };
             finding.help(match dialect_with(letter, tenths) {
                 Some(name) => format!("`--dialect {name}` has it; or leave the code out"),
@@ -279,9 +287,9 @@ fn described(error: &Error, at: &At<'_>) -> Finding {
         }
         ErrorKind::MissingWord(letter) => {
             let finding = finding.label(format!("needs `{}`", char::from(letter)));
-            match at.dialect {
-                Dialect::GRBL => finding.note("grbl: `error:28`"),
-                _ => finding,
+            match is_of(at, &Dialect::GRBL) {
+                true => finding.note("grbl: `error:28`"),
+                false => finding,
             }
         }
         ErrorKind::NumberNotAlone => finding
