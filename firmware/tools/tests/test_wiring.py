@@ -34,7 +34,7 @@ def value(expression: str, **names: int) -> int:
 
     Rust and Python have the same precedence of these operators.
     """
-    expression = re.sub(r"u32::from\((\w+)\)", r"\1", expression)
+    expression = re.sub(r"(?:u32::from|bits)\((\w+)\)", r"\1", expression)
     assert re.fullmatch(r"[\w\s<>&|()]+", expression), expression
     return int(eval(expression, {"__builtins__": {}}, names))
 
