@@ -81,7 +81,8 @@ def check(board: Board) -> None:
     with tempfile.TemporaryDirectory() as path:
         folder = Path(path)
         with Emulated("microfactory", folder, 200) as emulated:
-            host.says("jog", "-m", "microfactory", "--port", emulated.link, "home")
+            to = ("-m", "microfactory", "--port", emulated.link)
+            host.says("jog", *to, *host.IN_VIRTUAL_TIME, "home")
         rows = emulated.rows()
         for _ in range(TRIES):
             happened = stopped(board, folder / "log")
