@@ -63,7 +63,7 @@ fn commands(text: &[u8], dialect: Dialect, compensates: bool) -> Result<Vec<Stri
             Command::Rapid { to } | Command::Linear { to, .. } if to == from => {}
             Command::Path { .. } => {}
             Command::Compensation { .. } if !compensates => {}
-            // States on the way to a state are not compared.
+            // States between two awaited states are not compared.
             Command::Coolant { .. } if made.last().is_some_and(|last| last.starts_with("cool")) => {
                 made.pop();
                 made.push(command.to_string());
@@ -233,7 +233,7 @@ fn lines_stay_or_are_moves() {
         "{made}"
     );
     assert!(made.contains("(start)") && !made.contains(';'), "{made}");
-    // A program of Grbl starts with G0, which others have to be told.
+    // A program of Grbl starts with G0, which other controllers lack.
     let (made, left) = lines("X1\nG1 Y2 F3\nM2", Dialect::GRBL, Dialect::RS274);
     assert_eq!((made.as_str(), left.len()), ("G0 X1\nG1 Y2 F3\nM2\n", 0));
 }

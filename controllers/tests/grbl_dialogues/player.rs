@@ -42,7 +42,7 @@ pub struct Player {
     /// Time of the last power-on, us.
     base_us: u64,
     now_us: u64,
-    /// Bytes on their way to the controller.
+    /// Bytes that the controller has not received yet.
     there: VecDeque<(u64, u8)>,
     free_us: u64,
     partial: Vec<u8>,
