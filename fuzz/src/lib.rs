@@ -24,6 +24,7 @@ mod planner;
 mod reader;
 mod servo;
 mod stepper;
+mod translate;
 
 pub use backlash::backlash;
 pub use closed_loop::closed_loop;
@@ -46,18 +47,20 @@ pub use planner::planner;
 pub use reader::reader;
 pub use servo::servo;
 pub use stepper::stepper;
+pub use translate::translate;
 
 /// A target: takes any bytes.
 pub type Target = fn(&[u8]);
 
 /// Every target with its name, which is also that of its program and of its folder in `corpus`.
-pub const TARGETS: [(&str, Target); 21] = [
+pub const TARGETS: [(&str, Target); 22] = [
     ("gcode", gcode),
     ("reader", reader),
     ("format", format),
     ("expressions", expressions),
     ("parameters", parameters),
     ("contour", contour),
+    ("translate", translate),
     ("excellon", excellon),
     ("interp", interp),
     ("planner", planner),

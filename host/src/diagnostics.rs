@@ -1,6 +1,7 @@
 //! Findings about programs and machine files, and collections of them. [`drawing`] prints them.
 
 mod drawing;
+pub mod page;
 
 use crate::console::shown;
 use std::collections::HashSet;

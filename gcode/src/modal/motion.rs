@@ -457,6 +457,8 @@ impl<const N: usize> Modal<N> {
                 (Flavour::Grbl, _) | (_, Units::Micrometres) => arc::SLACK_NARROW,
                 (_, units) => arc::slack(units).max(one_and_a_half),
             };
+            #[cfg(feature = "extended")]
+            let slack = slack.max(self.modes.dialect.arc_tolerance().0);
             arc::with_centre(from, &arc.to, &arc.centre, axes, slack, &mut arc.mismatch)?;
         }
         arc.turns = 1;

@@ -3,6 +3,7 @@
 use crate::error::{Error, ErrorKind};
 use crate::features::EXTENDED;
 use crate::values::decimal::Decimal;
+use crate::words::comment::comment_length;
 use crate::words::numeral::{
     LINE_FEED, QUICK, WINDOW, alphabet, is_blank, number, short_number, window_at, window_number,
 };
@@ -49,28 +50,17 @@ pub(crate) const fn is_end(byte: u8) -> bool {
 
 /// The position after the comment at the start of the text.
 fn comment(text: &[u8], lines: bool) -> Result<usize, Error> {
-    let mut at = 0_usize;
-    loop {
-        at = at.wrapping_add(1);
-        let kind = match text.get(at) {
-            Some(b')') => return Ok(at.wrapping_add(1)),
-            Some(b'(') => ErrorKind::NestedComment,
-            Some(&byte) if !(lines && is_end(byte)) => continue,
-            _ => ErrorKind::UnclosedComment,
-        };
-        return Err(match kind {
-            ErrorKind::NestedComment => Error {
-                kind,
-                at,
-                end: at.wrapping_add(1),
-            },
-            _ => Error {
-                kind,
-                at: 0,
-                end: at,
-            },
-        });
-    }
+    let end = if lines {
+        text.iter().position(|&byte| is_end(byte))
+    } else {
+        None
+    };
+    let line = end.and_then(|end| text.get(..end)).unwrap_or(text);
+    comment_length(line).ok_or(Error {
+        kind: ErrorKind::UnclosedComment,
+        at: 0,
+        end: line.len(),
+    })
 }
 
 impl<'a, const LINES: bool> Scanner<'a, LINES> {

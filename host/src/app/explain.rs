@@ -3,9 +3,9 @@
 use super::{Failure, OK};
 use crate::cli::Explain;
 use crate::console;
+use crate::diagnostics::page::FINDINGS;
 use std::io::Write;
 
-const FINDINGS: &str = include_str!("../../docs/findings.md");
 const CODES: &str = include_str!("../../docs/codes.md");
 
 /// A row of a table, with the heads of its columns.

@@ -120,9 +120,22 @@ pub fn encoders(file: &MachineFile) -> [Option<AxisEncoder>; AXES] {
     })
 }
 
-/// The dialect of a program on this machine: with its axes.
+/// The dialect of a program on this machine: with its axes and its tolerance of arcs. Programs of
+/// CAM systems may begin with axis words, which are taken as G0, with a warning.
 pub fn on_axes(dialect: Dialect, file: &MachineFile) -> Dialect {
-    dialect.with_axes(file.letters)
+    let is_of_cam = [
+        Dialect::RS274,
+        Dialect::GRBL,
+        Dialect::ISO,
+        Dialect::LATHE,
+        Dialect::LATHE_A,
+    ]
+    .iter()
+    .any(|other| other.name() == dialect.name());
+    dialect
+        .with_axes(file.letters)
+        .with_arc_tolerance(file.arc_tolerance.map(Nm))
+        .with_rapid_start(is_of_cam)
 }
 
 /// An axis that a machine does not have. It never moves.
