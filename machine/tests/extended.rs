@@ -9,6 +9,8 @@ mod outputs;
 mod probing;
 #[path = "extended/stages.rs"]
 mod stages;
+#[path = "extended/tapping.rs"]
+mod tapping;
 
 use husillo_machine::backlash::Backlash;
 use husillo_machine::gcode::{Dialect, Nm};
@@ -26,6 +28,7 @@ const ALL: Equipment = Equipment {
     analog_inputs: 2,
     spindle_angle: true,
     surface_milli_rpm: Some(6_000_000),
+    tapping_overrun_turns: Some(3),
     heaters: true,
     pallets: true,
 };

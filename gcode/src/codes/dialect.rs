@@ -34,6 +34,8 @@ struct Words {
     /// The letters other than G and M that can start a word and are stored under their own letter.
     letters: Letters,
     axes: Axes,
+    /// Neither a wrapped axis nor the extruder of a printer: one look for the two.
+    is_plain: bool,
 }
 
 #[cfg(feature = "extended")]
@@ -44,6 +46,7 @@ impl Words {
         let axes = if has_more { axes } else { Axes::XYZ };
         Words {
             letters: axes.words(words),
+            is_plain: !axes.has_wrapped() && !matches!(flavour, Flavour::Printer),
             axes,
         }
     }
@@ -323,6 +326,15 @@ impl Dialect {
     #[cfg(not(feature = "extended"))]
     pub const fn axes(&self) -> &Axes {
         &Axes::XYZABC
+    }
+
+    /// Whether the words of all axes are only added to a zero.
+    #[inline(always)]
+    pub(crate) const fn has_plain_axes(&self) -> bool {
+        #[cfg(feature = "extended")]
+        return self.words.is_plain;
+        #[cfg(not(feature = "extended"))]
+        return true;
     }
 
     /// The letters other than G and M that can start a word in this dialect and are stored under

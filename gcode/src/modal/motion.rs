@@ -273,9 +273,7 @@ impl<const N: usize> Modal<N> {
     ) -> Result<(), Fault> {
         // Only code system A has increments (U, V, W), and there X is always a diameter.
         // They, and wrapped axes, take the longer way.
-        let is_printer = EXTENDED && self.modes.dialect.flavour == Flavour::Printer;
-        let is_plain = !is_printer && !self.modes.dialect.axes().has_wrapped();
-        if ROOMY && is_plain && !self.is_diameter() {
+        if ROOMY && self.modes.dialect.has_plain_axes() && !self.is_diameter() {
             if N > AXES {
                 commands.arc.to = self.modes.position; // Axes without a letter stay.
             }

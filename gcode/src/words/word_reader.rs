@@ -372,14 +372,8 @@ impl WordReader {
     fn between(&mut self, byte: u8) {
         let at = self.at();
         let letter = byte & !0x20;
-        let is_letter = letter.wrapping_sub(b'A') < 26 || EXTENDED && matches!(byte, b'@' | b'^');
-        if is_letter && self.before < Before::Percent {
-            if self.before != Before::Words {
-                self.enter(letter);
-            }
-            (self.letter, self.letter_at) = (letter, at);
-            self.column = at.wrapping_add(1).wrapping_add(ROOM as usize);
-            (self.number, self.state) = (Number::BEGIN, State::Number);
+        if letter.wrapping_sub(b'A') < 26 && self.before < Before::Percent {
+            self.begin(letter, at);
         } else {
             self.column = at.wrapping_add(1);
             (self.number.room, self.state) = (0, State::Between);
@@ -389,6 +383,17 @@ impl WordReader {
                 self.mark_between(byte, at);
             }
         }
+    }
+
+    /// The letter of a word, or a sign of polar coordinates.
+    #[inline(always)]
+    fn begin(&mut self, letter: u8, at: usize) {
+        if self.before != Before::Words {
+            self.enter(letter);
+        }
+        (self.letter, self.letter_at) = (letter, at);
+        self.column = at.wrapping_add(1).wrapping_add(ROOM as usize);
+        (self.number, self.state) = (Number::BEGIN, State::Number);
     }
 
     /// The first word of a line, or the one after its `N` word.
@@ -405,6 +410,10 @@ impl WordReader {
     /// A byte between words that is not a letter.
     #[inline(never)]
     fn mark_between(&mut self, byte: u8, at: usize) {
+        if EXTENDED && matches!(byte, b'@' | b'^') && self.before < Before::Percent {
+            self.begin(byte, at);
+            return;
+        }
         if self.before == Before::Nothing {
             if matches!(byte, 0 | 0x0c) {
                 self.column = 0;

@@ -101,6 +101,11 @@ pub fn feed_followed(
                 false => Pulled::Nothing,
             });
         };
+        if let Followed::Event(event) = &entry {
+            if turned_back(machine.machine_mut(), event) {
+                return Ok(Pulled::Event);
+            }
+        }
         if let (Followed::Event(event), Some(turning)) = (&mut entry, &mut turning) {
             *event = turning.timed(event)?;
         }
@@ -216,6 +221,16 @@ impl Pulled {
     }
 }
 
+/// The simulated spindle reverses at once, so no step beyond the ends of a tap is made.
+#[inline]
+fn turned_back<L: Lash<AXES>>(machine: &mut Mill<L>, event: &Event<AXES>) -> bool {
+    let turns = matches!(event, Event::Follow(_)) && machine.awaits_reversal();
+    if turns {
+        machine.spindle_reversed(false);
+    }
+    turns
+}
+
 #[inline]
 fn pull<L: Lash<AXES>>(
     machine: &mut Mill<L>,
@@ -228,6 +243,9 @@ fn pull<L: Lash<AXES>>(
     let Some(ref event) = machine.next_event() else {
         return Ok(Pulled::Nothing);
     };
+    if turned_back(machine, event) {
+        return Ok(Pulled::Event);
+    }
     each(machine, event)?;
     Ok(Pulled::of(machine, event))
 }

@@ -4,6 +4,7 @@ mod begin;
 mod direct;
 mod extended;
 mod next_event;
+mod tapping;
 
 use husillo_backlash::{Backlash, Flank, Lash};
 use husillo_gcode::{Block, Command, Commands, Error, Modal, Nm, PathMode};

@@ -115,6 +115,12 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
         self.is_thread = false;
     }
 
+    /// The next move is a part of the thread before it.
+    #[cfg(feature = "extended")]
+    pub(crate) const fn go_on_with_thread(&mut self) {
+        self.is_thread = true;
+    }
+
     /// End position of the last move in the queue.
     pub(crate) const fn programmed(&self) -> [Nm; N] {
         self.programmed

@@ -20,6 +20,9 @@ pub struct State<const N: usize> {
     /// An input was requested, and its answer has not come.
     pub(crate) is_awaited: bool,
     pub(crate) surface: Option<Surface>,
+    /// Direction and speed of the spindle, in thousandths of a turn per minute.
+    pub(crate) spindle: (SpindleDirection, u64),
+    pub(crate) tapping: Option<Tapping<N>>,
     /// Control points of a curve that is not complete.
     pub(crate) nurbs: Nurbs,
     pub(crate) chords: Option<Chords<N>>,
@@ -40,6 +43,33 @@ pub(crate) struct Probing<const N: usize> {
     pub(crate) contact: Option<[i32; N]>,
     /// The operator held the machine before the contact did.
     pub(crate) was_held: bool,
+}
+
+/// A tap in progress (G33.1).
+#[derive(Copy, Clone, Debug)]
+pub(crate) struct Tapping<const N: usize> {
+    #[cfg(feature = "extended")]
+    pub(crate) top: [Nm; N],
+    /// The farthest positions while the spindle reverses: below the bottom, above the top.
+    pub(crate) beyond: [[Nm; N]; 2],
+    pub(crate) lead: Nm,
+    pub(crate) stage: Stage,
+    /// The last step that follows the spindle.
+    pub(crate) last: [i8; N],
+}
+
+/// The stages of a tap, in their order.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Stage {
+    /// To the bottom.
+    Down,
+    /// Beyond it, until the spindle has reversed.
+    Below,
+    /// To the top.
+    #[cfg(feature = "extended")]
+    Up,
+    /// Beyond it, until the spindle has reversed again. A rapid move to the top follows.
+    Above,
 }
 
 /// Result of the last probing move.
@@ -107,6 +137,8 @@ impl<const N: usize> State<N> {
             },
             is_awaited: false,
             surface: None,
+            spindle: (SpindleDirection::Off, 0),
+            tapping: None,
             nurbs: Nurbs::EMPTY,
             chords: None,
             outputs: [const { None }; SYNCHRONISED],
@@ -120,13 +152,15 @@ impl<const N: usize> State<N> {
         self.probing = None;
         self.is_awaited = false;
         self.surface = None;
+        self.spindle = (SpindleDirection::Off, 0);
+        self.tapping = None;
         self.chords = None;
         self.outputs = [const { None }; SYNCHRONISED];
     }
 
     /// Whether something is in progress that a later line has to wait for.
     pub(crate) const fn is_busy(&self) -> bool {
-        self.probing.is_some() || self.is_awaited || self.chords.is_some()
+        self.probing.is_some() || self.tapping.is_some() || self.is_awaited || self.chords.is_some()
     }
 
     /// Adds an output that acts when `moves` moves of the queue have been made and the next one

@@ -2,7 +2,7 @@
 //! surface speed.
 
 use husillo_backlash::Lash;
-use husillo_gcode::{Command, Nm, Switch};
+use husillo_gcode::{Command, Nm, SpindleDirection, Switch};
 use husillo_interp::Moves;
 #[cfg(feature = "extended")]
 use husillo_probe::Tip;
@@ -22,7 +22,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
     pub(super) fn is_busy(&self) -> bool {
         let waits = matches!(
             self.waiting,
-            Some(Command::Probe { .. } | Command::Wait { .. })
+            Some(Command::Probe { .. } | Command::Wait { .. } | Command::Tap { .. })
         );
         // An alarm drops the lines before it, so no line may come before the alarm is given.
         let is_raised = matches!(self.signals.last(), Some(Some(Event::Alarm(_))));
@@ -38,9 +38,9 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
 
     /// Whether the queue takes nothing before a probing move or an input has ended.
     pub(super) fn stands(&self) -> bool {
-        self.extension
-            .state()
-            .is_some_and(|state| state.probing.is_some() || state.is_awaited)
+        self.extension.state().is_some_and(|state| {
+            state.probing.is_some() || state.tapping.is_some() || state.is_awaited
+        })
     }
 
     /// Checks a curve of several commands. `nurbs` are the control points that these commands add
@@ -85,7 +85,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
                 }
                 None
             }
-            Command::Probe { .. } => {
+            Command::Probe { .. } | Command::Tap { .. } => {
                 self.waiting = Some(command);
                 None
             }
@@ -141,6 +141,10 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
                 self.begin_probe(*command, to, away, must);
                 return true;
             }
+            Command::Tap { bottom, to, lead } => {
+                self.begin_tap(bottom, to, lead);
+                return true;
+            }
             Command::Surface {
                 direction,
                 speed,
@@ -154,15 +158,21 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
                     at: None,
                     milli_rpm: 0,
                 });
+                let milli_rpm = self.surface_speed().unwrap_or(0);
+                self.note_spindle(direction, milli_rpm);
                 let output = Output::Spindle {
                     direction,
-                    milli_rpm: self.surface_speed().unwrap_or(0),
+                    milli_rpm,
                 };
                 self.signal([Some(Event::Output(output)), None]);
                 return true;
             }
-            Command::Spindle { .. } => {
+            Command::Spindle {
+                direction,
+                milli_rpm,
+            } => {
                 state.surface = None;
+                state.spindle = (direction, milli_rpm);
                 return false;
             }
             Command::Switch { what, on } => {
@@ -199,6 +209,13 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
         };
         self.signal([Some(event), None]);
         true
+    }
+
+    /// Notes the spindle, which a tap reverses.
+    fn note_spindle(&mut self, direction: SpindleDirection, milli_rpm: u64) {
+        if let Some(state) = self.extension.state_mut() {
+            state.spindle = (direction, milli_rpm);
+        }
     }
 
     /// Begins a probing move; all moves before it have been made.
@@ -290,7 +307,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
     }
 
     /// Drops all lines and stops; the last event is the alarm.
-    fn raise(&mut self, alarm: Alarm) {
+    pub(super) fn raise(&mut self, alarm: Alarm) {
         self.abort();
         if let Some(last) = self.signals.last_mut() {
             *last = Some(Event::Alarm(alarm));
@@ -306,6 +323,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
     pub(super) fn surface_event(&mut self) -> Option<Event<N>> {
         let direction = self.extension.state()?.surface?.direction;
         let milli_rpm = self.surface_speed()?;
+        self.note_spindle(direction, milli_rpm);
         Some(Event::Output(Output::Spindle {
             direction,
             milli_rpm,
