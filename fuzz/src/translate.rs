@@ -74,7 +74,10 @@ fn translated(text: &[u8], files: &Files<'_>, from: Dialect, to: Dialect) {
         match translator.line(line.text, &block, &mut out) {
             Ok(_) => {}
             Err(Untranslated::Error(error)) => {
-                assert!(error.at <= error.end && error.end <= line.text.len(), "{error:?}");
+                assert!(
+                    error.at <= error.end && error.end <= line.text.len(),
+                    "{error:?}"
+                );
                 is_whole = false;
             }
             Err(Untranslated::Command(_)) => is_whole = false,
@@ -86,7 +89,11 @@ fn translated(text: &[u8], files: &Files<'_>, from: Dialect, to: Dialect) {
     let mut out = |piece: &[u8]| made.extend_from_slice(piece);
     is_whole &= translator.finish(&mut out).is_ok();
     let end = run(&made, to);
-    assert_eq!(end, translator.target().position(), "the end of the written text");
+    assert_eq!(
+        end,
+        translator.target().position(),
+        "the end of the written text"
+    );
     if is_whole {
         assert_eq!(end, translator.modal().position(), "the end of the program");
     }
@@ -110,7 +117,10 @@ fn run(text: &[u8], dialect: Dialect) -> [husillo_gcode::Nm; 3] {
     assert!(text.is_empty() || text.ends_with(b"\n"), "whole lines");
     for line in text.split(|&byte| byte == b'\n') {
         let shown = String::from_utf8_lossy(line);
-        assert!(dialect != Dialect::GRBL || length(line) <= GRBL_LINE, "{shown}");
+        assert!(
+            dialect != Dialect::GRBL || length(line) <= GRBL_LINE,
+            "{shown}"
+        );
         let block = Block::parse(line, &dialect).unwrap_or_else(|error| panic!("{shown}: {error}"));
         let (next, _) = modal
             .plan(&block)

@@ -69,6 +69,7 @@ pub(crate) enum Stage {
     #[cfg(feature = "extended")]
     Up,
     /// Beyond it, until the spindle has reversed again. A rapid move to the top follows.
+    #[cfg(feature = "extended")]
     Above,
 }
 

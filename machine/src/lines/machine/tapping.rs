@@ -40,13 +40,20 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
         let Some(tapping) = state.tapping.as_mut().filter(|_| is_over) else {
             return false;
         };
-        let ([bottom, top], lead) = (tapping.beyond, tapping.lead);
+        let (beyond, lead) = (tapping.beyond, tapping.lead);
         let (direction, milli_rpm) = state.spindle;
         let (next, direction, to) = match tapping.stage {
-            Stage::Down => (Stage::Below, reversed(direction), bottom),
+            Stage::Down => {
+                let [below, _] = beyond;
+                (Stage::Below, reversed(direction), below)
+            }
             #[cfg(feature = "extended")]
-            Stage::Up => (Stage::Above, direction, top),
-            Stage::Below | Stage::Above => {
+            Stage::Up => {
+                let [_, above] = beyond;
+                (Stage::Above, direction, above)
+            }
+            // The spindle has not reversed.
+            _ => {
                 self.raise(Alarm::SpindleNotReversed);
                 return true;
             }
