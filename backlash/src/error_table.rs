@@ -16,8 +16,8 @@ const MOST_SCALE_PPB: i32 = 10_000_000;
 /// Corrections are added in this fraction of a nanometre.
 const PARTS: i64 = 16;
 
-/// Passes of the inverse: each leaves at most 0.0725 of the distance and one, which begins below
-/// 2^29.
+/// Passes of the inverse. Each pass reduces the error to at most 0.0725 of itself plus one. The
+/// error begins below 2^29.
 const PASSES: u8 = 16;
 
 /// The correction of a reading at one position of the travel.
@@ -179,7 +179,7 @@ impl<T: AsRef<[Knot]>> ErrorTable<T> {
             .div_euclid(PARTS)
     }
 
-    /// Returns the scale, parts in 10^9.
+    /// Returns the error of the scale, in parts in 10^9.
     pub const fn scale_ppb(&self) -> i32 {
         self.scale_ppb
     }

@@ -11,9 +11,9 @@ const MOST_WAY: u32 = 1 << 22;
 /// Lash of one axis over a machine's work area, in motor steps.
 ///
 /// Between grid positions the lash is interpolated bilinearly and rounded to the nearest step.
-/// Outside it is that of the nearest edge. With one position along an axis it is constant along
-/// that axis. So bands across X are a grid with one position in Y, and the table of a lead screw is
-/// bands across its own axis.
+/// Outside the grid it is that of the nearest edge. If an axis has one position only, the lash does
+/// not depend on this axis. So bands across X are a grid with one position in Y, and the table of a
+/// lead screw is a grid along its own axis.
 ///
 /// From one grid position to the next the lash changes by at most a quarter of the distance. So an
 /// event changes it by at most one step.
@@ -63,10 +63,10 @@ pub enum MapError {
 impl fmt::Display for MapError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Entries => f.write_str("the map has not one entry for every place"),
-            Self::Order { place, .. } => write!(f, "the places do not rise at place {place}"),
+            Self::Entries => f.write_str("the map needs exactly one entry for each position"),
+            Self::Order { place, .. } => write!(f, "the positions do not rise at position {place}"),
             Self::Range(entry) => write!(f, "entry {entry} is 2^20 steps or more"),
-            Self::Steep(entry) => write!(f, "the lash changes too fast to entry {entry}"),
+            Self::Steep(entry) => write!(f, "the backlash is too steep at entry {entry}"),
         }
     }
 }
