@@ -70,7 +70,7 @@ impl Index {
         if core::mem::replace(&mut self.level, level) == level || self.is_backward == level {
             return None;
         }
-        // Downwards the mark ended in the last sample.
+        // In the downward direction the mark ended in the previous sample.
         let position = if self.is_backward { before } else { position };
         Some(self.pass(position))
     }

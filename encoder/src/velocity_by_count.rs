@@ -16,7 +16,7 @@
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct VelocityByCount<const WINDOW: usize> {
-    /// Positions of the last samples; `oldest` is the place of the oldest one.
+    /// Positions of the last samples. `oldest` is the index of the oldest one.
     positions: [i32; WINDOW],
     oldest: usize,
 }

@@ -145,7 +145,7 @@ impl<const COUNTS: usize> VelocityByPeriod<COUNTS> {
         }
     }
 
-    /// Notes the direction of a count. After a reversal no earlier count is valid.
+    /// Registers the direction of a count. After a reversal, earlier counts are not valid.
     fn turn(&mut self, is_backward: bool) {
         if self.is_backward != is_backward {
             self.is_backward = is_backward;
