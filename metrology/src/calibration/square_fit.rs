@@ -14,8 +14,8 @@ const PLANES: [(usize, usize, &str); 3] = [(0, 1, "xy"), (0, 2, "xz"), (1, 2, "y
 pub struct SquareFit {
     /// The leans.
     pub squareness: Squareness,
-    /// Whether the bar lay along both diagonals of each plane. Otherwise its lean is not known, and
-    /// is 0.
+    /// Whether the bar lay along both diagonals of each plane. If not, the lean of the plane is
+    /// unknown and set to 0.
     pub is_known: [bool; 3],
     /// Length of the bar with these leans, nm: the given one, or the best fit.
     pub length: f64,

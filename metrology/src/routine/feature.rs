@@ -23,11 +23,11 @@ pub struct Feature {
     pub marks: Vec<Mark>,
     /// The frame in which it was measured.
     pub frame: Frame,
-    /// How the routine calls that frame: `machine`, or the features that give it.
+    /// Name of that frame in the routine: `machine`, or the features that define it.
     pub frame_name: String,
     /// Its figures in that frame.
     pub dimensions: Vec<Dimension>,
-    /// The probe has collided before or after it, so it is not good.
+    /// Whether the probe has collided before or after it, so that its result is not valid.
     pub is_spoiled: bool,
 }
 

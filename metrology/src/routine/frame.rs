@@ -19,8 +19,8 @@ impl Frame {
         axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
     };
 
-    /// The frame with these axes in which the point `at_nm` of the machine has the coordinates
-    /// `called_nm`.
+    /// Creates the frame with these axes in which the point `at_nm` of the machine has the
+    /// coordinates `called_nm`.
     pub fn new(axes: [Vector; 3], at_nm: Vector, called_nm: [i64; 3]) -> Self {
         let mut origin_nm = at_nm;
         for (axis, called) in axes.iter().zip(called_nm) {

@@ -1,4 +1,5 @@
-//! Supervision so that no axis runs on: checked readings, stops, and the recovery after a stop.
+//! Supervision that stops every axis after a failure: checked readings, stops, and the recovery
+//! after a stop.
 
 use super::{Head, READ, stop};
 use crate::heads::port::Port;
@@ -29,12 +30,13 @@ impl<P: Port> Head<P> {
         Ok(replies)
     }
 
-    /// Carries out `what`, which moves axes. After any failure, also of the link or by a stop of
-    /// the operator, all axes are commanded to stop. The next motion begins where they then are.
+    /// Carries out `what`, which moves axes. After any failure, also of the link, and after a stop
+    /// by the operator, all axes are commanded to stop. The next motion begins at their positions
+    /// then.
     ///
     /// # Errors
     ///
-    /// Those of `what`, and a stop that the operator wanted.
+    /// The errors of `what`, and the stop of the operator.
     pub(crate) fn supervised<T>(
         &mut self,
         what: impl FnOnce(&mut Self) -> Result<T, Trouble>,
@@ -44,7 +46,7 @@ impl<P: Port> Head<P> {
             .find_again()
             .and_then(|()| what(self))
             .and_then(|done| {
-                // It is too late to stop this move, but no other follows.
+                // It is too late to stop this move, but no other move follows.
                 if self.line.operator().is_stop_wanted() {
                     Err(Trouble::Interrupted)
                 } else {
@@ -66,8 +68,8 @@ impl<P: Port> Head<P> {
         result
     }
 
-    /// Recovers after a trouble: waits until the axes stand, clears their faults and holds them
-    /// where they are.
+    /// Recovers after a failure: waits until the axes stand, clears their faults and holds them at
+    /// their positions.
     pub(crate) fn find_again(&mut self) -> Result<(), Trouble> {
         if !self.is_astray {
             return Ok(());
@@ -114,8 +116,8 @@ impl<P: Port> Head<P> {
         Ok(())
     }
 
-    /// Stops all axes. Each gets its command, whatever the others answer. An axis with a fault is
-    /// left without drive: something blocks it, or its motor has too much current.
+    /// Stops all axes. Each gets its command, regardless of the answers of the others. An axis with
+    /// a fault stays without drive, because something blocks it or its motor has too much current.
     pub(crate) fn stop(&mut self, way: StopWay) -> Result<(), Trouble> {
         let given_up = self.given_up.take();
         let mut result = Ok(());
