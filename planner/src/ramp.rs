@@ -33,7 +33,8 @@ use sweeps::{Law, Span};
 ///   pieces are, so nothing drifts. At constant speed the times add up to exactly the programmed
 ///   ones. The fraction of a tick is carried from event to event and from move to move.
 /// - **Within a piece** an event is at most 0.04 of its interval off, and the acceleration is at
-///   most 1.035 times the limit in the first 300 events from standstill and 1.02 times later.
+///   most 1.036 times the limit in the first 300 events from standstill and 1.02 times later; see
+///   `course.rs` for the proof.
 /// - **A change of mind** (limits, hold, resume) acts at the next event. The speed there is exact;
 ///   the difference between the true time and the time given so far is part of the next piece.
 /// - The event in which the acceleration changes takes the time of the mean of its end speeds.
