@@ -8,6 +8,7 @@ use crate::{ErrorTable, Flank, Knot, Squareness};
 /// and continues with Y and X. Each coordinate uses the positions that the previous axes actually
 /// reach. So every coordinate returns within 1 nm.
 ///
+/// # Examples
 /// ```
 /// use husillo_backlash::{Calibration, ErrorTable, Flank, Knot, Squareness};
 ///

@@ -8,6 +8,7 @@ use crate::Lash;
 /// # Cost
 /// While no axis reverses, an event costs a few operations on masks and no call of the lash model.
 ///
+/// # Examples
 /// ```
 /// use husillo_backlash::{Backlash, Compensator, Flank};
 ///

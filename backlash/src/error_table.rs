@@ -75,6 +75,7 @@ impl core::error::Error for TableError {}
 /// Deviations are taken as in ISO 230-2 (true less target, means of each direction). A knot takes
 /// 24 bytes.
 ///
+/// # Examples
 /// ```
 /// use husillo_backlash::{ErrorTable, Flank, Knot};
 ///

@@ -31,6 +31,7 @@ impl Flank {
 /// [`Backlash`](crate::Backlash) has one value, [`MappedBacklash`](crate::MappedBacklash) a map.
 /// For another model, implement this trait.
 ///
+/// # Examples
 /// ```
 /// use husillo_backlash::{Flank, Lash};
 ///

@@ -22,6 +22,7 @@ const MOST_WAY: u32 = 1 << 22;
 /// Two binary searches, two 64-bit divisions and a few products per look-up. The 64-bit arithmetic
 /// is exact, because entries are below 2^20 and distances below 2^22.
 ///
+/// # Examples
 /// ```
 /// use husillo_backlash::LashMap;
 ///

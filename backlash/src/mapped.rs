@@ -9,6 +9,7 @@ use crate::{Flank, Lash, LashMap};
 /// take-up when the axis reverses. On the negative flank there is also a step whenever the lash at
 /// the nut changes, even while this axis stands still and others move.
 ///
+/// # Examples
 /// ```
 /// use husillo_backlash::{Compensator, Flank, LashMap, MappedBacklash};
 ///

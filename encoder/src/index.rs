@@ -26,6 +26,7 @@ pub struct Passage {
 /// missed. It may also be off by the width of the mark, because the other edge is taken (1 count if
 /// the encoder gates its index with A and B).
 ///
+/// # Examples
 /// ```
 /// use husillo_encoder::Index;
 ///

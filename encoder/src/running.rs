@@ -21,6 +21,7 @@ pub enum Byte {
 /// 256, 255. A caller that reads at least every 127 counts needs only the low byte and
 /// [`Extended::<8>`](crate::Extended), which does not have this problem.
 ///
+/// # Examples
 /// ```
 /// use husillo_encoder::{Byte, read_running};
 ///

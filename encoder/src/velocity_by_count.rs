@@ -6,6 +6,7 @@
 /// and its error is below that. The value is the mean over the window, so its age is `WINDOW`/2
 /// samples.
 ///
+/// # Examples
 /// ```
 /// use husillo_encoder::VelocityByCount;
 ///

@@ -14,6 +14,7 @@
 /// The error is that of the clock and of the time between samples, `sample_ticks`: at most
 /// `sample_ticks` relative to the time of the counts.
 ///
+/// # Examples
 /// ```
 /// use husillo_encoder::VelocityByPeriod;
 ///
