@@ -18,7 +18,7 @@ pub struct Row {
     pub today: Option<f64>,
     /// The programmed value; `None` where there is none.
     pub programmed: Option<f64>,
-    /// Spread of the measured value, either way.
+    /// Spread of the measured value in either direction.
     pub spread: f64,
 }
 
