@@ -20,13 +20,13 @@ pub enum Approach {
 impl<P: Port> Head<P> {
     /// The highest speed of a guarded move along the line to a goal, counts/s.
     pub(super) fn guarded_rate(&self, goal: &[i32]) -> u32 {
-        let (mut ways, mut accelerations) = ([0; 3], [u64::MAX; 3]);
+        let (mut distances, mut accelerations) = ([0; 3], [u64::MAX; 3]);
         for (axis, goal) in self.axes.iter().zip(goal) {
             let coordinate = axis.settings.coordinate();
-            ways[coordinate] = goal.saturating_sub(axis.held);
+            distances[coordinate] = goal.saturating_sub(axis.held);
             accelerations[coordinate] = axis.settings.acceleration.into();
         }
-        let Some(direction) = Direction::new(ways.map(i64::from)) else {
+        let Some(direction) = Direction::new(distances.map(i64::from)) else {
             // Nothing moves.
             return u32::MAX;
         };

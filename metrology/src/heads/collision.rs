@@ -7,7 +7,7 @@ use super::search::{Search, searches};
 use super::straight_move::FinishedMove;
 use crate::scale::Scale;
 use crate::trouble::Trouble;
-use husillo_transports::nmc::{Homing, Reply, StopWay};
+use husillo_transports::nmc::{Homing, Reply, StopMode};
 use std::collections::VecDeque;
 
 /// Number of consecutive readings without a contact after which a pressed probe counts as free.
@@ -286,8 +286,8 @@ impl<P: Port> Head<P> {
 
     fn met(&mut self, watch: &Watch) -> Result<Option<Trouble>, Trouble> {
         self.stop(match watch.approach {
-            Approach::Rapid => StopWay::Abrupt,
-            Approach::Guarded => StopWay::Smooth,
+            Approach::Rapid => StopMode::Abrupt,
+            Approach::Guarded => StopMode::Smooth,
         })?;
         self.stand(None)?;
         let replies = self.read_twice()?;
@@ -376,7 +376,7 @@ fn counts(replies: &[Reply]) -> Vec<i32> {
 
 /// Distance in a straight line, counts.
 fn distance(from: &[i32], to: &[i32]) -> f64 {
-    let ways = from.iter().zip(to);
-    let squares = ways.map(|(from, to)| (f64::from(*to) - f64::from(*from)).powi(2));
+    let pairs = from.iter().zip(to);
+    let squares = pairs.map(|(from, to)| (f64::from(*to) - f64::from(*from)).powi(2));
     squares.sum::<f64>().sqrt()
 }

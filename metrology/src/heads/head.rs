@@ -16,7 +16,7 @@ use crate::scale::Scale;
 use crate::trouble::Trouble;
 use husillo_probe::{Edge, UnitVector};
 use husillo_transports::nmc::{
-    CYCLE_US, Command, EVERY_GROUP, Group, Items, Reply, Reset, Status, Stop, StopWay,
+    CYCLE_US, Command, EVERY_GROUP, Group, Items, Reply, Reset, Status, Stop, StopMode,
 };
 
 /// The items of a reading of a module.
@@ -134,7 +134,7 @@ impl<P: Port> Head<P> {
         let module = axis.settings.module;
         self.line
             .command(module, Command::SetGain(axis.settings.gains))?;
-        self.line.command(module, stop(StopWay::Abrupt))?;
+        self.line.command(module, stop(StopMode::Abrupt))?;
         self.line.command(module, Command::ClearBits)?;
         self.line.command(module, Command::DefineStatus(MARK))?;
         // Not every module sets its position to 0 at a reset.
@@ -236,10 +236,10 @@ pub(super) fn is_done(reply: &Reply) -> bool {
 }
 
 /// The command to stop with the amplifier on.
-pub(super) const fn stop(way: StopWay) -> Command {
+pub(super) const fn stop(mode: StopMode) -> Command {
     Command::StopMotor(Stop {
         amplifier: true,
-        way: Some(way),
+        mode: Some(mode),
     })
 }
 

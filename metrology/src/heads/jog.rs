@@ -4,7 +4,7 @@ use super::head::{Head, is_done, stop};
 use super::port::Port;
 use super::straight_move::per_period;
 use crate::trouble::Trouble;
-use husillo_transports::nmc::{Command, Mode, StopWay, Trajectory};
+use husillo_transports::nmc::{Command, Mode, StopMode, Trajectory};
 
 impl<P: Port> Head<P> {
     /// Runs an axis for some time and stops it smoothly. It runs at the speed of moves, or at that
@@ -97,7 +97,7 @@ impl<P: Port> Head<P> {
             }
         }
         self.line
-            .command(axis.settings.module, stop(StopWay::Smooth))?;
+            .command(axis.settings.module, stop(StopMode::Smooth))?;
         let was_armed = self.end_watch(&mut watch)?;
         let replies = self.settle()?;
         if was_armed && self.is_closed(&replies) {

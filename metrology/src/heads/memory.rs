@@ -10,7 +10,7 @@ use super::standing::SETTLING_US;
 use super::wiring::End;
 use crate::trouble::Trouble;
 use husillo_backlash::Flank;
-use husillo_transports::nmc::{Auxiliary, Baud, Command, Items, Reply, StopWay};
+use husillo_transports::nmc::{Auxiliary, Baud, Command, Items, Reply, StopMode};
 
 /// The items that show whether a module is unchanged.
 const LEFT: Items = READ.with(Items::AUXILIARY);
@@ -115,7 +115,7 @@ impl<P: Port> Head<P> {
             let gains = axis.settings.gains;
             head.line.command(module, Command::SetGain(gains))?;
             if !left.is_held {
-                head.line.command(module, stop(StopWay::Abrupt))?;
+                head.line.command(module, stop(StopMode::Abrupt))?;
             }
             head.line.command(module, Command::ClearBits)?;
             head.hold_checked(index)?;
@@ -132,7 +132,7 @@ impl<P: Port> Head<P> {
             self.line.command(*module, Command::NoOperation)?;
         }
         if memory.in_use {
-            self.stop(StopWay::Smooth)?;
+            self.stop(StopMode::Smooth)?;
             self.rest()?;
         }
         let pairs: Vec<_> = self.axes.iter().copied().zip(&memory.axes).collect();
@@ -262,7 +262,7 @@ mod tests {
                 port.receive(100_000).unwrap();
             },
             |port| {
-                let there = stop(StopWay::Here(20));
+                let there = stop(StopMode::Here(20));
                 port.send(there.frame(3).bytes()).unwrap();
                 port.receive(2_000).unwrap();
                 for _ in 0..1000 {
@@ -272,7 +272,7 @@ mod tests {
             |port| {
                 let off = Command::StopMotor(Stop {
                     amplifier: false,
-                    way: Some(StopWay::Off),
+                    mode: Some(StopMode::Off),
                 });
                 port.send(off.frame(1).bytes()).unwrap();
                 port.receive(100_000).unwrap();
@@ -299,7 +299,7 @@ mod tests {
         };
         let off = Command::StopMotor(Stop {
             amplifier: false,
-            way: Some(StopWay::Off),
+            mode: Some(StopMode::Off),
         });
         head.line.command(1, off).unwrap();
         let memory = head.memory().unwrap();

@@ -167,19 +167,19 @@ impl<P: Port> Head<P> {
 
     /// Computes the move from the held positions. `None`: the axes are at the goal.
     pub(super) fn line_to(&self, goal: &[i32], rate: Option<u32>) -> Option<ServoLine<3>> {
-        let (mut ways, mut rates, mut accelerations) = ([0; 3], [u32::MAX; 3], [u64::MAX; 3]);
+        let (mut distances, mut rates, mut accelerations) = ([0; 3], [u32::MAX; 3], [u64::MAX; 3]);
         for (axis, goal) in self.axes.iter().zip(goal) {
             let coordinate = axis.settings.coordinate();
             // A saturated distance only makes the move slower.
-            ways[coordinate] = goal.saturating_sub(axis.held);
+            distances[coordinate] = goal.saturating_sub(axis.held);
             rates[coordinate] = axis.rate(self.probe.rate);
             accelerations[coordinate] = axis.settings.acceleration.into();
         }
-        let direction = Direction::new(ways.map(i64::from))?;
+        let direction = Direction::new(distances.map(i64::from))?;
         let rate = direction.speed_limit(&rates).min(rate.unwrap_or(u32::MAX));
         let acceleration = direction.acceleration_limit(&accelerations);
         let (velocity, acceleration) = per_period(rate, acceleration, self.period_s);
-        ServoLine::new(ways, velocity, acceleration)
+        ServoLine::new(distances, velocity, acceleration)
     }
 
     /// Latest end of a move that begins now, us.

@@ -56,8 +56,8 @@ impl Frame {
 
     /// Converts a point of the machine to the part, rounded to the nearest nm.
     pub fn to_part(self, machine_nm: [i64; 3]) -> [i64; 3] {
-        let way = minus(floats(machine_nm), self.origin_nm);
-        self.axes.map(|axis| dot(axis, way).round() as i64)
+        let displacement = minus(floats(machine_nm), self.origin_nm);
+        self.axes.map(|axis| dot(axis, displacement).round() as i64)
     }
 
     /// Converts a direction of the part to the machine. `None`: its length is 0.

@@ -251,8 +251,8 @@ const NEAR_NM: i64 = 10_000;
 /// The point at the distance `by_nm` from another along a direction, whose length is not 0.
 pub fn beyond(point_nm: [i64; 3], direction: Vector, by_nm: i64) -> [i64; 3] {
     let size = vector::length(direction);
-    let way = scaled(direction, by_nm as f64 / size);
-    plus(floats(point_nm), way).map(|nm| nm.round() as i64)
+    let displacement = scaled(direction, by_nm as f64 / size);
+    plus(floats(point_nm), displacement).map(|nm| nm.round() as i64)
 }
 
 /// The mean direction out of the touched surface: the sum of the reversed directions of travel.

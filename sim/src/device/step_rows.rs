@@ -23,12 +23,12 @@ impl StepRows {
     /// hold from then on. A row without steps has the number of the previous step event. If more
     /// time than the wait has passed since the previous row, the device stood still in between.
     pub fn push(&mut self, t_us: u64, wait_ticks: u32, delta: &[i8], states: &[u8]) {
-        self.events += u64::from(delta.iter().any(|way| *way != 0));
+        self.events += u64::from(delta.iter().any(|step| *step != 0));
         let text = &mut self.text;
         // Writing to a string does not fail.
         let _ = write!(text, "{},{t_us},{wait_ticks}", self.events);
-        for way in delta {
-            let _ = write!(text, ",{way}");
+        for step in delta {
+            let _ = write!(text, ",{step}");
         }
         for state in states {
             let _ = write!(text, ",{state}");

@@ -5,7 +5,7 @@ use super::{Head, READ, stop};
 use crate::heads::port::Port;
 use crate::heads::servo::Servo;
 use crate::trouble::Trouble;
-use husillo_transports::nmc::{Command, Items, Reply, Stop, StopWay};
+use husillo_transports::nmc::{Command, Items, Reply, Stop, StopMode};
 
 impl<P: Port> Head<P> {
     /// Reads all axes.
@@ -57,8 +57,8 @@ impl<P: Port> Head<P> {
             self.is_astray = true;
             self.line.operator().stop_is_seen_to();
             let stop = match trouble {
-                Trouble::Interrupted => StopWay::Smooth,
-                _ => StopWay::Abrupt,
+                Trouble::Interrupted => StopMode::Smooth,
+                _ => StopMode::Abrupt,
             };
             if self.stop(stop).is_err() {
                 self.line.operator().stop_is_unanswered();
@@ -76,7 +76,7 @@ impl<P: Port> Head<P> {
         }
         for index in 0..self.axes.len() {
             let module = self.axes[index].settings.module;
-            self.line.command(module, stop(StopWay::Abrupt))?;
+            self.line.command(module, stop(StopMode::Abrupt))?;
             self.line.command(module, Command::ClearBits)?;
         }
         self.settle()?;
@@ -111,24 +111,24 @@ impl<P: Port> Head<P> {
     /// exactly.
     pub(crate) fn hold(&mut self, index: usize, counts: i32) -> Result<(), Trouble> {
         let module = self.axes[index].settings.module;
-        self.line.command(module, stop(StopWay::Here(counts)))?;
+        self.line.command(module, stop(StopMode::Here(counts)))?;
         self.axes[index].held = counts;
         Ok(())
     }
 
     /// Stops all axes. Each gets its command, regardless of the answers of the others. An axis with
     /// a fault stays without drive, because something blocks it or its motor has too much current.
-    pub(crate) fn stop(&mut self, way: StopWay) -> Result<(), Trouble> {
+    pub(crate) fn stop(&mut self, mode: StopMode) -> Result<(), Trouble> {
         let given_up = self.given_up.take();
         let mut result = Ok(());
         for (index, axis) in self.axes.iter().enumerate() {
             let command = if given_up == Some(index) {
                 Command::StopMotor(Stop {
                     amplifier: false,
-                    way: Some(StopWay::Off),
+                    mode: Some(StopMode::Off),
                 })
             } else {
-                stop(way)
+                stop(mode)
             };
             let answer = self.line.command(axis.settings.module, command);
             result = result.and(answer.map(drop));

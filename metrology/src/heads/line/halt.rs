@@ -4,7 +4,7 @@ use super::Line;
 use crate::heads::head::{READ, stop};
 use crate::heads::{AxisSettings, Machine, Port};
 use crate::trouble::Trouble;
-use husillo_transports::nmc::{Baud, EVERY_GROUP, Group, Items, Reply, StopWay};
+use husillo_transports::nmc::{Baud, EVERY_GROUP, Group, Items, Reply, StopMode};
 
 /// Silence after which all replies to the stop commands have ended, us.
 const SILENCE_US: u32 = 50_000;
@@ -32,7 +32,7 @@ impl<P: Port> Line<P> {
     fn halt_at(&mut self, baud: Baud, axes: &[AxisSettings]) -> Result<Vec<Reply>, Trouble> {
         self.port.set_baud(baud)?;
         self.host.set_timing(self.port.timing_of_known(baud));
-        let command = stop(StopWay::Abrupt);
+        let command = stop(StopMode::Abrupt);
         let addresses = axes.iter().map(|axis| axis.module);
         // A long row of zeros ends a command that was cut off. It may also hide the first command.
         // So the group of all modules gets a command, and then each module.

@@ -72,7 +72,7 @@ impl Frame {
     }
 
     pub fn parameters(&self) -> [Parameter; 2] {
-        let way = if self.order.is_clockwise {
+        let direction = if self.order.is_clockwise {
             "clockwise"
         } else {
             "anticlockwise"
@@ -81,7 +81,7 @@ impl Frame {
             Parameter::new(
                 "directions of D1 to D8",
                 format!(
-                    "D1 at {} degrees from X, the others {way}",
+                    "D1 at {} degrees from X, the others {direction}",
                     22.5 * self.order.first as f64
                 ),
                 "fitted: the best of all sixteen orders; the original states none",

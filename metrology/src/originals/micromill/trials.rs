@@ -35,11 +35,11 @@ fn off_um(screws: &Screws, radius_mm: f64, angle: f64) -> [f64; 2] {
 
 /// Sum of squares that the best order of the diameters and the best squareness leave, um^2.
 fn diameters(screws: &Screws) -> f64 {
-    let orders = (0..8).flat_map(|first| [1.0, -1.0].map(|way| (f64::from(first), way)));
-    let left = orders.map(|(first, way)| {
+    let orders = (0..8).flat_map(|first| [1.0, -1.0].map(|sense| (f64::from(first), sense)));
+    let left = orders.map(|(first, sense)| {
         let pairs = CIRCLES.iter().flat_map(|circle| {
             (0_u8..8).map(move |index| {
-                let angle = (first + way * f64::from(index)) * PI / 8.0;
+                let angle = (first + sense * f64::from(index)) * PI / 8.0;
                 // From below X to above it: a diameter has no direction.
                 let angle = angle.rem_euclid(PI);
                 let there = off_um(screws, circle.radius_mm, angle);
