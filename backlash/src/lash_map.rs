@@ -142,15 +142,15 @@ impl<K: AsRef<[i32]>, V: AsRef<[u32]>> LashMap<K, V> {
         let (low_low, high_low) = (entry(x.low, y.low), entry(x.high, y.low));
         let (low_high, high_high) = (entry(x.low, y.high), entry(x.high, y.high));
         let along_x = |low: u64, high: u64| {
-            let rest = x.way.wrapping_sub(x.offset);
+            let rest = x.distance.wrapping_sub(x.offset);
             low.wrapping_mul(rest)
                 .wrapping_add(high.wrapping_mul(x.offset))
         };
         // Entries below 2^20, weights of each axis adding up to 2^22 at most: below 2^64 with half
         // of the whole, too.
-        let whole = x.way.wrapping_mul(y.way);
+        let whole = x.distance.wrapping_mul(y.distance);
         let weighted = along_x(low_low, high_low)
-            .wrapping_mul(y.way.wrapping_sub(y.offset))
+            .wrapping_mul(y.distance.wrapping_sub(y.offset))
             .wrapping_add(along_x(low_high, high_high).wrapping_mul(y.offset))
             .wrapping_add(whole >> 1);
         let steps = weighted.checked_div(whole).unwrap_or(0);
@@ -161,8 +161,9 @@ impl<K: AsRef<[i32]>, V: AsRef<[u32]>> LashMap<K, V> {
             let [one, two] = pairs.map(|[low, high]| low.abs_diff(high));
             one.max(two).wrapping_mul(other)
         };
-        let rate = change([[low_low, high_low], [low_high, high_high]], y.way)
-            .wrapping_add(change([[low_low, low_high], [high_low, high_high]], x.way));
+        let rate = change([[low_low, high_low], [low_high, high_high]], y.distance).wrapping_add(
+            change([[low_low, low_high], [high_low, high_high]], x.distance),
+        );
         let margin = above.min(whole.wrapping_sub(above).wrapping_sub(1));
         let quiet = match margin.checked_div(rate) {
             Some(quiet) => u32::try_from(quiet).unwrap_or(u32::MAX),
@@ -192,13 +193,13 @@ impl<K: AsRef<[i32]>, V: AsRef<[u32]>> LashMap<K, V> {
             }
             let left = column
                 .checked_sub(1)
-                .map(|left| (way(columns, left), self.entry(left, row)));
+                .map(|left| (distance(columns, left), self.entry(left, row)));
             let below = row
                 .checked_sub(1)
-                .map(|below| (way(rows, below), self.entry(column, below)));
-            for (way, there) in [left, below].into_iter().flatten() {
+                .map(|below| (distance(rows, below), self.entry(column, below)));
+            for (distance, there) in [left, below].into_iter().flatten() {
                 // Both below 2^22.
-                if here.abs_diff(there).saturating_mul(4) > way {
+                if here.abs_diff(there).saturating_mul(4) > distance {
                     return Err(MapError::Steep(index));
                 }
             }
@@ -208,7 +209,7 @@ impl<K: AsRef<[i32]>, V: AsRef<[u32]>> LashMap<K, V> {
 }
 
 /// Steps from a position to the next one above it.
-fn way(places: &[i32], from: usize) -> u32 {
+fn distance(places: &[i32], from: usize) -> u32 {
     let mut ends = places.iter().skip(from);
     match (ends.next(), ends.next()) {
         (Some(low), Some(high)) => high.abs_diff(*low),
@@ -232,7 +233,7 @@ struct Between {
     low: usize,
     high: usize,
     /// Steps between them, at least 1, and from the lower one to the position.
-    way: u64,
+    distance: u64,
     offset: u64,
     /// Steps to the nearer of them, or back to the edge.
     room: u32,
@@ -250,7 +251,7 @@ impl Between {
                 Between {
                     low: low.unwrap_or(0),
                     high: above,
-                    way: next.abs_diff(below).into(),
+                    distance: next.abs_diff(below).into(),
                     offset: offset.into(),
                     room: offset.min(rest),
                 }
@@ -262,7 +263,7 @@ impl Between {
                 Between {
                     low: index,
                     high: index,
-                    way: 1,
+                    distance: 1,
                     offset: 0,
                     room: if is_alone {
                         u32::MAX
