@@ -71,8 +71,8 @@ pub struct Measure {
     pub raw: bool,
 }
 
-/// The arguments as text ([`name::text`]), with directions of `measure` such as `-z` and `-1,0,0` written so that they are
-/// not taken as options: `z-` and `(-1,0,0)`.
+/// The arguments as text ([`name::text`]), with directions of `measure` such as `-z` and `-1,0,0`
+/// written so that they are not taken as options: `z-` and `(-1,0,0)`.
 pub fn words(args: impl Iterator<Item = OsString>) -> Vec<OsString> {
     let mut args: Vec<OsString> = args.map(|word| name::text(&word).into()).collect();
     if args.get(1).is_some_and(|command| command == "measure") {
