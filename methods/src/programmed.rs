@@ -41,7 +41,7 @@ pub fn line<const N: usize>(
     }))
 }
 
-/// An arc in its plane. A helix counts without its motion across the plane.
+/// An arc in its plane. Of a helix, only the motion in the plane counts.
 ///
 /// # Errors
 ///

@@ -1,4 +1,4 @@
-//! Numbers for people.
+//! Numbers as readable text.
 
 /// A number with at most so many decimals, without trailing zeros.
 pub fn shortest(value: f64, decimals: usize) -> String {
