@@ -758,6 +758,7 @@ fn write_steps(args: &Steps) -> Result<u8, Failure> {
             job.name(),
             verdict(findings.errors, findings.warnings)
         );
+        choice::suggest(&job, &args.target, args.place.zero, &findings)?;
         return Ok(ERRORS);
     }
     let mut source = job.open()?;

@@ -252,7 +252,7 @@ pub enum Command {
 }
 
 /// Machine and language of a program.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub struct Target {
     /// Machine: micromill, free, router, lathe, drill, microfactory, or a TOML file
     #[arg(short, long, value_name = "NAME|FILE")]

@@ -41,6 +41,7 @@ fn simulate_job(job: &mut Job, args: &RunArgs) -> Result<u8, Failure> {
         if !is_text {
             Results::refused(&findings, job.machine.axes.len()).print_json(job, &findings)?;
         }
+        choice::suggest(job, &args.target, args.place.zero, &findings)?;
         return Ok(ERRORS);
     }
     if is_text {

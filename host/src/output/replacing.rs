@@ -162,7 +162,7 @@ mod tests {
 
     #[test]
     fn a_rename_that_fails_leaves_all_old_files() {
-        for failing in 0..NAMES.len() {
+        for (failing, name) in NAMES.iter().enumerate() {
             let folder = folder(&format!("fails-{failing}"));
             let outputs = outputs(&folder);
             let mut number = 0;
@@ -175,7 +175,7 @@ mod tests {
             });
             let message = error.unwrap_err().to_string();
             assert!(
-                message.contains(NAMES[failing]) && !message.contains(';'),
+                message.contains(name) && !message.contains(';'),
                 "{message}"
             );
             drop(outputs);

@@ -64,11 +64,14 @@ pub fn write(
             let mut is_end = false;
             work.made.clear();
             let made = &mut work.made;
-            let done = block.map_err(Untranslated::Error).and_then(|block| {
-                is_end = blocks::ends_program(given.text);
-                let mut push = |piece: &[u8]| made.extend_from_slice(piece);
-                work.translator.line(given.text, &block, &mut push)
-            });
+            let done = match block {
+                Ok(block) => {
+                    is_end = blocks::ends_program(given.text);
+                    let mut push = |piece: &[u8]| made.extend_from_slice(piece);
+                    work.translator.line(given.text, &block, &mut push)
+                }
+                Err(error) => Err(Untranslated::Error(error)),
+            };
             match done {
                 Ok(_) => {}
                 Err(Untranslated::Error(error)) => findings.add(explain::finding(&error, &at)),
