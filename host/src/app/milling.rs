@@ -80,7 +80,14 @@ fn expect_a_command(made: &Translated, job: &Job) -> Result<(), String> {
 pub(super) fn send(args: &Send, out: &mut dyn Write) -> Result<u8, Failure> {
     let (file, port) = args.alone()?;
     if by_line::is_for(file) {
-        return by_line::send(args, out);
+        return match args.from {
+            None => by_line::send(args, out),
+            Some(_) => Err("--from needs a file".to_owned().into()),
+        };
+    }
+    if args.from.is_some() && !args.no_home {
+        let message = "--from goes on where the mill stands: it needs --no-home";
+        return Err(message.to_owned().into());
     }
     let mut job = Job::new(file, &args.target, "micromill")?;
     let mut sender = match connected(args, port, &setup::first_three(&job.config))? {
@@ -92,14 +99,38 @@ pub(super) fn send(args: &Send, out: &mut dyn Write) -> Result<u8, Failure> {
         return Ok(ERRORS);
     };
     expect_a_command(&made, &job)?;
-    if let Some(message) = unhomed(sender.start(), &made) {
+    let start = sender.start();
+    let made = match rest(args, made, start, &setup::first_three(&job.config)) {
+        Ok(made) => made,
+        Err(message) => return Ok(told(&job, &message)),
+    };
+    if let Some(message) = unhomed(start, &made) {
         return Ok(told(&job, message));
     }
-    let start = sender.start();
     match all(args, &mut sender, &made).and_then(|()| sender.finish()) {
         Ok(sent) => compared(&job, args.every, &made, start, &sent, out),
-        Err(message) => Ok(told(&job, &message)),
+        Err(message) => {
+            let status = told(&job, &message);
+            if let Some((number, _)) = made.lines.get(sender.made()) {
+                eprintln!("line {number} is not completed; go on with --no-home --from {number}");
+            }
+            Ok(status)
+        }
     }
+}
+
+/// The program, or what is left of it from the line of `--from` on.
+fn rest(
+    args: &Send,
+    made: Translated,
+    start: Option<State>,
+    config: &Config<3>,
+) -> Result<Translated, String> {
+    let Some(number) = args.from else {
+        return Ok(made);
+    };
+    let start = start.ok_or("--from: the controller does not report where it is")?;
+    made.resumed_at(number as usize, &start, config)
 }
 
 /// A controller at rest, and its state.

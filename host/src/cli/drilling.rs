@@ -140,15 +140,10 @@ pub struct Send {
     /// Bits per second of the link [default: 2400 for a drill, otherwise 9600]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(300..=115_200))]
     pub baud: Option<u32>,
-    /// First hole to be drilled, counted over all tools
-    #[arg(
-        long,
-        value_name = "HOLE",
-        default_value_t = 1,
-        hide_default_value = true,
-        value_parser = clap::value_parser!(u32).range(1..),
-    )]
-    pub from: u32,
+    /// Drill: first hole to be drilled, counted over all tools. Micro mill: line of the program to
+    /// go on with after a stop, where the mill stands on its path or at its start
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub from: Option<u32>,
     /// End when the start is confirmed, and let the drill continue alone, without a lease: one
     /// tool, up to 8192 bytes
     #[arg(long)]

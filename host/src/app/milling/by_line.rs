@@ -117,7 +117,10 @@ pub(super) fn send(args: &Send, out: &mut dyn Write) -> Result<u8, Failure> {
         Err(message) => return Ok(told(&job, &message)),
     };
     let Session {
-        sender, sent, out, ..
+        mut sender,
+        sent,
+        out,
+        ..
     } = session;
     if is_well && !is_terminal {
         expect_a_command(&sent, &job)?;
