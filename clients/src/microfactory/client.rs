@@ -432,7 +432,7 @@ impl Client {
         }
     }
 
-    /// Stores a figure. Repeats it if the link fails, as every try begins anew.
+    /// Stores a figure. Repeats it if the link fails, because every try starts from the beginning.
     fn load(&mut self, moves: &[[i16; 2]]) -> Result<String, String> {
         if moves.len() > usize::from(device::ROOM) {
             return Err(format!(
