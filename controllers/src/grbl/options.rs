@@ -18,6 +18,9 @@ pub struct GrblOptions {
     /// Time from a hold, a cancelled jog or a contact of the probe until braking begins. In Grbl it
     /// takes until the segments that it has prepared have run.
     pub brakes_after_us: u32,
+    /// While nothing happens, the controller gives waits, so that its inputs are read. Without this
+    /// an input that changes while the machine stands is seen at the next byte or move.
+    pub reads_inputs: bool,
     /// Highest step rate in steps/s that settings may ask for.
     pub most_steps_per_s: Option<u32>,
 }
@@ -32,6 +35,7 @@ impl GrblOptions {
         has_door: false,
         reports_lines: false,
         brakes_after_us: 48_000,
+        reads_inputs: false,
         most_steps_per_s: None,
     };
 
