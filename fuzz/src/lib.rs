@@ -12,6 +12,7 @@ mod expressions;
 mod format;
 mod gcode;
 mod grbl;
+mod grbl_controller;
 mod interp;
 mod link;
 mod machine;
@@ -34,6 +35,7 @@ pub use expressions::expressions;
 pub use format::format;
 pub use gcode::gcode;
 pub use grbl::grbl;
+pub use grbl_controller::grbl_controller;
 pub use interp::interp;
 pub use link::link;
 pub use machine::machine;
@@ -51,7 +53,7 @@ pub use stepper::stepper;
 pub type Target = fn(&[u8]);
 
 /// Every target with its name, which is also that of its program and of its folder in `corpus`.
-pub const TARGETS: [(&str, Target); 21] = [
+pub const TARGETS: [(&str, Target); 22] = [
     ("gcode", gcode),
     ("reader", reader),
     ("format", format),
@@ -70,6 +72,7 @@ pub const TARGETS: [(&str, Target); 21] = [
     ("closed_loop", closed_loop),
     ("drill", drill),
     ("grbl", grbl),
+    ("grbl_controller", grbl_controller),
     ("microfactory", microfactory),
     ("micromill", micromill),
     ("link", link),
