@@ -1,4 +1,4 @@
-//! Grbl 1.1 on the engine of `husillo-machine`.
+//! Grbl 1.1 on the motion engine of `husillo-machine`.
 
 mod block;
 mod dollar;
@@ -44,11 +44,11 @@ use spindle::Outputs;
 const MILLIMETRE: Scale = Scale::new(1_000_000, 1).expect("both are above 0");
 /// Ticks of the events per second.
 const TIMER_HZ: u32 = 1_000_000;
-/// Longest wait of an event: inputs are read at least as often, us.
+/// Longest wait of an event in microseconds. The inputs are read at least this often.
 const LONGEST_WAIT_US: u32 = 1000;
-/// Free bytes of the output before a line is executed: the longest list has less.
+/// A line is executed only if the output has this many free bytes. The longest list needs fewer.
 const ROOM_FOR_LINE: usize = 640;
-/// Free bytes of the output before a report.
+/// A status report is sent only if the output has this many free bytes.
 const ROOM_FOR_REPORT: usize = 256;
 
 /// State of the controller.
@@ -56,7 +56,7 @@ const ROOM_FOR_REPORT: usize = 256;
 enum Phase {
     Idle,
     Run,
-    /// `true` while it brakes.
+    /// Feed hold. `true` while the motors still brake.
     Hold(bool),
     Jog,
     Alarm,
@@ -98,18 +98,18 @@ enum Phase {
 pub struct Grbl<const QUEUE: usize = 15> {
     options: GrblOptions,
     memory: GrblMemory,
-    /// Nothing was stored: the first start says so.
+    /// No stored memory was found. The first start reports this.
     is_blank: bool,
     machine: Machine<3, Path<3>, Backlash, QUEUE>,
     modal: Modal<3>,
-    /// Commands of the line that is executed, and the next one.
+    /// Commands of the present line. `next` is the one that could not be executed yet.
     commands: Commands<3>,
     next: Option<Command<3>>,
     receiver: Receiver<256>,
     reader: LineReader,
     line: StoredLine,
     origin: Origin,
-    /// Tag of the moves of the line that is executed.
+    /// Tag of the moves of the present line.
     tag: Tag,
     tags: [Tag; 16],
     tag_count: u32,
@@ -122,40 +122,41 @@ pub struct Grbl<const QUEUE: usize = 15> {
     inputs: GrblInputs,
     /// Steps that were made.
     steps: [i32; 3],
-    /// The event that is being made.
+    /// The event that was returned and is not made yet: its wait and its steps.
     pending: Option<(u32, [i8; 3])>,
-    /// The rest of a wait, and the step after it.
+    /// The rest of a long wait, and the step after it.
     rest: Option<(u32, [i8; 3])>,
-    /// Time until queued moves begin.
+    /// Microseconds until queued moves begin.
     start_us: u32,
-    /// Time until the motors are switched off; `None` when they are off, or stay on.
+    /// Microseconds until the motors are switched off. `None`: they are off, or stay on.
     idle_us: Option<u32>,
     dwell_us: u64,
-    /// Feed, rapids, spindle in percent.
+    /// Overrides of feed, rapids and spindle, in percent.
     overrides: [u8; 3],
-    /// Reports until the work zero, and the overrides, are reported again.
+    /// Numbers of status reports until the next one that has the work zero, and the overrides.
     reports: [u8; 2],
     work_zero: [i64; 3],
     outputs: Outputs,
     driven: Driven,
-    /// T of the last block.
+    /// T word of the last block.
     tool: u8,
-    /// Position of the last contact, and whether the last probe move had one.
+    /// Position of the last contact, and whether the last probe move found one.
     probe: ([i64; 3], bool),
-    /// Steps at the contact of the executing probe move.
+    /// Position in steps at the contact of the present probe move.
     contact: Option<[i32; 3]>,
     homing: Homing,
-    /// Time until braking begins.
+    /// Microseconds until braking begins.
     brake_us: u32,
-    /// Time until a request for a report is heard again.
+    /// Microseconds during which further requests for a report are ignored.
     merge_us: u32,
-    /// A jog is being cancelled.
+    /// Whether a jog is being cancelled.
     is_cancelling: bool,
 }
 
 impl<const QUEUE: usize> Grbl<QUEUE> {
-    /// A controller at power-on, with the memory of its last run. `None`: nothing was stored, or
-    /// the store is damaged; it then begins as a new machine and says so.
+    /// Creates a controller at power-on, with the memory of its last run. `None` means that no
+    /// valid memory is stored. The controller then starts with its defaults, and sends `error:7`
+    /// and the list of settings.
     pub fn new(options: GrblOptions, memory: Option<&GrblMemory>) -> Self {
         let kept = memory.copied().unwrap_or(GrblMemory::FACTORY);
         let mut grbl = Grbl {
@@ -203,12 +204,13 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         grbl
     }
 
-    /// What has to be kept without power.
+    /// Returns the data to be kept while the power is off.
     pub const fn memory(&self) -> &GrblMemory {
         &self.memory
     }
 
-    /// Steps that the axes have made since power-on, or since homing.
+    /// Returns the positions of the axes, in steps from machine zero: the position at power-on,
+    /// until the axes are homed.
     pub const fn position_steps(&self) -> [i32; 3] {
         self.steps
     }
@@ -233,12 +235,12 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         }
     }
 
-    /// Free bytes of the output.
+    /// Returns the number of free bytes of the output.
     const fn room(&self) -> usize {
         1024_usize.saturating_sub(self.output.len())
     }
 
-    /// Position of the axes in nanometres.
+    /// Returns the position of the axes in nanometres.
     fn position(&self) -> [Nm; 3] {
         self.position_of(self.steps)
     }
@@ -252,16 +254,16 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         position
     }
 
-    /// Takes new settings into use; nothing moves.
+    /// Applies new settings. Call it only while nothing moves.
     fn configure(&mut self) {
         self.machine = Machine::new(config(self.settings()));
         self.machine.set_feed_override(self.overrides[0]);
         self.machine.set_rapid_override(self.overrides[1]);
-        self.settle();
+        self.drop_moves();
     }
 
-    /// Drops all moves; the axes are where their steps have brought them.
-    fn settle(&mut self) {
+    /// Drops all moves. The axes keep the positions that they have reached.
+    fn drop_moves(&mut self) {
         self.machine.abort();
         let position = self.position();
         // Steps that were made are within 31 bits.
@@ -272,9 +274,9 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         self.brake_us = 0;
     }
 
-    /// Does what can be done now.
+    /// Executes everything that can be executed now.
     fn work(&mut self) {
-        // Each turn takes a byte, a line or a command. The bound covers the bytes of the buffer.
+        // Each round takes a byte, a line or a command. The bound covers all bytes of the buffer.
         for _ in 0..2000 {
             if !self.take_turn() {
                 return;
@@ -293,11 +295,11 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             return true;
         }
         let is_suspended = matches!(self.phase, Phase::Hold(_) | Phase::Door(_) | Phase::Sleep);
-        !is_suspended && self.room() >= ROOM_FOR_LINE && self.go_on()
+        !is_suspended && self.room() >= ROOM_FOR_LINE && self.continue_line()
     }
 }
 
-/// The engine for these settings.
+/// Returns the configuration of the engine for these settings.
 fn config(settings: &Settings) -> Config<3> {
     let axis = |index: u8| {
         // Numbers are below 133.
@@ -345,9 +347,10 @@ impl<const QUEUE: usize> Controller for Grbl<QUEUE> {
 
     fn receive(&mut self, byte: u8) -> bool {
         match self.receiver.push(byte) {
-            Some(realtime) => self.notice(realtime),
+            Some(realtime) => self.take_realtime(realtime),
             None => {
-                // Only a line that follows at once postpones the motion.
+                // A line that follows immediately postpones the motion. A motion that is about to
+                // begin is not postponed.
                 if self.start_us > 0 && !self.is_underway() {
                     self.start_us = motion::START_US;
                 }
@@ -368,8 +371,8 @@ impl<const QUEUE: usize> Controller for Grbl<QUEUE> {
         if machine != 0 || self.pending.is_some() {
             return None;
         }
-        self.watch(inputs);
-        // A turn that ends a motion may begin another one.
+        self.take_inputs(inputs);
+        // A round that ends a motion may begin another one.
         for _ in 0..16 {
             self.work();
             if let Some(event) = self.events.pop() {

@@ -43,7 +43,7 @@ pub struct Placement {
 /// Why a board cannot be placed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PlacementError {
-    /// A position is out of reach.
+    /// A position is beyond the range of coordinates.
     Far,
     /// There is one reference, which does not determine the turn.
     OneReference,

@@ -8,18 +8,18 @@ use std::fmt;
 /// How a slot is cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SlotHandling {
-    /// The tool goes along it.
+    /// The tool moves along the slot.
     Rout,
-    /// Holes at both ends, and overlapping holes between.
+    /// Holes at both ends, and overlapping holes between them.
     Drill,
-    /// Not at all: an error.
+    /// A slot is an error.
     Refuse,
 }
 
 /// Why the slots of a board cannot be cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SlotError {
-    /// Slots are refused, and the board has so many.
+    /// Slots are refused. The board has this number of slots.
     Refused(usize),
     /// The drill cannot rout.
     CannotRout,
@@ -43,8 +43,8 @@ impl fmt::Display for SlotError {
 
 impl Error for SlotError {}
 
-/// Checks that all slots of a board can be cut. `can_rout` is whether the machine can go along
-/// them.
+/// Checks that all slots of a board can be cut. `can_rout` states whether the machine can move
+/// along them.
 pub(crate) fn check(
     board: &Board,
     handling: SlotHandling,

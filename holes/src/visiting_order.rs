@@ -5,16 +5,16 @@
 
 /// Number of neighbours of each point that are tried.
 const NEIGHBOURS: usize = 8;
-/// The longest piece of the path that is reversed, so that very large boards stay quick.
+/// Longest piece of the path that is reversed. The limit bounds the time for very large boards.
 const LONGEST_TURN: usize = 50_000;
-/// The longest piece that is moved elsewhere.
+/// Longest piece that is moved to another position of the path.
 const LONGEST_MOVE: usize = 3;
 /// Points in a cell of the grid, on average.
 const CELL_POINTS: usize = 3;
-/// A shorter difference, in nm, is rounding of the floats.
+/// A smaller gain, in nm, may be due to rounding.
 const LEAST_GAIN: f64 = 0.5;
 
-/// What a way is measured by.
+/// How the length of a path is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Metric {
     /// Both axes at once, in a straight line.
@@ -23,9 +23,9 @@ pub enum Metric {
     AxisByAxis,
 }
 
-/// Returns the indices of `points` in the order of a short path that begins at `start` and ends
-/// anywhere. Equal for equal input. Costs about n log n for points that are spread out, n^2 at
-/// worst.
+/// Returns the indices of `points` in the order of a short path. The path begins at `start` and
+/// ends anywhere. Equal input gives equal output. The cost is about n log n for points that are
+/// spread out, and n^2 at worst.
 pub fn shortest(points: &[[i64; 2]], start: [i64; 2], metric: Metric) -> Vec<usize> {
     let grid = Grid::new(points, start);
     // Points that are close together have close numbers, so that the data of neighbours is close in
@@ -279,8 +279,8 @@ impl<'a> Tour<'a> {
         nearest.1
     }
 
-    /// Reverses pieces of the path, and moves short ones elsewhere, while that makes it shorter.
-    /// Its first point stays.
+    /// Reverses pieces of the path, and moves short pieces, as long as the path becomes shorter.
+    /// The first point stays.
     fn improve(&mut self) {
         // Points whose neighbours on the path have changed since they were tried.
         let mut open: std::collections::VecDeque<u32> = self.path.iter().copied().collect();
@@ -315,7 +315,7 @@ impl<'a> Tour<'a> {
         let only = |low, high| Some([(low, high), (0, 0), (0, 0)]);
         let at = self.at[a as usize] as usize;
         let length = |from: u32, to: Option<&u32>| to.map_or(0.0, |&to| self.distance(from, to));
-        // The points after `a` and after its neighbour change places ...
+        // Exchanges the points after `a` and after its neighbour ...
         let behind = self.path.get(at + 1);
         let now = length(a, behind);
         for &c in self.neighbours(a) {
@@ -335,7 +335,7 @@ impl<'a> Tour<'a> {
                 return only(low, high);
             }
         }
-        // ... or the points before them. The first point of the path has none.
+        // ... or the points before them. The first point of the path has no point before it.
         let before = *self.path.get(at.checked_sub(1)?)?;
         let now = self.distance(a, before);
         for &c in self.neighbours(a) {
@@ -418,7 +418,7 @@ impl<'a> Tour<'a> {
 /// three reversals.
 fn moved(low: usize, high: usize, left: usize, is_turned: bool) -> [(usize, usize); 3] {
     let length = high + 1 - low;
-    // Everything from the piece to its new place is reversed, then each of the two parts alone.
+    // Reverses everything from the piece to its new position, then each of the two parts.
     let (all, between, piece) = if left > high {
         ((low, left), (low, left - length), (left + 1 - length, left))
     } else {

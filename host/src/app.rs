@@ -15,6 +15,8 @@ mod stop;
 
 use husillo_sim::observers::AXES;
 use job::{Job, displayed, load, not_loaded, whole};
+pub use reporting::count;
+use reporting::count as counted;
 use reporting::{MOST_PRINTED, left_out, verdict, with_findings, with_some_findings};
 
 use crate::cli::{
@@ -24,6 +26,7 @@ use crate::cli::{
 };
 use crate::console;
 use crate::console::shown;
+use crate::console::told::Told;
 use crate::diagnostics::{Findings, Format};
 use crate::drill;
 use crate::holes;
@@ -43,8 +46,8 @@ use crate::programs::program::{self, Meaning};
 use crate::programs::setup;
 use crate::programs::steps;
 use crate::text::json::{write_found, write_line};
+use crate::text::name;
 use crate::tuning;
-use clap::CommandFactory;
 use husillo_clients::microfactory::Settings;
 use husillo_gcode::Dialect;
 use husillo_holes::Metric;
@@ -52,6 +55,7 @@ use husillo_methods::{Comparer, Weights, programmed};
 use husillo_reports::methods;
 use serde_json::json;
 use std::io::{self, BufWriter, IsTerminal, Write};
+use std::path::Path;
 
 /// The program has no errors.
 const OK: u8 = 0;
@@ -96,7 +100,10 @@ pub fn run(cli: &Cli) -> Result<u8, Failure> {
         Command::Steps(args) => write_steps(args),
         Command::Holes(args) => list_holes(args),
         Command::Compile(args) => compile(args),
-        Command::Send(args) => driven(|out| send(args, out)),
+        Command::Send(args) => driven(|out| {
+            let mut told = Told::new(out, args.format, "husillo.send/1");
+            send(args, &mut told)
+        }),
         Command::Interpolate(args) => walk(args),
         Command::Compare(args) => compare_methods(args),
         Command::Machines(args) => show_machines(args),
@@ -104,8 +111,14 @@ pub fn run(cli: &Cli) -> Result<u8, Failure> {
         Command::Schema { name } => schema::print(name.as_deref()),
         Command::Completions { shell } => completions(*shell),
         Command::Man { folder } => man_pages(folder),
-        Command::Jog(args) => driven(|out| jog(args, out)),
-        Command::Stop(args) => driven(|out| stop::stop(args, out)),
+        Command::Jog(args) => driven(|out| {
+            let mut told = Told::new(out, args.format, "husillo.jog/1");
+            jog(args, &mut told)
+        }),
+        Command::Stop(args) => driven(|out| {
+            let mut told = Told::new(out, args.format, "husillo.stop/1");
+            stop::stop(args, &mut told)
+        }),
         Command::Measure(args) => driven(|out| measure(args, out)),
         Command::Emulate(args) => emulate(args),
         Command::Tune(args) => driven(|out| tune_servo(args, out)),
@@ -117,14 +130,14 @@ pub fn run(cli: &Cli) -> Result<u8, Failure> {
 /// Prints the completions of a shell.
 fn completions(shell: clap_complete::Shell) -> Result<u8, Failure> {
     let mut text = Vec::new();
-    clap_complete::generate(shell, &mut Cli::command(), "husillo", &mut text);
+    clap_complete::generate(shell, &mut crate::cli::command(), "husillo", &mut text);
     console::stdout().write_all(&text)?;
     Ok(OK)
 }
 
 /// Writes a manual page of the program and of each command.
 fn man_pages(folder: &str) -> Result<u8, Failure> {
-    let mut command = Cli::command().disable_help_subcommand(true);
+    let mut command = crate::cli::command().disable_help_subcommand(true);
     command.build();
     let mut outputs = Outputs::new();
     write_page(&command, folder, &mut outputs)?;
@@ -158,7 +171,11 @@ fn show_machines(args: &Machines) -> Result<u8, Failure> {
         }
         None => out.write_all(listing::list()?.as_bytes())?,
         Some(MachinesAction::New(args)) => return new_machine::make(args),
-        Some(MachinesAction::Write { machine, file }) => return write_machine(machine, file),
+        Some(MachinesAction::Write {
+            machine,
+            file,
+            format,
+        }) => return write_machine(machine, file, *format),
         Some(MachinesAction::Show { machine, format }) if MachineFile::is_measuring(machine) => {
             // Its file contains all that is known of it.
             let text = MachineFile::text_of(machine).unwrap_or_default();
@@ -184,7 +201,7 @@ fn show_machines(args: &Machines) -> Result<u8, Failure> {
 }
 
 /// Writes the file of a built-in machine. An existing file is not replaced.
-fn write_machine(machine: &str, file: &Option<String>) -> Result<u8, Failure> {
+fn write_machine(machine: &str, file: &Option<String>, format: Output) -> Result<u8, Failure> {
     let Some(text) = MachineFile::text_of(machine) else {
         let names = MachineFile::names().join(", ");
         let measuring = MEASURING.map(|(name, ..)| name).join(", ");
@@ -195,21 +212,26 @@ fn write_machine(machine: &str, file: &Option<String>) -> Result<u8, Failure> {
         Some(file) => file.to_owned(),
         None => format!("{machine}.toml"),
     };
-    write_new(&file, text)?;
+    write_new(machine, &file, text, format)?;
     Ok(OK)
 }
 
 /// Writes a machine file that does not exist yet; `-` is standard output.
-fn write_new(file: &str, text: &str) -> Result<(), Failure> {
-    if file == "-" {
+fn write_new(machine: &str, file: &str, text: &str, format: Output) -> Result<(), Failure> {
+    if own_output(Some(file), format)? == "-" {
         console::stdout().write_all(text.as_bytes())?;
         return Ok(());
     }
-    if std::fs::symlink_metadata(file).is_ok() {
-        let why = "exists already: nothing is written";
+    if std::fs::symlink_metadata(name::path(Path::new(file))).is_ok() {
+        let why = "exists already, and nothing is written: name another file";
         return Err(Failure::Usage(format!("{file} {why}")));
     }
     write(file, text.as_bytes())?;
+    if format == Output::Json {
+        let body = json!({"name": machine, "file": file});
+        write_line("husillo.machines.file/1", &body, &mut console::stdout())?;
+        return Ok(());
+    }
     writeln!(
         console::stdout(),
         "Wrote      {} - use it with -m",
@@ -229,7 +251,7 @@ fn driven(drive: impl FnOnce(&mut dyn Write) -> Result<u8, Failure>) -> Result<u
     }
 }
 
-fn jog(args: &Jog, out: &mut dyn Write) -> Result<u8, Failure> {
+fn jog(args: &Jog, out: &mut Told<'_>) -> Result<u8, Failure> {
     let is_well = match args.machine.as_str() {
         "drill" => drill::jog(args, out)?,
         machine if milling::is_mill(machine) => {
@@ -244,8 +266,8 @@ fn jog(args: &Jog, out: &mut dyn Write) -> Result<u8, Failure> {
         machine => {
             let settings = microfactory(machine)?.ok_or_else(|| {
                 format!(
-                    "{machine} cannot be jogged: use microfactory, drill, micromill or a file with \
-                     [bytes]"
+                    "{machine} cannot be moved by hand: name microfactory, drill, micromill, or \
+                     the file of one of them"
                 )
             })?;
             microfactory::jog(args, &settings, out)?
@@ -265,8 +287,14 @@ fn expect_no_single_block(args: &Send, machine: &str) -> Result<(), String> {
 
 fn compile(args: &Compile) -> Result<u8, Failure> {
     if let Some(settings) = figures(&args.target, &args.file)? {
+        let path = made_at(args)?;
         let text = microfactory::list(&args.file, &settings)?;
-        write(args.output.as_deref().unwrap_or("-"), text.as_bytes())?;
+        write(path, text.as_bytes())?;
+        if args.format == Output::Json {
+            let lines = text.lines().count();
+            let body = json!({"kind": "file", "output": path, "lines": lines});
+            write_line("husillo.compile/1", &body, &mut console::stdout())?;
+        }
         return Ok(OK);
     }
     if milling::is_for(&args.target, &args.file) {
@@ -276,7 +304,22 @@ fn compile(args: &Compile) -> Result<u8, Failure> {
     }
 }
 
-fn send(args: &Send, out: &mut dyn Write) -> Result<u8, Failure> {
+/// Where `compile` writes what it makes; `-` is standard output.
+fn made_at(args: &Compile) -> Result<&str, Failure> {
+    own_output(args.output.as_deref(), args.format)
+}
+
+/// The file that a command writes; `-` is standard output, which JSON has for itself.
+fn own_output(output: Option<&str>, format: Output) -> Result<&str, Failure> {
+    match (output.unwrap_or("-"), format) {
+        ("-", Output::Json) => Err(Failure::Usage(
+            "--format json takes standard output: name a file with -o".into(),
+        )),
+        (path, _) => Ok(path),
+    }
+}
+
+fn send(args: &Send, out: &mut Told<'_>) -> Result<u8, Failure> {
     let first = args.files.first().map_or("", String::as_str);
     if let Some(settings) = figures(&args.target, first)? {
         expect_no_single_block(args, "microfactory")?;
@@ -384,9 +427,11 @@ fn emulate_into(args: &Emulate, outputs: &mut Outputs, out: &mut dyn Write) -> R
 }
 
 fn calibrate(args: &Calibrate, out: &mut dyn Write) -> Result<u8, Failure> {
+    let told = |format, schema, out| Told::new(out, format, schema);
     ended(match &args.what {
         What::Backlash(args) => {
-            let made = lash::calibrate_backlash(args, &load(&args.machine)?, out)?;
+            let mut out = told(args.format, "husillo.calibrate.backlash/1", out);
+            let made = lash::calibrate_backlash(args, &load(&args.machine)?, &mut out)?;
             let mut outputs = Outputs::new();
             for (path, text) in [(&args.report, made.page), (&args.output, made.machine)] {
                 if let Some(path) = path {
@@ -395,9 +440,18 @@ fn calibrate(args: &Calibrate, out: &mut dyn Write) -> Result<u8, Failure> {
             }
             Ok(outputs.finish()?)
         }
-        What::Circles(args) => Ok(lash::print_circles(args, &load(&args.machine)?, out)?),
-        What::Axis(args) => measuring::calibrate_axis(args, out),
-        What::Squareness(args) => measuring::calibrate_squareness(args, out),
+        What::Circles(args) => {
+            let mut out = told(args.format, "husillo.calibrate.circles/1", out);
+            Ok(lash::print_circles(args, &load(&args.machine)?, &mut out)?)
+        }
+        What::Axis(args) => {
+            let mut out = told(args.format, "husillo.calibrate.axis/1", out);
+            measuring::calibrate_axis(args, &mut out)
+        }
+        What::Squareness(args) => {
+            let mut out = told(args.format, "husillo.calibrate.squareness/1", out);
+            measuring::calibrate_squareness(args, &mut out)
+        }
     })
 }
 
@@ -452,7 +506,7 @@ fn compare_methods(args: &Compare) -> Result<u8, Failure> {
     };
     if comparison.rows.is_empty() {
         let why = comparison.notes.first().map(String::as_str);
-        let why = why.unwrap_or("no line and no arc at a feed");
+        let why = why.unwrap_or("no line and no arc at a feed, so there is nothing to compare");
         return Err(Failure::Usage(format!("{}: {why}", args.job)));
     }
     let format = args.format.unwrap_or(match &args.output {
@@ -476,7 +530,7 @@ fn compare_methods(args: &Compare) -> Result<u8, Failure> {
     out.flush()?;
     outputs.finish()?;
     if let Some(path) = &args.output {
-        eprintln!("{path}: {} methods", comparison.rows.len());
+        eprintln!("{path}: {}", count(comparison.rows.len() as u64, "method"));
     }
     Ok(OK)
 }
@@ -679,15 +733,32 @@ fn print_commands(args: &Commands) -> Result<u8, Failure> {
 }
 
 fn write_steps(args: &Steps) -> Result<u8, Failure> {
+    let path = own_output(Some(&args.output), args.format)?;
     let mut job = choice::job(&args.file, &args.target, args.place.zero, args.limit)?;
     let (_, findings) =
-        with_some_findings(args.limit, Output::Text, |findings| job.check(findings))?;
+        with_some_findings(args.limit, args.format, |findings| job.check(findings))?;
+    let print = |job: &Job, count: Option<u64>| {
+        let body = json!({
+            "file": job.name(),
+            "machine": job.machine.name,
+            "output": count.map(|_| path),
+            "step_events": count,
+            "errors": findings.errors,
+            "warnings": findings.warnings,
+        });
+        write_found("husillo.steps/1", &body, &findings, &mut console::stdout())
+    };
     if findings.errors > 0 {
+        if args.format == Output::Json {
+            print(&job, None)?;
+            return Ok(ERRORS);
+        }
         eprintln!(
             "{}: {}; nothing moves",
             job.name(),
             verdict(findings.errors, findings.warnings)
         );
+        choice::suggest(&job, &args.target, args.place.zero, &findings)?;
         return Ok(ERRORS);
     }
     let mut source = job.open()?;
@@ -697,12 +768,14 @@ fn write_steps(args: &Steps) -> Result<u8, Failure> {
         .then(|| setup::motors(&job.machine))
         .transpose()?;
     let mut outputs = Outputs::new();
-    let mut out = outputs.create(&args.output)?;
+    let mut out = outputs.create(path)?;
     let count = steps::write(&mut source, &mut machine, &job.piece(), motors, &mut out)?;
     out.flush()?;
     outputs.finish()?;
-    if args.output != "-" {
-        eprintln!("{}: {count} step events", args.output);
+    if args.format == Output::Json {
+        print(&job, Some(count))?;
+    } else if path != "-" {
+        eprintln!("{path}: {}", counted(count, "step event"));
     }
     Ok(OK)
 }

@@ -103,7 +103,7 @@ fn a_routine_on_the_chain() {
     assert!(page.contains("XZ view") && page.contains("3 of 3 tolerances kept"));
     assert!(page.contains("part No. 17 &lt;left&gt;, ") && page.contains("2023-11-14 22:13 UTC"));
     for figure in [
-        "<dt>largest spread of a point</dt><dd>one touch a point</dd>",
+        "<dt>largest spread of a point</dt><dd>one touch per point</dd>",
         "<dt>pre-travel</dt><dd>8 um</dd>",
         "<td>top, front, left</td>",
     ] {

@@ -96,7 +96,7 @@ impl Move {
         })
     }
 
-    /// The move in the form that a method accepts.
+    /// Returns the move in the form that a method accepts.
     fn shape_for(&self, method: &Method) -> &Shape {
         match &self.rounded {
             Some(rounded) if !method.takes_fractions() => rounded,
@@ -129,11 +129,11 @@ pub struct Comparer {
 }
 
 impl Comparer {
-    /// Compares all methods, or `only` some.
+    /// Creates a comparison of all methods, or of `only` some: their names, separated by commas.
     ///
     /// # Errors
     ///
-    /// An unknown name.
+    /// A name is unknown.
     pub fn new(only: Option<&str>) -> Result<Self, String> {
         let only: Option<Vec<String>> = only.map(|names| {
             names

@@ -73,7 +73,7 @@ impl Curve {
         }
     }
 
-    /// The curve of an arc on the grid, with `radius` as in [`Curve::arc`].
+    /// The exact curve of an arc on the grid, with `radius` as in [`Curve::arc`].
     pub fn of(arc: &ArcMove, radius: Option<f64>) -> Self {
         let one = (1_u64 << arc.fraction_bits) as f64;
         Self::arc(
@@ -180,7 +180,7 @@ impl Curve {
                 ..
             } => {
                 let turned = turn::turned(*begin, turn::angle(at, *centre), *sweep > 0.0);
-                // Just before the start is the start.
+                // A point just before the start belongs to the start.
                 let turned = if turned > 0.5 * (TAU + sweep.abs()) {
                     0.0
                 } else {

@@ -24,7 +24,7 @@ pub fn line<const N: usize>(
     to: [Nm; N],
 ) -> Result<Option<Move>, &'static str> {
     let (mut delta, mut exact) = ([0; AXES], [[0.0; AXES]; 2]);
-    for axis in 0..3 {
+    for axis in 0..AXES.min(N) {
         let scale = config.axes[axis].scale;
         let start = scale.nearest(from[axis].0).ok_or(TOO_LARGE)?;
         let end = scale.nearest(to[axis].0).ok_or(TOO_LARGE)?;
@@ -41,7 +41,7 @@ pub fn line<const N: usize>(
     }))
 }
 
-/// An arc in its plane. A helix counts without its motion across the plane.
+/// An arc in its plane. Of a helix, only the motion in the plane counts.
 ///
 /// # Errors
 ///

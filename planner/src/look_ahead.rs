@@ -13,10 +13,10 @@
 //!     +---+--+-----+---+----------+-> junctions, first move's end on the left
 //! ```
 //!
-//! Only the candidates are kept. A new junction removes the junctions in front of it that stand
-//! higher, once and for all, so each move is looked at twice in its life however long the queue is.
-//! The lowest candidate is always the first one. This is the well-known minimum over a sliding
-//! window; the two passes of Grbl's planner.c give the same speeds.
+//! Only the candidates are kept. A new junction removes all junctions before it that are higher.
+//! Each move is therefore visited twice, for any length of the queue. The lowest candidate is
+//! always the first one. This is the known algorithm for the minimum of a sliding window. The two
+//! passes of Grbl's planner.c give the same speeds.
 
 use crate::stretch::{Percents, square};
 use crate::{Stretch, ring::Ring};
@@ -29,7 +29,7 @@ pub struct Limits {
     pub top_nm_per_s: u32,
     /// Square of the highest speed at the end of the move, (nm/s)^2.
     pub exit_squared: u64,
-    /// Changes with the other two, so a comparison of this number finds every change; wraps.
+    /// Changes whenever one of the other two changes. Wraps.
     pub version: u32,
 }
 
@@ -77,7 +77,7 @@ struct Slot<M> {
     payload: M,
 }
 
-/// A junction that no junction behind it makes superfluous.
+/// A junction with a bound below those of all junctions after it.
 #[derive(Copy, Clone, Debug)]
 struct Candidate {
     /// Sequence number of the move after the junction.
@@ -170,19 +170,19 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
         self.slots.back().map(|slot| (&slot.stretch, &slot.payload))
     }
 
-    /// Current limits of the first move. Ask at every event: they may rise. All zero when the queue
-    /// is empty.
+    /// Returns the current limits of the first move. They may rise, so read them at every event.
+    /// All are zero if the queue is empty.
     #[inline]
     pub const fn limits(&self) -> &Limits {
         &self.limits
     }
 
-    /// Scales the programmed speeds: 10 to 200 percent; other values are taken as the nearest of
+    /// Scales the programmed speeds by 10 to 200 percent. Other values count as the nearest of
     /// these.
     ///
-    /// Looks at every move once. A lower override may ask the executing move for a speed to which
-    /// it cannot brake in time. [`Ramp`](crate::Ramp) then brakes as hard as allowed, and no
-    /// junction is passed faster than its limit.
+    /// Visits every move once. After a lower override the executing move may have to brake to a
+    /// speed that it cannot reach in time. [`Ramp`](crate::Ramp) then brakes as hard as allowed,
+    /// and no junction is passed faster than its limit.
     pub fn set_override(&mut self, percent: u8) {
         self.set_percents(Percents {
             feed: percent.clamp(10, 200),
@@ -190,8 +190,8 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
         });
     }
 
-    /// Scales the speeds of moves that obey no override, the rapids: 1 to 100 percent; other values
-    /// are taken as the nearest of these. Otherwise as [`LookAhead::set_override`].
+    /// Scales the speeds of rapids, which do not obey the other override, by 1 to 100 percent.
+    /// Other values count as the nearest of these.
     pub fn set_rapid_override(&mut self, percent: u8) {
         self.set_percents(Percents {
             rapid: percent.clamp(1, 100),
@@ -251,8 +251,8 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
         self.update_limits(self.top());
     }
 
-    /// Adds the junction between the last move and a new one, and removes all candidates that it
-    /// undercuts.
+    /// Adds the junction between the last move and a new one. Removes all candidates with a higher
+    /// bound.
     fn add_candidate(&mut self, number: u32, limit_squared: u64) {
         let height_and_limit = self.end.wrapping_add(limit_squared.into());
         while self

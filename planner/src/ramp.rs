@@ -22,25 +22,29 @@ use slowness::{Slowness, part};
 use standstill::{First, MOST};
 use sweeps::{Law, Span};
 
-/// Path speed from event to event, as high as the top speed, the acceleration and the end of the
-/// move allow.
+/// Times the events of the executing move, so that the path speed is as high as top speed,
+/// acceleration and the end of the move allow.
 ///
-/// The square of the speed is linear in the path, so it is known exactly at any event. It is
-/// computed every K events only; a cubic times the events of such a *piece*, with the exact time
-/// and the exact speed at both ends. Next to standstill a table of roots takes its place.
+/// The square of the speed is linear in the path, so it is known exactly at every event. The root
+/// is computed only at the ends of a *piece* of events. Within a piece a cubic gives the times of
+/// the events. It has the exact time and the exact speeds at both ends. Next to standstill a table
+/// of square roots is used instead.
 ///
-/// - **Time.** The time of a ramp is the difference of its end speeds times f / a, whatever its
-///   pieces are, so nothing drifts. At constant speed the times add up to exactly the programmed
-///   ones. The fraction of a tick is carried from event to event and from move to move.
-/// - **Within a piece** an event is at most 0.04 of its interval off, and the acceleration is at
-///   most 1.035 times the limit in the first 300 events from standstill and 1.02 times later.
-/// - **A change of mind** (limits, hold, resume) acts at the next event. The speed there is exact;
-///   the difference between the true time and the time given so far is part of the next piece.
-/// - The event in which the acceleration changes takes the time of the mean of its end speeds.
+/// - **Time.** A ramp takes the difference of its end speeds divided by the acceleration, for any
+///   division into pieces. So there is no drift. At constant speed the times add up to exactly the
+///   programmed ones. The fraction of a tick is carried from event to event and from move to move.
+/// - **Within a piece** an event is at most 0.04 of its interval off. The acceleration exceeds its
+///   limit by at most 3.6 % in the first 300 events from standstill, and by 2 % later;
+///   `course.rs` has the proof.
+/// - **A change** of the limits, a hold and its end take effect at the next event. The speed there
+///   is exact. The difference between the exact time and the time given so far is added to the next
+///   piece.
+/// - **Corners of the profile.** An event in which the acceleration changes is timed by the mean of
+///   its end speeds.
 ///
 /// # Cost
-/// An event takes three additions of 64 bits; one within 64 events of standstill takes two
-/// products of 16 bits. A piece takes a root and some twenty products, no long division.
+/// An event takes three 64-bit additions. An event within 64 events of standstill takes two 16-bit
+/// products. A piece takes a root and about twenty products, but no long division.
 ///
 /// # Examples
 /// ```
@@ -67,23 +71,23 @@ use sweeps::{Law, Span};
 /// ```
 #[derive(Clone, Debug)]
 pub struct Ramp {
-    /// Events to come, and what they need.
+    /// Coming events, and the values for their times.
     piece: Piece,
     owed: u32,
     version: u32,
-    /// Fraction of a tick below 2^-32, from the timer.
+    /// Fraction of a tick below 2^-32, carried by the timer.
     owed_low: u32,
     table: Table,
     span: Span,
     course: Course,
-    /// Time, in 2^-32 tick, by which the events are too early.
+    /// Time by which the given events are too early, in 2^-32 tick.
     late: i64,
     timer_hz: u32,
     /// Whether all events have the sweep 1.
     is_line: bool,
-    /// Whether the limits of the move were not yet looked at.
+    /// Whether the limits of the move were not applied yet.
     is_new: bool,
-    /// Bits of the sweep of a grain, and the sweep of a grain begun.
+    /// The sweep of a grain has this many bits. `grain_rest` is the sweep that is left of a grain.
     grain_bits: u8,
     grain_rest: u64,
     /// Fraction bits of speeds.
@@ -91,21 +95,20 @@ pub struct Ramp {
     /// Timer of the top speed; made when the path reaches it.
     cruise: Timer,
     has_cruise: bool,
-    /// Acceleration of `course.slowness`.
+    /// Acceleration for which `course.slowness` was computed.
     acceleration: u64,
-    /// Values of the move as begun, kept for another top speed.
+    /// Values of the move, kept for a change of the top speed.
     top: u32,
     programmed_top: u32,
     start: u32,
-    /// The speed from which the speed may fall to any lower one at once: the start speed of the
-    /// move of the last event.
+    /// Below this speed the speed may fall at once: the start speed of the move of the last event.
     drop: u32,
     cruise_ticks_q16: u64,
     total_sweep: u64,
     largest_sweep: u32,
 }
 
-/// Events next to standstill.
+/// The events next to standstill.
 #[derive(Copy, Clone, Debug, Default)]
 struct Table {
     first: First,
@@ -146,15 +149,16 @@ impl Ramp {
         }
     }
 
-    /// Begins a move at the speed with which the one before ended.
+    /// Begins a move. The speed continues from the end of the previous move.
     ///
-    /// `total_sweep` is the sum over all events of the move, `largest_sweep` that of the largest
-    /// event. `cruise_ticks_q16` is the time of the whole move at `top_nm_per_s` in ticks times
-    /// 2^16; it carries the exact programmed feed. A move without events is begun with a sweep of 1
-    /// and waited for once; its ticks are carried to the next event.
+    /// `total_sweep` is the sum over all events of the move, and `largest_sweep` that of the
+    /// largest event. `cruise_ticks_q16` is the time of the whole move at `top_nm_per_s`, in ticks
+    /// times 2^16. It contains the exact programmed feed. A move without events is begun with a
+    /// sweep of 1, and [`wait`](Ramp::wait) is called once. Its ticks are carried to the next
+    /// event.
     ///
     /// # Cost
-    /// Three divisions of 64 bits, two fewer where acceleration and speeds stay.
+    /// Three 64-bit divisions, or one if acceleration and speeds are those of the previous move.
     pub fn begin(
         &mut self,
         stretch: &Stretch,
@@ -170,8 +174,8 @@ impl Ramp {
         self.start = stretch.start_nm_per_s;
         self.set_scale(stretch);
         let highest = square(stretch.entry_limit_nm_per_s);
-        // Only a start speed brings a ramp above the limit of a junction; from there the speed may
-        // fall at once.
+        // Only a start speed leads to a speed above the limit of a junction. From a start speed the
+        // speed may fall at once.
         if self.square_nm() > highest {
             self.course.set_square(self.scaled(highest));
         }
@@ -182,7 +186,7 @@ impl Ramp {
             && self.total_sweep <= u32::MAX.into()
             && self.course.slowness.fraction_bits == 32;
         self.course.stops_whole = self.is_line;
-        // Up to 64 grains an event, and at most 2^31 in all.
+        // An event has up to 64 grains, and a move at most 2^31.
         let event_bits = bits(self.largest_sweep.into()).saturating_sub(1);
         let total_bits = bits(self.total_sweep).saturating_sub(31);
         let grain_bits = event_bits.saturating_sub(6).max(total_bits).min(event_bits);
@@ -192,7 +196,7 @@ impl Ramp {
         self.is_new = true;
     }
 
-    /// The number of grains, and the change of the square over one.
+    /// Computes the number of grains, and the change of the squared speed over a grain.
     fn divide_into_grains(&mut self, stretch: &Stretch) {
         let grain = u32::from(self.grain_bits);
         let grains = self.total_sweep.wrapping_shr(grain);
@@ -209,7 +213,7 @@ impl Ramp {
         let up = u32::from(self.fine_bits)
             .wrapping_mul(2)
             .wrapping_add(grain);
-        // Rounded up, so that braking over the whole move takes no more than the look-ahead
+        // Rounded up, so that braking over the whole move takes no longer than the look-ahead
         // assumes.
         let gain = match length_bits.checked_sub(up) {
             Some(shift) if shift < 128 => product.wrapping_shr(shift),
@@ -227,7 +231,7 @@ impl Ramp {
         self.course.wide = wide as u8;
     }
 
-    /// Chooses the units of speeds and the time of a change of speed.
+    /// Chooses the units of speeds, and computes the time per unit of speed.
     fn set_scale(&mut self, stretch: &Stretch) {
         let acceleration = stretch.double_acceleration() >> 1;
         let highest = stretch
@@ -252,7 +256,7 @@ impl Ramp {
         }
     }
 
-    /// A square in (nm/s)^2 in the units of the course; saturates.
+    /// Converts a squared speed from (nm/s)^2 to the units of the course; saturates.
     fn scaled(&self, square: u64) -> u64 {
         let shift = u32::from(self.fine_bits).wrapping_mul(2);
         if square.leading_zeros() < shift {
@@ -262,7 +266,7 @@ impl Ramp {
         }
     }
 
-    /// The square of the speed at the end of the present part, in (nm/s)^2.
+    /// Returns the squared speed at the end of the present part, in (nm/s)^2.
     fn square_nm(&self) -> u64 {
         self.course
             .square
@@ -272,7 +276,7 @@ impl Ramp {
     /// Returns the ticks to wait before an event of this `sweep`, which is at most the largest one.
     ///
     /// `limits` are those of [`LookAhead::limits`](crate::LookAhead::limits) at this moment.
-    /// Returns `None` when a hold has stopped the path. The event did not happen then; ask again
+    /// Returns `None` when a hold has stopped the path. The event was then not made. Call again
     /// after [`Ramp::resume`].
     #[inline]
     pub fn wait(&mut self, sweep: u32, limits: &Limits) -> Option<u64> {
@@ -285,12 +289,13 @@ impl Ramp {
         self.wait_with_care(sweep, limits)
     }
 
-    /// Takes up to `most` events of a line, for an interrupt that times them alone. The fraction
-    /// of a tick is carried by whoever runs the pieces.
+    /// Returns up to `most` events of a line, for an interrupt that times them by itself. The
+    /// interrupt carries the fraction of a tick.
     ///
-    /// Returns `None` when a hold has stopped the path. Events next to standstill and corners come
-    /// as pieces of one event. A piece given away is no longer changed by a hold or an override; so
-    /// `most` says how late these may act. Moves other than lines need [`Ramp::wait`].
+    /// Returns `None` when a hold has stopped the path. Events next to standstill and events in
+    /// which the acceleration changes are returned one by one. A hold or an override does not
+    /// change a piece that was returned, so `most` bounds their delay. Moves other than lines need
+    /// [`Ramp::wait`].
     pub fn take_piece(&mut self, most: u32, limits: &Limits) -> Option<Piece> {
         if self.piece.count == 0 || limits.version != self.version {
             self.follow(limits);
@@ -312,7 +317,7 @@ impl Ramp {
         Some(self.piece.split(most.max(1)))
     }
 
-    /// An event that is not in a piece, or under new limits.
+    /// Times an event that is not in a piece, or that has new limits.
     #[inline(never)]
     fn wait_with_care(&mut self, sweep: u32, limits: &Limits) -> Option<u64> {
         self.follow(limits);
@@ -335,7 +340,7 @@ impl Ramp {
         Some(self.piece.step(&mut self.owed).into())
     }
 
-    /// Takes over new limits.
+    /// Applies the limits if they are new.
     #[inline]
     fn follow(&mut self, limits: &Limits) {
         if self.is_new || limits.version != self.version {
@@ -361,7 +366,8 @@ impl Ramp {
         self.course.look_again();
     }
 
-    /// The time of the next event of a line, or a piece. `None` if a hold stops here.
+    /// Returns the time of the next event of a line, or `Some(None)` after it has begun a piece.
+    /// `None`: a hold stops the path before the event.
     #[inline(never)]
     fn next_events(&mut self) -> Option<Option<u64>> {
         self.course.left = self.course.left.max(1);
@@ -392,9 +398,8 @@ impl Ramp {
         Some(Some(self.paid(time)))
     }
 
-    /// A time together with what is owed, which is then paid. Events that were too late make the
-    /// next ones at most 1/128 faster, so that no speed is exceeded by more; the rest is owed for
-    /// longer.
+    /// Returns `time` plus the time that is owed. If events were too late, the next ones are at
+    /// most 1/128 faster, so that no speed limit is exceeded by more. The remainder stays owed.
     fn paid(&mut self, time: u64) -> u64 {
         // Times are below 2^63.
         let most = (time >> 7) as i64;
@@ -403,8 +408,8 @@ impl Ramp {
         time.saturating_add_signed(late)
     }
 
-    /// Begins a piece at constant speed. Its time is rounded up, so the programmed time is never
-    /// given too early; what is given too late, below 2^-20 tick, is owed.
+    /// Begins a piece at constant speed. Its time is rounded up, so that no event is early. The
+    /// excess is below 2^-20 tick and is subtracted later.
     fn level(&mut self, count: u32) {
         if !self.has_cruise {
             self.prepare_cruise();
@@ -431,7 +436,7 @@ impl Ramp {
         };
     }
 
-    /// Begins the events next to standstill. Returns `false` if the first one takes too long for
+    /// Begins the events next to standstill. Returns `false` if the first event takes too long for
     /// the table.
     fn fill_table(&mut self, count: u32, time: u64, is_start: bool) -> bool {
         let one = Root::of(self.course.gain());
@@ -448,7 +453,8 @@ impl Ramp {
         true
     }
 
-    /// The next event next to standstill; the last one takes the rest of the time.
+    /// Returns the interval of the next event next to standstill. The last event takes the rest of
+    /// the time.
     fn next_of_table(&mut self) -> u64 {
         let table = &mut self.table;
         table.left = table.left.wrapping_sub(1);
@@ -465,7 +471,7 @@ impl Ramp {
         interval
     }
 
-    /// An event of a move whose events differ.
+    /// Times an event of a move with events of different sweep.
     fn wait_swept(&mut self, sweep: u32) -> Option<u64> {
         if self.course.is_held && self.would_stop(sweep) {
             self.leave();
@@ -492,7 +498,7 @@ impl Ramp {
         }
     }
 
-    /// Whether a hold stops before an event.
+    /// Whether a hold stops the path before an event.
     fn would_stop(&self, sweep: u32) -> bool {
         let square = self.square_now();
         let grain = u32::from(self.grain_bits);
@@ -502,7 +508,7 @@ impl Ramp {
         u128::from(square) <= gain.wrapping_add(self.course.floor.into())
     }
 
-    /// Ticks of a part of the present span.
+    /// Returns the ticks of a sweep within the present span.
     fn pass(&mut self, sweep: u64, is_end: bool) -> u64 {
         if let Law::Level = self.span.law {
             self.span.passed = self.span.passed.wrapping_add(sweep);
@@ -518,7 +524,7 @@ impl Ramp {
         self.settle(time, self.course.slowness.fraction_bits.into())
     }
 
-    /// Begins the next part of a move whose events differ.
+    /// Begins the next part of a move with events of different sweep.
     fn next_span(&mut self) {
         let grain = u32::from(self.grain_bits);
         let mut sweep = self.grain_rest;
@@ -535,12 +541,12 @@ impl Ramp {
                 if !self.has_cruise {
                     self.prepare_cruise();
                 }
-                // The rest of a grain is none.
+                // The rest of a grain is zero.
                 sweep = sweep.max(sweep_of(count));
                 (0, 0, Law::Level)
             }
             Part::Ramp { count, from, gain } => {
-                // The rest of a grain is none.
+                // The rest of a grain is zero.
                 sweep = sweep.max(sweep_of(count));
                 let root = self.course.root;
                 let is_rising = root.speed > from.speed;
@@ -632,7 +638,7 @@ impl Ramp {
         self.span = Span::default();
     }
 
-    /// Square of the speed after the last event.
+    /// Returns the squared speed after the last event.
     fn square_now(&self) -> u64 {
         let end = self.course.square;
         let gain = if self.is_line {
@@ -684,7 +690,8 @@ impl Ramp {
         speed.wrapping_shr(self.fine_bits.into())
     }
 
-    /// Whole ticks of a time with this many fraction bits (0 to 63); the remainder is carried.
+    /// Converts a time with this many fraction bits (0 to 63) to whole ticks. The remainder is
+    /// carried.
     fn settle(&mut self, time: u64, fraction_bits: u32) -> u64 {
         let time = self.pay(time, fraction_bits);
         let fraction = if fraction_bits == 0 {
@@ -700,7 +707,7 @@ impl Ramp {
             .saturating_add(carries.into())
     }
 
-    /// A time with this many fraction bits together with what is owed.
+    /// Adds the owed time to a time with this many fraction bits.
     fn pay(&mut self, time: u64, fraction_bits: u32) -> u64 {
         if self.late == 0 {
             return time;
@@ -711,7 +718,7 @@ impl Ramp {
         match time.checked_add_signed(late) {
             Some(sum) => sum,
             None => {
-                // The rest is owed for longer.
+                // The remainder stays owed.
                 let left = time.wrapping_add_signed(late) as i64;
                 let left = i128::from(left)
                     .wrapping_shl(32)
@@ -722,12 +729,12 @@ impl Ramp {
         }
     }
 
-    /// Fraction bits of the times of `cruise`, from 16 to 63.
+    /// Returns the number of fraction bits of the times of `cruise`, 16 to 63.
     fn cruise_bits(&self) -> u32 {
         u32::from(self.cruise.fraction_bits()).wrapping_add(16)
     }
 
-    /// Sets another top speed.
+    /// Applies another top speed.
     #[cold]
     fn set_top(&mut self, top: u32) {
         self.top = top;
@@ -740,7 +747,8 @@ impl Ramp {
         self.has_cruise = false;
     }
 
-    /// The timer of the top speed: the cruise takes the programmed time in proportion.
+    /// Prepares the timer of the constant speed. Any part of the move takes its share of the
+    /// programmed time.
     #[inline(never)]
     fn prepare_cruise(&mut self) {
         self.has_cruise = true;
@@ -754,7 +762,7 @@ impl Ramp {
     }
 }
 
-/// A time with these fraction bits, 16 to 63, with 32; rounded up. The time fits.
+/// Converts a time with 16 to 63 fraction bits to 32 fraction bits, rounded up. The result fits.
 fn up_to_q32(time: u64, bits: u32) -> u64 {
     match bits.checked_sub(32) {
         Some(shift) => {

@@ -132,8 +132,8 @@ impl Largest {
         self.feed.or(self.rapid).filter(|top| *top > 0.0)
     }
 
-    /// The top of the chart of speeds, mm/min. The chart is about cutting, so much faster rapids
-    /// run along its edge.
+    /// The top of the chart of speeds, mm/min. The chart shows cutting, so much faster rapids are
+    /// drawn at its edge.
     fn high(&self, top: f64) -> f64 {
         let rapid = self.rapid.filter(|rapid| *rapid < 3.0 * top).unwrap_or(top);
         let is_near = self.programmed < 2.0 * top;

@@ -30,13 +30,13 @@ const MARGIN: f64 = 34.0;
 
 /// Writes the page.
 pub fn html(title: &str, readings: usize, is_simulated: bool, panels: &[Panel]) -> String {
-    let whence = if is_simulated {
+    let source = if is_simulated {
         "cut and measured on the simulated machine, which then moves to and fro over the work area"
     } else {
         "as measured, at the measured positions"
     };
     let name = format!("{title}: backlash");
-    let line = format!("{readings} two-line tests, {whence}");
+    let line = format!("{readings} two-line tests, {source}");
     let mut page = frame::open(&name, &name, &line, PICTURE);
     page.push_str(
         "<section><h2>Remaining backlash</h2><table><tr><th>axis</th><th>one value</th>\

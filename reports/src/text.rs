@@ -1,4 +1,4 @@
-//! Values as text for people.
+//! Values as readable text.
 
 mod duration;
 mod escape;

@@ -5,12 +5,13 @@ use crate::{Levels, PulseTiming};
 /// Turns steps into the levels of the driver of one motor.
 ///
 /// [`Sequencer`](crate::Sequencer), [`StepDirection`](crate::StepDirection) and
-/// [`StepToggle`](crate::StepToggle) are those of this crate; a machine is generic over it.
+/// [`StepToggle`](crate::StepToggle) implement it. A machine is generic over it.
 ///
-/// With coils a step is one change of levels. Where [`timing`](CoilDriver::timing) gives times, a
-/// step is a pulse, three changes in this order: [`turn`](CoilDriver::turn) sets DIR, `step` lets
-/// STEP rise, and [`end_pulse`](CoilDriver::end_pulse) lets it fall.
+/// A driver of coils makes a step by one change of levels. If [`timing`](CoilDriver::timing)
+/// returns times, a step is a pulse of three changes: [`turn`](CoilDriver::turn) sets DIR, `step`
+/// raises STEP, and [`end_pulse`](CoilDriver::end_pulse) lowers STEP.
 ///
+/// # Examples
 /// ```
 /// use husillo_stepper::{CoilDriver, Levels};
 ///
@@ -30,44 +31,43 @@ use crate::{Levels, PulseTiming};
 /// assert_eq!(ring.step(-1), Levels(0b10000));
 /// ```
 pub trait CoilDriver {
-    /// Whether a step may be a pulse: whether [`timing`](CoilDriver::timing) ever returns times. If
-    /// not (the default), a machine omits the code for pulses.
+    /// Whether [`timing`](CoilDriver::timing) may return times, so that steps are pulses. If not
+    /// (the default), a machine omits the code for pulses.
     const HAS_PULSES: bool = false;
 
-    /// The levels after `delta` steps: -1, 0 or +1. A disabled driver stays where it is.
+    /// Returns the levels after `delta` steps: -1, 0 or +1. A disabled driver makes no step.
     fn step(&mut self, delta: i8) -> Levels;
 
-    /// The levels before a step by `delta`, during the set-up time of
-    /// [`timing`](CoilDriver::timing).
+    /// Returns the levels during the set-up time before a step by `delta`.
     ///
-    /// Nothing changes where a step is no pulse, as here by default.
+    /// The default changes nothing, for drivers whose steps are not pulses.
     fn turn(&mut self, delta: i8) -> Levels {
         let _ = delta;
         self.levels()
     }
 
-    /// The levels after the pulse of a step.
+    /// Returns the levels after the pulse of a step.
     ///
-    /// Nothing changes where a step is no pulse, as here by default.
+    /// The default changes nothing, for drivers whose steps are not pulses.
     fn end_pulse(&mut self) -> Levels {
         self.levels()
     }
 
-    /// The times of the pulse of a step. `None` (the default): a step is one change of levels.
+    /// Returns the times of a pulse. `None` (the default): a step is one change of levels.
     fn timing(&self) -> Option<PulseTiming> {
         None
     }
 
-    /// The levels now.
+    /// Returns the present levels.
     fn levels(&self) -> Levels;
 
-    /// Turns all currents off, or on again in the last held phase. Returns the levels.
+    /// Switches all currents off, or on again in the phase held last. Returns the levels.
     fn set_enabled(&mut self, on: bool) -> Levels;
 
-    /// Holds with less current, or with full current again. Returns the levels. A step needs full
-    /// current.
+    /// Holds with reduced current, or with full current again. Returns the levels. Switch to full
+    /// current before a step.
     ///
-    /// It does nothing if the inputs of the driver have no level for it. This is the default.
+    /// The default does nothing, for drivers whose inputs have no level for it.
     fn set_reduced(&mut self, on: bool) -> Levels {
         let _ = on;
         self.levels()

@@ -31,18 +31,21 @@ impl L297Inputs {
 
 /// The step sequencer L297 pin by pin, for simulators and for tests of a controller.
 ///
-/// A controller of a board with the chip needs CLOCK and CW/CCW only, which
+/// A board with this chip needs only CLOCK and CW/CCW, which
 /// [`StepDirection`](crate::StepDirection) makes with [`L297::timing`]. A controller without the
-/// chip uses a [`Sequencer`], which makes the outputs of the chip.
+/// chip uses a [`Sequencer`], which has the same outputs.
 ///
-/// Eight states; the odd ones have two phases on, the even ones have one. A half step goes to the
-/// next state, a full step over it, so HALF/FULL going low in an odd state gives normal drive and
-/// in an even state wave drive. The outputs are those of [`Driver::L297`](crate::Driver::L297): A,
-/// B, C, D, INH1 = A or B, INH2 = C or D, and HOME in state 1. The chopper is not here: it takes
-/// away the inhibit lines (CONTROL low) or the phases (high) while a winding has its current.
+/// The chip has eight states. Odd states have two phases on, even states have one. A half step goes
+/// to the next state, and a full step skips one state. If HALF/FULL falls in an odd state, normal
+/// drive follows; in an even state, wave drive follows. The outputs are those of
+/// [`Driver::L297`](crate::Driver::L297): A, B, C, D, INH1 = A or B, INH2 = C or D, and HOME in
+/// state 1. The chopper is not modelled. In the chip it lowers the inhibit lines (CONTROL low) or
+/// the phases (CONTROL high) while a winding has its current.
 ///
-/// Source: ST, L297 data sheet, pin functions and figures 8 to 10.
+/// # Source
+/// ST, L297 data sheet, pin functions and figures 8 to 10.
 ///
+/// # Examples
 /// ```
 /// use husillo_stepper::{L297, L297Inputs, Levels};
 ///
@@ -101,10 +104,11 @@ impl L297 {
         ((self.states.sixteenth().wrapping_add(6) & 15) >> 1).wrapping_add(1)
     }
 
-    /// The times that its inputs need, in ticks of a timer of `timer_hz`, rounded up: 1 us set-up,
-    /// 4 us hold, 0.5 us of CLOCK high and low. RESET needs 1 us, and 1 us before the next clock.
+    /// Returns the times that its inputs require, in ticks of a timer of `timer_hz`, rounded up: 1
+    /// us of set-up, 4 us of hold, 0.5 us of CLOCK high and low. RESET requires 1 us, and another 1
+    /// us before the next clock.
     ///
-    /// Up to 1 GHz; above that the times are those of 1 GHz.
+    /// A timer above 1 GHz counts as one of 1 GHz.
     #[must_use]
     pub const fn timing(timer_hz: u32) -> PulseTiming {
         // At most 1000 ticks a microsecond, and four of them.

@@ -1,6 +1,6 @@
 //! The input levels of the driver of one motor.
 
-/// The logic levels at the inputs of the driver of one motor, one bit per input, 1 = high.
+/// The logic levels at the inputs of the driver of one motor, one bit per input. 1 is high.
 ///
 /// The meaning of a bit depends on the [`Driver`](crate::Driver):
 ///

@@ -6,10 +6,11 @@ use crate::sine::sine;
 
 /// A sequencer with `PER_FULL` microsteps per full step: 1, 2, 4, ... 256.
 ///
-/// Starts at 45 degrees, both coils at 71 %, as sine drives do after power-up. Currents are in
-/// 1/32767 of full current, exact to half a unit; with the feature `micromath` they are computed,
-/// within 1.1e-3 of full current (36 units; tested against the table).
+/// It starts at 45 degrees with both coils at 71 %, as sine drives do after power-up. Currents are
+/// in 1/32767 of full current and exact to half a unit. With the feature `micromath` they are
+/// computed, with an error below 1.1e-3 of full current (36 units, tested against the table).
 ///
+/// # Examples
 /// ```
 /// use husillo_stepper::Microstep;
 /// let mut motor = Microstep::<16>::new();
@@ -83,6 +84,6 @@ fn wave(angle: u16) -> i16 {
         return sine(angle);
     }
     let radians = f32::from(angle & 1023) * (core::f32::consts::TAU / 1024.0);
-    // A cast from float saturates; the approximation may pass 1 by its error.
+    // A cast from float saturates. The approximation may exceed 1 by its error.
     F32Ext::round(F32Ext::sin(radians) * f32::from(AMPLITUDE)) as i16
 }

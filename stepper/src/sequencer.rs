@@ -5,7 +5,7 @@ use core::fmt;
 use crate::tables::{self, Cycle};
 use crate::{CoilDriver, Driver, Levels};
 
-/// The distance of a step, and the states that it uses.
+/// The size of a step, and the states that it uses.
 #[derive(Copy, Clone, Eq, PartialEq, Hash, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Mode {
@@ -15,14 +15,14 @@ pub enum Mode {
     Full,
     /// Half step: one and two phases in turn.
     Half,
-    /// Quarter step; on the PBL3717A with its 60 % level (8.5 degrees off the ideal angle at most).
+    /// Quarter step. On the PBL3717A it uses the 60 % level, with an angle at most 8.5 degrees off.
     Quarter,
-    /// Quarter step of the PBL3717A with its 20 % level (11.2 degrees off).
+    /// Quarter step of the PBL3717A with its 20 % level. The angle is at most 11.2 degrees off.
     QuarterLow,
 }
 
 impl Mode {
-    /// Steps of this mode to one full step: 1, 2 or 4.
+    /// Returns the steps of this mode per full step: 1, 2 or 4.
     #[must_use]
     pub const fn steps_per_full(self) -> u8 {
         match self {
@@ -75,9 +75,10 @@ impl core::error::Error for Unsupported {}
 
 /// Steps one motor through the states of its driver, in both directions from any state.
 ///
-/// A step is one addition and one table look-up. The start state is the driver's own: the L297's
-/// reset state 1, the unipolar 3, the micro mill's (A, not B) for PBL3717A and `PhasePair`, (A, B)
-/// for the A3988; one state further in [`Mode::Wave`].
+/// A step is one addition and one table look-up. The start state depends on the driver. It is state
+/// 1 (the state after reset) for the L297, the levels 3 for the unipolar driver, (A, not B) as on
+/// the micro mill for the PBL3717A and `PhasePair`, and (A, B) for the A3988. In [`Mode::Wave`] it
+/// is one state further.
 #[derive(Copy, Clone, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Sequencer {
@@ -144,11 +145,11 @@ impl Sequencer {
         self
     }
 
-    /// Changes the mode in any state. The state stays, with full current. The next steps have the
-    /// new distance.
+    /// Changes the mode in any state. The state stays, with full current. The following steps have
+    /// the new size.
     ///
-    /// As on the L297, a full step adds 2 to the state number whatever it is, so full steps from a
-    /// one-phase state are wave drive and from a two-phase state normal drive.
+    /// As on the L297, a full step adds 2 to the number of any state. Full steps from a one-phase
+    /// state are therefore wave drive, and full steps from a two-phase state are normal drive.
     ///
     /// # Errors
     /// [`Unsupported`] as for [`Sequencer::new`]. Nothing changes then.
@@ -160,7 +161,7 @@ impl Sequencer {
         self.cycle = fresh.cycle;
         self.mode = mode;
         if self.is_enabled() {
-            // Inputs of a reduced current are levels of a quarter step.
+            // The levels of a reduced current are those of a quarter step.
             self.set = 0;
             self.stride = self.signed_stride();
         }

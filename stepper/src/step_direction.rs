@@ -29,7 +29,7 @@ pub struct Busy;
 
 impl core::fmt::Display for Busy {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str("the step before is under way")
+        f.write_str("the previous step is not complete")
     }
 }
 
@@ -38,11 +38,12 @@ impl core::error::Error for Busy {}
 /// A step and direction driver that takes a step on each rising edge of STEP, as most chips do. DIR
 /// is high for positive steps. It owns neither pins nor timer.
 ///
-/// One motor with a timer of its own: [`start`](StepDirection::start) and
-/// [`advance`](StepDirection::advance) give the levels and the time of each. Several motors on one
-/// stream of events: it is a [`CoilDriver`], and the machine keeps the times by
+/// For one motor with a timer of its own, [`start`](StepDirection::start) and
+/// [`advance`](StepDirection::advance) return the levels and their durations. For several motors on
+/// one stream of events, it is a [`CoilDriver`], and the machine keeps the times of
 /// [`timing`](CoilDriver::timing).
 ///
+/// # Examples
 /// ```
 /// use husillo_stepper::{Levels, PulseTiming, StepDirection};
 ///
@@ -84,11 +85,11 @@ impl StepDirection {
         }
     }
 
-    /// Begins one step in the direction of the sign of `delta`. `None`: there is nothing to do,
-    /// because `delta` is 0 or the driver is disabled.
+    /// Begins one step in the direction of the sign of `delta`. Returns `None` if there is nothing
+    /// to do, because `delta` is 0 or the driver is disabled.
     ///
-    /// The idle time is unknown here, so every change of direction waits for the rest of the hold
-    /// time.
+    /// The function does not know how long the driver was idle. So every change of direction waits
+    /// for the rest of the hold time.
     ///
     /// # Errors
     /// [`Busy`]: the previous step is not complete. Nothing changes.
@@ -110,8 +111,8 @@ impl StepDirection {
         }))
     }
 
-    /// Returns the next levels of the present step, after the ticks of the last ones. `None`: the
-    /// step is complete.
+    /// Returns the next levels of the present step. Call it after the ticks of the previous ones.
+    /// Returns `None` if the step is complete.
     pub fn advance(&mut self) -> Option<Present> {
         match self.state {
             State::Idle => None,

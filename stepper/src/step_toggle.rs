@@ -3,11 +3,12 @@
 use crate::{CoilDriver, Levels};
 
 /// A step and direction driver that takes a step on both edges of STEP ("double edge": TMC2209 with
-/// `dedge` set), so that a step is one change of levels.
+/// `dedge` set). A step is therefore one change of levels.
 ///
-/// DIR is high for positive steps. **Most chips count rising edges only and would lose every second
-/// step**. They need [`StepDirection`](crate::StepDirection).
+/// DIR is high for positive steps. **Most chips count rising edges only. They would lose every
+/// second step**, and need [`StepDirection`](crate::StepDirection).
 ///
+/// # Examples
 /// ```
 /// use husillo_stepper::{CoilDriver, Levels, StepToggle};
 /// let mut drive = StepToggle::new();
@@ -43,7 +44,7 @@ impl CoilDriver for StepToggle {
     fn step(&mut self, delta: i8) -> Levels {
         if delta != 0 && self.levels.contains(Levels::ENABLE) {
             let direction = if delta > 0 { Levels::DIR.0 } else { 0 };
-            // One edge cannot show an even number of steps. Events have -1, 0 or +1.
+            // One edge cannot show two steps. Events have -1, 0 or +1.
             let step = (self.levels.0 ^ Levels::STEP.0) & Levels::STEP.0;
             self.levels = Levels(step | direction | Levels::ENABLE.0);
         }

@@ -51,7 +51,7 @@ pub(crate) const PBL3717A: Cycle =
 pub(crate) const PBL3717A_LOW: Cycle =
     bridges([[FULL, -OFF], [FULL, LESS], [FULL, FULL], [LESS, FULL]]);
 
-/// A3988: two phases share 2/3 each, so the torque hardly changes over the cycle.
+/// The two-phase positions have 2/3 of the current in each coil, so the torque hardly changes.
 pub(crate) const A3988: Cycle = bridges([[FULL, -OFF], [FULL, LESS], [MORE, MORE], [LESS, FULL]]);
 
 /// L297: state s at position 2 s + 8. HOME is bit 6; INH1 = A or B, INH2 = C or D, which in

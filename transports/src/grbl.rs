@@ -6,12 +6,12 @@
 //!                         └► buffer ─► LineReader ─► line
 //! ```
 //!
-//! Real-time bytes act at once, wherever they stand in the stream. All other bytes wait in the
-//! receive buffer. A line ends at CR or LF, each. The controller answers each line with `ok` or
-//! `error:N`; all other replies are not answers.
+//! Real-time bytes take effect immediately, at any position of the stream. All other bytes wait in
+//! the receive buffer. A line ends at a CR or an LF. The controller answers each line with `ok` or
+//! `error:N`. All other replies are not answers.
 //!
-//! Positions are nanometres. A controller prints millimetres with three places, or inches with
-//! four, so [`Message::parse`] recognises the unit.
+//! Positions are in nanometres. A controller prints millimetres with three decimals, or inches with
+//! four. [`Message::parse`] recognises the unit by this number.
 //!
 //! # Source
 //! Grbl 1.1h, observed: recorded dialogues in `controllers/tests/data/grbl`.
@@ -44,10 +44,10 @@ pub use status::{Accessories, Pins, Position, State, Status};
 pub use text::{Text, decimal};
 pub use window::Window;
 
-/// Bytes of the receive buffer that a controller advertises.
+/// Size of the receive buffer that a controller reports, in bytes.
 pub const RECEIVE_BYTES: u8 = 128;
 
-/// Most characters of a line, without blanks and comments.
+/// Largest number of characters of a line, without blanks and comments.
 pub const LINE_CHARACTERS: usize = 79;
 
 /// Largest number of axes of a position.

@@ -36,7 +36,7 @@ pub struct Sender<'a, O> {
     pub from: usize,
     /// Seconds of a byte and its echo.
     pub byte_s: f64,
-    /// Do not home: the drill says that it is homed.
+    /// Do not home: the drill reports that it is homed.
     pub is_homed: bool,
     /// Do not ask for tools.
     pub is_sure: bool,
@@ -177,7 +177,7 @@ impl<O: Operator> Sender<'_, O> {
         done.filter(|done| *done > self.from)
     }
 
-    /// The parts that remain, in pieces of so many records.
+    /// The parts that remain, in pieces of at most this number of records.
     fn loads(&self, most_records: usize) -> Result<Vec<Load>, String> {
         let all: usize = self.parts.iter().map(Part::holes).sum();
         if self.from >= all {

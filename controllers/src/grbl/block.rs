@@ -1,4 +1,4 @@
-//! A block of Grbl as blocks of `gcode`.
+//! Conversion of a Grbl block to blocks of `gcode`.
 
 use husillo_gcode::{
     Block, Commands, Dialect, Distance, Error, ErrorKind, FeedMode, Modal, Motion, Plane, Units,
@@ -7,7 +7,7 @@ use husillo_transports::grbl::{ErrorCode, Text, decimal};
 
 use super::words::{Given, Modes, WordReader};
 
-/// Code of the motion mode in tenths.
+/// Returns the code of the motion mode, in tenths.
 pub(super) fn motion_code(modal: &Modal<3>) -> u16 {
     match modal.motion() {
         Some(Motion::Rapid) => 0,
@@ -24,7 +24,7 @@ pub(super) fn motion_code(modal: &Modal<3>) -> u16 {
     }
 }
 
-/// Code of the plane in tenths.
+/// Returns the code of the plane, in tenths.
 pub(super) fn plane_code(modal: &Modal<3>) -> u16 {
     match modal.plane() {
         Plane::Xy => 170,
@@ -41,10 +41,10 @@ fn modes(modal: &Modal<3>) -> Modes {
     }
 }
 
-/// Reads a block and applies it to the modal state. Its commands stand in `commands`.
+/// Reads a block and applies it to the modal state. `commands` then has its commands.
 ///
 /// # Errors
-/// The number of Grbl; the state is then unspecified.
+/// Fails with the error number of Grbl. The modal state is then unspecified.
 pub(super) fn apply(
     line: &[u8],
     given: &Given,
@@ -52,7 +52,7 @@ pub(super) fn apply(
     commands: &mut Commands<3>,
 ) -> Result<(), ErrorCode> {
     given.check(motion_code(modal), &modes(modal))?;
-    // Of a block, Grbl reads the units first, and stores positions before it moves.
+    // Grbl reads the units of a block first, and stores positions before it moves.
     let first = match given.non_modal {
         Some(281 | 301 | 921) if given.has_axes() => given.non_modal,
         _ => None,
@@ -62,7 +62,7 @@ pub(super) fn apply(
         put_code(&mut text, b'G', code);
         apply_text(text.bytes(), modal, commands)?;
     }
-    // G53 has no regard to the distance mode.
+    // The distance mode does not apply to G53.
     let is_incremental = given.distance.map_or_else(
         || modal.distance() == Distance::Incremental,
         |code| code == 910,
@@ -76,14 +76,15 @@ pub(super) fn apply(
     apply_text(b"G91", modal, &mut Commands::new())
 }
 
-/// The words that are left for `gcode`.
+/// Returns the words that `gcode` has to read.
 fn rest(line: &[u8], given: &Given, first: Option<u16>) -> Text {
     let mut text = Text::new();
     for word in WordReader(line).filter_map(Result::ok) {
         let code = u16::try_from(word.tenths).unwrap_or(u16::MAX);
         match word.letter {
             b'N' => {}
-            // In effect always; M1 has no switch.
+            // These codes are always in effect. M1 has no effect, because there is no switch for
+            // it.
             b'G' if matches!(code, 200 | 210 | 400 | 610 | 911) || Some(code) == first => {}
             b'M' if code == 10 => {}
             b'G' if code == 490 => text.put(b"G49"),
@@ -112,7 +113,7 @@ fn rest(line: &[u8], given: &Given, first: Option<u16>) -> Text {
     text
 }
 
-/// Appends the number of a word. Places beyond a millionth of the smallest unit do not matter.
+/// Appends the number of a word. Decimals below a millionth of the smallest unit are dropped.
 fn put_value(text: &mut Text, number: &[u8]) {
     match decimal(number, 9) {
         Some((value, _)) if number.len() > 12 => text.put_decimal(value, 9),
@@ -140,7 +141,7 @@ fn apply_text(
         .map_err(|error: Error| code_of(error.kind))
 }
 
-/// The number of Grbl for an error of `gcode` that [`Given::check`] has not found.
+/// Returns the error number of Grbl for an error of `gcode` that [`Given::check`] does not detect.
 fn code_of(kind: ErrorKind) -> ErrorCode {
     match kind {
         ErrorKind::NotALetter(_) => ErrorCode::ExpectedLetter,
@@ -167,7 +168,7 @@ fn code_of(kind: ErrorKind) -> ErrorCode {
     }
 }
 
-/// G20 or G21 in tenths.
+/// Returns G20 or G21, in tenths.
 pub(super) fn units_code(modal: &Modal<3>) -> u16 {
     match modal.units() {
         Units::Inches => 200,
@@ -175,7 +176,7 @@ pub(super) fn units_code(modal: &Modal<3>) -> u16 {
     }
 }
 
-/// G90 or G91 in tenths.
+/// Returns G90 or G91, in tenths.
 pub(super) fn distance_code(modal: &Modal<3>) -> u16 {
     match modal.distance() {
         Distance::Absolute => 900,
@@ -183,7 +184,7 @@ pub(super) fn distance_code(modal: &Modal<3>) -> u16 {
     }
 }
 
-/// G93 or G94 in tenths.
+/// Returns G93 or G94, in tenths.
 pub(super) fn feed_mode_code(modal: &Modal<3>) -> u16 {
     match modal.feed_mode() {
         FeedMode::InverseTime => 930,

@@ -10,7 +10,7 @@ use super::{Grbl, GrblMemory, Phase};
 const HELP: &[u8] = b"$$ $# $G $I $N $x=val $Nx=line $J=line $SLP $C $X $H ~ ! ? ctrl-x";
 
 impl<const QUEUE: usize> Grbl<QUEUE> {
-    /// Keeps the memory.
+    /// Requests that the caller stores the memory.
     pub(super) fn store(&mut self) {
         self.is_blank = false;
         self.events.push(GrblEvent::Store);
@@ -19,7 +19,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
     /// Executes the text after `$`.
     ///
     /// # Errors
-    /// The error with which the line is answered.
+    /// Fails with the error that answers the line.
     pub(super) fn dollar(&mut self, text: &[u8]) -> Result<Outcome, ErrorCode> {
         match text {
             [] => self.send(&Message::Help(HELP)),
@@ -61,12 +61,12 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         Ok(Outcome::Done)
     }
 
-    /// Whether moves that are no jogs will begin soon.
+    /// Whether moves other than jogs are about to begin.
     fn is_busy(&self) -> bool {
         self.phase == Phase::Idle && self.is_underway()
     }
 
-    /// Commands that need Idle or Alarm.
+    /// Executes commands that are permitted only in Idle or Alarm.
     fn dollar_at_rest(&mut self, text: &[u8]) -> Result<Outcome, ErrorCode> {
         match text {
             b"#" => self.list_places(),
@@ -98,7 +98,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         Ok(Outcome::Done)
     }
 
-    /// `$Nx=line`: the line is executed first.
+    /// Stores a line (`$Nx=line`) after it was executed once.
     fn store_line(&mut self, text: &[u8]) -> Result<Outcome, ErrorCode> {
         let (number, line) = key_and_value(text)?;
         if number > 1 {

@@ -10,15 +10,15 @@ const SPINDLE_US: u32 = 4_000_000;
 /// Time for the coolant to flow, us.
 const COOLANT_US: u32 = 1_000_000;
 
-/// What the door makes the controller do.
+/// State of the controller while the safety door is open, and while the outputs are restored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum DoorStep {
     Braking,
-    /// Everything is off.
+    /// The axes stand, and spindle and coolant are off.
     Stands,
-    /// The spindle starts; time that is left.
+    /// The spindle starts. The number is the rest of its time, in microseconds.
     Spindle(u32),
-    /// The coolant starts; time that is left.
+    /// The coolant starts. The number is the rest of its time, in microseconds.
     Coolant(u32),
 }
 
@@ -29,13 +29,13 @@ impl DoorStep {
 }
 
 impl<const QUEUE: usize> Grbl<QUEUE> {
-    /// The door is opened, or 0x84 has come.
+    /// Handles an opened door, and the byte 0x84.
     pub(super) fn open_door(&mut self) {
         self.flags.door = false;
         match self.phase {
             Phase::Alarm | Phase::Check | Phase::Sleep => return,
             Phase::Home => {
-                self.settle();
+                self.drop_moves();
                 return self.alarm(Alarm::HomingDoor, After::Boot);
             }
             Phase::Jog => {
@@ -53,7 +53,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         self.send(&Message::Feedback(Feedback::CheckDoor));
     }
 
-    /// Everything stands: switches the outputs off.
+    /// Switches the outputs off when the axes stand.
     pub(super) fn door_stopped(&mut self) {
         if self.phase == Phase::Door(DoorStep::Braking) {
             self.rest_motors();
@@ -65,7 +65,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         self.drive();
     }
 
-    /// The door is closed and the operator continues.
+    /// Restores the outputs when the door is closed and the operator resumes.
     pub(super) fn restore(&mut self) {
         self.phase = Phase::Door(DoorStep::Spindle(0));
         self.outputs.is_stopped = false;
@@ -85,7 +85,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             self.report_overrides();
             self.drive();
         } else {
-            self.go_on_moving();
+            self.resume_moves();
         }
     }
 
@@ -103,7 +103,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         *left = left.saturating_sub(us);
         match self.phase {
             Phase::Door(DoorStep::Spindle(0)) => self.restore_coolant(),
-            Phase::Door(DoorStep::Coolant(0)) => self.go_on_moving(),
+            Phase::Door(DoorStep::Coolant(0)) => self.resume_moves(),
             _ => {}
         }
     }

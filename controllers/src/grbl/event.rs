@@ -1,8 +1,8 @@
-//! What goes in and out of a Grbl controller besides bytes.
+//! Inputs and events of a Grbl controller.
 
 use crate::{StopBytes, Timed};
 
-/// Levels of the input pins. All are high with nothing connected.
+/// Levels of the input pins. All are high if nothing is connected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GrblInputs {
     /// Limit switches of X, Y and Z.
@@ -87,7 +87,7 @@ impl Timed for GrblEvent {
     }
 }
 
-/// The reset byte, 0x18.
+/// The stop byte: the reset byte, 0x18, while an event is being made. Otherwise no byte stops.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GrblStops(pub(super) bool);
 

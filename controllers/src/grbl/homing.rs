@@ -7,18 +7,18 @@ use super::lines::{Outcome, Task};
 use super::recovery::After;
 use super::{Grbl, Phase};
 
-/// Axes of the cycles, bit 0 for X: Z first, then X and Y together.
+/// The axes of each homing cycle, bit 0 for X: Z first, then X and Y together.
 const CYCLES: [u8; 2] = [0b100, 0b011];
-/// Passes of a cycle; the odd ones pull off.
+/// Passes of a cycle. Passes with an odd number pull off.
 const PASSES: u8 = 4;
 
 /// State of homing.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Homing {
-    /// Axes of the cycle, and those that still move.
+    /// Axes of the present cycle, and those that still move.
     axes: u8,
     moving: u8,
-    /// Axes of the cycle after it.
+    /// Axes of the next cycle.
     later: u8,
     pass: u8,
     step: Step,
@@ -26,13 +26,14 @@ pub(super) struct Homing {
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Step {
-    /// There is no homing.
+    /// No homing is in progress.
     #[default]
     Off,
     Moves,
-    /// The switches settle; time that is left.
+    /// The axes rest while the switches settle. The number is the rest of this time, in
+    /// microseconds.
     Settles(u32),
-    /// Done, except for the stored lines and the answer.
+    /// The axes are homed. The stored lines and the answer follow.
     Startup,
 }
 
@@ -53,7 +54,7 @@ impl Homing {
         self.pass.is_multiple_of(2)
     }
 
-    /// The steps of the axes that still move.
+    /// Returns the steps of the axes that still move.
     pub(super) fn kept(&self, delta: [i8; 3]) -> [i8; 3] {
         if !self.is_moving() {
             return delta;
@@ -82,7 +83,7 @@ impl Homing {
 }
 
 impl<const QUEUE: usize> Grbl<QUEUE> {
-    /// `$H`, or `$HX` where single axes may be homed.
+    /// Homes all axes (`$H`), or one axis (`$HX`) where the options permit it.
     pub(super) fn home(&mut self, axes: &[u8]) -> Result<Outcome, ErrorCode> {
         if !self.settings().is_set(22) {
             return Err(ErrorCode::HomingDisabled);
@@ -108,9 +109,9 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         Ok(Outcome::Waits)
     }
 
-    /// Begins a pass from where the axes stand.
+    /// Begins a pass from the present position.
     fn begin_pass(&mut self) {
-        self.settle();
+        self.drop_moves();
         let settings = *self.settings();
         let axes = self.homing.axes;
         let pull_off = i64::from(settings.milli(27)).wrapping_mul(1000);
@@ -137,7 +138,8 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             };
             *to = Nm(to.0.saturating_add(distance));
         }
-        // Each axis has the rate, so the path has it times the root of their number.
+        // Each axis moves at `rate`. The speed along the path is therefore `rate` times the square
+        // root of the number of axes.
         let rate = u64::from(rate).wrapping_mul(1000);
         let square = u128::from(rate).wrapping_mul(u128::from(rate));
         let square = square.wrapping_mul(axes.count_ones().into());
@@ -150,7 +152,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         });
     }
 
-    /// Stops each axis that has reached its switch.
+    /// Stops each axis whose switch is closed.
     pub(super) fn watch_homing(&mut self) {
         if !self.homing.is_moving() || !self.homing.is_approach() {
             return;
@@ -165,7 +167,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         }
     }
 
-    /// The engine has no further step of a pass.
+    /// Handles the end of a pass whose steps are all made.
     pub(super) fn homing_stopped(&mut self) {
         if self.homing.is_approach() {
             self.fail_homing(Alarm::HomingApproach);
@@ -175,18 +177,18 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
     }
 
     fn fail_homing(&mut self, alarm: Alarm) {
-        self.settle();
+        self.drop_moves();
         self.alarm(alarm, After::Boot);
     }
 
     fn end_pass(&mut self) {
-        self.settle();
+        self.drop_moves();
         let debounce_us = self.settings().whole(26).wrapping_mul(1000);
         self.homing.step = Step::Settles(debounce_us);
     }
 
-    /// Goes on after a pass. Returns whether there may be more to do.
-    pub(super) fn go_on_homing(&mut self) -> bool {
+    /// Continues after a pass. Returns whether there may be more to do.
+    pub(super) fn continue_homing(&mut self) -> bool {
         if self.homing.step != Step::Settles(0) {
             return false;
         }
@@ -221,7 +223,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         true
     }
 
-    /// The axes stand at their pull-off.
+    /// Sets the positions of homed axes, which stand at their pull-off.
     fn set_home(&mut self, axes: u8) {
         let settings = *self.settings();
         let mut place = self.position();
@@ -238,10 +240,11 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
                 pull_off.wrapping_neg()
             });
         }
-        // Settings keep it within the reach of the axes, or the place stays as it is.
+        // The settings keep the position within the range of the axes. If not, the axes keep their
+        // positions.
         if let Ok(steps) = self.machine.config().nearest_steps(&place) {
             self.steps = steps;
         }
-        self.settle();
+        self.drop_moves();
     }
 }

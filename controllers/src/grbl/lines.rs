@@ -1,4 +1,4 @@
-//! Lines, one after another, and their answers.
+//! Execution of lines, one after another, and their answers.
 
 use husillo_gcode::{Command, Commands, Feed, Nm, SpindleDirection};
 use husillo_machine::MoveError;
@@ -10,57 +10,57 @@ use super::motion::{START_US, Tag};
 use super::words::{Given, WordReader, bit};
 use super::{Grbl, Phase};
 
-/// Where a line comes from.
+/// The origin of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Origin {
     Host,
-    /// A stored line, at the start.
+    /// A stored line with this number, at the start.
     Startup(u8),
-    /// `$N0=` or `$N1=`: to be stored after it was executed.
+    /// `$N0=` or `$N1=`. The line is stored after it was executed.
     Store(u8),
 }
 
-/// What a line waits for.
+/// What the present line waits for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Task {
     /// There is no line.
     None,
-    /// Its commands.
+    /// Its next command.
     Block,
-    /// The end of the motion before it.
+    /// The end of the previous motion.
     Sync,
     Dwell,
-    /// M0: the operator.
+    /// The operator resumes after M0.
     Pause,
     Probe {
         away: bool,
         must: bool,
     },
-    /// The probe has failed.
+    /// The end of the alarm of a failed probe move.
     ProbeFailed {
         has_moved: bool,
     },
-    /// The motion before a move that leaves the travel.
+    /// The end of the motion before a move that leaves the travel.
     SoftLimit,
     Home,
-    /// The stored line with this number.
+    /// The start, which executes the stored line with this number.
     Startup(u8),
 }
 
-/// Result of a line that was not refused.
+/// Result of a line that was accepted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Outcome {
     Done,
-    /// Its task goes on.
+    /// Its task is not complete.
     Waits,
-    /// A reset follows the answer.
+    /// The answer is followed by a reset.
     Reset,
     Sleep,
 }
 
 impl<const QUEUE: usize> Grbl<QUEUE> {
-    /// Goes on with the line, or takes the next one. Returns whether there may be more to do.
-    pub(super) fn go_on(&mut self) -> bool {
+    /// Continues the present line, or takes the next byte. Returns whether there may be more to do.
+    pub(super) fn continue_line(&mut self) -> bool {
         match self.task {
             Task::None => self.take_byte(),
             Task::Block => self.take_command(),
@@ -95,7 +95,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
                 true
             }
             Task::Startup(number) => self.run_stored(number),
-            Task::Home => self.go_on_homing(),
+            Task::Home => self.continue_homing(),
             Task::Pause | Task::Probe { .. } => false,
         }
     }
@@ -156,7 +156,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         true
     }
 
-    /// Answers the line, unless it goes on.
+    /// Answers the line, unless its task is not complete.
     pub(super) fn end_line(&mut self, result: Result<Outcome, ErrorCode>) {
         if result == Ok(Outcome::Waits) {
             return;
@@ -187,7 +187,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             Ok(Outcome::Sleep) => {
                 self.send(&Message::Feedback(Feedback::Sleeping));
                 self.phase = Phase::Sleep;
-                self.drive_nothing();
+                self.switch_outputs_off();
                 self.idle_us = None;
                 self.drive_motors(false);
             }
@@ -198,7 +198,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
     /// Executes a block of G-code.
     ///
     /// # Errors
-    /// The error of the line; nothing has changed.
+    /// Fails with the error that answers the line. Nothing has changed.
     pub(super) fn block(&mut self, text: &[u8]) -> Result<Outcome, ErrorCode> {
         let given = Given::read(text, self.options.has_mist)?;
         let (mut modal, mut commands) = (self.modal.clone(), Commands::new());
@@ -208,7 +208,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         let spindle = modal.spindle() != self.modal.spindle();
         let is_feed = matches!(motion_code(&modal), 10 | 20 | 30);
         let was_feed = matches!(motion_code(&self.modal), 10 | 20 | 30);
-        // A laser changes its power with the move.
+        // The power of a laser changes together with the move.
         let with_move = self.outputs.is_laser
             && given.is_motion()
             && given.has_axes()
@@ -249,7 +249,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         Ok(Outcome::Waits)
     }
 
-    /// Whether a block waits until the moves before it have been made.
+    /// Whether a block waits until all previous moves are made.
     fn waits_for_motion(&self, given: &Given) -> bool {
         let (mist, flood) = self.modal.coolant();
         let changes_coolant = match given.coolant {
@@ -264,7 +264,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             || matches!(given.stop, Some(0 | 20 | 300))
     }
 
-    /// Whether a block selects or shifts the work zero, other than by G10.
+    /// Whether a block selects or shifts the work zero. G10 is not included.
     fn moves_zero(&self, given: &Given) -> bool {
         let frame = u16::from(self.modal.work_system());
         let changes_frame = given
@@ -274,7 +274,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         changes_frame || shifts || given.length.is_some()
     }
 
-    /// Checks the moves of a block.
+    /// Checks the moves of a block. With `in_travel` a move that leaves the travel is an error.
     fn check_moves(&self, commands: &Commands<3>, in_travel: bool) -> Result<(), ErrorCode> {
         let mut from = self.modal.position();
         for command in commands.clone() {
@@ -286,7 +286,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             }
             match self.machine.config().check(&from, &command) {
                 Err(MoveError::Travel { .. }) if in_travel => return Err(ErrorCode::Travel),
-                // A probe move is a line to the engine.
+                // The engine has no probe moves. It moves them as lines.
                 Ok(()) | Err(MoveError::Travel { .. } | MoveError::Unsupported(_)) => {}
                 Err(_) => return Err(ErrorCode::BadTarget),
             }
@@ -356,13 +356,13 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         self.report_overrides();
         self.report_work_zero();
         if self.phase != Phase::Check {
-            self.drive_nothing();
+            self.switch_outputs_off();
         }
         self.outputs.milli_rpm = self.modal.spindle().1;
         self.send(&Message::Feedback(Feedback::ProgramEnd));
     }
 
-    /// Whether a target is outside the travel, however little.
+    /// Whether a target is outside the travel, without tolerance.
     fn leaves_travel(&self, to: &[Nm; 3]) -> bool {
         let axes = self.machine.config().axes.iter().zip(to);
         axes.into_iter().any(|(axis, to)| {
@@ -422,11 +422,11 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         true
     }
 
-    /// `$J=`.
+    /// Executes a jog, `$J=`.
     pub(super) fn jog(&mut self, text: &[u8]) -> Result<Outcome, ErrorCode> {
         let given = Given::read(text, self.options.has_mist)?;
         if matches!(given.motion, Some(20 | 30)) {
-            // Its errors come first.
+            // Errors of arc words precede the error of a jog.
             apply(text, &given, &mut self.modal.clone(), &mut Commands::new())?;
         }
         if given.motion == Some(800) && given.has_axes() {

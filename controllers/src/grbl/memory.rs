@@ -1,4 +1,4 @@
-//! What is kept without power.
+//! Data that is kept while the power is off.
 
 use husillo_transports::grbl::{LINE_CHARACTERS, Settings};
 
@@ -15,7 +15,7 @@ impl StoredLine {
         length: 0,
     };
 
-    /// Keeps a text. A line of the link always fits.
+    /// Stores a text. A line of the link always fits.
     pub(super) fn new(text: &[u8]) -> Self {
         let mut line = StoredLine::EMPTY;
         for (slot, byte) in line.text.iter_mut().zip(text) {
@@ -32,17 +32,18 @@ impl StoredLine {
     }
 }
 
-/// Settings, coordinate data and stored lines of a controller: what is kept without power.
+/// Settings, coordinate data and stored lines of a controller, which are kept while the power is
+/// off.
 ///
-/// The controller gives [`GrblEvent::Store`](crate::GrblEvent::Store) when it has changed. The
-/// caller keeps the [bytes](GrblMemory::to_bytes), for example with `husillo-store`, and passes
-/// them to the next start.
+/// The controller returns [`GrblEvent::Store`](crate::GrblEvent::Store) when its memory has
+/// changed. The caller stores the [bytes](GrblMemory::to_bytes), for example with `husillo-store`,
+/// and passes them to the controller at the next start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GrblMemory {
     pub(super) settings: Settings,
-    /// G54 to G59, G28, G30 in nanometres.
+    /// Positions of G54 to G59, G28 and G30, in nanometres.
     pub(super) places: [[i64; 3]; 8],
-    /// `$N0`, `$N1`, the text of `$I`.
+    /// The lines of `$N0` and `$N1`, and the text of `$I`.
     pub(super) lines: [StoredLine; 3],
 }
 
@@ -50,9 +51,9 @@ const PLACES_BYTES: usize = 8 * 3 * 8;
 const LINE_BYTES: usize = LINE_CHARACTERS + 1;
 
 impl GrblMemory {
-    /// Length of the stored form.
+    /// Number of bytes of the stored form.
     pub const BYTES: usize = 1 + Settings::BYTES + PLACES_BYTES + 3 * LINE_BYTES;
-    /// First byte of the stored form.
+    /// First byte of the stored form: its version.
     const FORM: u8 = 1;
 
     /// The memory of a new machine.
@@ -67,12 +68,12 @@ impl GrblMemory {
         GrblMemory { settings, ..self }
     }
 
-    /// The settings.
+    /// Returns the settings.
     pub const fn settings(&self) -> &Settings {
         &self.settings
     }
 
-    /// The stored form.
+    /// Converts the memory to its stored form.
     pub fn to_bytes(&self) -> [u8; GrblMemory::BYTES] {
         let mut bytes = [0; GrblMemory::BYTES];
         let settings = self.settings.to_bytes();
@@ -90,7 +91,7 @@ impl GrblMemory {
         bytes
     }
 
-    /// Reads the stored form. `None` if the bytes are of another form.
+    /// Reads the stored form. Returns `None` if length or version differ.
     pub fn from_bytes(bytes: &[u8]) -> Option<GrblMemory> {
         let (form, rest) = bytes.split_first()?;
         let (settings, rest) = rest.split_first_chunk()?;

@@ -1,22 +1,22 @@
-//! Events of the motors, and time.
+//! Events of the motors, and the time that passes.
 
 use husillo_machine::Event;
 
 use super::{Grbl, GrblEvent, LONGEST_WAIT_US, Phase, Task};
 
-/// Silence of the line after which queued moves begin, us.
+/// Silence of the line after which queued moves begin, in microseconds.
 pub(super) const START_US: u32 = 3000;
-/// Silence of the line after which they count as motion, us.
+/// The last part of this silence, in microseconds. Queued moves then already count as motion.
 const UNDERWAY_US: u32 = 1500;
 
-/// What a move carries.
+/// Data that each move carries.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Tag {
-    /// N word.
+    /// N word of its block.
     pub(super) line: u32,
-    /// Power of a laser.
+    /// Power of the laser.
     pub(super) milli_rpm: u64,
-    /// The power follows the speed: M4.
+    /// Whether the power is proportional to the speed (M4).
     pub(super) is_dynamic: bool,
     /// Programmed speed.
     pub(super) nm_per_s: u32,
@@ -25,13 +25,13 @@ pub(super) struct Tag {
 /// The next event of the motors.
 pub(super) enum Next {
     Event(GrblEvent),
-    /// A motion has ended, so there is more to do.
+    /// A motion has ended, so there may be more to do.
     Stopped,
     Nothing,
 }
 
 impl<const QUEUE: usize> Grbl<QUEUE> {
-    /// Whether the engine makes steps.
+    /// Whether the engine is to make steps.
     pub(super) fn moves(&self) -> bool {
         match self.phase {
             Phase::Run | Phase::Jog | Phase::Hold(true) => true,
@@ -41,17 +41,17 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         }
     }
 
-    /// Whether all moves have been made.
+    /// Whether all moves are made.
     pub(super) fn is_drained(&self) -> bool {
         self.machine.queued() == 0 && self.rest.is_none() && !self.moves()
     }
 
-    /// Whether moves wait that will begin soon.
+    /// Whether queued moves are about to begin.
     pub(super) fn is_underway(&self) -> bool {
         self.machine.queued() > 0 && self.start_us <= UNDERWAY_US
     }
 
-    /// Brakes, now or as late as Grbl does.
+    /// Brakes, immediately or after the delay that the options define.
     pub(super) fn brake(&mut self) {
         self.brake_us = self.options.brakes_after_us;
         if self.brake_us == 0 {
@@ -59,7 +59,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         }
     }
 
-    /// The move that is executed.
+    /// Returns the tag of the present move.
     pub(super) fn executing(&self) -> Option<Tag> {
         let number = self.machine.executing_tag()?;
         // The remainder is below 16.
@@ -105,7 +105,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         Next::Event(self.made_later(wait, delta))
     }
 
-    /// The next step of the engine; its outputs are not used.
+    /// Returns the next step of the engine. Outputs of the engine are not used.
     fn next_step(&mut self) -> Option<(u32, [i8; 3])> {
         loop {
             match self.machine.next_event()? {
@@ -134,7 +134,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         }
     }
 
-    /// The engine has no further step.
+    /// Handles the end of a motion: the engine has no further step.
     fn stopped(&mut self) {
         match self.phase {
             Phase::Home => self.homing_stopped(),
@@ -148,10 +148,10 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         }
     }
 
-    /// The moves are made, or a jog was cancelled.
+    /// Ends a motion, or a cancelled jog.
     pub(super) fn end_motion(&mut self) {
         if self.is_cancelling || self.machine.is_held() {
-            self.settle();
+            self.drop_moves();
             self.is_cancelling = false;
         }
         self.phase = Phase::Idle;
@@ -162,7 +162,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         }
     }
 
-    /// Starts the time until the motors are switched off.
+    /// Starts the time after which the motors are switched off.
     pub(super) fn rest_motors(&mut self) {
         let delay = self.settings().whole(1);
         self.idle_us = (delay != 255).then_some(delay.wrapping_mul(1000));
@@ -172,7 +172,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         }
     }
 
-    /// Time until something is due, at most the longest wait.
+    /// Returns the time until something is due, at most [`LONGEST_WAIT_US`].
     pub(super) fn wait_us(&self) -> Option<u32> {
         let dwell = matches!(self.task, Task::Dwell) && self.phase != Phase::Hold(false);
         let dwell = dwell.then(|| u32::try_from(self.dwell_us).unwrap_or(u32::MAX));
@@ -194,7 +194,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         Some(least.min(LONGEST_WAIT_US))
     }
 
-    /// Time has passed.
+    /// Advances all times by `us`.
     pub(super) fn pass(&mut self, us: u32) {
         self.recovery.pass(us);
         self.homing.pass(us);

@@ -1,32 +1,32 @@
-//! What Grbl decides when it is compiled.
+//! The options of a Grbl controller.
 
-/// Options of a Grbl controller.
+/// Options that Grbl fixes when it is compiled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GrblOptions {
-    /// Name and version of the banner.
+    /// Name and version in the banner.
     pub banner: &'static [u8],
-    /// Version of `$I`.
+    /// Version in the answer to `$I`.
     pub version: &'static [u8],
-    /// M7 and 0xA1 switch mist coolant.
+    /// Whether M7 and 0xA1 switch mist coolant.
     pub has_mist: bool,
-    /// `$HX`, `$HY` and `$HZ` home one axis.
+    /// Whether `$HX`, `$HY` and `$HZ` home one axis.
     pub homes_axes: bool,
-    /// There is a safety door.
+    /// Whether there is a safety door.
     pub has_door: bool,
-    /// Status reports have the line number of the executing block.
+    /// Whether status reports contain the line number of the present block.
     pub reports_lines: bool,
-    /// Time from a hold, a cancelled jog or a contact of the probe until braking begins. In Grbl it
-    /// takes until the segments that it has prepared have run.
+    /// Microseconds from a hold, a cancelled jog or a probe contact until braking begins. Grbl
+    /// first makes the segments that it has prepared.
     pub brakes_after_us: u32,
     /// While nothing happens, the controller gives waits, so that its inputs are read. Without this
     /// an input that changes while the machine stands is seen at the next byte or move.
     pub reads_inputs: bool,
-    /// Highest step rate in steps/s that settings may ask for.
+    /// Highest step rate that the settings may request, in steps per second. `None`: no limit.
     pub most_steps_per_s: Option<u32>,
 }
 
 impl GrblOptions {
-    /// The stock build, and as late in braking.
+    /// Grbl as it is distributed, with the same delay of braking.
     pub const STOCK: GrblOptions = GrblOptions {
         banner: b"Grbl 1.1h",
         version: b"1.1h.20190830",
@@ -39,7 +39,7 @@ impl GrblOptions {
         most_steps_per_s: None,
     };
 
-    /// Everything that senders ask for, and braking at once.
+    /// Every option that senders use. Braking begins immediately.
     pub const FULL: GrblOptions = GrblOptions {
         has_mist: true,
         homes_axes: true,
@@ -50,7 +50,7 @@ impl GrblOptions {
         ..GrblOptions::STOCK
     };
 
-    /// Letters of `[OPT:`.
+    /// Returns the letters of `[OPT:`.
     pub(super) fn letters(&self) -> ([u8; 5], usize) {
         let mut letters = (*b"V    ", 1);
         for (has, letter) in [

@@ -1,4 +1,4 @@
-//! From states to levels of pins.
+//! Levels of the output pins.
 
 use husillo_gcode::SpindleDirection;
 
@@ -6,17 +6,17 @@ use super::block::motion_code;
 use super::spindle::{Outputs, duty};
 use super::{Grbl, GrblEvent};
 
-/// Levels that were given out.
+/// Levels that were sent as events.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Driven {
-    /// The motors are on.
+    /// Whether the motors are on.
     motors: bool,
     disable_high: bool,
     counter_clockwise: bool,
     duty: u8,
     flood: bool,
     mist: bool,
-    /// Speed that belongs to the duty cycle.
+    /// Spindle speed that corresponds to the duty cycle.
     pub(super) milli_rpm: u64,
 }
 
@@ -31,17 +31,17 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         }
     }
 
-    /// Takes an inverted enable signal into use.
+    /// Applies the setting that inverts the enable signal.
     pub(super) fn refresh_motors(&mut self) {
         self.drive_motors(self.driven.motors);
     }
 
     const fn is_laser(&self) -> bool {
-        // Read at every step, so it is kept with the outputs.
+        // This is read at every step, so it is stored with the outputs.
         self.outputs.is_laser
     }
 
-    /// Drives all outputs as they are set.
+    /// Sends an event for each output that has changed.
     pub(super) fn drive(&mut self) {
         let outputs = self.outputs;
         if outputs.is_on() {
@@ -66,8 +66,8 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         }
     }
 
-    /// Spindle and coolant off.
-    pub(super) fn drive_nothing(&mut self) {
+    /// Switches spindle and coolant off.
+    pub(super) fn switch_outputs_off(&mut self) {
         self.outputs = Outputs {
             is_laser: self.settings().is_set(32),
             ..Outputs::OFF
@@ -75,7 +75,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         self.drive();
     }
 
-    /// Adapts the power of a laser to the move and its speed.
+    /// Adapts the power of a laser to the present move and its speed.
     pub(super) fn drive_laser(&mut self) {
         if self.is_laser() {
             let power = self.power();
@@ -92,7 +92,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         }
     }
 
-    /// Programmed speed of the spindle, or power of the laser, at this moment.
+    /// Returns the requested speed of the spindle, or power of the laser, at this moment.
     fn power(&self) -> u64 {
         let outputs = &self.outputs;
         if !outputs.is_on() || outputs.is_stopped {
@@ -104,7 +104,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         match self.executing().filter(|_| self.moves()) {
             Some(tag) if tag.is_dynamic => {
                 let speed = u64::from(self.machine.speed_nm_per_s());
-                // A power is below 2^42 as it is clamped by `$30`; the speed is below 2^32.
+                // The power is below 2^42, because `$30` limits it. The speed is below 2^32.
                 let power = u128::from(tag.milli_rpm).wrapping_mul(speed.into());
                 let power = power.checked_div(u128::from(tag.nm_per_s.max(1)));
                 u64::try_from(power.unwrap_or(0)).unwrap_or(u64::MAX)
@@ -122,7 +122,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         }
     }
 
-    /// Flood and mist coolant, and the direction of the spindle, as they are now.
+    /// Returns the present direction of the spindle, and whether mist and flood coolant flow.
     pub(super) fn running(&self) -> (Option<SpindleDirection>, bool, bool) {
         let direction = self.outputs.direction;
         let turns = self.driven.duty > 0;

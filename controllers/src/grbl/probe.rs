@@ -12,11 +12,11 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         self.inputs.probe == self.settings().is_set(6)
     }
 
-    /// Begins a probe move; everything stands.
+    /// Begins a probe move. The axes stand.
     pub(super) fn begin_probe(&mut self, command: Command<3>, away: bool, must: bool) {
         self.contact = None;
         if self.is_probe_closed() != away {
-            self.settle();
+            self.drop_moves();
             self.task = Task::ProbeFailed { has_moved: false };
             return self.alarm(Alarm::ProbeInitial, After::GoOn);
         }
@@ -24,7 +24,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         self.append(command);
     }
 
-    /// Latches the position of the contact, and brakes.
+    /// Latches the position of the contact, and begins to brake.
     pub(super) fn watch_probe(&mut self) {
         let Task::Probe { away, .. } = self.task else {
             return;
@@ -35,12 +35,12 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         }
     }
 
-    /// The probe move has ended.
+    /// Ends the probe move.
     pub(super) fn probe_stopped(&mut self) {
         let Task::Probe { must, .. } = self.task else {
             return;
         };
-        self.settle();
+        self.drop_moves();
         self.phase = Phase::Idle;
         self.rest_motors();
         match self.contact {

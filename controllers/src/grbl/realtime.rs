@@ -6,10 +6,10 @@ use husillo_transports::grbl::{Feedback, Message, Realtime};
 use super::door::DoorStep;
 use super::{Grbl, GrblInputs, Phase, Task};
 
-/// Requests for a report within this time after one are not answered, us.
+/// Further requests for a report are ignored for this time after a report, in microseconds.
 const MERGE_US: u32 = 600;
 
-/// What real-time bytes and buttons have asked for.
+/// Requests of real-time bytes and buttons that are not handled yet.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Flags {
     pub(super) reset: bool,
@@ -24,8 +24,8 @@ pub(super) struct Flags {
 }
 
 impl<const QUEUE: usize> Grbl<QUEUE> {
-    /// Takes a real-time byte. Returns whether the motors have to stop at once.
-    pub(super) fn notice(&mut self, realtime: Realtime) -> bool {
+    /// Takes a real-time byte. Returns whether the motors must stop immediately.
+    pub(super) fn take_realtime(&mut self, realtime: Realtime) -> bool {
         let flags = &mut self.flags;
         let [feed, rapid, spindle] = &mut self.overrides;
         let before = [*feed, *rapid, *spindle];
@@ -34,7 +34,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
                 flags.reset = true;
                 return true;
             }
-            // Requests close together have one answer.
+            // Requests in quick succession get one answer.
             Realtime::Status => flags.status |= self.merge_us == 0,
             Realtime::Resume => flags.resume = true,
             Realtime::Hold => flags.hold = true,
@@ -54,7 +54,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         false
     }
 
-    /// Takes the overrides into use and reports them.
+    /// Applies the overrides and reports them.
     pub(super) fn apply_overrides(&mut self) {
         let [feed, rapid, _] = self.overrides;
         self.machine.set_feed_override(feed);
@@ -63,8 +63,8 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         self.drive();
     }
 
-    /// Reads the inputs.
-    pub(super) fn watch(&mut self, inputs: &GrblInputs) {
+    /// Takes the levels of the inputs.
+    pub(super) fn take_inputs(&mut self, inputs: &GrblInputs) {
         let before = core::mem::replace(&mut self.inputs, *inputs);
         let falls = |before: bool, now: bool| before && !now;
         self.flags.hold |= falls(before.hold, inputs.hold);
@@ -92,11 +92,11 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         self.options.has_door && !self.inputs.door
     }
 
-    /// Acts on flags. Returns whether there may be more to do.
+    /// Handles the requests. Returns whether there may be more to do.
     pub(super) fn take_flags(&mut self) -> bool {
         let is_dwelling = self.task == Task::Dwell && self.phase == Phase::Idle;
         if is_dwelling && !self.dwell_us.is_multiple_of(50_000) {
-            // A dwell looks at them every 50 ms, as Grbl does.
+            // During a dwell requests are handled every 50 ms, as in Grbl.
             return false;
         }
         if self.flags.status && self.phase != Phase::Home {
@@ -149,7 +149,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         self.is_cancelling = true;
     }
 
-    /// The hold stands.
+    /// Handles a hold whose motors have stopped.
     pub(super) fn hold_stopped(&mut self) {
         self.phase = Phase::Hold(false);
         self.rest_motors();
@@ -170,7 +170,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
                         self.reports = reports;
                     }
                 }
-                self.go_on_moving();
+                self.resume_moves();
                 if self.task == Task::Pause {
                     self.task = Task::Block;
                 }
@@ -181,8 +181,8 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         }
     }
 
-    /// Goes on with the moves of the queue, if there are any.
-    pub(super) fn go_on_moving(&mut self) {
+    /// Continues with the queued moves, if there are any.
+    pub(super) fn resume_moves(&mut self) {
         self.machine.resume();
         let has_moves = self.machine.queued() > 0 || self.rest.is_some();
         self.phase = if has_moves { Phase::Run } else { Phase::Idle };
@@ -205,18 +205,18 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         self.outputs.mist ^= mist;
         self.report_overrides();
         self.drive();
-        // The modal state follows.
-        self.program(b"M9");
+        // The modal state must agree with the outputs.
+        self.change_modes(b"M9");
         if self.outputs.flood {
-            self.program(b"M8");
+            self.change_modes(b"M8");
         }
         if self.outputs.mist {
-            self.program(b"M7");
+            self.change_modes(b"M7");
         }
     }
 
-    /// Changes the modal state by a block without commands.
-    fn program(&mut self, text: &[u8]) {
+    /// Changes the modal state by a block that gives no commands.
+    fn change_modes(&mut self, text: &[u8]) {
         let mut block = Block::new();
         if block.read(text, &Dialect::GRBL).is_ok() {
             if let Ok((modal, _)) = self.modal.plan(&block) {

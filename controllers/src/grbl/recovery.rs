@@ -1,4 +1,4 @@
-//! Alarms, resets and starts.
+//! Alarms, resets and the start.
 
 use husillo_gcode::{Dialect, Modal, Nm};
 use husillo_transports::grbl::{Alarm, ErrorCode, Feedback, Message};
@@ -7,29 +7,29 @@ use super::lines::{Origin, Task};
 use super::realtime::Flags;
 use super::{Grbl, Phase};
 
-/// Time after an alarm in which nothing is heard, us.
+/// Time after an alarm during which no line is executed, in microseconds.
 const DEAF_US: u32 = 500_000;
 
-/// A time in which no line is executed.
+/// States in which no line is executed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Recovery {
     None,
-    /// After an alarm.
+    /// The time after an alarm, in microseconds, and what follows it.
     Deaf(u32, After),
-    /// Until a reset.
+    /// Until a reset by the host.
     Locked,
-    /// Before the banner.
+    /// The time before the banner, in microseconds.
     Boot(u32),
 }
 
-/// What follows an alarm.
+/// What follows the time after an alarm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum After {
-    /// The line that was executed goes on.
+    /// The present line continues.
     GoOn,
-    /// A reset by the host.
+    /// The controller is locked until the host resets it.
     Lock,
-    /// A reset.
+    /// The controller resets itself.
     Boot,
 }
 
@@ -53,7 +53,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         self.recovery != Recovery::None
     }
 
-    /// Reports an alarm and locks.
+    /// Reports an alarm and enters the state Alarm.
     pub(super) fn alarm(&mut self, alarm: Alarm, then: After) {
         self.send(&Message::Alarm(alarm));
         self.phase = Phase::Alarm;
@@ -62,21 +62,21 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         self.recovery = Recovery::Deaf(DEAF_US, then);
     }
 
-    /// A limit switch was touched.
+    /// Handles a limit switch that has closed during motion.
     pub(super) fn hard_limit(&mut self) {
-        self.settle();
-        self.drive_nothing();
+        self.drop_moves();
+        self.switch_outputs_off();
         self.alarm(Alarm::HardLimit, After::Lock);
     }
 
-    /// A move was refused because it leaves the travel; everything stands.
+    /// Handles a move that leaves the travel. The axes stand.
     pub(super) fn soft_limit(&mut self) {
-        self.settle();
-        self.drive_nothing();
+        self.drop_moves();
+        self.switch_outputs_off();
         self.alarm(Alarm::SoftLimit, After::Lock);
     }
 
-    /// Goes on with a reset or an alarm. Returns whether there may be more to do.
+    /// Continues a reset or an alarm. Returns whether there may be more to do.
     pub(super) fn recover(&mut self) -> bool {
         let is_booting = matches!(
             self.recovery,
@@ -109,22 +109,22 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         }
     }
 
-    /// A reset: motion stops at once.
+    /// Handles a reset: motion stops immediately.
     fn interrupt(&mut self) {
         let alarm = match self.phase {
             Phase::Home => Some(Alarm::HomingReset),
             _ if self.moves() => Some(Alarm::AbortCycle),
             _ => None,
         };
-        self.settle();
-        self.drive_nothing();
+        self.drop_moves();
+        self.switch_outputs_off();
         match alarm {
             Some(alarm) => self.alarm(alarm, After::Boot),
             None => self.boot(),
         }
     }
 
-    /// Answers the line that was executed, and starts again.
+    /// Answers the present line, and resets the controller.
     pub(super) fn boot(&mut self) {
         let is_of_host = matches!(self.origin, Origin::Host | Origin::Store(_));
         if self.task != Task::None && is_of_host {
@@ -135,12 +135,12 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         self.next = None;
         self.commands.clear();
         self.homing.end();
-        // Bytes that come from now on are kept.
+        // Bytes that arrive from now on are kept.
         self.receiver.clear();
         self.reader.clear();
         self.flags = Flags::default();
-        self.settle();
-        self.drive_nothing();
+        self.drop_moves();
+        self.switch_outputs_off();
         let delay_ms = self.settings().whole(1);
         let delay_us = if delay_ms == 255 {
             0
@@ -150,7 +150,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         self.recovery = Recovery::Boot(delay_us);
     }
 
-    /// The first start.
+    /// Starts the controller at power-on.
     pub(super) fn power_on(&mut self) {
         if self.is_blank {
             self.send(&Message::Error(ErrorCode::StoreRead));
@@ -168,7 +168,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         self.rest_motors();
     }
 
-    /// The state after a reset, and the banner.
+    /// Sets the state after a reset, and sends the banner.
     fn start(&mut self) {
         self.overrides = [100; 3];
         self.machine.set_feed_override(100);
@@ -179,9 +179,9 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         self.is_cancelling = false;
         self.modal = Modal::new(Dialect::GRBL);
         self.load_places();
-        self.settle();
+        self.drop_moves();
         self.work_zero = self.work_zero_now();
-        self.drive_nothing();
+        self.switch_outputs_off();
         self.send(&Message::Blank);
         let banner = self.options.banner;
         self.send(&Message::Banner(banner));
@@ -201,7 +201,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         self.task = Task::Startup(0);
     }
 
-    /// Takes the stored coordinate data into the modal state.
+    /// Copies the stored coordinate data to the modal state.
     pub(super) fn load_places(&mut self) {
         for (number, place) in (0_u8..).zip(self.memory.places) {
             let place = place.map(Nm);
@@ -215,7 +215,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         }
     }
 
-    /// Keeps the coordinate data of the modal state, if they have changed.
+    /// Stores the coordinate data of the modal state if they have changed.
     pub(super) fn keep_places(&mut self) {
         let mut places = [[0; 3]; 8];
         for (number, slot) in (0_u8..).zip(&mut places) {

@@ -1,4 +1,4 @@
-//! Reports and lists.
+//! Status reports and lists.
 
 use husillo_gcode::SpindleDirection;
 use husillo_transports::grbl::{
@@ -11,12 +11,13 @@ use super::door::DoorStep;
 use super::lines::Task;
 use super::{Grbl, Phase};
 
-/// Reports between two of the work zero and of the overrides: busy, otherwise.
+/// Number of reports from one that has the work zero (or the overrides) to the next one: while the
+/// machine is busy, and otherwise.
 const WORK_ZERO_EVERY: [u8; 2] = [30, 10];
 const OVERRIDES_EVERY: [u8; 2] = [20, 10];
 
 impl<const QUEUE: usize> Grbl<QUEUE> {
-    /// The work zero with the tool length, in nanometres.
+    /// Returns the work zero in nanometres, tool length included.
     pub(super) fn work_zero_now(&self) -> [i64; 3] {
         let mut zero = self.modal.work_offset().map(|nm| nm.0);
         for (zero, length) in zero.iter_mut().zip(self.modal.tool_length()) {
@@ -25,12 +26,12 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         zero
     }
 
-    /// The next report has the overrides.
+    /// Puts the overrides into the next report.
     pub(super) const fn report_overrides(&mut self) {
         self.reports[1] = 0;
     }
 
-    /// The next report has the work zero.
+    /// Puts the work zero into the next report.
     pub(super) const fn report_work_zero(&mut self) {
         self.reports[0] = 0;
     }
@@ -66,7 +67,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         };
         let mut status = Status::new(self.state(), position);
         if mask & 2 == 2 {
-            // A queue has at most 255 places.
+            // A queue has at most 255 slots.
             let free = QUEUE.saturating_sub(self.machine.queued()) as u8;
             status.free = Some((free, self.receiver.free()));
         }
@@ -78,7 +79,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             let speed = u64::from(self.machine.speed_nm_per_s());
             status.feed_nm_per_min = speed.wrapping_mul(60);
         }
-        // Settings limit it to 32 bits.
+        // The settings limit it to 32 bits.
         status.rpm = (self.driven.milli_rpm.saturating_add(500) / 1000) as u32;
         status.pins = self.pins();
         self.add_rare_fields(&mut status);
@@ -138,7 +139,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         Pins(pins)
     }
 
-    /// `$G`.
+    /// Sends the modal state, `$G`.
     pub(super) fn report_modal(&mut self) {
         let modal = &self.modal;
         let (direction, milli_rpm) = modal.spindle();
@@ -159,14 +160,14 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             mist,
             flood,
             tool: self.tool,
-            // F30 of G93 is printed as 30, too.
+            // The F word of G93 is printed as it was written: F30 as 30.
             feed_nm_per_min: modal.feed_word(),
             milli_rpm,
         };
         self.send(&Message::Modal(state));
     }
 
-    /// `$$`.
+    /// Sends all settings, `$$`.
     pub(super) fn list_settings(&mut self) {
         for index in 0..SETTINGS.len() {
             if let Some((setting, value)) = self.memory.settings.text(index) {
@@ -175,7 +176,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         }
     }
 
-    /// `$#`.
+    /// Sends all coordinate data, `$#`.
     pub(super) fn list_places(&mut self) {
         let frame = self.modal.work_zero(self.modal.work_system());
         let mut shift = self.modal.work_offset().map(|nm| nm.0);
@@ -197,13 +198,13 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         self.report_probe();
     }
 
-    /// `[PRB:`.
+    /// Sends the position of the last contact, `[PRB:`.
     pub(super) fn report_probe(&mut self) {
         let (place, contact) = self.probe;
         self.send(&Message::Probe(Place::new(&place), contact));
     }
 
-    /// `$N`.
+    /// Sends the stored lines, `$N`.
     pub(super) fn list_lines(&mut self) {
         for number in 0..2_u8 {
             if let Some(line) = self.memory.lines.get(usize::from(number)).copied() {
@@ -212,14 +213,14 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         }
     }
 
-    /// `$I`.
+    /// Sends version and options, `$I`.
     pub(super) fn report_version(&mut self) {
         let [_, _, user] = self.memory.lines;
         let version = self.options.version;
         self.send(&Message::Version(version, user.bytes()));
         let (letters, count) = self.options.letters();
         let letters = letters.get(..count).unwrap_or_default();
-        // A queue has at most 255 places.
+        // A queue has at most 255 slots.
         self.send(&Message::Options(letters, QUEUE as u8, RECEIVE_BYTES));
     }
 }

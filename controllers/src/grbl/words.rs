@@ -1,4 +1,4 @@
-//! The words of a block, checked as Grbl checks them, with its numbers of errors.
+//! The words of a block, checked in the order of Grbl and with its error numbers.
 
 use husillo_transports::grbl::{ErrorCode, decimal};
 
@@ -35,11 +35,10 @@ impl<'a> Iterator for WordReader<'a> {
     }
 }
 
-/// What a block asks for, as far as it matters before the modal state is known. Codes are in
-/// tenths.
+/// The codes and words of a block that matter before the modal state is known. Codes are in tenths.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Given {
-    /// Letters of the words other than G and M, bit 0 for A.
+    /// Letters of all words other than G and M, bit 0 for A.
     pub(super) letters: u32,
     pub(super) motion: Option<u16>,
     /// G4, G10, G28, G30, G53, G92 and their variants.
@@ -53,7 +52,7 @@ pub(super) struct Given {
     /// G90, G91.
     pub(super) distance: Option<u16>,
     pub(super) feed_mode: Option<u16>,
-    /// G40, G61, G91.1: in effect always.
+    /// Whether G40, G61 and G91.1 were given. They are always in effect.
     others: [bool; 3],
     /// M0, M1, M2, M30.
     pub(super) stop: Option<u16>,
@@ -61,12 +60,12 @@ pub(super) struct Given {
     pub(super) coolant: Option<u16>,
     /// N.
     pub(super) line: u32,
-    /// Whole part of P and of L.
+    /// Whole parts of P and of L.
     pub(super) p: i64,
     pub(super) l: i64,
     /// T.
     pub(super) tool: u8,
-    /// The axis words belong to a code.
+    /// The code that uses the axis words.
     axis_user: Option<AxisUser>,
 }
 
@@ -77,7 +76,7 @@ enum AxisUser {
     Length,
 }
 
-/// The bit of a letter.
+/// Returns the bit of a letter.
 pub(super) const fn bit(letter: u8) -> u32 {
     1_u32.wrapping_shl(letter.wrapping_sub(b'A') as u32)
 }
@@ -93,14 +92,14 @@ const PARAMETERS: u32 = AXES
     | bit(b'R')
     | bit(b'S')
     | bit(b'T');
-/// Words whose value is not negative.
+/// Words whose value must not be negative.
 const UNSIGNED: u32 = bit(b'F') | bit(b'N') | bit(b'P') | bit(b'T') | bit(b'S');
 
 impl Given {
     /// Reads the words of a line.
     ///
     /// # Errors
-    /// The first error that Grbl would find in the words.
+    /// Fails with the first error that Grbl finds in the words.
     pub(super) fn read(line: &[u8], has_mist: bool) -> Result<Given, ErrorCode> {
         let mut given = Given::default();
         for word in WordReader(line) {
@@ -166,7 +165,7 @@ impl Given {
         set(slot, code)
     }
 
-    /// Codes that are always in effect.
+    /// Accepts codes that are always in effect.
     fn take_other(&mut self, code: u16) -> Result<(), ErrorCode> {
         let [compensation, path, centre] = &mut self.others;
         let slot = match code {
@@ -229,7 +228,8 @@ impl Given {
         Ok(())
     }
 
-    /// Whether the axis words, or the lack of them, belong to the motion code or the motion mode.
+    /// Whether the motion code or the motion mode uses the axis words. A motion code uses them even
+    /// if there are none.
     pub(super) fn is_motion(&self) -> bool {
         match self.axis_user {
             Some(user) => user == AxisUser::Motion,
@@ -237,10 +237,10 @@ impl Given {
         }
     }
 
-    /// Checks the words against each other and the motion mode, before the values are checked.
+    /// Checks the words against each other and against the motion mode. Values are checked later.
     ///
     /// # Errors
-    /// The first error that Grbl would find.
+    /// Fails with the first error that Grbl finds.
     pub(super) fn check(&self, mode: u16, state: &Modes) -> Result<(), ErrorCode> {
         if self.has(b'N') && self.line > 10_000_000 {
             return Err(ErrorCode::LineNumber);
@@ -275,7 +275,8 @@ impl Given {
         }
     }
 
-    /// Whether the block has a feed of its own or from before. `None`: its word decides.
+    /// Whether the feed of an earlier block is valid. `None`: the block has an F word, which
+    /// decides.
     fn has_feed(&self, state: &Modes) -> Option<bool> {
         if self.has(b'F') {
             return None;
@@ -328,7 +329,7 @@ impl Given {
         self.check_unused(bit(b'R') | CENTRE)
     }
 
-    /// Refuses words that no code uses. `used` are those that the motion uses.
+    /// Rejects words that no code uses. `used` are the words of the motion.
     fn check_unused(&self, used: u32) -> Result<(), ErrorCode> {
         let mut used = used | AXES | bit(b'F') | bit(b'N') | bit(b'S') | bit(b'T');
         match self.non_modal {
@@ -343,7 +344,7 @@ impl Given {
     }
 }
 
-/// The modes that the check of a block depends on.
+/// The modes that the check of a block requires.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Modes {
     pub(super) is_inverse: bool,
@@ -364,7 +365,7 @@ fn is_not_zero(byte: &u8) -> bool {
     matches!(byte, b'1'..=b'9')
 }
 
-/// Whether the number of a code has decimals that are not zero.
+/// Whether the number of a code has decimals other than zero.
 fn has_decimals(word: &Word) -> bool {
     let mut parts = word.number.splitn(2, |byte| *byte == b'.');
     parts

@@ -267,8 +267,7 @@ impl<const N: usize> Holes<N> {
         self.state = State::Step(next);
         match step {
             Step::Feed(level) => self.linear(self.level(level)),
-            Step::Rapid(level) if self.level(level) == self.height() => None,
-            Step::Rapid(level) => self.rapid(self.level(level)),
+            Step::Rapid(level) => self.rapid_if_elsewhere(self.level(level)),
             Step::Dwell if self.dwell_micros == 0 => None,
             Step::Dwell => Some(Command::Dwell {
                 micros: self.dwell_micros,
@@ -321,60 +320,20 @@ impl<const N: usize> Holes<N> {
                 }
                 State::Down => {
                     self.state = State::Step(0);
-                    if self.height() == self.retract {
-                        None
-                    } else {
-                        self.rapid(self.retract)
-                    }
+                    self.rapid_if_elsewhere(self.retract)
                 }
                 State::Step(number) => match self.kind.steps().get(usize::from(number)) {
                     Some(&step) => self.step(step, number.wrapping_add(1)),
                     None => {
-                        self.left = self.left.saturating_sub(1);
-                        if self.swing != 0 {
-                            self.swing = self.swing.wrapping_add(1); // at most 2^16
-                            self.hole = Swing::of(points, self.pitch).place(self.swing);
-                        } else {
-                            for (hole, pitch) in self.hole.iter_mut().zip(self.pitch) {
-                                hole.0 = hole.0.saturating_add(pitch.0);
-                            }
-                        }
-                        self.state = if self.left == 0 {
-                            State::End
-                        } else {
-                            State::Over
-                        };
+                        self.next_hole(points);
                         None
                     }
                 },
-                State::PeckDown(depth, next) if depth <= self.bottom => {
-                    self.state = State::Step(next);
-                    self.linear(self.bottom)
-                }
-                State::PeckDown(depth, next) => {
-                    self.state = State::PeckUp(depth, next);
-                    self.linear(depth)
-                }
-                State::PeckUp(depth, next) => {
-                    let below = Nm(depth.0.saturating_sub(self.peck.0));
-                    let back = Nm(depth.0.saturating_add(self.clearance.0)).min(self.retract);
-                    if self.kind == Kind::Peck {
-                        self.state = State::PeckBack(depth, next);
-                        self.rapid(self.retract)
-                    } else {
-                        self.state = State::PeckDown(below, next);
-                        self.rapid(back)
-                    }
-                }
+                State::PeckDown(depth, next) => self.peck_down(depth, next),
+                State::PeckUp(depth, next) => self.peck_up(depth, next),
                 State::PeckBack(depth, next) => {
-                    let below = Nm(depth.0.saturating_sub(self.peck.0));
-                    self.state = State::PeckDown(below, next);
-                    let near = Nm(depth.0.saturating_add(self.clearance.0)).min(self.retract);
-                    if near == self.retract {
-                        None
-                    } else {
-                        self.rapid(near)
-                    }
+                    self.state = State::PeckDown(self.below(depth), next);
+                    self.rapid_if_elsewhere(self.above(depth))
                 }
                 State::End => {
                     self.state = State::Done;
@@ -386,6 +345,65 @@ impl<const N: usize> Holes<N> {
                 return made;
             }
         }
+    }
+
+    /// A rapid move along the axis of the tool, unless it is at this height.
+    fn rapid_if_elsewhere(&mut self, height: Nm) -> Option<Command<N>> {
+        if self.height() == height {
+            None
+        } else {
+            self.rapid(height)
+        }
+    }
+
+    /// Completes a hole: the position of the next one, or the end of the cycle.
+    fn next_hole(&mut self, points: &[[Nm; 2]; 4]) {
+        self.left = self.left.saturating_sub(1);
+        if self.swing != 0 {
+            self.swing = self.swing.wrapping_add(1); // at most 2^16
+            self.hole = Swing::of(points, self.pitch).place(self.swing);
+        } else {
+            for (hole, pitch) in self.hole.iter_mut().zip(self.pitch) {
+                hole.0 = hole.0.saturating_add(pitch.0);
+            }
+        }
+        self.state = if self.left == 0 {
+            State::End
+        } else {
+            State::Over
+        };
+    }
+
+    /// Cuts to this depth, or with the last peck to the bottom.
+    fn peck_down(&mut self, depth: Nm, next: u8) -> Option<Command<N>> {
+        if depth <= self.bottom {
+            self.state = State::Step(next);
+            self.linear(self.bottom)
+        } else {
+            self.state = State::PeckUp(depth, next);
+            self.linear(depth)
+        }
+    }
+
+    /// Retracts from this depth: out of the hole (G83), or by the length that breaks the chip.
+    fn peck_up(&mut self, depth: Nm, next: u8) -> Option<Command<N>> {
+        if self.kind == Kind::Peck {
+            self.state = State::PeckBack(depth, next);
+            self.rapid(self.retract)
+        } else {
+            self.state = State::PeckDown(self.below(depth), next);
+            self.rapid(self.above(depth))
+        }
+    }
+
+    /// The depth of the peck after this one.
+    const fn below(&self, depth: Nm) -> Nm {
+        Nm(depth.0.saturating_sub(self.peck.0))
+    }
+
+    /// The height of the clearance above this depth, not above the retract plane.
+    fn above(&self, depth: Nm) -> Nm {
+        Nm(depth.0.saturating_add(self.clearance.0)).min(self.retract)
     }
 }
 

@@ -332,6 +332,73 @@ impl<const N: usize> Commands<N> {
     }
 }
 
+impl<const N: usize> Commands<N> {
+    #[inline(always)]
+    fn move_command(&self) -> Option<Command<N>> {
+        let (to, feed) = (self.arc.to, self.feed);
+        Some(match self.motion? {
+            Code::Rapid => Command::Rapid { to },
+            Code::Linear => Command::Linear { to, feed },
+            Code::Clockwise | Code::CounterClockwise => Command::Arc {
+                arc: self.arc,
+                feed,
+            },
+            #[cfg(feature = "extended")]
+            Code::Thread => Command::Thread {
+                to,
+                lead: self.lead,
+            },
+            #[cfg(feature = "extended")]
+            Code::RigidTap => Command::Tap {
+                bottom: self.via,
+                to,
+                lead: self.lead,
+            },
+            #[cfg(feature = "extended")]
+            Code::Nurbs => {
+                let [_, _, _, at] = self.points;
+                Command::NurbsPoint {
+                    at,
+                    micro_weight: self.lead.0 as u64,
+                }
+            }
+            #[cfg(feature = "extended")]
+            Code::NurbsEnd => Command::NurbsEnd { to },
+            #[cfg(feature = "extended")]
+            Code::Cubic => Command::Spline {
+                spline: Spline {
+                    to,
+                    points: self.points,
+                },
+                feed,
+            },
+            code => {
+                let (away, must) = code.probe();
+                Command::Probe {
+                    to,
+                    feed,
+                    away,
+                    must,
+                }
+            }
+        })
+    }
+
+    #[inline(always)]
+    fn last_command(&self) -> Command<N> {
+        match self.last {
+            Some(code @ (Code::Stop | Code::OptionalStop)) => Command::Stop {
+                optional: code == Code::OptionalStop,
+            },
+            Some(code @ (Code::End | Code::EndAndRewind)) => Command::End {
+                rewind: code == Code::EndAndRewind,
+            },
+            Some(_) => Command::Pallet,
+            None => Command::Drill,
+        }
+    }
+}
+
 impl<const N: usize> Default for Commands<N> {
     fn default() -> Self {
         Commands::new()
@@ -354,7 +421,6 @@ impl<const N: usize> Iterator for Commands<N> {
             lowest = self.pending & self.pending.wrapping_neg();
         }
         self.pending &= !lowest;
-        let (to, feed) = (self.arc.to, self.feed);
         Some(match lowest {
             #[cfg(feature = "extended")]
             IO => self.more.io.command(),
@@ -396,65 +462,11 @@ impl<const N: usize> Iterator for Commands<N> {
             VIA if self.more.begins_nurbs => Command::NurbsBegin {
                 order: self.more.order,
                 micro_weight: coordinate(&self.via, 0).0 as u64,
-                feed,
+                feed: self.feed,
             },
             VIA => Command::Rapid { to: self.via },
-            MOTION => match self.motion? {
-                Code::Rapid => Command::Rapid { to },
-                Code::Linear => Command::Linear { to, feed },
-                Code::Clockwise | Code::CounterClockwise => Command::Arc {
-                    arc: self.arc,
-                    feed,
-                },
-                #[cfg(feature = "extended")]
-                Code::Thread => Command::Thread {
-                    to,
-                    lead: self.lead,
-                },
-                #[cfg(feature = "extended")]
-                Code::RigidTap => Command::Tap {
-                    bottom: self.via,
-                    to,
-                    lead: self.lead,
-                },
-                #[cfg(feature = "extended")]
-                Code::Nurbs => {
-                    let [_, _, _, at] = self.points;
-                    Command::NurbsPoint {
-                        at,
-                        micro_weight: self.lead.0 as u64,
-                    }
-                }
-                #[cfg(feature = "extended")]
-                Code::NurbsEnd => Command::NurbsEnd { to },
-                #[cfg(feature = "extended")]
-                Code::Cubic => Command::Spline {
-                    spline: Spline {
-                        to,
-                        points: self.points,
-                    },
-                    feed,
-                },
-                code => {
-                    let (away, must) = code.probe();
-                    Command::Probe {
-                        to,
-                        feed,
-                        away,
-                        must,
-                    }
-                }
-            },
-            LAST => match self.last {
-                Some(code @ (Code::Stop | Code::OptionalStop)) => Command::Stop {
-                    optional: code == Code::OptionalStop,
-                },
-                Some(code @ (Code::End | Code::EndAndRewind)) => Command::End {
-                    rewind: code == Code::EndAndRewind,
-                },
-                Some(_) => Command::Pallet,
-                None => Command::Drill,
-            },
+            MOTION => self.move_command()?,
+            LAST => self.last_command(),
             _ => return None,
         })
     }

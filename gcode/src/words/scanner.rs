@@ -225,28 +225,10 @@ impl<'a, const LINES: bool> Scanner<'a, LINES> {
                 self.skip(1);
                 return ControlFlow::Continue(());
             }
-            _ if is_letter(byte) && self.before < Before::Percent => {
-                let letter = byte.to_ascii_uppercase();
-                let short = if LINES || !QUICK {
-                    short_number(rest, 1, LINES)
-                } else {
-                    None // was tried
-                };
-                match short.map_or_else(|| number(rest, letter, LINES), Ok) {
-                    Ok((value, end, next)) => {
-                        self.enter(letter);
-                        self.skip(next);
-                        let end = at.wrapping_add(end);
-                        return ControlFlow::Break(Some(Ok(Token::Word(Word {
-                            letter,
-                            value,
-                            at,
-                            end,
-                        }))));
-                    }
-                    Err(error) => error,
-                }
-            }
+            _ if is_letter(byte) && self.before < Before::Percent => match self.word(byte) {
+                Ok(word) => return ControlFlow::Break(Some(Ok(Token::Word(word)))),
+                Err(error) => error,
+            },
             _ => Error {
                 kind: match byte {
                     b'#' | b'[' => ErrorKind::Expression,
@@ -263,6 +245,29 @@ impl<'a, const LINES: bool> Scanner<'a, LINES> {
             at: at.wrapping_add(fault.at),
             end: at.wrapping_add(fault.end),
         })))
+    }
+
+    /// The word that begins with this letter. After an error, nothing is skipped.
+    #[inline(always)]
+    fn word(&mut self, letter: u8) -> Result<Word, Error> {
+        let (at, letter) = (self.at(), letter.to_ascii_uppercase());
+        let short = if LINES || !QUICK {
+            short_number(self.rest, 1, LINES)
+        } else {
+            None // was tried
+        };
+        let (value, end, next) = match short {
+            Some(found) => found,
+            None => number(self.rest, letter, LINES)?,
+        };
+        self.enter(letter);
+        self.skip(next);
+        Ok(Word {
+            letter,
+            value,
+            at,
+            end: at.wrapping_add(end),
+        })
     }
 
     /// Skips the rest of this line.

@@ -114,6 +114,9 @@ pub struct Compile {
     /// file a manifest NAME.toml
     #[arg(short, long, value_name = "NAME.cod")]
     pub output: Option<String>,
+    /// How to print what was made
+    #[arg(long, value_enum, default_value = "text")]
+    pub format: Output,
     /// Page with a picture of the board: holes, order and travel
     #[arg(long, value_name = "REPORT.html")]
     pub report: Option<String>,
@@ -140,6 +143,9 @@ pub struct Send {
     /// Bits per second of the link [default: 2400 for a drill, otherwise 9600]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(300..=115_200))]
     pub baud: Option<u32>,
+    /// How to print what the machine does
+    #[arg(long, value_enum, default_value = "text")]
+    pub format: Output,
     /// First hole to be drilled, counted over all tools
     #[arg(
         long,

@@ -2,12 +2,13 @@
 
 use crate::ramp::{root::Root, slowness::part};
 
-/// A number of events whose intervals follow from three additions each.
+/// A number of events whose intervals follow from additions.
 ///
-/// The intervals are a polynomial of second degree of the event number, so the times are one of
-/// third degree. All values are ticks times 2^32, in two's complement. An interrupt that has a
-/// piece needs nothing else until its end:
+/// The intervals are a quadratic polynomial of the event number, so the times are a cubic one. All
+/// values are ticks times 2^32, in two's complement. An interrupt needs nothing but this value to
+/// time the events.
 ///
+/// # Examples
 /// ```
 /// use husillo_planner::Piece;
 ///
@@ -25,25 +26,25 @@ pub struct Piece {
     pub count: u32,
     /// The next interval.
     pub interval_q32: u64,
-    /// Change of the interval from the next event to the one after it.
+    /// Change from the next interval to the one after it.
     pub change_q32: u64,
-    /// Change of that change.
+    /// Change of `change_q32` per event.
     pub bend_q32: u64,
 }
 
 impl Piece {
-    /// Ticks to wait before the next event; `None` after the last one. `owed` is the fraction of a
-    /// tick carried from event to event, and from piece to piece.
+    /// Returns the ticks to wait before the next event. Returns `None` after the last one. `owed`
+    /// is the fraction of a tick, carried from event to event and from piece to piece.
     ///
     /// # Cost
-    /// Three additions of 64 bits and one of 32.
+    /// Three 64-bit additions and one 32-bit addition.
     #[inline]
     pub fn next(&mut self, owed: &mut u32) -> Option<u32> {
         self.count = self.count.checked_sub(1)?;
         Some(self.step(owed))
     }
 
-    /// The next interval, whose event was counted already.
+    /// Returns the next interval. The caller has already counted the event.
     #[inline]
     pub(crate) fn step(&mut self, owed: &mut u32) -> u32 {
         let time = self.interval_q32.wrapping_add((*owed).into());
@@ -53,9 +54,9 @@ impl Piece {
         (time >> 32) as u32
     }
 
-    /// Time of the next `count` events, at most 2^11; ticks times 2^32.
+    /// Returns the time of the next `count` events, at most 2^11, in ticks times 2^32.
     pub(crate) fn time_of(&self, count: u32) -> u64 {
-        // The binomials of `count` over 1, 2 and 3; they are below 2^33, and all sums are taken
+        // The binomial coefficients of `count` over 1, 2 and 3 are below 2^33. All sums are taken
         // modulo 2^64.
         let first = u64::from(count);
         let second = first.wrapping_mul(first.saturating_sub(1)) >> 1;
@@ -66,7 +67,7 @@ impl Piece {
             .wrapping_add(third.wrapping_mul(self.bend_q32))
     }
 
-    /// The next `count` events; they are then no longer in `self`.
+    /// Takes the next `count` events out of this piece.
     pub(crate) fn split(&mut self, count: u32) -> Piece {
         let count = count.min(self.count);
         let front = Piece { count, ..*self };
@@ -82,8 +83,8 @@ impl Piece {
     }
 }
 
-/// The shape of a ramp of constant acceleration between two speeds, from its time and from its
-/// speeds at both ends (Hermite). With r = (v' - v) / (v' + v) and x the part of the path:
+/// The times within a ramp of constant acceleration, as a cubic through its time and its end speeds
+/// (Hermite interpolation). With r = (v' - v) / (v' + v) and x the part of the path:
 ///
 /// ```text
 /// t / T = x + A x (1 - x) - B (2 x - 1) x (1 - x),   A = r / (1 - r^2),   B = r A
@@ -97,7 +98,7 @@ pub(crate) struct Shape {
 }
 
 impl Shape {
-    /// `gain` is the difference of the squares; it is at most half of the smaller one.
+    /// `gain` is the difference of the squared speeds. It is at most half of the smaller one.
     #[inline]
     pub(crate) fn new(before: &Root, after: &Root, gain: u64) -> Shape {
         // A = (v'^2 - v^2) / 4 v v', B = (v' - v)^2 / 4 v v'; 1 / v = inverse 2^(shift - 62).
@@ -118,17 +119,17 @@ impl Shape {
     }
 }
 
-/// The piece of `count` events, 2 to 1024, that takes `time`, and the rest of the time by rounding:
-/// below 2^-21 tick.
+/// Returns the piece of `count` events, 2 to 1024, that takes `time`, and the rest of the time. The
+/// rest is due to rounding and is below 2^-21 tick.
 ///
-/// Rounding in `bend` moves events within the piece by up to 0.1 `count`^3 2^-32 tick; the ends are
-/// not affected, because the interval is computed from the rounded changes.
+/// The rounding of the second difference moves events within the piece by up to 0.1 `count`^3 2^-32
+/// tick. The ends are exact, because the interval is computed from the rounded differences.
 pub(crate) fn by_differences(count: u32, time: u64, shape: &Shape) -> (Piece, u64) {
-    // Too small by less than 2^-32, that is by 2^-22 of it.
+    // Too small by less than 2^-32, that is by a relative 2^-22.
     let inverse = u32::MAX.checked_div(count).unwrap_or(0);
     let divide = |value: u64| part(value, inverse);
     let first = divide(time);
-    // At most 2^-21 of the time.
+    // At most a 2^-21th part of the time.
     let left = time.wrapping_sub(first.wrapping_mul(count.into()));
     let more = left.min(u32::MAX.into()).wrapping_mul(inverse.into()) >> 32;
     let mean = first.wrapping_add(more);

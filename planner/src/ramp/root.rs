@@ -5,21 +5,21 @@
 pub(crate) struct Root {
     /// The root, rounded to nearest, at most one unit off.
     pub(crate) speed: u32,
-    /// 2^62 / (`speed` 2^`shift`), accurate to 2^-23 of it; at most 2^31.
+    /// 2^62 / (`speed` 2^`shift`), with a relative error of 2^-23; at most 2^31.
     pub(crate) inverse: u32,
     /// Leading zeros of the speed.
     pub(crate) shift: u8,
 }
 
 impl Root {
-    /// The root of `square`.
+    /// Computes the root of `square`.
     ///
     /// # Cost
-    /// Six products of 32 bits, no division.
+    /// Six 32-bit products, no division.
     ///
     /// # Source
-    /// Third-order step for y = 1 / sqrt(x): with h = 1 - x y^2, y grows by y (h / 2 + 3 h^2 / 8),
-    /// and 5 h^3 / 16 of it is left.
+    /// A third-order iteration for y = 1 / sqrt(x): with h = 1 - x y^2, the step is y (h / 2 + 3
+    /// h^2 / 8), and the remaining error is 5 h^3 / 16 of y.
     pub(crate) fn of(square: u64) -> Root {
         if square == 0 {
             return Root {
@@ -35,7 +35,7 @@ impl Root {
         let y = reciprocal(x);
         // At most 2^32 2^31.
         let root = (u64::from(x).wrapping_mul(y.into()) >> 30).min(u32::MAX.into());
-        // The estimate is 2^-23 off, so the remainder is below 2^42.
+        // The estimate has a relative error of 2^-23, so the remainder is below 2^42.
         let rest = scaled.wrapping_sub(root.wrapping_mul(root)) as i64;
         // rest / (2 root) = rest y 2^-63.
         let correction = (rest >> 12).wrapping_mul(y.into()) >> 51;
@@ -50,18 +50,18 @@ impl Root {
     }
 }
 
-/// 2^30 / sqrt(x), where x stands for x / 2^32 and is at least 2^30.
+/// Returns 2^30 / sqrt(x / 2^32). `x` is at least 2^30.
 fn reciprocal(x: u32) -> u32 {
-    // A line through 2.1328 - 1.2187 x, at most 8.6 % off, in units of 2^-15.
+    // The line 2.1328 - 1.2187 x, in units of 2^-15. Its error is at most 8.6 %.
     let high = x >> 16;
     let line = 69_887_u32.wrapping_sub(high.wrapping_mul(39_935) >> 16);
-    // h = 1 - x y^2 in units of 2^-14, at most 0.18: 1.9e-3 is left of it.
+    // h = 1 - x y^2 in units of 2^-14 is at most 0.18. The remaining error is 1.9e-3.
     let square = line.wrapping_mul(line.min(65_535)) >> 16;
     let h = (1_i32 << 14).wrapping_sub((high.wrapping_mul(square.min(65_535)) >> 16) as i32);
     let part = (h >> 1).wrapping_add(h.wrapping_mul(h).wrapping_mul(3) >> 17);
     let first = (line as i32).wrapping_add((line as i32).wrapping_mul(part) >> 14);
     let y = (first as u32).min(65_535).wrapping_shl(15);
-    // h in units of 2^-29, at most 6e-3: 7e-8 is left of it.
+    // h in units of 2^-29 is at most 6e-3. The remaining error is 7e-8.
     let square = u64::from(y).wrapping_mul(y.into()) >> 31;
     let product = u64::from(x).wrapping_mul(square) >> 32;
     let h = (1_i32 << 29).wrapping_sub(product as i32);

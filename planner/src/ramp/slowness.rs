@@ -1,21 +1,22 @@
-//! Time that a change of speed takes.
+//! The time that a change of speed takes.
 
 use crate::timer::{bits, scaled_quotient};
 
-/// Ticks per unit of speed at constant acceleration: f / a.
+/// Ticks per unit of speed at constant acceleration: timer frequency / acceleration.
 ///
-/// The time of a ramp is the difference of its end speeds times this constant, whatever the pieces
-/// of the ramp are. So the times of the pieces add up without drift.
+/// A ramp takes the difference of its end speeds times this constant, for any division into pieces.
+/// So the times of the pieces add up without drift.
 #[derive(Copy, Clone, Debug, Default)]
 pub(crate) struct Slowness {
     /// In units of 2^-`fraction_bits` tick, times 2^32.
     ticks: u64,
-    /// 32, or less where the slowest ramp would not fit in 64 bits.
+    /// 32, or less if the slowest ramp would not fit 64 bits.
     pub(crate) fraction_bits: u8,
 }
 
 impl Slowness {
-    /// For speeds in units of 2^-`fine_bits` nm/s; `fine_bits` is below 32, `acceleration` not 0.
+    /// Speeds are in units of 2^-`fine_bits` nm/s. `fine_bits` is below 32, and `acceleration` is
+    /// not 0.
     pub(crate) fn new(timer_hz: u32, acceleration: u64, fine_bits: u8) -> Slowness {
         let fine_bits = u32::from(fine_bits);
         // f 2^(64 - fine) / a has at most this many bits more than 64.
@@ -30,13 +31,13 @@ impl Slowness {
         }
     }
 
-    /// Time of a change of speed.
+    /// Returns the time of a change of speed.
     #[inline]
     pub(crate) fn time(&self, speeds: u32) -> u64 {
         part(self.ticks, speeds)
     }
 
-    /// Time of `whole` 2^-`bits` units of speed, with `bits` above -32; saturates.
+    /// Returns the time of `whole` 2^-`bits` units of speed; saturates. `bits` is above -32.
     pub(crate) fn time_of(&self, whole: u64, bits: i32) -> u64 {
         let product = u128::from(self.ticks).wrapping_mul(whole.into());
         let time = match bits.saturating_add(32) {
@@ -48,7 +49,7 @@ impl Slowness {
     }
 }
 
-/// `whole` `share` / 2^32, rounded down.
+/// Returns `whole` times `share` / 2^32, rounded down.
 #[inline]
 pub(crate) fn part(whole: u64, share: u32) -> u64 {
     let share = u64::from(share);

@@ -1,16 +1,16 @@
-//! Events next to standstill, by a table of roots.
+//! The events next to standstill, timed by a table of roots.
 //!
-//! From standstill the n-th event comes at t1 sqrt(n), t1 the time of the first one. The table has
-//! the intervals, so an event takes one product.
+//! From standstill the n-th event is due at t1 sqrt(n), where t1 is the time of the first one. The
+//! table contains the intervals, so an event takes one product.
 
-/// Events that the table has.
+/// Number of events in the table.
 pub(crate) const MOST: u32 = 64;
 
-/// Intervals from this event on are given four times as fine.
+/// From this event on, the intervals are stored in finer units.
 const FINER: usize = 16;
 
-/// (sqrt(n + 1) - sqrt(n)) 2^17, from event [`FINER`] on 2^19, of n = 1 to 63. The sums of these
-/// are the rounded roots, so errors do not add up.
+/// (sqrt(n + 1) - sqrt(n)) times 2^17 for n = 1 to 63, and times 2^19 from event [`FINER`] on. Sums
+/// of these entries are rounded roots, so errors do not add up.
 #[rustfmt::skip]
 const INTERVALS: [u16; 63] = [
     54292, 41659, 35121, 30942, 27974, 25724, 23944, 22488, 21270,
@@ -22,7 +22,7 @@ const INTERVALS: [u16; 63] = [
     35188, 34876, 34570, 34275, 33984, 33703, 33428, 33159, 32897,
 ];
 
-/// The time t1 of the first event: `ticks` 2^-`bits`.
+/// The time t1 of the first event: `ticks` times 2^-`bits`.
 #[derive(Copy, Clone, Debug, Default)]
 pub(crate) struct First {
     ticks: u32,
@@ -30,9 +30,9 @@ pub(crate) struct First {
 }
 
 impl First {
-    /// From ticks with 32 fraction bits; `None` where they are too many.
+    /// Converts ticks with 32 fraction bits. Returns `None` if they are too many.
     pub(crate) fn new(time: u64) -> Option<First> {
-        // As many fraction bits as fit in 32, and at most 30: an interval takes two more.
+        // As many fraction bits as fit 32 bits, but at most 30, because an interval takes two more.
         let zeros = time.leading_zeros().min(30);
         let bits = zeros.checked_sub(1)?;
         Some(First {
@@ -41,7 +41,8 @@ impl First {
         })
     }
 
-    /// The interval before event `number` of a start, counted from 0; ticks with 32 fraction bits.
+    /// Returns the interval before event `number` after a start, counted from 0, in ticks with 32
+    /// fraction bits.
     #[inline]
     pub(crate) fn interval(&self, number: u32) -> u64 {
         let index = (number as usize).wrapping_sub(1);
@@ -49,11 +50,11 @@ impl First {
             return u64::from(self.ticks).wrapping_shl(32_u32.wrapping_sub(self.bits.into()));
         };
         let interval = u32::from(*interval);
-        // Below 2^16 2^16 each; the sum is below 2^32 as the interval is below t1 / 2.
+        // Each product is below 2^32. The sum is below 2^32 because the interval is below t1 / 2.
         let high = (self.ticks >> 16).wrapping_mul(interval);
         let low = (self.ticks & 0xffff).wrapping_mul(interval) >> 16;
         let ticks = high.wrapping_add(low);
-        // The product has 17 - 16 bits more, or 19 - 16.
+        // The product has 1 bit more (17 - 16), or 3 (19 - 16).
         let more = if index < FINER.wrapping_sub(1) { 1 } else { 3 };
         let bits = u32::from(self.bits).wrapping_add(more);
         // From 0 to 31.

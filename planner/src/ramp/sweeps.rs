@@ -1,4 +1,4 @@
-//! Events of different sweep, timed by the cubic itself.
+//! Events of different sweep, timed directly by the cubic.
 
 use crate::quotient::quotient;
 use crate::ramp::{
@@ -7,39 +7,39 @@ use crate::ramp::{
     slowness::{Slowness, part},
 };
 
-/// The present part of a move whose events differ: an arc, a helix, an ellipse.
+/// The present part of a move with events of different sweep: an arc, a helix or an ellipse.
 #[derive(Copy, Clone, Debug, Default)]
 pub(crate) struct Span {
-    /// Sweep of the part, and how much of it has passed.
+    /// Sweep of the part, and the sweep that has passed.
     pub(crate) sweep: u64,
     pub(crate) passed: u64,
-    /// Time of the part, and how much of it was given; in units of the slowness.
+    /// Time of the part, and the time that was given, in the units of `Slowness`.
     pub(crate) time: u64,
     pub(crate) given: u64,
     pub(crate) law: Law,
-    /// Change of the square of the speed over the part.
+    /// Change of the squared speed over the part.
     pub(crate) gain: u64,
     /// Leading zeros of the sweep, and 2^63 divided by its 32 highest bits.
     zeros: u8,
     inverse: u32,
 }
 
-/// Time within a part.
+/// Time as a function of the sweep within a part.
 #[derive(Copy, Clone, Debug, Default)]
 pub(crate) enum Law {
-    /// In proportion to the sweep.
+    /// Proportional to the sweep.
     #[default]
     Even,
-    /// t = x (linear -+ x (square -+ x cube)), minus where the speed rises.
+    /// t = x (linear -+ x (square -+ x cube)), with minus if the speed rises.
     Cubic {
         linear: u64,
         square: u64,
         cube: u64,
         is_rising: bool,
     },
-    /// The change of the root, for the first and last grains of a ramp.
+    /// By the square root, for the first and the last grains of a ramp.
     Exact {
-        /// Square of the speed at the start.
+        /// Squared speed at the start.
         from: u64,
         speed: u32,
         is_rising: bool,
@@ -89,7 +89,7 @@ impl Span {
         }
     }
 
-    /// Passes `sweep` more, which ends within the part; the time of it.
+    /// Passes `sweep` more, within the part. Returns its time.
     pub(crate) fn pass(&mut self, sweep: u64, slowness: &Slowness) -> u64 {
         self.passed = self.passed.wrapping_add(sweep);
         let time = self.time_at(slowness).min(self.time).max(self.given);
@@ -98,7 +98,7 @@ impl Span {
         wait
     }
 
-    /// The part that has passed, in units of 2^-32; below 2^32.
+    /// Returns the part of the sweep that has passed, in units of 2^-32; below 2^32.
     pub(crate) fn share(&self) -> u32 {
         let passed = self.passed.wrapping_shl(self.zeros.into()) >> 32;
         // passed < 2^64 / inverse 2^31.

@@ -63,7 +63,8 @@ impl Picture {
             let _ = writeln!(svg, "<path class=\"{class}\" d=\"{path}Z\"/>");
         }
         for (index, row) in diameters.iter().enumerate() {
-            // A diameter does not say at which of its ends the error is: half at both.
+            // A diameter does not show which of its ends is wrong, so half of the error is drawn at
+            // each.
             let degree = 90.0 - 22.5 * index as f64;
             for degree in [degree, degree + 180.0] {
                 let (x, y) = at(degree, row.measured / 2.0);
@@ -156,8 +157,8 @@ impl Picture {
         }
     }
 
-    /// What each row of a table leaves unexplained, in its spreads; `None` with fewer than four
-    /// such rows.
+    /// The unexplained part of each row of a table, in units of its spread. `None` with fewer than
+    /// four such rows.
     pub fn unexplained(table: &Table) -> Option<Self> {
         let spreads = table.rows.iter().filter_map(|row| {
             let left = row.unexplained()?;

@@ -10,7 +10,7 @@ use std::fmt::Write;
 pub const CSV_HEAD: &str =
     "feature,kind,line,figure,unit,actual,nominal,least,most,deviation,result";
 
-/// Lines for people. The last one has no line end.
+/// Text for the operator. The last line has no line end.
 pub fn text(feature: &Feature) -> String {
     let mut text = format!("{} {}", feature.keyword, feature.name);
     for dimension in &feature.dimensions {
@@ -71,7 +71,7 @@ pub fn limits([least, most]: [i64; 2]) -> String {
     }
 }
 
-/// The last line for people: how many features, and how many tolerances are kept.
+/// The last line of the text: the number of features, and the number of tolerances kept.
 pub fn summary(features: &[Feature]) -> String {
     let judged = features.iter().flat_map(|feature| &feature.dimensions);
     let verdicts: Vec<bool> = judged.filter_map(Dimension::is_good).collect();
@@ -92,8 +92,8 @@ pub fn summary(features: &[Feature]) -> String {
     }
 }
 
-/// One JSON object for all features. It also has the trouble that ended the routine, and whether
-/// there was a collision.
+/// One JSON object for all features. It also contains the failure that ended the routine, and
+/// whether there was a collision.
 pub fn json(
     heading: &Heading<'_>,
     features: &[Feature],

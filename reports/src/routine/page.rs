@@ -78,7 +78,7 @@ fn figures(page: &mut String, features: &[Feature], site: &Site<'_>) {
             "largest spread of a point",
             match repeats > 1 {
                 true => nm(spread),
-                false => "one touch a point".into(),
+                false => "one touch per point".into(),
             },
         ),
         ("largest form error", nm(form)),

@@ -1,4 +1,4 @@
-//! Durations for people.
+//! Durations as readable text.
 
 /// A duration as in `2 min 08 s`.
 pub fn duration(seconds: f64) -> String {

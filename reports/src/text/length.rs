@@ -1,4 +1,4 @@
-//! Lengths for people.
+//! Lengths as readable text.
 
 use crate::text::shortest;
 

@@ -64,7 +64,7 @@ pub fn figures(outcome: &Outcome) -> Vec<(&'static str, String)> {
     rows
 }
 
-/// Lines for people.
+/// The results as text.
 pub fn text(outcome: &Outcome) -> String {
     let mut text = format!(
         "{} of {}: {}\n",

@@ -1,4 +1,4 @@
-//! What a device with extras says of itself.
+//! Readings of the state of a device with extras.
 
 /// A value that [`Step::Read`](super::Step::Read) reads with [`number`](Reading::number): a letter
 /// and a number of 16 bits. Older devices with extras know only the first one and answer `f` 00 00.
@@ -34,8 +34,8 @@ impl Reading {
         Reading::Records,
     ];
 
-    /// Returns the number for [`Step::Read`](super::Step::Read): ff ff for the first one, and
-    /// downwards. No memory has so many records.
+    /// Returns the number for [`Step::Read`](super::Step::Read): ff ff for the first one, and one
+    /// less for each further one. No memory has a record with such a number.
     pub const fn number(self) -> u16 {
         u16::MAX - self as u16
     }

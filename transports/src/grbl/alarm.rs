@@ -1,22 +1,22 @@
 //! Alarms by number.
 
-/// An alarm: the position may be wrong, or motion was ended by force. Motion is locked until the
+/// An alarm. The position may be wrong, or motion was interrupted. Motion is locked until the
 /// operator unlocks it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(u8)]
 pub enum Alarm {
-    /// A limit switch was touched. Locked until a reset.
+    /// A limit switch has closed. Motion is locked until a reset.
     HardLimit = 1,
-    /// A target outside the travel. Locked until a reset.
+    /// A target is outside the travel. Motion is locked until a reset.
     SoftLimit = 2,
-    /// Reset during motion.
+    /// A reset during motion.
     AbortCycle = 3,
     /// The probe was not in the expected state before its move.
     ProbeInitial = 4,
     /// The probe did not change.
     ProbeContact = 5,
-    /// Reset during homing.
+    /// A reset during homing.
     HomingReset = 6,
     /// The safety door was opened during homing.
     HomingDoor = 7,
@@ -40,19 +40,19 @@ impl Alarm {
         Alarm::HomingApproach,
     ];
 
-    /// Its number.
+    /// Returns its number.
     pub const fn number(self) -> u8 {
         self as u8
     }
 
-    /// The alarm of a number.
+    /// Returns the alarm with this number.
     pub fn of(number: u8) -> Option<Alarm> {
         Alarm::ALL
             .into_iter()
             .find(|alarm| alarm.number() == number)
     }
 
-    /// What happened.
+    /// Returns a description.
     pub const fn text(self) -> &'static str {
         match self {
             Alarm::HardLimit => "a limit switch was touched",

@@ -19,9 +19,9 @@ pub enum ErrorCode {
     StepPulse = 6,
     /// The stored data cannot be read.
     StoreRead = 7,
-    /// Only in Idle or Alarm.
+    /// The command is permitted only in Idle or Alarm.
     NotIdle = 8,
-    /// Locked in Alarm and while jogging.
+    /// Lines are refused in Alarm and while jogging.
     Locked = 9,
     /// Soft limits need homing.
     SoftLimitsNeedHoming = 10,
@@ -35,7 +35,7 @@ pub enum ErrorCode {
     StartupTooLong = 14,
     /// The jog leaves the travel.
     Travel = 15,
-    /// Not in a jog.
+    /// A jog has a word or a code that it does not take.
     Jog = 16,
     /// Laser mode needs a variable spindle.
     LaserNeedsPwm = 17,
@@ -120,19 +120,19 @@ impl ErrorCode {
         ErrorCode::ToolNumber,
     ];
 
-    /// Its number.
+    /// Returns its number.
     pub const fn number(self) -> u8 {
         self as u8
     }
 
-    /// The error of a number.
+    /// Returns the error with this number.
     pub fn of(number: u8) -> Option<ErrorCode> {
         ErrorCode::ALL
             .into_iter()
             .find(|error| error.number() == number)
     }
 
-    /// What is wrong.
+    /// Returns a description.
     pub const fn text(self) -> &'static str {
         match self {
             ErrorCode::ExpectedLetter => "a word does not start with a letter",

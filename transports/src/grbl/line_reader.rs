@@ -9,11 +9,11 @@ pub enum Line<'a> {
     /// Its characters: upper case, without blanks, control bytes, `/` and comments. Empty for a
     /// blank line, which is answered too.
     Text(&'a [u8]),
-    /// It had more than [`LINE_CHARACTERS`] characters.
+    /// The line has more than [`LINE_CHARACTERS`] characters.
     TooLong,
 }
 
-/// Assembles the bytes of the line into lines.
+/// Assembles bytes into lines.
 ///
 /// # Examples
 ///
@@ -30,7 +30,7 @@ pub struct LineReader {
     text: Buffer<LINE_CHARACTERS>,
     comment: Comment,
     is_too_long: bool,
-    /// The line was given out, so the next byte begins another one.
+    /// The line was returned, so the next byte begins another one.
     is_complete: bool,
 }
 
@@ -50,7 +50,7 @@ impl Default for LineReader {
 }
 
 impl LineReader {
-    /// A reader at the start of a line.
+    /// Creates a reader at the start of a line.
     pub const fn new() -> Self {
         LineReader {
             text: Buffer::new(),
@@ -60,12 +60,12 @@ impl LineReader {
         }
     }
 
-    /// Drops the line that has begun.
+    /// Drops an incomplete line.
     pub fn clear(&mut self) {
         *self = LineReader::new();
     }
 
-    /// Takes a byte. Returns the line that it completes.
+    /// Takes a byte. Returns the line that this byte completes.
     pub fn push(&mut self, byte: u8) -> Option<Line<'_>> {
         if self.is_complete {
             self.clear();

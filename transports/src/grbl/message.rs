@@ -21,35 +21,36 @@ use crate::grbl::text::{Text, whole};
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Message<'a> {
-    /// The line was taken.
+    /// The line was accepted.
     Ok,
     /// The line was refused.
     Error(ErrorCode),
-    /// Motion was ended, or is not permitted.
+    /// Motion was interrupted, or is not permitted.
     Alarm(Alarm),
     /// The controller has started: its name and version, `Grbl 1.1h`.
     Banner(&'a [u8]),
-    /// State and position.
+    /// State and position: `<Idle|...>`.
     Status(Status),
     /// A setting and its value as text: `$110=500.000`.
     Setting(u8, &'a [u8]),
     /// A stored line: `$N0=G21`.
     Stored(u8, &'a [u8]),
-    /// A stored line that was executed at the start: `>G21:ok`.
+    /// A stored line that was executed at the start, and its error: `>G21:ok`.
     Executed(&'a [u8], Option<ErrorCode>),
     /// A text for the operator.
     Feedback(Feedback<'a>),
     /// The modal state.
     Modal(ModalState),
-    /// A coordinate datum.
+    /// A coordinate datum and its position.
     Parameter(Parameter, Place),
-    /// The tool length, nm.
+    /// The tool length, in nanometres.
     ToolLength(i64),
     /// Position of the last probe contact, and whether there was one.
     Probe(Place, bool),
-    /// Version and text of the user.
+    /// The version, and the text that the user has stored.
     Version(&'a [u8], &'a [u8]),
-    /// Options, places of the queue, bytes of the receive buffer.
+    /// The letters of the options, the number of moves in the queue, and the size of the receive
+    /// buffer in bytes.
     Options(&'a [u8], u8, u8),
     /// The list of commands.
     Help(&'a [u8]),
@@ -101,7 +102,7 @@ impl<'a> Feedback<'a> {
         Feedback::Sleeping,
     ];
 
-    /// The text.
+    /// Returns the text.
     pub const fn text(&self) -> &'a [u8] {
         match self {
             Feedback::ResetToContinue => b"Reset to continue",
@@ -132,12 +133,12 @@ fn put_error(text: &mut Text, error: ErrorCode) {
 }
 
 impl<'a> Message<'a> {
-    /// Whether the line answers a line of the sender. A sender counts these.
+    /// Whether the line answers a line of the sender. A sender counts these answers.
     pub const fn is_answer(&self) -> bool {
         matches!(self, Message::Ok | Message::Error(_))
     }
 
-    /// The line, without its end.
+    /// Returns the line, without its end.
     pub fn write(&self, units: Units) -> Text {
         let mut text = Text::new();
         match self {
@@ -227,7 +228,7 @@ impl<'a> Message<'a> {
         text.put(b"]");
     }
 
-    /// Reads a line without its end. `None`: the line is no message of Grbl 1.1.
+    /// Reads a line without its end. Returns `None` if it is not a message of Grbl 1.1.
     pub fn parse(line: &'a [u8]) -> Option<Message<'a>> {
         Some(match line {
             [] => Message::Blank,
@@ -295,7 +296,7 @@ impl<'a> Message<'a> {
     }
 }
 
-/// The text before and after the first such byte.
+/// Returns the text before and after the first such byte.
 fn split(text: &[u8], at: u8) -> Option<(&[u8], &[u8])> {
     let at = text.iter().position(|byte| *byte == at)?;
     let (before, rest) = text.split_at_checked(at)?;

@@ -20,19 +20,19 @@ pub struct ModalState {
     pub distance: u16,
     /// G93 or G94.
     pub feed_mode: u16,
-    /// M0, M2 or M30 that holds the program.
+    /// M0, M2 or M30 that has stopped the program.
     pub program: Option<u16>,
     /// M3, M4 or M5.
     pub spindle: u16,
-    /// M7.
+    /// Mist coolant, M7.
     pub mist: bool,
-    /// M8.
+    /// Flood coolant, M8.
     pub flood: bool,
-    /// T.
+    /// T word.
     pub tool: u8,
-    /// F in nm/min.
+    /// F word, in nm/min.
     pub feed_nm_per_min: u64,
-    /// S in thousandths of a turn per minute.
+    /// S word, in thousandths of a turn per minute.
     pub milli_rpm: u64,
 }
 

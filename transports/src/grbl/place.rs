@@ -15,7 +15,7 @@ pub enum Units {
 }
 
 impl Units {
-    /// Decimal places of a length.
+    /// Returns the number of decimals of a length.
     pub(crate) const fn places(self) -> u8 {
         match self {
             Units::Millimetres => 3,
@@ -23,7 +23,7 @@ impl Units {
         }
     }
 
-    /// Length of the last place in nanometres.
+    /// Returns the value of the last decimal, in nanometres.
     pub(crate) const fn last_place_nm(self) -> u64 {
         match self {
             Units::Millimetres => 1000,
@@ -38,7 +38,7 @@ impl Text {
         self.put_decimal(rounded(nm, units.last_place_nm()), units.places());
     }
 
-    /// Appends a feed: whole mm/min, or inches per minute with one place.
+    /// Appends a feed: mm/min without decimals, or inches per minute with one decimal.
     pub(crate) fn put_feed(&mut self, nm_per_min: u64, units: Units) {
         let nm = i64::try_from(nm_per_min).unwrap_or(i64::MAX);
         match units {
@@ -48,7 +48,7 @@ impl Text {
     }
 }
 
-/// A position of up to [`MOST_AXES`] axes, nm.
+/// A position of up to [`MOST_AXES`] axes, in nanometres.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Place {
     nm: [i64; MOST_AXES],
@@ -56,7 +56,7 @@ pub struct Place {
 }
 
 impl Place {
-    /// A position. Axes beyond [`MOST_AXES`] are left out.
+    /// Creates a position. Axes beyond [`MOST_AXES`] are dropped.
     pub fn new(nm: &[i64]) -> Self {
         let mut place = Place::default();
         for (slot, nm) in place.nm.iter_mut().zip(nm) {
@@ -66,7 +66,7 @@ impl Place {
         place
     }
 
-    /// The position of each axis, nm.
+    /// Returns the position of each axis, in nanometres.
     pub fn nm(&self) -> &[i64] {
         self.nm.get(..self.axes).unwrap_or_default()
     }
@@ -80,7 +80,7 @@ impl Place {
         }
     }
 
-    /// Reads lengths with commas between them.
+    /// Reads lengths that are separated by commas.
     pub(crate) fn parse(text: &[u8]) -> Option<(Place, Units)> {
         let mut place = Place::default();
         let mut units = Units::Millimetres;
@@ -94,7 +94,7 @@ impl Place {
     }
 }
 
-/// Reads a length: inches if it has four places.
+/// Reads a length. With four decimals it is in inches.
 pub(crate) fn length(text: &[u8]) -> Option<(i64, Units)> {
     let places = match text.iter().position(|byte| *byte == b'.') {
         // The point is one of the bytes.
@@ -115,7 +115,7 @@ pub(crate) fn length(text: &[u8]) -> Option<(i64, Units)> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Parameter {
-    /// The zero of a work frame, 0 (G54) to 5 (G59).
+    /// The zero of a work coordinate system, 0 (G54) to 5 (G59).
     Frame(u8),
     /// The position of G28.
     G28,
@@ -126,7 +126,7 @@ pub enum Parameter {
 }
 
 impl Parameter {
-    /// All of them in the order of `$#`.
+    /// All parameters, in the order of `$#`.
     pub const ALL: [Parameter; 9] = [
         Parameter::Frame(0),
         Parameter::Frame(1),
@@ -139,7 +139,7 @@ impl Parameter {
         Parameter::G92,
     ];
 
-    /// Its name.
+    /// Returns its name.
     pub const fn name(self) -> &'static str {
         match self {
             Parameter::Frame(0) => "G54",

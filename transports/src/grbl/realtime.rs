@@ -1,6 +1,6 @@
-//! Bytes that act at once.
+//! Bytes that take effect immediately.
 
-/// A byte that acts when it arrives, wherever it stands in the stream.
+/// A byte that takes effect when it arrives, at any position of the stream.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Realtime {
@@ -12,7 +12,7 @@ pub enum Realtime {
     Resume,
     /// `!`: feed hold.
     Hold,
-    /// 0x84: as an open safety door.
+    /// 0x84: has the effect of an open safety door.
     Door,
     /// 0x85: cancels a jog.
     JogCancel,
@@ -22,13 +22,13 @@ pub enum Realtime {
     Rapid(u8),
     /// 0x99 to 0x9D: spindle override.
     Spindle(Adjust),
-    /// 0x9E: stops the spindle in a hold, or starts it again.
+    /// 0x9E: stops the spindle during a hold, or starts it again.
     SpindleStop,
     /// 0xA0: switches flood coolant.
     Flood,
     /// 0xA1: switches mist coolant.
     Mist,
-    /// Another byte from 0x80 on, without meaning. It is dropped.
+    /// Any other byte from 0x80 on. It has no meaning and is dropped.
     Unknown(u8),
 }
 
@@ -38,7 +38,7 @@ pub enum Realtime {
 pub enum Adjust {
     /// To 100 percent.
     Reset,
-    /// By this number of percent: -10, -1, 1 or 10.
+    /// Changes by this number of percent: -10, -1, 1 or 10.
     By(i8),
 }
 
@@ -51,7 +51,7 @@ impl Adjust {
         Adjust::By(-1),
     ];
 
-    /// The override after the change, percent.
+    /// Returns the override after the change, in percent.
     pub fn apply(self, percent: u8) -> u8 {
         match self {
             Adjust::Reset => 100,
@@ -72,7 +72,7 @@ impl Adjust {
 }
 
 impl Realtime {
-    /// The meaning of a byte. `None`: it belongs to a line.
+    /// Returns the meaning of a byte. `None`: the byte belongs to a line.
     pub fn of(byte: u8) -> Option<Realtime> {
         Some(match byte {
             0x18 => Realtime::Reset,
@@ -94,7 +94,7 @@ impl Realtime {
         })
     }
 
-    /// The byte.
+    /// Returns the byte.
     pub fn byte(self) -> u8 {
         match self {
             Realtime::Reset => 0x18,

@@ -2,11 +2,11 @@
 
 use crate::grbl::{RECEIVE_BYTES, Realtime};
 
-/// Takes the bytes of the line: real-time bytes come out at once, the others wait for the
-/// controller in a buffer of `N` bytes.
+/// Separates the bytes of the line. A real-time byte is returned immediately. The others wait for
+/// the controller in a buffer of `N` bytes.
 ///
-/// Grbl has `N` = 128. A controller with a larger buffer still advertises 128: some senders write
-/// lines that they do not count.
+/// Grbl has `N` = 128. A controller with a larger buffer should still report 128, because some
+/// senders write lines that they do not count.
 ///
 /// # Examples
 ///
@@ -33,7 +33,7 @@ impl<const N: usize> Default for Receiver<N> {
 }
 
 impl<const N: usize> Receiver<N> {
-    /// An empty buffer.
+    /// Creates an empty buffer.
     pub const fn new() -> Self {
         Receiver {
             bytes: [0; N],
@@ -43,8 +43,8 @@ impl<const N: usize> Receiver<N> {
         }
     }
 
-    /// Takes a byte of the line. Returns its meaning if it acts at once. A byte for which there is
-    /// no room is lost.
+    /// Takes a byte of the line. Returns its meaning if it takes effect immediately. A byte for
+    /// which there is no room is lost.
     pub fn push(&mut self, byte: u8) -> Option<Realtime> {
         if let Some(realtime) = Realtime::of(byte) {
             return Some(realtime);
@@ -60,7 +60,7 @@ impl<const N: usize> Receiver<N> {
         None
     }
 
-    /// Removes the oldest byte.
+    /// Removes and returns the oldest byte.
     pub fn take(&mut self) -> Option<u8> {
         if self.length == 0 {
             return None;
@@ -76,18 +76,18 @@ impl<const N: usize> Receiver<N> {
         self.length = 0;
     }
 
-    /// Free bytes as a status report shows them: of the 128 that are advertised.
+    /// Returns the number of free bytes for a status report: at most 128.
     pub fn free(&self) -> u8 {
         let used = u8::try_from(self.length).unwrap_or(u8::MAX);
         RECEIVE_BYTES.saturating_sub(used)
     }
 
-    /// Number of bytes lost so far.
+    /// Returns the number of bytes lost so far.
     pub const fn lost(&self) -> u32 {
         self.lost
     }
 
-    /// The place `behind` bytes after the oldest; both are at most `N`.
+    /// Returns the index of the byte `behind` bytes after the oldest. Both are at most `N`.
     const fn place(&self, behind: usize) -> usize {
         let place = self.first.wrapping_add(behind);
         if place >= N {

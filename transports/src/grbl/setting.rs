@@ -11,11 +11,11 @@ pub struct Setting {
     pub name: &'static str,
     /// Its unit; empty for none.
     pub unit: &'static str,
-    /// Thousandths of its value at first.
+    /// The default value, in thousandths.
     pub default_milli: u32,
 }
 
-/// Type of a setting. A decimal part of a whole number is cut off.
+/// Type of a setting. Decimals of a whole number are dropped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum SettingKind {
@@ -29,7 +29,7 @@ pub enum SettingKind {
     Word,
     /// Number with three places, up to 4 294 967.
     Decimal,
-    /// The same, printed as a whole number.
+    /// The same, but printed as a whole number.
     Rounded,
 }
 

@@ -29,7 +29,7 @@ impl Settings {
     /// Length of the stored form.
     pub const BYTES: usize = 4 * SETTINGS.len();
 
-    /// The values at first.
+    /// The default values.
     pub const DEFAULT: Settings = {
         let mut values = [0; SETTINGS.len()];
         let mut index = 0;
@@ -40,14 +40,14 @@ impl Settings {
         Settings(values)
     };
 
-    /// Thousandths of a value; 0 for a setting that does not exist.
+    /// Returns a value in thousandths, or 0 for a setting that does not exist.
     pub fn milli(&self, number: u8) -> u32 {
         let mut all = self.0.iter().zip(&SETTINGS);
         let found = all.find(|(_, setting)| setting.number == number);
         found.map_or(0, |(value, _)| *value)
     }
 
-    /// A value as a whole number.
+    /// Returns a value as a whole number.
     pub fn whole(&self, number: u8) -> u32 {
         self.milli(number) / 1000
     }
@@ -57,7 +57,7 @@ impl Settings {
         self.milli(number) != 0
     }
 
-    /// The value of the setting in this place of [`SETTINGS`], as `$$` prints it.
+    /// Returns the setting at this index of [`SETTINGS`], and its value as `$$` prints it.
     pub fn text(&self, index: usize) -> Option<(&'static Setting, Text)> {
         let (setting, value) = (SETTINGS.get(index)?, self.0.get(index)?);
         let (value, mut text) = (i64::from(*value), Text::new());
@@ -116,13 +116,13 @@ impl Settings {
             *slot = value;
         }
         if number == 22 && value == 0 {
-            // Soft limits need homing.
+            // Soft limits need homing, so they are switched off with it.
             let _ = self.write(20, b"0");
         }
         Ok(())
     }
 
-    /// The stored form: the values with the low byte first.
+    /// Converts the values to their stored form, low byte first.
     pub fn to_bytes(&self) -> [u8; Settings::BYTES] {
         let mut bytes = [0; Settings::BYTES];
         for (slot, value) in bytes.chunks_exact_mut(4).zip(self.0) {
@@ -149,7 +149,7 @@ impl Settings {
 /// - [`ErrorCode::BadNumber`] without a number.
 /// - [`ErrorCode::InvalidStatement`] without `=` after it, or with a number beyond 255.
 pub fn key_and_value(text: &[u8]) -> Result<(u8, &[u8]), ErrorCode> {
-    // Decimals are cut off.
+    // Decimals are dropped.
     let (tenths, rest) = decimal(text, 1).ok_or(ErrorCode::BadNumber)?;
     let key = tenths / 10;
     let value = rest.strip_prefix(b"=").ok_or(ErrorCode::InvalidStatement)?;

@@ -35,13 +35,13 @@ pub enum Position {
 pub struct Status {
     /// State of the controller.
     pub state: State,
-    /// Where the axes are.
+    /// Position of the axes.
     pub position: Position,
-    /// `Bf`: free places of the queue, and free bytes of the receive buffer.
+    /// `Bf`: free slots of the queue, and free bytes of the receive buffer.
     pub free: Option<(u8, u8)>,
-    /// `Ln`: N word of the executing block.
+    /// `Ln`: N word of the present block.
     pub line: Option<u32>,
-    /// `FS`: present feed in nm/min.
+    /// `FS`: present speed, in nm/min.
     pub feed_nm_per_min: u64,
     /// `FS`: spindle speed in rpm.
     pub rpm: u32,
@@ -51,12 +51,12 @@ pub struct Status {
     pub work_zero: Option<Place>,
     /// `Ov`: overrides of feed, rapids and spindle in percent.
     pub overrides: Option<[u8; 3]>,
-    /// `A`: what runs.
+    /// `A`: accessories that are on.
     pub accessories: Accessories,
 }
 
 impl Status {
-    /// A status without optional fields.
+    /// Creates a status without optional fields.
     pub const fn new(state: State, position: Position) -> Self {
         Status {
             state,

@@ -2,8 +2,8 @@
 
 use crate::buffer::Buffer;
 
-/// A line of text that is being written: up to 240 bytes. Bytes beyond that are dropped. No message
-/// is as long.
+/// A line of text under construction, of up to 240 bytes. Further bytes are dropped. Every message
+/// is shorter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Text(Buffer<240>);
 
@@ -14,12 +14,12 @@ impl Default for Text {
 }
 
 impl Text {
-    /// An empty line.
+    /// Creates an empty line.
     pub const fn new() -> Self {
         Text(Buffer::new())
     }
 
-    /// What was written.
+    /// Returns the text.
     pub fn bytes(&self) -> &[u8] {
         self.0.bytes()
     }
@@ -84,10 +84,10 @@ pub(crate) fn rounded(value: i64, divisor: u64) -> i64 {
     if value < 0 { size.wrapping_neg() } else { size }
 }
 
-/// Reads a number at the start of a text, as `value / 10^places` rounded to nearest, and returns
-/// the rest of the text: an optional sign, digits, an optional point among them. No exponent.
+/// Reads a number at the start of a text: an optional sign, digits with an optional point, no
+/// exponent. Returns it as `value / 10^places`, rounded to the nearest, and the rest of the text.
 ///
-/// `None` without a digit, or where the value exceeds 2^62.
+/// Returns `None` without a digit, or if the value exceeds 2^62.
 pub fn decimal(text: &[u8], places: u8) -> Option<(i64, &[u8])> {
     let (is_negative, mut rest) = match text.split_first() {
         Some((b'-', rest)) => (true, rest),
@@ -140,7 +140,7 @@ pub fn decimal(text: &[u8], places: u8) -> Option<(i64, &[u8])> {
     Some((value, rest))
 }
 
-/// Reads a whole number that is the complete text.
+/// Reads a whole number that is the entire text.
 pub(crate) fn whole<T: TryFrom<i64>>(text: &[u8]) -> Option<T> {
     if text.contains(&b'.') {
         return None;

@@ -1,9 +1,9 @@
-//! Character counting: what a sender may send ahead.
+//! Character counting: the number of bytes that a sender may send ahead.
 
 use crate::grbl::RECEIVE_BYTES;
 
-/// The lines that a sender has sent and that are not yet answered. Their bytes stay within the
-/// receive buffer of the controller.
+/// The lines that a sender has sent and that have no answer yet. Their bytes fit the receive buffer
+/// of the controller.
 ///
 /// # Examples
 ///
@@ -26,7 +26,7 @@ pub struct Window {
 }
 
 impl Window {
-    /// A window of a number of bytes, at most 255. Grbl takes 128.
+    /// Creates a window of this many bytes, at most 255. Grbl accepts 128.
     pub const fn new(capacity: u8) -> Self {
         Window {
             lengths: [0; RECEIVE_BYTES as usize],
@@ -37,8 +37,8 @@ impl Window {
         }
     }
 
-    /// Counts a line, its end included, that is sent now. Returns `false` if it has to wait. A line
-    /// that is longer than the window may be sent alone.
+    /// Counts a line, with its end, that is being sent. Returns `false` if it must wait. A line
+    /// longer than the window may be sent alone.
     pub fn send(&mut self, length: u8) -> bool {
         let place = self.first.wrapping_add(self.count) % self.lengths.len();
         let fits = self.bytes.saturating_add(length.into()) <= self.capacity || self.count == 0;
@@ -53,8 +53,8 @@ impl Window {
         }
     }
 
-    /// An `ok` or `error:N` has come: returns the length of the line that it answers. `None`: no
-    /// line was owed an answer.
+    /// Registers an `ok` or `error:N`. Returns the length of the line that it answers, or `None` if
+    /// no line waits for an answer.
     pub fn answered(&mut self) -> Option<u8> {
         if self.count == 0 {
             return None;
@@ -66,18 +66,18 @@ impl Window {
         Some(length)
     }
 
-    /// Forgets all lines, after a reset of the controller.
+    /// Drops all lines, after a reset of the controller.
     pub const fn clear(&mut self) {
         self.count = 0;
         self.bytes = 0;
     }
 
-    /// Number of bytes that are not answered.
+    /// Returns the number of bytes without an answer.
     pub const fn bytes(&self) -> u16 {
         self.bytes
     }
 
-    /// Number of lines that are not answered.
+    /// Returns the number of lines without an answer.
     pub const fn lines(&self) -> usize {
         self.count
     }

@@ -112,86 +112,99 @@ impl<const CAPACITY: usize> Passes<CAPACITY> {
         let begin = self.start[1].saturating_add(self.shift[1]);
         let entry = plus(self.ways.course(self.shape.from), self.shift);
         loop {
-            match self.state {
-                // To the start of the cuts: the start, shifted by the allowance.
-                State::Shift => {
-                    self.state = State::Sink;
-                    if begin != self.start[1] {
-                        return Some(self.rapid([self.start[0], begin]));
-                    }
-                }
-                State::Sink => {
-                    let whole = self.whole();
-                    let down = self.depth.saturating_mul(self.cut).min(whole);
-                    let deep = self.start[0].saturating_add(down);
-                    // Deeper cuts are shorter: after the first one without length there are no
-                    // others.
-                    let is_over = whole <= 0 || self.cut > self.count();
-                    if is_over || self.reach(deep) <= begin {
-                        self.state = State::Last;
-                        continue;
-                    }
-                    self.state = State::Cut;
-                    return Some(self.sink([deep, begin]));
-                }
-                State::Cut => {
-                    self.state = State::Lift;
-                    let far = self.reach(self.at[0]);
-                    return Some(self.feed([self.at[0], far]));
-                }
-                State::Lift => {
-                    self.state = State::Back;
-                    // Not beyond the start of the cut.
-                    let by = self.retract.min(self.at[1].saturating_sub(begin));
-                    if by > 0 {
-                        return Some(self.rapid(minus(self.at, [by, by])));
-                    }
-                }
-                State::Back => {
-                    self.state = State::Sink;
-                    // At most 2^16.
-                    self.cut = self.cut.wrapping_add(1);
-                    if self.at[1] != begin {
-                        return Some(self.rapid([self.at[0], begin]));
-                    }
-                }
-                // Along the contour.
-                State::Last => {
-                    self.state = State::Entry;
-                    return Some(self.sink([entry[0], begin]));
-                }
-                State::Entry => {
-                    self.state = State::Along(0);
-                    if self.at != entry {
-                        return Some(self.feed(entry));
-                    }
-                }
-                State::Along(index) => match self.along(index) {
-                    None => self.state = State::Leave,
-                    made => return made,
-                },
-                // Out of the material, back, and to the start.
-                State::Leave => {
-                    self.state = State::Home;
-                    if self.at[0] > self.start[0] {
-                        return Some(self.rapid([self.start[0], self.at[1]]));
-                    }
-                }
-                State::Home => {
-                    self.state = State::Down;
-                    if self.at[1] != self.start[1] {
-                        return Some(self.rapid([self.at[0], self.start[1]]));
-                    }
-                }
-                State::Down => {
-                    self.state = State::Done;
-                    if self.at != self.start {
-                        return Some(self.rapid(self.start));
-                    }
+            // Each state either makes a move or goes on to another.
+            let made = match self.state {
+                State::Shift | State::Sink | State::Cut | State::Lift | State::Back => {
+                    self.cut_next(begin)
                 }
                 State::Done => return None,
+                _ => self.finish(begin, entry),
+            };
+            if made.is_some() {
+                return made;
             }
         }
+    }
+
+    /// A state of the cuts from the start on, which is shifted by the allowance to `begin`.
+    fn cut_next(&mut self, begin: i64) -> Option<Move> {
+        match self.state {
+            State::Sink => {
+                let whole = self.whole();
+                let down = self.depth.saturating_mul(self.cut).min(whole);
+                let deep = self.start[0].saturating_add(down);
+                // Deeper cuts are shorter: after the first one without length there are no others.
+                let is_over = whole <= 0 || self.cut > self.count();
+                if is_over || self.reach(deep) <= begin {
+                    self.state = State::Last;
+                    return None;
+                }
+                self.state = State::Cut;
+                Some(self.sink([deep, begin]))
+            }
+            State::Cut => {
+                self.state = State::Lift;
+                let far = self.reach(self.at[0]);
+                Some(self.feed([self.at[0], far]))
+            }
+            State::Lift => {
+                self.state = State::Back;
+                // Not beyond the start of the cut.
+                let by = self.retract.min(self.at[1].saturating_sub(begin));
+                (by > 0).then(|| self.rapid(minus(self.at, [by, by])))
+            }
+            State::Back => {
+                self.state = State::Sink;
+                // At most 2^16.
+                self.cut = self.cut.wrapping_add(1);
+                self.rapid_if_elsewhere([self.at[0], begin])
+            }
+            _ => {
+                self.state = State::Sink;
+                let is_shifted = begin != self.start[1];
+                is_shifted.then(|| self.rapid([self.start[0], begin]))
+            }
+        }
+    }
+
+    /// A state of the last cut, along the contour, and of the way back to the start.
+    fn finish(&mut self, begin: i64, entry: Vector) -> Option<Move> {
+        match self.state {
+            State::Last => {
+                self.state = State::Entry;
+                Some(self.sink([entry[0], begin]))
+            }
+            State::Entry => {
+                self.state = State::Along(0);
+                (self.at != entry).then(|| self.feed(entry))
+            }
+            State::Along(index) => {
+                let made = self.along(index);
+                if made.is_none() {
+                    self.state = State::Leave;
+                }
+                made
+            }
+            // Out of the material, back, and to the start.
+            State::Leave => {
+                self.state = State::Home;
+                let is_below = self.at[0] > self.start[0];
+                is_below.then(|| self.rapid([self.start[0], self.at[1]]))
+            }
+            State::Home => {
+                self.state = State::Down;
+                self.rapid_if_elsewhere([self.at[0], self.start[1]])
+            }
+            _ => {
+                self.state = State::Done;
+                self.rapid_if_elsewhere(self.start)
+            }
+        }
+    }
+
+    /// A rapid move, unless the tool is at its end.
+    fn rapid_if_elsewhere(&mut self, to: Vector) -> Option<Move> {
+        (self.at != to).then(|| self.rapid(to))
     }
 
     /// The segment of the contour with this index; `None` after the last one.

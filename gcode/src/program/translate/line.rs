@@ -56,8 +56,8 @@ struct Lines<'a, const N: usize> {
 }
 
 /// A number of millionths, as a decimal.
-fn millionths(value: u64) -> Option<Nm> {
-    i64::try_from(value).ok().map(Nm)
+fn millionths(value: u64) -> Result<Nm, fmt::Error> {
+    i64::try_from(value).map(Nm).map_err(|_| fmt::Error)
 }
 
 /// Writes a command. Returns the number of lines; `None` if the dialect does not have it.
@@ -189,7 +189,7 @@ impl<const N: usize> Lines<'_, N> {
                 if self.state.feed_mode() != FeedMode::InverseTime {
                     text.write_str(" G93")?;
                 }
-                let feed = millionths(micro_per_minute).ok_or(fmt::Error)?;
+                let feed = millionths(micro_per_minute)?;
                 write!(text, " F{feed}")
             }
             Feed::PerRevolution(by) => {
@@ -298,14 +298,13 @@ impl<const N: usize> Lines<'_, N> {
 
     /// Commands that do not move.
     fn other(&self, command: &Command<N>, text: &mut Text) -> fmt::Result {
-        let micro = |value: u64| millionths(value).ok_or(fmt::Error);
         match *command {
             Command::NurbsBegin {
                 order,
                 micro_weight,
                 ref feed,
             } => {
-                write!(text, "G5.2 P{} L{order}", micro(micro_weight)?)?;
+                write!(text, "G5.2 P{} L{order}", millionths(micro_weight)?)?;
                 self.feed(feed, text)
             }
             Command::NurbsPoint {
@@ -318,17 +317,17 @@ impl<const N: usize> Lines<'_, N> {
                 }
                 text.write_str("G5.2")?;
                 self.axes(&to, &[0, 1], text)?;
-                write!(text, " P{}", micro(micro_weight)?)
+                write!(text, " P{}", millionths(micro_weight)?)
             }
             Command::NurbsEnd { .. } => text.write_str("G5.3"),
-            Command::Dwell { micros } => write!(text, "G4 P{}", micro(micros)?),
+            Command::Dwell { micros } => write!(text, "G4 P{}", millionths(micros)?),
             Command::Spindle {
                 direction,
                 milli_rpm,
             } => match direction {
                 SpindleDirection::Off => text.write_str("M5"),
                 turns => {
-                    let speed = micro(milli_rpm.saturating_mul(1000))?;
+                    let speed = millionths(milli_rpm.saturating_mul(1000))?;
                     write!(text, "{} S{speed}", turning(turns))
                 }
             },
@@ -336,17 +335,9 @@ impl<const N: usize> Lines<'_, N> {
                 direction,
                 speed,
                 most_milli_rpm,
-            } => {
-                // Metres per minute.
-                let metres = Nm(speed.0.checked_div(1000).unwrap_or(0));
-                write!(text, "G96 S{metres}")?;
-                if let Some(most) = most_milli_rpm {
-                    write!(text, " D{}", micro(most.saturating_mul(1000))?)?;
-                }
-                write!(text, " {}", turning(direction))
-            }
+            } => surface(direction, speed, most_milli_rpm, text),
             Command::Orient { micro_degrees, way } => {
-                write!(text, "M19 R{} P{way}", micro(micro_degrees)?)
+                write!(text, "M19 R{} P{way}", millionths(micro_degrees)?)
             }
             Command::Tool { number } => write!(text, "T{number} M6"),
             Command::ToolIs { number } => write!(text, "M61 Q{number}"),
@@ -363,15 +354,7 @@ impl<const N: usize> Lines<'_, N> {
                 number,
                 on,
                 with_motion,
-            } => {
-                let code = match (on, with_motion) {
-                    (true, true) => 62,
-                    (false, true) => 63,
-                    (true, false) => 64,
-                    (false, false) => 65,
-                };
-                write!(text, "M{code} P{number}")
-            }
+            } => output(number, on, with_motion, text),
             Command::Analog {
                 number,
                 micro,
@@ -384,31 +367,11 @@ impl<const N: usize> Lines<'_, N> {
                 input,
                 until,
                 timeout_micros,
-            } => {
-                match input {
-                    Input::Digital(number) => write!(text, "M66 P{number}")?,
-                    Input::Analog(number) => write!(text, "M66 E{number}")?,
-                }
-                let mode = match until {
-                    WaitFor::Nothing => 0,
-                    WaitFor::Rise => 1,
-                    WaitFor::Fall => 2,
-                    WaitFor::High => 3,
-                    WaitFor::Low => 4,
-                };
-                write!(text, " L{mode} Q{}", micro(timeout_micros)?)
-            }
+            } => wait(input, until, timeout_micros, text),
             Command::Pallet => text.write_str("M60"),
             Command::Stop { optional } => text.write_str(if optional { "M1" } else { "M0" }),
             Command::End { rewind } => text.write_str(if rewind { "M30" } else { "M2" }),
-            Command::Path { mode } => match mode {
-                PathMode::ExactPath => text.write_str("G61"),
-                PathMode::ExactStop => text.write_str("G61.1"),
-                PathMode::Blend { tolerance: None } => text.write_str("G64"),
-                PathMode::Blend {
-                    tolerance: Some(by),
-                } => write!(text, "G64 P{by}"),
-            },
+            Command::Path { mode } => path(mode, text),
             // Moves are above; a stroke of the drill has no code elsewhere.
             _ => Err(fmt::Error),
         }
@@ -441,6 +404,57 @@ impl<const N: usize> Lines<'_, N> {
             Switch::FeedHold => 53,
         };
         write!(text, "M{code} P{}", u8::from(on))
+    }
+}
+
+/// A spindle at constant surface speed, in metres per minute.
+fn surface(
+    direction: SpindleDirection,
+    speed: Nm,
+    most_milli_rpm: Option<u64>,
+    text: &mut Text,
+) -> fmt::Result {
+    let metres = Nm(speed.0.checked_div(1000).unwrap_or(0));
+    write!(text, "G96 S{metres}")?;
+    if let Some(most) = most_milli_rpm {
+        write!(text, " D{}", millionths(most.saturating_mul(1000))?)?;
+    }
+    write!(text, " {}", turning(direction))
+}
+
+fn output(number: u8, on: bool, with_motion: bool, text: &mut Text) -> fmt::Result {
+    let code = match (on, with_motion) {
+        (true, true) => 62,
+        (false, true) => 63,
+        (true, false) => 64,
+        (false, false) => 65,
+    };
+    write!(text, "M{code} P{number}")
+}
+
+fn wait(input: Input, until: WaitFor, timeout_micros: u64, text: &mut Text) -> fmt::Result {
+    match input {
+        Input::Digital(number) => write!(text, "M66 P{number}")?,
+        Input::Analog(number) => write!(text, "M66 E{number}")?,
+    }
+    let mode = match until {
+        WaitFor::Nothing => 0,
+        WaitFor::Rise => 1,
+        WaitFor::Fall => 2,
+        WaitFor::High => 3,
+        WaitFor::Low => 4,
+    };
+    write!(text, " L{mode} Q{}", millionths(timeout_micros)?)
+}
+
+fn path(mode: PathMode, text: &mut Text) -> fmt::Result {
+    match mode {
+        PathMode::ExactPath => text.write_str("G61"),
+        PathMode::ExactStop => text.write_str("G61.1"),
+        PathMode::Blend { tolerance: None } => text.write_str("G64"),
+        PathMode::Blend {
+            tolerance: Some(by),
+        } => write!(text, "G64 P{by}"),
     }
 }
 

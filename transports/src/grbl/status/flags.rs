@@ -7,14 +7,14 @@ use crate::grbl::text::Text;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Pins(pub u16);
 
-/// What runs, one bit each.
+/// Accessories that are on, one bit each.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Accessories(pub u8);
 
-/// Letters of the bits, the lowest one first.
+/// Letters of the inputs, bit 0 first.
 const PINS: &[u8] = b"PXYZABCDHRS";
-/// Spindle clockwise, counter-clockwise, flood, mist.
+/// Letters of the accessories: spindle clockwise, spindle counter-clockwise, flood, mist.
 const ACCESSORIES: &[u8] = b"SCFM";
 
 impl Pins {

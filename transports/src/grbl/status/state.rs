@@ -16,11 +16,11 @@ pub enum State {
     Alarm,
     /// The safety door: 0 closed again, 1 open, 2 braking, 3 restoring the outputs.
     Door(u8),
-    /// Checks lines without effect.
+    /// Checks lines without executing them.
     Check,
     /// Homing.
     Home,
-    /// Everything is off until a reset.
+    /// All outputs are off until a reset.
     Sleep,
 }
 
@@ -42,7 +42,7 @@ impl State {
         State::Sleep,
     ];
 
-    /// Its name in a report.
+    /// Returns its name in a report.
     pub const fn name(self) -> &'static str {
         match self {
             State::Idle => "Idle",
