@@ -323,6 +323,11 @@ fn send(args: &Send, out: &mut Told<'_>) -> Result<u8, Failure> {
     let first = args.files.first().map_or("", String::as_str);
     if let Some(settings) = figures(&args.target, first)? {
         expect_no_single_block(args, "microfactory")?;
+        if args.from.is_some() {
+            let message = "a microfactory cuts a figure from its start: --from is for the drill \
+                           and the micro mill";
+            return Err(message.to_owned().into());
+        }
         let is_well = microfactory::send(args, &settings, out)?;
         return Ok(if is_well { OK } else { ERRORS });
     }

@@ -140,7 +140,7 @@ pub fn send(args: &crate::cli::Send, parts: &[Part], out: &mut Told<'_>) -> Resu
         client,
         operator: &mut operator,
         parts,
-        from: args.from as usize - 1,
+        from: args.from.unwrap_or(1) as usize - 1,
         // There and back, and what a computer takes between.
         byte_s: 20.0 / f64::from(baud) + 0.001,
         is_homed: args.no_home,

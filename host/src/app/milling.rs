@@ -86,7 +86,14 @@ fn expect_a_command(made: &Translated, job: &Job) -> Result<(), String> {
 pub(super) fn send(args: &Send, out: &mut Told<'_>) -> Result<u8, Failure> {
     let (file, port) = args.alone()?;
     if by_line::is_for(file) {
-        return by_line::send(args, out);
+        return match args.from {
+            None => by_line::send(args, out),
+            Some(_) => Err("--from needs a file".to_owned().into()),
+        };
+    }
+    if args.from.is_some() && !args.no_home {
+        let message = "--from goes on where the mill stands: it needs --no-home";
+        return Err(message.to_owned().into());
     }
     let mut job = Job::new(file, &args.target, "micromill")?;
     let mut sender = match connected(args, port, &setup::first_three(&job.config))? {
@@ -98,14 +105,38 @@ pub(super) fn send(args: &Send, out: &mut Told<'_>) -> Result<u8, Failure> {
         return Ok(ERRORS);
     };
     expect_a_command(&made, &job)?;
-    if let Some(message) = unhomed(sender.start(), &made) {
+    let start = sender.start();
+    let made = match rest(args, made, start, &setup::first_three(&job.config)) {
+        Ok(made) => made,
+        Err(message) => return Ok(failed_at(&job, &message, out)),
+    };
+    if let Some(message) = unhomed(start, &made) {
         return Ok(failed_at(&job, message, out));
     }
-    let start = sender.start();
     match all(args, &mut sender, &made, out).and_then(|()| sender.finish()) {
         Ok(sent) => compared(&job, args.every, &made, start, &sent, out),
-        Err(message) => Ok(failed_at(&job, &message, out)),
+        Err(message) => {
+            let status = failed_at(&job, &message, out);
+            if let (false, Some((number, _))) = (out.is_json(), made.lines.get(sender.made())) {
+                eprintln!("line {number} is not completed; go on with --no-home --from {number}");
+            }
+            Ok(status)
+        }
     }
+}
+
+/// The program, or what is left of it from the line of `--from` on.
+fn rest(
+    args: &Send,
+    made: Translated,
+    start: Option<State>,
+    config: &Config<3>,
+) -> Result<Translated, String> {
+    let Some(number) = args.from else {
+        return Ok(made);
+    };
+    let start = start.ok_or("--from: the controller does not report where it is")?;
+    made.resumed_at(number as usize, &start, config)
 }
 
 /// A controller at rest, and its state.

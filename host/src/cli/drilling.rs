@@ -146,15 +146,10 @@ pub struct Send {
     /// How to print what the machine does
     #[arg(long, value_enum, default_value = "text")]
     pub format: Output,
-    /// First hole to be drilled, counted over all tools
-    #[arg(
-        long,
-        value_name = "HOLE",
-        default_value_t = 1,
-        hide_default_value = true,
-        value_parser = clap::value_parser!(u32).range(1..),
-    )]
-    pub from: u32,
+    /// Drill: first hole to be drilled, counted over all tools. Micro mill: line of the program to
+    /// go on with after a stop, where the mill stands on its path or at its start
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub from: Option<u32>,
     /// End when the start is confirmed, and let the drill continue alone, without a lease: one
     /// tool, up to 8192 bytes
     #[arg(long)]

@@ -119,7 +119,10 @@ pub(super) fn send(args: &Send, out: &mut Told<'_>) -> Result<u8, Failure> {
         Err(message) => return Ok(failed_at(&job, &message, session.out)),
     };
     let Session {
-        sender, sent, out, ..
+        mut sender,
+        sent,
+        out,
+        ..
     } = session;
     if is_well && !is_terminal {
         expect_a_command(&sent, &job)?;
