@@ -12,6 +12,7 @@ mod expressions;
 mod format;
 mod gcode;
 mod grbl;
+mod grbl_controller;
 mod interp;
 mod link;
 mod machine;
@@ -35,6 +36,7 @@ pub use expressions::expressions;
 pub use format::format;
 pub use gcode::gcode;
 pub use grbl::grbl;
+pub use grbl_controller::grbl_controller;
 pub use interp::interp;
 pub use link::link;
 pub use machine::machine;
@@ -73,6 +75,7 @@ pub const TARGETS: [(&str, Target); 22] = [
     ("closed_loop", closed_loop),
     ("drill", drill),
     ("grbl", grbl),
+    ("grbl_controller", grbl_controller),
     ("microfactory", microfactory),
     ("micromill", micromill),
     ("link", link),
