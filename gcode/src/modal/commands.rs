@@ -330,7 +330,9 @@ impl<const N: usize> Commands<N> {
         self.more.cycle = Some(cycle);
         self.motion(Code::DrillCycle);
     }
+}
 
+impl<const N: usize> Commands<N> {
     #[inline(always)]
     fn move_command(&self) -> Option<Command<N>> {
         let (to, feed) = (self.arc.to, self.feed);
