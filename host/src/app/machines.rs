@@ -1,0 +1,84 @@
+//! `husillo machines`.
+
+mod new;
+
+use super::job::load;
+use super::{Failure, OK, write};
+use crate::cli::{Machines, MachinesAction, Output};
+use crate::console;
+use crate::console::shown;
+use crate::machines::listing;
+use crate::machines::machine_file::{MEASURING, MachineFile};
+use crate::text::json::write_line;
+use serde_json::json;
+use std::io::Write;
+
+/// Lists, shows and writes machine files.
+pub fn show_machines(args: &Machines) -> Result<u8, Failure> {
+    let out = &mut console::stdout();
+    match &args.action {
+        None if args.format == Output::Json => {
+            let list = json!({"machines": listing::machines()?});
+            write_line("husillo.machines/1", &list, out)?;
+        }
+        None => out.write_all(listing::list()?.as_bytes())?,
+        Some(MachinesAction::New(args)) => return new::make(args),
+        Some(MachinesAction::Write { machine, file }) => return write_machine(machine, file),
+        Some(MachinesAction::Show { machine, format }) if MachineFile::is_measuring(machine) => {
+            // Its file contains all that is known of it.
+            let text = MachineFile::text_of(machine).unwrap_or_default();
+            match format {
+                Output::Text => out.write_all(text.as_bytes())?,
+                Output::Json => {
+                    let file: toml::Table =
+                        toml::from_str(text).map_err(|error| error.to_string())?;
+                    let shown = json!({"name": machine, "title": file.get("title"), "file": file});
+                    write_line("husillo.machines.measuring/1", &shown, out)?;
+                }
+            }
+        }
+        Some(MachinesAction::Show { machine, format }) => {
+            let shown = listing::show(&load(machine)?);
+            match format {
+                Output::Text => out.write_all(shown.text().as_bytes())?,
+                Output::Json => write_line("husillo.machines.show/1", &shown, out)?,
+            }
+        }
+    }
+    Ok(OK)
+}
+
+/// Writes the file of a built-in machine. An existing file is not replaced.
+fn write_machine(machine: &str, file: &Option<String>) -> Result<u8, Failure> {
+    let Some(text) = MachineFile::text_of(machine) else {
+        let names = MachineFile::names().join(", ");
+        let measuring = MEASURING.map(|(name, ..)| name).join(", ");
+        let why = format!("no machine `{machine}`: {names}, {measuring} are built in");
+        return Err(Failure::Usage(why));
+    };
+    let file = match file.as_deref() {
+        Some(file) => file.to_owned(),
+        None => format!("{machine}.toml"),
+    };
+    write_new(&file, text)?;
+    Ok(OK)
+}
+
+/// Writes a machine file that does not exist yet; `-` is standard output.
+fn write_new(file: &str, text: &str) -> Result<(), Failure> {
+    if file == "-" {
+        console::stdout().write_all(text.as_bytes())?;
+        return Ok(());
+    }
+    if std::fs::symlink_metadata(file).is_ok() {
+        let why = "exists already: nothing is written";
+        return Err(Failure::Usage(format!("{file} {why}")));
+    }
+    write(file, text.as_bytes())?;
+    writeln!(
+        console::stdout(),
+        "Wrote      {} - use it with -m",
+        shown(file)
+    )?;
+    Ok(())
+}
