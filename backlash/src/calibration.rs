@@ -4,10 +4,11 @@ use crate::{ErrorTable, Flank, Knot, Squareness};
 
 /// The known errors of three axes: converts readings to positions, and back.
 ///
-/// Readings are corrected axis by axis, then for squareness. The reverse conversion goes from Z
-/// over Y to X. Each axis uses the positions that the axes before it really reach, so every
-/// coordinate returns within 1 nm.
+/// Readings are corrected axis by axis, then for squareness. The reverse conversion begins with Z
+/// and continues with Y and X. Each coordinate uses the positions that the previous axes actually
+/// reach. So every coordinate returns within 1 nm.
 ///
+/// # Examples
 /// ```
 /// use husillo_backlash::{Calibration, ErrorTable, Flank, Knot, Squareness};
 ///

@@ -8,6 +8,7 @@ use crate::Lash;
 /// # Cost
 /// While no axis reverses, an event costs a few operations on masks and no call of the lash model.
 ///
+/// # Examples
 /// ```
 /// use husillo_backlash::{Backlash, Compensator, Flank};
 ///
@@ -87,12 +88,11 @@ impl<const N: usize, L: Lash<N>> Compensator<N, L> {
         is_due.then_some(owed)
     }
 
-    /// Returns the direction of an axis' last event, and its take-up in motor steps if it reversed
-    /// now, with the load at `load`. `None` before its first event.
+    /// Returns the direction of the last event of an axis, and the take-up in motor steps if it
+    /// reversed now, with the load at `load`. Returns `None` before its first event.
     ///
-    /// It is for a caller that moves a motor away from the path and back, across the lash. The
-    /// model is asked for a reversal and for its return at the same position, which leaves it
-    /// unchanged.
+    /// It is for a caller that moves a motor off the path and back, through the lash. The model is
+    /// called for a reversal and for the return at the same position, which leaves it unchanged.
     pub fn play(&mut self, axis: usize, load: &[i32; N]) -> Option<(i8, u32)> {
         let bit = 1_u8.checked_shl(u32::try_from(axis).ok()?)?;
         let direction = if self.positive & bit != 0 {

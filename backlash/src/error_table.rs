@@ -16,8 +16,8 @@ const MOST_SCALE_PPB: i32 = 10_000_000;
 /// Corrections are added in this fraction of a nanometre.
 const PARTS: i64 = 16;
 
-/// Passes of the inverse: each leaves at most 0.0725 of the distance and one, which begins below
-/// 2^29.
+/// Passes of the inverse. Each pass reduces the error to at most 0.0725 of itself plus one. The
+/// error begins below 2^29.
 const PASSES: u8 = 16;
 
 /// The correction of a reading at one position of the travel.
@@ -75,6 +75,7 @@ impl core::error::Error for TableError {}
 /// Deviations are taken as in ISO 230-2 (true less target, means of each direction). A knot takes
 /// 24 bytes.
 ///
+/// # Examples
 /// ```
 /// use husillo_backlash::{ErrorTable, Flank, Knot};
 ///
@@ -117,15 +118,15 @@ impl<T: AsRef<[Knot]>> ErrorTable<T> {
             }
             if let Some(before) = before {
                 // Both within 2^35.
-                let way = knot.reading_nm.wrapping_sub(before.reading_nm);
-                if way <= 0 {
+                let distance = knot.reading_nm.wrapping_sub(before.reading_nm);
+                if distance <= 0 {
                     return Err(TableError::Order(index));
                 }
                 let changes = [
                     knot.positive_nm.abs_diff(before.positive_nm),
                     knot.negative_nm.abs_diff(before.negative_nm),
                 ];
-                let is_steep = |change: u32| i64::from(change).wrapping_mul(16) > way;
+                let is_steep = |change: u32| i64::from(change).wrapping_mul(16) > distance;
                 if changes.into_iter().any(is_steep) {
                     return Err(TableError::Steep(index));
                 }
@@ -179,7 +180,7 @@ impl<T: AsRef<[Knot]>> ErrorTable<T> {
             .div_euclid(PARTS)
     }
 
-    /// Returns the scale, parts in 10^9.
+    /// Returns the error of the scale, in parts in 10^9.
     pub const fn scale_ppb(&self) -> i32 {
         self.scale_ppb
     }
@@ -202,13 +203,13 @@ impl<T: AsRef<[Knot]>> ErrorTable<T> {
         };
         // Readings within 2^35 of zero, corrections within 2^21: the product is below 2^(36 + 22 +
         // 4).
-        let way = high.reading_nm.wrapping_sub(low.reading_nm);
+        let distance = high.reading_nm.wrapping_sub(low.reading_nm);
         let done = reading_nm.wrapping_sub(low.reading_nm);
         let between = |low_nm: i32, high_nm: i32| {
             let change = i64::from(high_nm).wrapping_sub(low_nm.into());
             let risen = change.wrapping_mul(done).wrapping_mul(PARTS);
             // The distance is 0 only beyond the ends.
-            let risen = risen.checked_div_euclid(way).unwrap_or(0);
+            let risen = risen.checked_div_euclid(distance).unwrap_or(0);
             i64::from(low_nm).wrapping_mul(PARTS).wrapping_add(risen)
         };
         let positive = || between(low.positive_nm, high.positive_nm);

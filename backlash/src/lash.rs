@@ -25,11 +25,13 @@ impl Flank {
     }
 }
 
-/// The lash of one axis of a machine with `N` axes, and the direction of its last motion.
+/// The lash (backlash) of one axis of a machine with `N` axes, and the direction of its last
+/// motion.
 ///
 /// [`Backlash`](crate::Backlash) has one value, [`MappedBacklash`](crate::MappedBacklash) a map.
-/// For another law, implement this trait.
+/// For another model, implement this trait.
 ///
+/// # Examples
 /// ```
 /// use husillo_backlash::{Flank, Lash};
 ///

@@ -11,9 +11,9 @@ const MOST_WAY: u32 = 1 << 22;
 /// Lash of one axis over a machine's work area, in motor steps.
 ///
 /// Between grid positions the lash is interpolated bilinearly and rounded to the nearest step.
-/// Outside it is that of the nearest edge. With one position along an axis it is constant along
-/// that axis. So bands across X are a grid with one position in Y, and the table of a lead screw is
-/// bands across its own axis.
+/// Outside the grid it is that of the nearest edge. If an axis has one position only, the lash does
+/// not depend on this axis. So bands across X are a grid with one position in Y, and the table of a
+/// lead screw is a grid along its own axis.
 ///
 /// From one grid position to the next the lash changes by at most a quarter of the distance. So an
 /// event changes it by at most one step.
@@ -22,6 +22,7 @@ const MOST_WAY: u32 = 1 << 22;
 /// Two binary searches, two 64-bit divisions and a few products per look-up. The 64-bit arithmetic
 /// is exact, because entries are below 2^20 and distances below 2^22.
 ///
+/// # Examples
 /// ```
 /// use husillo_backlash::LashMap;
 ///
@@ -63,10 +64,10 @@ pub enum MapError {
 impl fmt::Display for MapError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Entries => f.write_str("the map has not one entry for every place"),
-            Self::Order { place, .. } => write!(f, "the places do not rise at place {place}"),
+            Self::Entries => f.write_str("the map needs exactly one entry for each position"),
+            Self::Order { place, .. } => write!(f, "the positions do not rise at position {place}"),
             Self::Range(entry) => write!(f, "entry {entry} is 2^20 steps or more"),
-            Self::Steep(entry) => write!(f, "the lash changes too fast to entry {entry}"),
+            Self::Steep(entry) => write!(f, "the backlash is too steep at entry {entry}"),
         }
     }
 }
@@ -141,15 +142,15 @@ impl<K: AsRef<[i32]>, V: AsRef<[u32]>> LashMap<K, V> {
         let (low_low, high_low) = (entry(x.low, y.low), entry(x.high, y.low));
         let (low_high, high_high) = (entry(x.low, y.high), entry(x.high, y.high));
         let along_x = |low: u64, high: u64| {
-            let rest = x.way.wrapping_sub(x.offset);
+            let rest = x.distance.wrapping_sub(x.offset);
             low.wrapping_mul(rest)
                 .wrapping_add(high.wrapping_mul(x.offset))
         };
         // Entries below 2^20, weights of each axis adding up to 2^22 at most: below 2^64 with half
         // of the whole, too.
-        let whole = x.way.wrapping_mul(y.way);
+        let whole = x.distance.wrapping_mul(y.distance);
         let weighted = along_x(low_low, high_low)
-            .wrapping_mul(y.way.wrapping_sub(y.offset))
+            .wrapping_mul(y.distance.wrapping_sub(y.offset))
             .wrapping_add(along_x(low_high, high_high).wrapping_mul(y.offset))
             .wrapping_add(whole >> 1);
         let steps = weighted.checked_div(whole).unwrap_or(0);
@@ -160,8 +161,9 @@ impl<K: AsRef<[i32]>, V: AsRef<[u32]>> LashMap<K, V> {
             let [one, two] = pairs.map(|[low, high]| low.abs_diff(high));
             one.max(two).wrapping_mul(other)
         };
-        let rate = change([[low_low, high_low], [low_high, high_high]], y.way)
-            .wrapping_add(change([[low_low, low_high], [high_low, high_high]], x.way));
+        let rate = change([[low_low, high_low], [low_high, high_high]], y.distance).wrapping_add(
+            change([[low_low, low_high], [high_low, high_high]], x.distance),
+        );
         let margin = above.min(whole.wrapping_sub(above).wrapping_sub(1));
         let quiet = match margin.checked_div(rate) {
             Some(quiet) => u32::try_from(quiet).unwrap_or(u32::MAX),
@@ -191,13 +193,13 @@ impl<K: AsRef<[i32]>, V: AsRef<[u32]>> LashMap<K, V> {
             }
             let left = column
                 .checked_sub(1)
-                .map(|left| (way(columns, left), self.entry(left, row)));
+                .map(|left| (distance(columns, left), self.entry(left, row)));
             let below = row
                 .checked_sub(1)
-                .map(|below| (way(rows, below), self.entry(column, below)));
-            for (way, there) in [left, below].into_iter().flatten() {
+                .map(|below| (distance(rows, below), self.entry(column, below)));
+            for (distance, there) in [left, below].into_iter().flatten() {
                 // Both below 2^22.
-                if here.abs_diff(there).saturating_mul(4) > way {
+                if here.abs_diff(there).saturating_mul(4) > distance {
                     return Err(MapError::Steep(index));
                 }
             }
@@ -207,7 +209,7 @@ impl<K: AsRef<[i32]>, V: AsRef<[u32]>> LashMap<K, V> {
 }
 
 /// Steps from a position to the next one above it.
-fn way(places: &[i32], from: usize) -> u32 {
+fn distance(places: &[i32], from: usize) -> u32 {
     let mut ends = places.iter().skip(from);
     match (ends.next(), ends.next()) {
         (Some(low), Some(high)) => high.abs_diff(*low),
@@ -231,7 +233,7 @@ struct Between {
     low: usize,
     high: usize,
     /// Steps between them, at least 1, and from the lower one to the position.
-    way: u64,
+    distance: u64,
     offset: u64,
     /// Steps to the nearer of them, or back to the edge.
     room: u32,
@@ -249,7 +251,7 @@ impl Between {
                 Between {
                     low: low.unwrap_or(0),
                     high: above,
-                    way: next.abs_diff(below).into(),
+                    distance: next.abs_diff(below).into(),
                     offset: offset.into(),
                     room: offset.min(rest),
                 }
@@ -261,7 +263,7 @@ impl Between {
                 Between {
                     low: index,
                     high: index,
-                    way: 1,
+                    distance: 1,
                     offset: 0,
                     room: if is_alone {
                         u32::MAX

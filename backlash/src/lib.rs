@@ -13,8 +13,8 @@
 //!                 ▲ Flank::Positive  ▲ Flank::Negative      where the nut touches
 //! ```
 //!
-//! Lash is in motor steps. The errors of an axis' length are in nanometres. They apply to measured
-//! positions and to goals:
+//! *Lash* is short for backlash, in motor steps. The errors of an axis are in nanometres. They are
+//! removed from measured positions and added to goals:
 //!
 //! ```text
 //!  readings ──► ErrorTable, one per axis ──► Squareness ──► true position

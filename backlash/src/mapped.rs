@@ -5,10 +5,11 @@ use crate::{Flank, Lash, LashMap};
 /// An axis whose lash is looked up in a [`LashMap`] as the tool moves.
 ///
 /// On the positive flank the motor is at the position of the load. On the negative flank it is
-/// before it by the lash at that position. So there is a take-up where the axis reverses. On the
-/// negative flank there is also a step whenever the lash under the nut changes, even while this
-/// axis stands and others move.
+/// ahead of the load, in the negative direction, by the lash at that position. So there is a
+/// take-up when the axis reverses. On the negative flank there is also a step whenever the lash at
+/// the nut changes, even while this axis stands still and others move.
 ///
+/// # Examples
 /// ```
 /// use husillo_backlash::{Compensator, Flank, LashMap, MappedBacklash};
 ///
@@ -33,7 +34,7 @@ pub struct MappedBacklash<K, V> {
     held_steps: u32,
     /// Motor position less load position on the positive flank.
     origin: i32,
-    /// The position of the last look-up, and the distance within which the lash is the same.
+    /// The position of the last look-up, and the distance within which the lash stays the same.
     looked_up_at: [i32; 2],
     quiet_steps: u32,
 }
@@ -101,7 +102,7 @@ impl<const N: usize, K: AsRef<[i32]>, V: AsRef<[u32]>> Lash<N> for MappedBacklas
                 self.held_steps = self.look_up(self.map.place(load));
                 self.held_steps
             }
-            // The distance of motor and load, wherever it was looked up.
+            // The distance between motor and load does not change while the axis stands.
             (Flank::Negative, Flank::Positive) => self.held_steps,
             (Flank::Unknown, Flank::Negative) => {
                 // The motor has not moved, so the play is on its other side.

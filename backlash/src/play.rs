@@ -4,9 +4,9 @@ use crate::Lash;
 
 /// Motor and load of one axis in steps.
 ///
-/// The load is between `motor - lash` (its positive flank engaged) and `motor` (its negative flank
-/// engaged). So each step shows whether it moves the load, and a task may end anywhere, also during
-/// a take-up.
+/// The position of the load is between `motor - lash` (its positive flank is engaged) and `motor`
+/// (its negative flank is engaged). So it is known for each step whether it moves the load, and a
+/// task may end anywhere, also during a take-up.
 #[derive(Copy, Clone, Debug)]
 pub struct Play {
     lash: u16,

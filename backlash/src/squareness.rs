@@ -13,6 +13,7 @@ use crate::error_table::REACH_NM;
 /// on the other ones only, which the reverse conversion finds first. Coordinates beyond 34 m get
 /// the correction of 34 m.
 ///
+/// # Examples
 /// ```
 /// use husillo_backlash::Squareness;
 ///

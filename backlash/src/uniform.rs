@@ -4,25 +4,27 @@ use crate::{Flank, Lash};
 
 /// An axis with the same lash everywhere.
 ///
-/// On the positive flank the motor stands at the load's position, on the negative flank
-/// `lash_steps` before it. Arithmetic wraps at the ends of `i32`, and stays exact there.
+/// On the positive flank the motor is at the position of the load. On the negative flank it is
+/// `lash_steps` ahead of it in the negative direction. Arithmetic wraps at the ends of `i32` and
+/// stays exact there.
 #[derive(Copy, Clone, Eq, PartialEq, Debug, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Backlash {
     lash_steps: u32,
     flank: Flank,
-    /// Load position last targeted or stepped to.
+    /// Load position that was targeted or stepped to last.
     load: i32,
-    /// Motor position less load position on the positive flank; not 0 only where the flank was
-    /// found by moving negative.
+    /// Motor position minus load position on the positive flank. It is 0 unless the first motion
+    /// was negative and determined the flank.
     origin: i32,
 }
 
 impl Backlash {
-    /// Lash in motor steps, and the flank engaged now; load and motor zero are here on the positive
-    /// flank.
+    /// Creates an axis with its lash in motor steps and its engaged flank. Load and motor are at
+    /// zero on the positive flank.
     ///
-    /// With [`Flank::Unknown`] the first motion is not compensated: it finds the flank.
+    /// With [`Flank::Unknown`] the first motion is not compensated, because it determines the
+    /// flank.
     #[must_use]
     pub const fn new(lash_steps: u32, flank: Flank) -> Backlash {
         Backlash {
@@ -33,7 +35,8 @@ impl Backlash {
         }
     }
 
-    /// The motor position for the load at `load`, take-up included when that turns the axis round.
+    /// Returns the motor position for the load at `load`. It includes the take-up if the axis
+    /// reverses.
     pub fn motor_target(&mut self, load: i32) -> i32 {
         // The comparison, not the difference, which may not fit.
         let direction = if load > self.load {
@@ -48,25 +51,25 @@ impl Backlash {
         load.wrapping_add(self.offset())
     }
 
-    /// The load position with the motor at `motor`, on the flank engaged now.
+    /// Returns the load position with the motor at `motor`, for the engaged flank.
     #[must_use]
     pub const fn load_position(&self, motor: i32) -> i32 {
         motor.wrapping_sub(self.offset())
     }
 
-    /// The flank engaged now.
+    /// Returns the engaged flank.
     #[must_use]
     pub const fn flank(&self) -> Flank {
         self.flank
     }
 
-    /// The lash in motor steps.
+    /// Returns the lash in motor steps.
     #[must_use]
     pub const fn lash_steps(&self) -> u32 {
         self.lash_steps
     }
 
-    /// Motor less load on the flank engaged now.
+    /// Returns motor position minus load position on the engaged flank.
     const fn offset(&self) -> i32 {
         match self.flank {
             Flank::Negative => self.origin.wrapping_sub(self.lash_steps.cast_signed()),
@@ -74,7 +77,7 @@ impl Backlash {
         }
     }
 
-    /// Remembers the direction; steps owed.
+    /// Stores the direction, and returns the steps of take-up.
     fn turn(&mut self, direction: i8) -> u32 {
         let Some(flank) = Flank::towards(direction) else {
             return 0;

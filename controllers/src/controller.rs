@@ -112,14 +112,14 @@ pub trait Controller {
 
 /// Bytes that stop the motors, for use in an interrupt.
 pub trait StopBytes: Copy {
-    /// No byte stops.
+    /// A set without any byte.
     const NONE: Self;
 
     /// Whether this byte stops the motors.
     fn takes(self, byte: u8) -> bool;
 }
 
-/// No byte stops.
+/// No byte stops the motors.
 impl StopBytes for () {
     const NONE: () = ();
 
@@ -130,7 +130,8 @@ impl StopBytes for () {
 
 /// An event that may have a wait.
 pub trait Timed {
-    /// Returns the timer ticks from the previous event. A tick is 1 us in the four machines.
+    /// Returns the timer ticks from the previous event. A tick is 1 us in all controllers of
+    /// this crate.
     ///
     /// Returns `None` for an event that happens at once. [`made`](Controller::made) does not count
     /// such an event.

@@ -36,7 +36,7 @@ enum Power {
 
 /// The controller of a microfactory: commands in, events out.
 ///
-/// A task (homing, a jog, counted steps, a figure) begins only when no other task is under way.
+/// A task (homing, a jog, counted steps, a figure) begins only when no other task is running.
 /// Positions are load steps from the position after homing. When an axis reverses, it first takes
 /// up its backlash; these steps do not change the position. `F` stores the figure: moves in X and
 /// Z, in steps (`&'static [[i16; 2]]`, an array, a `heapless::Vec`).
@@ -134,7 +134,7 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
 
     /// Takes a command from the link. Returns whether it is carried out.
     ///
-    /// A task begins only if no other task is under way. A command that repeats the present jog
+    /// A task begins only if no other task is running. A command that repeats the present jog
     /// renews it if there is a dead-man's time. The owner carries out commands for the stored
     /// figure ([`Order::Clear`] and the like), see [`Microfactory::figure_mut`].
     pub fn command(&mut self, command: Order) -> bool {
@@ -215,7 +215,7 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
         }
     }
 
-    /// Whether a task is under way.
+    /// Whether a task is running.
     pub fn is_moving(&self) -> bool {
         !matches!(self.task, Task::Idle | Task::Emergency)
     }

@@ -302,7 +302,7 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
         self.link.is_silent() || self.link.has_room(to_tell)
     }
 
-    /// Whether a task is under way or a line is queued.
+    /// Whether a task is running or a line is queued.
     #[inline(never)] // on a small chip four copies are too many
     pub fn is_moving(&self) -> bool {
         self.task != Task::Idle || !self.ahead.is_empty() || !self.queue.is_empty()

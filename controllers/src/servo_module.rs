@@ -5,7 +5,7 @@ use husillo_pid::{Drive, RateRule, ServoGains, ServoLaw, TotalLimit};
 use husillo_planner::ServoMotion;
 use husillo_transports::nmc::{
     Auxiliary, Baud, Command, Gains, Homing, Mode, Module, Order, Readings, Reset, Status, Stop,
-    StopWay, Trajectory, reported_velocity,
+    StopMode, Trajectory, reported_velocity,
 };
 
 use crate::controller::{Controller, Timed};
@@ -178,11 +178,11 @@ impl ServoModule {
 
     fn stop(&mut self, stop: Stop) {
         self.amplifier = stop.amplifier;
-        match stop.way {
-            Some(StopWay::Off) => self.axis.stop(ServoStop::Off),
-            Some(StopWay::Abrupt) => self.axis.stop(ServoStop::Abrupt),
-            Some(StopWay::Smooth) => self.axis.stop(ServoStop::Smooth),
-            Some(StopWay::Here(position)) => self.axis.stop(ServoStop::At(position)),
+        match stop.mode {
+            Some(StopMode::Off) => self.axis.stop(ServoStop::Off),
+            Some(StopMode::Abrupt) => self.axis.stop(ServoStop::Abrupt),
+            Some(StopMode::Smooth) => self.axis.stop(ServoStop::Smooth),
+            Some(StopMode::Here(position)) => self.axis.stop(ServoStop::At(position)),
             None => {}
         }
     }

@@ -10,6 +10,7 @@
 /// # Cost
 /// 10 instructions on a Cortex-M4F, with the loop. 16 bytes.
 ///
+/// # Examples
 /// ```
 /// use husillo_encoder::Extended;
 ///

@@ -26,6 +26,7 @@ pub struct Passage {
 /// missed. It may also be off by the width of the mark, because the other edge is taken (1 count if
 /// the encoder gates its index with A and B).
 ///
+/// # Examples
 /// ```
 /// use husillo_encoder::Index;
 ///
@@ -70,7 +71,7 @@ impl Index {
         if core::mem::replace(&mut self.level, level) == level || self.is_backward == level {
             return None;
         }
-        // Downwards the mark ended in the last sample.
+        // In the downward direction the mark ended in the previous sample.
         let position = if self.is_backward { before } else { position };
         Some(self.pass(position))
     }

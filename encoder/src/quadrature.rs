@@ -92,6 +92,7 @@ pub enum Direction {
 /// # Cost
 /// 16 instructions per sample on a Cortex-M4F, with the loop. 20 bytes.
 ///
+/// # Examples
 /// ```
 /// use husillo_encoder::{Quadrature, Scale, Skipped};
 ///

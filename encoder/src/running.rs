@@ -21,6 +21,7 @@ pub enum Byte {
 /// 256, 255. A caller that reads at least every 127 counts needs only the low byte and
 /// [`Extended::<8>`](crate::Extended), which does not have this problem.
 ///
+/// # Examples
 /// ```
 /// use husillo_encoder::{Byte, read_running};
 ///
@@ -45,14 +46,15 @@ pub fn read_running<R: FnMut(Byte) -> u8>(mut read: R) -> Option<u16> {
 /// Returns the value of a counter from its bytes in the order high, low, low, high. See
 /// [`read_running`].
 pub const fn running_value([high, low, low_again, high_again]: [u8; 4]) -> Option<u16> {
-    // Less than 128 counts before and after a carry: low bytes below 128 are above it.
+    // With less than 128 counts before and after a carry, low bytes below 128 belong to the higher
+    // value.
     let high_now = match high_again.wrapping_sub(high) {
-        // No carry, so the low bytes are less than half of theirs apart.
+        // There is no carry if the low bytes are less than half of their range apart.
         0 if low.abs_diff(low_again) < 128 => high,
-        // Upwards over the carry: above it is the later high byte.
+        // A carry upwards: above it the second high byte is valid.
         1 if low_again < 128 => high_again,
         1 if low >= 128 => high,
-        // Downwards: below it is the later one.
+        // A carry downwards: below it the second high byte is valid.
         255 if low_again >= 128 => high_again,
         255 if low < 128 => high,
         _ => return None,

@@ -6,6 +6,7 @@
 /// and its error is below that. The value is the mean over the window, so its age is `WINDOW`/2
 /// samples.
 ///
+/// # Examples
 /// ```
 /// use husillo_encoder::VelocityByCount;
 ///
@@ -16,7 +17,7 @@
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct VelocityByCount<const WINDOW: usize> {
-    /// Positions of the last samples; `oldest` is the place of the oldest one.
+    /// Positions of the last samples. `oldest` is the index of the oldest one.
     positions: [i32; WINDOW],
     oldest: usize,
 }

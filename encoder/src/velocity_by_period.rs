@@ -14,6 +14,7 @@
 /// The error is that of the clock and of the time between samples, `sample_ticks`: at most
 /// `sample_ticks` relative to the time of the counts.
 ///
+/// # Examples
 /// ```
 /// use husillo_encoder::VelocityByPeriod;
 ///
@@ -145,7 +146,7 @@ impl<const COUNTS: usize> VelocityByPeriod<COUNTS> {
         }
     }
 
-    /// Notes the direction of a count. After a reversal no earlier count is valid.
+    /// Registers the direction of a count. After a reversal, earlier counts are not valid.
     fn turn(&mut self, is_backward: bool) {
         if self.is_backward != is_backward {
             self.is_backward = is_backward;

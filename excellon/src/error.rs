@@ -213,7 +213,7 @@ impl fmt::Display for WarningKind {
             WarningKind::UnknownName => "unknown header command, ignored",
             WarningKind::HeaderNotEnded => "coordinate in a header that was not ended",
             WarningKind::ToolUp => "rout with the tool up: nothing is cut",
-            WarningKind::AfterEnd => "text behind the end of the program, ignored",
+            WarningKind::AfterEnd => "text after the end of the program, ignored",
         };
         f.write_str(fixed)
     }

@@ -3,7 +3,7 @@
 use husillo_controllers::ServoModule;
 use husillo_machine::ServoInputs;
 use husillo_transports::nmc::{
-    Baud, Command, Gains, Group, Homing, Items, Mode, Order, Reset, Stop, StopWay, Trajectory,
+    Baud, Command, Gains, Group, Homing, Items, Mode, Order, Reset, Stop, StopMode, Trajectory,
 };
 
 use crate::bytes::Bytes;
@@ -215,7 +215,7 @@ fn trapezoid(module: &mut ServoModule, bench: &mut Bench, bytes: &mut Bytes<'_>)
     bench.tick(module);
     let on = Stop {
         amplifier: true,
-        way: Some(StopWay::Abrupt),
+        mode: Some(StopMode::Abrupt),
     };
     for command in [
         Command::SetHoming(Homing::default()),
@@ -312,12 +312,12 @@ fn command(bytes: &mut Bytes<'_>) -> Command {
         }),
         9 | 10 => Command::StopMotor(Stop {
             amplifier: bytes.byte() & 3 != 0,
-            way: [
+            mode: [
                 None,
-                Some(StopWay::Off),
-                Some(StopWay::Abrupt),
-                Some(StopWay::Smooth),
-                Some(StopWay::Here(bytes.i32())),
+                Some(StopMode::Off),
+                Some(StopMode::Abrupt),
+                Some(StopMode::Smooth),
+                Some(StopMode::Here(bytes.i32())),
             ][usize::from(bytes.byte() % 5)],
         }),
         11 => Command::SetHoming(Homing(bytes.byte())),

@@ -86,7 +86,7 @@ fn faults_at_the_panel() {
     jog(&device, &["home"]).success();
     device.type_line("close x", "held closed");
     device.type_line("reset", "reset");
-    device.read_until("fault: home switch x is closed still");
+    device.read_until("fault: home switch x is still closed");
     device.type_line("free x", "free");
     jog(&device, &["home"]).code(1).stderr(contains("button R"));
     device.type_line("reset", "reset");
@@ -563,7 +563,7 @@ fn a_drill_without_its_host_stops() {
         let output = child.wait_with_output().unwrap();
         let told = String::from_utf8_lossy(&output.stderr);
         assert!(is_killed || told.contains("no answer"), "{told}");
-        device.read_until("the host is silent: its lease is over");
+        device.read_until("the host is silent: its lease has expired");
         device.read_until("spindle off");
         let place = device.type_line("where", "lost");
         let stands = "x 1342 y 535 steps from home, z 0 below its sensor, spindle off; 1 holes";

@@ -140,7 +140,7 @@ fn all_errors_at_their_columns() {
              tests/data/drill/faults.drl:8:1: error[E0202]: `G83` is not supported\n\
              tests/data/drill/faults.drl:10:1: error[E0911]: step and repeat out of order\n\
              tests/data/drill/faults.drl:11:1: warning[W0924]: tool T1 gets another diameter\n\
-             tests/data/drill/faults.drl:13:1: warning[W0927]: text behind the end of the program, \
+             tests/data/drill/faults.drl:13:1: warning[W0927]: text after the end of the program, \
              ignored\n",
         );
     husillo()

@@ -120,12 +120,12 @@ fn a_switch_and_an_emergency_at_the_panel() {
     device.type_line("close y", "y is held closed");
     jog(&device, &["y", "-10"])
         .code(1)
-        .stderr(contains("home switch y is closed still"));
+        .stderr(contains("home switch y is still closed"));
     device.read_until("home switch y closed");
-    device.read_until("closed still");
+    device.read_until("still closed");
     device.type_line("free y", "y is free");
     jog(&device, &["emergency"]).success();
-    device.read_until("until a reset nothing moves");
+    device.read_until("nothing moves until a reset");
     jog(&device, &["x", "10"]).code(1).stderr(contains(
         "emergency stop has stopped the device: find the reason",
     ));

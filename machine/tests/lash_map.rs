@@ -167,14 +167,14 @@ proptest! {
         let mut watch = Watch::new(&maps);
         for (block, events) in blocks {
             machine.line(block.as_bytes()).unwrap();
-            watch.drain(&mut machine, events, 1_000_000 / 20_000 / 2);
+            watch.drain(&mut machine, events, 49);
             machine.abort();
             watch.most_off = 75;
-            watch.drain(&mut machine, 10, 0);
+            watch.drain(&mut machine, 10, 49);
         }
         for line in ["G1 X-0.1 Y-0.1 F9", "G1 X0.01 Y0.01"] {
             machine.line(line.as_bytes()).unwrap();
-            watch.drain(&mut machine, usize::MAX, 0);
+            watch.drain(&mut machine, usize::MAX, 49);
         }
         // Every axis that moved is at its position again.
         let [x, y, _] = watch.screws.tool;

@@ -6,8 +6,8 @@
 //!        └───────────────────────── Table ◄───────────────────────────────────┘
 //! ```
 //!
-//! No rebuilt value is stored. Each comes out of a simulation or a formula with the parameters that
-//! its [`Table`] lists. What the parameters leave is printed with it.
+//! No rebuilt value is stored. Each results from a simulation or a formula with the parameters that
+//! its [`Table`] lists. What the parameters do not explain is printed with it.
 
 pub mod cmm;
 pub mod drill;

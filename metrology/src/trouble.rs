@@ -42,7 +42,7 @@ pub enum Trouble {
         /// Its letter.
         axis: char,
     },
-    /// The machine has no such axis.
+    /// The machine does not have this axis.
     NoAxis {
         /// Its letter.
         axis: char,
@@ -51,27 +51,27 @@ pub enum Trouble {
     Periods,
     /// Not all modules have begun a move.
     NotTogether,
-    /// A module has not seen the event that the others have seen.
+    /// A module has not detected the event that the others have detected.
     NotSeen {
         /// Its letter.
         axis: char,
     },
     /// The position error was beyond its limit.
     PositionError {
-        /// Where.
+        /// The position.
         at: String,
     },
     /// The motor's current was beyond its limit.
     OverCurrent {
-        /// Where.
+        /// The position.
         at: String,
     },
-    /// An axis has not come to rest in the time that it may take.
+    /// An axis has not come to rest in the permitted time.
     StillMoving {
-        /// Where.
+        /// The position.
         at: String,
     },
-    /// The operator wanted a stop.
+    /// The operator has requested a stop.
     Interrupted,
     /// A calibration found an impossible pre-travel.
     PreTravel {
@@ -84,7 +84,7 @@ pub enum Trouble {
     NotThere {
         /// The goal.
         goal: String,
-        /// Where.
+        /// The position.
         at: String,
     },
     /// The table of errors of an axis counts from its index, and the axis is not homed.
@@ -103,62 +103,63 @@ pub enum Trouble {
     Collision {
         /// Letters of the axes that moved.
         axes: String,
-        /// Where.
+        /// The position.
         at: String,
-        /// Their speed, from the last readings before the contact. `None`: they began to move.
+        /// Their speed, from the last readings before the contact. `None`: they had just begun to
+        /// move.
         speed: Option<String>,
-        /// How far beyond the contact the axes stand. `None`: the contact was not latched.
+        /// Distance of the axes beyond the contact. `None`: the contact was not latched.
         beyond: Option<String>,
     },
-    /// An end switch has closed, or an axis at its end switch shall move farther.
+    /// An end switch has closed, or an axis at its end switch would move farther.
     EndSwitch {
         /// Letter of the axis.
         axis: char,
-        /// Which of its ends. `None`: it is not known.
+        /// The end. `None`: it is not known.
         end: Option<End>,
-        /// Where.
+        /// The position.
         at: String,
         /// The speed of the axes, from the last readings before. `None`: nothing moved.
         speed: Option<String>,
     },
-    /// An axis at an end switch shall move far, and it is not known at which end it is.
+    /// An axis at an end switch would move far, and it is not known at which end it is.
     UnknownEnd {
         /// Letter of the axis.
         axis: char,
-        /// Where.
+        /// The position.
         at: String,
         /// The longest move until the switch opens.
         most: String,
     },
-    /// The end switch of an axis did not close, or did not open, over the length of the travel.
+    /// The end switch of an axis did not change over the length of the travel.
     NoEndSwitch {
         /// Its letter.
         axis: char,
     },
     /// A contact that a second reading does not confirm.
     DoubtfulContact,
-    /// The move passed no index.
+    /// The move did not pass an index.
     NoIndex {
         /// Its letter.
         axis: char,
     },
-    /// The move met no contact.
+    /// The move ended without a contact.
     NoContact {
         /// Where the move began.
         from: String,
         /// Where it ended.
         to: String,
     },
-    /// The contact closed that a touch in the other sense closes.
+    /// The contact closed that belongs to touches in the other direction.
     OtherSense {
-        /// Where.
+        /// The position.
         at: String,
     },
     /// There was no contact at the start of a search for its end.
     NotTouching,
     /// The contact changed only after the search had ended.
     NotLatched {
-        /// Where.
+        /// The position.
         at: String,
     },
     /// The contact lasted to the end of the move.
@@ -296,7 +297,7 @@ impl fmt::Display for Trouble {
     }
 }
 
-/// An end switch in words.
+/// Returns the name of an end switch.
 const fn switch(end: Option<End>) -> &'static str {
     match end {
         Some(End::Low) => "the low end switch",

@@ -34,7 +34,8 @@ use sweeps::{Law, Span};
 ///   division into pieces. So there is no drift. At constant speed the times add up to exactly the
 ///   programmed ones. The fraction of a tick is carried from event to event and from move to move.
 /// - **Within a piece** an event is at most 0.04 of its interval off. The acceleration exceeds its
-///   limit by at most 3.5 % in the first 300 events from standstill, and by 2 % later.
+///   limit by at most 3.6 % in the first 300 events from standstill, and by 2 % later;
+///   `course.rs` has the proof.
 /// - **A change** of the limits, a hold and its end take effect at the next event. The speed there
 ///   is exact. The difference between the exact time and the time given so far is added to the next
 ///   piece.

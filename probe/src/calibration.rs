@@ -157,9 +157,9 @@ impl Model {
             -self.pre_travel,
             travel,
         );
-        let way = projected(add(ball, -1.0, self.centre), self.axis);
-        let distance = length(way);
-        let ray = way.map(|component| component / distance);
+        let radial = projected(add(ball, -1.0, self.centre), self.axis);
+        let distance = length(radial);
+        let ray = radial.map(|component| component / distance);
         (ray, dot(ray, travel), distance - self.radius)
     }
 

@@ -96,7 +96,7 @@ impl core::fmt::Display for Failure {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.write_str(match self {
             Failure::ContactAtStart => "contact at start",
-            Failure::ContactInApproach => "contact on the way to the approach point",
+            Failure::ContactInApproach => "contact during the move to the approach point",
             Failure::NoContact => "no contact",
             Failure::NotLatched => "contact, not latched",
             Failure::LostContact => "contact lost",

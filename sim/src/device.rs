@@ -21,11 +21,11 @@ const PERIOD_US: u64 = 1000;
 /// Lines that the panel of every machine takes.
 const PANEL: &str = "where, reset, power off|on, unplug, plug";
 
-/// The part of an emulation that is particular to one machine. A new machine implements this.
+/// The part of an emulation that belongs to one machine. A new machine implements this trait.
 pub trait Machine {
     /// The controller.
     type Controller: Controller;
-    /// The mechanics.
+    /// The mechanics of each machine of the controller.
     type Plant: Plant<
             Inputs = <Self::Controller as Controller>::Inputs,
             Event = <Self::Controller as Controller>::Event,
@@ -33,7 +33,7 @@ pub trait Machine {
 
     /// Columns of the recorded step events: the directions of the motors, then states.
     const COLUMNS: &'static str;
-    /// Lines that its panel takes in addition to the common ones.
+    /// Commands of its panel, in addition to the common ones.
     const PANEL: &'static str;
 
     /// Event that sets the outputs as the reset button does.
@@ -42,24 +42,24 @@ pub trait Machine {
     /// Describes the position of a machine of the controller.
     fn place(&self, emulated: &Pair<Self>, machine: u8) -> String;
 
-    /// Carries out a line of its own panel that shows the controller. `None` if there is no such
-    /// line.
+    /// Carries out a command of its own panel that needs the controller. Returns `None` for another
+    /// command.
     fn shown(&self, emulated: &Pair<Self>, words: &[&str]) -> Option<String> {
         let _ = (emulated, words);
         None
     }
 
-    /// Carries out a line of its own panel. `None` if there is no such line.
+    /// Carries out a command of its own panel. Returns `None` for another command.
     fn control(&self, plant: &mut Self::Plant, words: &[&str]) -> Option<String>;
 
-    /// Text of an event that is reported on the panel.
+    /// Returns the text of an event that the panel shows.
     fn report(event: &Event<Self>) -> Option<String>;
 
-    /// Row of an event: the steps of each motor, and the states after it. `None` if the event
-    /// changes nothing at the motors.
+    /// Returns the row of an event: the steps of each motor, and the states after the event.
+    /// Returns `None` if the event does not change the motors.
     fn row(event: &Event<Self>, plant: &Self::Plant) -> Option<(Vec<i8>, Vec<u8>)>;
 
-    /// Text that the panel reports after the controller received a byte.
+    /// Returns the text that the panel shows after the controller has received a byte.
     fn heard(&mut self, controller: &Self::Controller) -> Option<String> {
         let _ = controller;
         None
@@ -81,7 +81,7 @@ pub struct Device<M: Machine> {
     reported: Vec<String>,
     /// Recorded step events.
     rows: Option<StepRows>,
-    /// Lines of the panel that are due at a time, us.
+    /// Commands of the panel that are due at a time, us.
     due: Vec<(u64, String)>,
 }
 
@@ -95,7 +95,7 @@ impl<M: Machine> fmt::Debug for Device<M> {
 }
 
 impl<M: Machine> Device<M> {
-    /// A machine that is switched on, behind a line of this rate.
+    /// Creates a machine that is switched on, with a line of this rate.
     pub fn of(machine: M, emulated: Pair<M>, bits_per_s: u32) -> Self {
         Self {
             machine,
@@ -108,14 +108,14 @@ impl<M: Machine> Device<M> {
         }
     }
 
-    /// Carries out a line of the panel later, `after_us` from now: a fault in the course of a
+    /// Carries out a command of the panel `after_us` from now, for a fault in the course of a
     /// motion.
     pub fn schedule(&mut self, after_us: u64, line: &str) {
         let at_us = self.emulated.now_us() + after_us;
         self.due.push((at_us, line.to_owned()));
     }
 
-    /// Simulated time since the machine was switched on, us.
+    /// Returns the simulated time since the machine was switched on, us.
     pub fn now_us(&self) -> u64 {
         self.emulated.now_us()
     }
@@ -126,27 +126,28 @@ impl<M: Machine> Device<M> {
         self
     }
 
-    /// Lines that the panel takes.
+    /// Returns the commands of the panel.
     pub fn panel() -> String {
         format!("{PANEL}, {}", M::PANEL)
     }
 
-    /// The serial line, for its faults.
+    /// Returns the serial line, so that faults can be set.
     pub fn line(&mut self) -> &mut Line {
         &mut self.line
     }
 
-    /// The mechanics of a machine of the controller. `None` if there is no such machine.
+    /// Returns the mechanics of a machine of the controller. Returns `None` if there is no such
+    /// machine.
     pub fn rig(&self, machine: u8) -> Option<&M::Plant> {
         self.emulated.plant(machine)
     }
 
-    /// Numbers of the machines.
+    /// Returns the numbers of the machines.
     fn machines(&self) -> impl Iterator<Item = u8> + use<M> {
         0..self.emulated.plants()
     }
 
-    /// Presses the reset button, or restores power.
+    /// Presses the reset button, or restores the power.
     fn reset(&mut self) {
         self.emulated.reset();
         let now_us = self.emulated.now_us();
@@ -158,7 +159,7 @@ impl<M: Machine> Device<M> {
         }
     }
 
-    /// Simulates a time.
+    /// Simulates some time.
     fn pass(&mut self, us: u64) {
         if !self.has_power {
             return self.emulated.pass_without_power(us);
@@ -172,7 +173,7 @@ impl<M: Machine> Device<M> {
         });
     }
 
-    /// Passes on the bytes that have arrived.
+    /// Passes the bytes that have arrived to the controller.
     fn receive(&mut self, now_us: u64) {
         while let Some(byte) = self.line.received(now_us) {
             if self.has_power {
@@ -183,8 +184,8 @@ impl<M: Machine> Device<M> {
         }
     }
 
-    /// Takes bytes of the controller while the transmitter is free. A controller waits until its
-    /// byte is taken.
+    /// Takes bytes from the controller while the transmitter is free. The controller waits until
+    /// its byte is taken.
     fn transmit(&mut self, now_us: u64) {
         while self.has_power && self.line.is_free(now_us) {
             let Some(byte) = self.emulated.transmit() else {
@@ -196,7 +197,7 @@ impl<M: Machine> Device<M> {
         }
     }
 
-    /// Carries out a line of the panel for one machine.
+    /// Carries out a command of the panel for one machine.
     fn control_of(&mut self, machine: u8, words: &[&str]) -> String {
         if self.emulated.plant(machine).is_none() {
             return format!("there is no machine {}", machine + 1);
@@ -214,7 +215,7 @@ impl<M: Machine> Device<M> {
     }
 }
 
-/// Adds the row of an event.
+/// Appends the row of an event.
 fn keep<M: Machine>(
     rows: &mut Option<StepRows>,
     machine: u8,
@@ -230,7 +231,7 @@ fn keep<M: Machine>(
     }
 }
 
-/// Puts the number of the machine in front of a text, where there are several machines.
+/// Puts the number of the machine before a text if there are several machines.
 pub fn numbered(machines: u8, machine: u8, text: String) -> String {
     if machines > 1 {
         format!("{}: {text}", machine + 1)
@@ -312,8 +313,8 @@ impl<M: Machine> Emulation for Device<M> {
     }
 }
 
-/// Carries out the panel lines `close`, `open` and `free` for a switch of these names. `None` for
-/// another line.
+/// Carries out the panel commands `close`, `open` and `free` for a switch with one of these names.
+/// Returns `None` for another command.
 pub fn hold(
     words: &[&str],
     names: &[&str],
@@ -335,8 +336,8 @@ pub fn hold(
     Some(format!("{switch} is {is}"))
 }
 
-/// Carries out the panel line `push AXIS STEPS` for an axis of these names. `None` for another
-/// line.
+/// Carries out the panel command `push AXIS STEPS` for an axis with one of these names. Returns
+/// `None` for another command.
 pub fn push(
     words: &[&str],
     names: &[&str],
@@ -355,8 +356,8 @@ pub fn push(
     })
 }
 
-/// Carries out the panel lines `block AXIS` and `unblock AXIS` for an axis of these names. `None`
-/// for another line.
+/// Carries out the panel commands `block AXIS` and `unblock AXIS` for an axis with one of these
+/// names. Returns `None` for another command.
 pub fn block(words: &[&str], names: &[&str], block: impl FnOnce(usize, bool)) -> Option<String> {
     let [word @ ("block" | "unblock"), axis] = *words else {
         return None;

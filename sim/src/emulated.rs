@@ -23,8 +23,8 @@ pub trait Plant {
 
 /// A controller with its machines: bytes in, bytes out, while time passes.
 ///
-/// One event of each machine waits for its time. So a stop acts before the next step, as with a
-/// firmware that gives one event at a time.
+/// At most one event of each machine waits for its time. So a stop takes effect before the next
+/// step, as with a firmware that requests one event at a time.
 ///
 /// # Examples
 ///
@@ -47,7 +47,7 @@ pub trait Plant {
 pub struct Emulated<C: Controller, P> {
     controller: C,
     plants: Vec<P>,
-    /// The event of each machine that waits for its time, us.
+    /// The waiting event of each machine, with the time at which it is due, us.
     due: Vec<Option<(u64, C::Event)>>,
     now_us: u64,
     /// When the last byte arrived, us.
@@ -59,7 +59,8 @@ where
     C: Controller,
     P: Plant<Inputs = C::Inputs, Event = C::Event>,
 {
-    /// Switched on at time 0, with a plant for each machine; ticks of the controller are 1 us.
+    /// Creates the pair, switched on at time 0, with a plant for each machine. Ticks of the
+    /// controller are 1 us.
     #[must_use]
     pub fn new(controller: C, plants: Vec<P>) -> Self {
         let due = plants.iter().map(|_| None).collect();
@@ -72,36 +73,36 @@ where
         }
     }
 
-    /// The controller.
+    /// Returns the controller.
     #[must_use]
     pub const fn controller(&self) -> &C {
         &self.controller
     }
 
-    /// The number of machines.
+    /// Returns the number of machines.
     #[must_use]
     pub fn plants(&self) -> u8 {
         u8::try_from(self.plants.len()).unwrap_or(u8::MAX)
     }
 
-    /// A machine.
+    /// Returns a machine.
     #[must_use]
     pub fn plant(&self, machine: u8) -> Option<&P> {
         self.plants.get(usize::from(machine))
     }
 
-    /// A machine, for changes by hand.
+    /// Returns a machine, for changes by hand.
     pub fn plant_mut(&mut self, machine: u8) -> Option<&mut P> {
         self.plants.get_mut(usize::from(machine))
     }
 
-    /// Time since the beginning, us.
+    /// Returns the time since the start, us.
     #[must_use]
     pub const fn now_us(&self) -> u64 {
         self.now_us
     }
 
-    /// A byte arrives now.
+    /// Passes a byte that arrives now to the controller.
     pub fn receive(&mut self, byte: u8) {
         self.heard_us = self.now_us;
         if self.controller.receive(byte) {
@@ -109,18 +110,18 @@ where
         }
     }
 
-    /// Drops the events that wait, and reports the stop to the controller.
+    /// Drops the waiting events, and confirms the stop to the controller.
     fn halt(&mut self) {
         self.due.fill_with(|| None);
         self.controller.halted();
     }
 
-    /// The next byte that the controller sends now.
+    /// Returns the next byte that the controller sends now.
     pub fn transmit(&mut self) -> Option<u8> {
         self.controller.transmit()
     }
 
-    /// Presses the reset button. The events that wait are not made.
+    /// Presses the reset button. Waiting events are not made.
     pub fn reset(&mut self) {
         self.due.fill_with(|| None);
         self.controller.reset();
@@ -142,7 +143,7 @@ where
                 Some(over_us) => self.pass_until(over_us.max(self.now_us), &mut made),
                 None => return self.pass_until(end_us, &mut made),
             }
-            // The silence is counted anew for the next motion of the controller.
+            // The time of silence begins anew for the next motion of the controller.
             let is_over = self.controller.lease_us().is_some();
             self.heard_us = self.now_us;
             if is_over && self.controller.expire() {

@@ -21,23 +21,24 @@ pub enum GrblPin {
     Reset,
 }
 
-/// A switch that a slide closes.
+/// A switch that a slide actuates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SlideSwitch {
     /// The input that it closes.
     pub pin: GrblPin,
     /// The axis of the slide.
     pub axis: usize,
-    /// It is closed from here on, in steps from the place at power-on.
+    /// Position from which on it is closed, in steps from the position at power-on.
     pub at_steps: i64,
-    /// Closed at this place and above it; otherwise at it and below.
+    /// Whether it is closed at this position and above. Otherwise it is closed at this position and
+    /// below.
     pub is_above: bool,
     /// Level of the input when it is closed.
     pub closed_level: bool,
 }
 
-/// Three axes. A motor follows every step, unless it is blocked or the step comes too soon
-/// after the one before.
+/// Mechanics with three axes. A motor follows every step, unless it is blocked or the step follows
+/// the previous one too soon.
 #[derive(Clone, Debug, Default)]
 pub struct GrblRig {
     steps: [i64; 3],
@@ -45,10 +46,10 @@ pub struct GrblRig {
     lost: [u64; 3],
     levels: GrblInputs,
     switches: Vec<SlideSwitch>,
-    /// Inputs held by hand: closed or open.
+    /// Inputs that are held by hand, and whether they are held closed.
     held: Vec<(GrblPin, bool)>,
     blocked: [bool; 3],
-    /// Shortest interval of steps that a motor follows, us.
+    /// Shortest interval between steps that a motor follows, us.
     pull_out_us: u64,
     now_us: u64,
     last_us: [Option<u64>; 3],
@@ -72,42 +73,42 @@ pub struct GrblOutputs {
 }
 
 impl GrblRig {
-    /// Axes at rest, all inputs high.
+    /// Creates axes at rest, with all inputs high.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Steps of each motor from its first place.
+    /// Returns the steps of each motor from its position at power-on.
     #[must_use]
     pub const fn steps(&self) -> [i64; 3] {
         self.steps
     }
 
-    /// Number of steps of each motor so far, in both directions.
+    /// Returns the number of steps of each motor so far, in both directions.
     #[must_use]
     pub const fn pulses(&self) -> [u64; 3] {
         self.pulses
     }
 
-    /// Number of steps that each motor has not followed.
+    /// Returns the number of steps that each motor has not followed.
     #[must_use]
     pub const fn lost_steps(&self) -> [u64; 3] {
         self.lost
     }
 
-    /// Sets the highest rate that the motors follow, steps/s.
+    /// Sets the highest step rate that the motors follow, steps/s.
     pub fn set_pull_out_hz(&mut self, hz: u64) {
         self.pull_out_us = 1_000_000 / hz.max(1);
     }
 
-    /// Holds an input closed or open, or frees it.
+    /// Holds an input closed or open, or releases it.
     pub fn hold(&mut self, pin: GrblPin, closed: Option<bool>) {
         self.held.retain(|(held, _)| *held != pin);
         self.held.extend(closed.map(|closed| (pin, closed)));
     }
 
-    /// Blocks a motor, or frees it.
+    /// Blocks a motor, or releases it.
     pub fn block(&mut self, axis: usize, is_blocked: bool) {
         if let Some(blocked) = self.blocked.get_mut(axis) {
             *blocked = is_blocked;
@@ -131,7 +132,7 @@ impl GrblRig {
         }
     }
 
-    /// Adds a switch, in place of the one at the same input.
+    /// Adds a switch. It replaces another switch at the same input.
     pub fn add_switch(&mut self, switch: SlideSwitch) {
         self.switches.retain(|old| old.pin != switch.pin);
         self.switches.push(switch);
@@ -142,7 +143,7 @@ impl GrblRig {
         set(&mut self.levels, pin, is_high);
     }
 
-    /// Moves a slide by hand. Returns the steps by which it moved.
+    /// Moves a slide by hand. Returns the steps that it moved.
     pub fn push(&mut self, axis: usize, steps: i32) -> i32 {
         match self.steps.get_mut(axis) {
             Some(place) => {

@@ -52,10 +52,10 @@ pub struct Surroundings {
 
 /// A chain of modules behind one host.
 ///
-/// Every byte takes its time on the line, in both directions: ten bits at the rate of its sender.
-/// Each module has a rate of its own, which Set Baud changes. At another rate than the host's it
-/// hears noise, and so does the host of it. A module receives what its ADDR_IN permits. A byte that
-/// it hears ends its reply. Two modules that answer at the same time corrupt each other's bytes.
+/// Every byte takes time on the line, in both directions: ten bits at the rate of its sender. Each
+/// module has its own rate, which Set Baud changes. At different rates host and module receive each
+/// other as noise. ADDR_IN determines whether a module receives. A byte that a module receives ends
+/// its reply. Two modules that answer at the same time corrupt each other's bytes.
 ///
 /// # Examples
 /// ```
@@ -74,7 +74,7 @@ pub struct ServoChain {
     now_ns: u64,
     /// Rate of the host in bits/s.
     host_rate: Option<u32>,
-    /// The rate that was set last, of a host that has none of its own.
+    /// The last rate that was set, for a host without a rate of its own.
     baud: Baud,
     /// Bytes that the modules have not received yet, with the rate of the host when it sent them.
     to_modules: VecDeque<(Byte, Option<u32>)>,

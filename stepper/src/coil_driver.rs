@@ -11,6 +11,7 @@ use crate::{Levels, PulseTiming};
 /// returns times, a step is a pulse of three changes: [`turn`](CoilDriver::turn) sets DIR, `step`
 /// raises STEP, and [`end_pulse`](CoilDriver::end_pulse) lowers STEP.
 ///
+/// # Examples
 /// ```
 /// use husillo_stepper::{CoilDriver, Levels};
 ///

@@ -28,6 +28,7 @@ impl Driver {
     ///
     /// It follows from the data sheets alone, not from a step table: every byte has currents.
     ///
+    /// # Examples
     /// ```
     /// use husillo_stepper::{Driver, Levels};
     /// // PH of A high, I1 I0 = 00; PH of B low, I0 of B high: 60 % backwards.

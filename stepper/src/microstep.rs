@@ -10,6 +10,7 @@ use crate::sine::sine;
 /// in 1/32767 of full current and exact to half a unit. With the feature `micromath` they are
 /// computed, with an error below 1.1e-3 of full current (36 units, tested against the table).
 ///
+/// # Examples
 /// ```
 /// use husillo_stepper::Microstep;
 /// let mut motor = Microstep::<16>::new();

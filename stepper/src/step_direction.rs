@@ -43,6 +43,7 @@ impl core::error::Error for Busy {}
 /// one stream of events, it is a [`CoilDriver`], and the machine keeps the times of
 /// [`timing`](CoilDriver::timing).
 ///
+/// # Examples
 /// ```
 /// use husillo_stepper::{Levels, PulseTiming, StepDirection};
 ///

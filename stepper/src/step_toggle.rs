@@ -8,6 +8,7 @@ use crate::{CoilDriver, Levels};
 /// DIR is high for positive steps. **Most chips count rising edges only. They would lose every
 /// second step**, and need [`StepDirection`](crate::StepDirection).
 ///
+/// # Examples
 /// ```
 /// use husillo_stepper::{CoilDriver, Levels, StepToggle};
 /// let mut drive = StepToggle::new();

@@ -27,7 +27,7 @@
 //! | `M` | `M`, an advance, `m` when home | as `m`, but no single wrong bit turns it into `e`: the program may be kept |
 //! | `p`, while `e` is carried out, or anything with a lease | `*` | it is at work; `;` after the end of a lease, until it rests; `!` after a fault |
 //! | a key of the manual mode | `w` | not all of its steps were made: the axis is at its end |
-//! | | `>` | instead of any pending answer: the lease was over before the work was done |
+//! | | `>` | instead of any pending answer: the lease expired before the work was done |
 //! | | `!` | instead of any pending answer: the device has stopped with a fault until a reset |
 //!
 //! The device holds 8192 bytes. The next byte (except `f` at the end) gets `w` instead of its echo:
@@ -94,9 +94,9 @@ pub const COUNT: u16 = u16::MAX;
 pub const AT_WORK: u8 = b'p';
 /// The answer to [`AT_WORK`] of a device that is.
 pub const WORKING: u8 = b'*';
-/// The answer to [`AT_WORK`] of a device whose lease is over, until it rests.
+/// The answer to [`AT_WORK`] of a device whose lease has expired, until it rests.
 pub const ENDING: u8 = b';';
-/// Sent by a device whose lease was over before its work was done.
+/// Sent by a device whose lease expired before its work was done.
 pub const EXPIRED: u8 = b'>';
 /// Unit of a lease, ms.
 pub const LEASE_UNIT_MS: u16 = 50;

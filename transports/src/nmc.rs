@@ -79,4 +79,4 @@ pub use reply::{LONGEST_REPLY, Readings, Reply, reported_velocity};
 pub use residual::unseen_pairs_in_halves;
 pub use startup::{Chain, Next, Startup};
 pub use timing::{CYCLE_US, Polling, Timing};
-pub use trajectory::{Mode, PathPoints, Stop, StopWay, Trajectory};
+pub use trajectory::{Mode, PathPoints, Stop, StopMode, Trajectory};

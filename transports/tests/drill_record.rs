@@ -151,7 +151,7 @@ fn faults_have_their_place() {
             "record cut off",
             "program without an end",
             "program without a record",
-            "bytes behind the end"
+            "bytes after the end"
         ]
     );
 }

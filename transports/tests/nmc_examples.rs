@@ -4,7 +4,7 @@ mod model;
 
 use husillo_transports::nmc::{
     Auxiliary, Baud, Command, Frame, Gains, Group, Homing, Items, Mode, Receiver, Reply, Reset,
-    Status, Stop, StopWay, Trajectory, Verdict,
+    Status, Stop, StopMode, Trajectory, Verdict,
 };
 use model::Line;
 
@@ -108,10 +108,10 @@ fn the_worked_examples_are_written_byte_by_byte() {
             is_leader,
         },
     };
-    let stop = |way| {
+    let stop = |mode| {
         Command::StopMotor(Stop {
             amplifier: true,
-            way,
+            mode,
         })
     };
     let examples = [
@@ -132,8 +132,8 @@ fn the_worked_examples_are_written_byte_by_byte() {
             Command::SetGain(real_gains),
             "aa 01 e6 c8 00 b0 04 96 00 0f 00 4b 00 a0 0f 05 00 07",
         ),
-        (1, stop(Some(StopWay::Off)), "aa 01 17 03 1b"),
-        (1, stop(Some(StopWay::Abrupt)), "aa 01 17 05 1d"),
+        (1, stop(Some(StopMode::Off)), "aa 01 17 03 1b"),
+        (1, stop(Some(StopMode::Abrupt)), "aa 01 17 05 1d"),
         (1, stop(None), "aa 01 17 01 19"),
         (1, Command::ClearBits, "aa 01 0b 0c"),
         (1, Command::ResetPosition(Reset::Zero), "aa 01 00 01"),
@@ -158,10 +158,10 @@ fn the_worked_examples_are_written_byte_by_byte() {
             Command::LoadTrajectory(velocity),
             "aa 01 94 f6 25 06 01 00 89 00 00 00 40",
         ),
-        (1, stop(Some(StopWay::Smooth)), "aa 01 17 09 21"),
+        (1, stop(Some(StopMode::Smooth)), "aa 01 17 09 21"),
         (
             1,
-            stop(Some(StopWay::Here(1000))),
+            stop(Some(StopMode::Here(1000))),
             "aa 01 57 11 e8 03 00 00 54",
         ),
         (1, Command::LoadTrajectory(duty), "aa 01 24 c8 80 6d"),

@@ -5,7 +5,7 @@ mod model;
 use husillo_transports::nmc::{
     Auxiliary, Baud, Command, Failure, Finding, Frame, Gains, Group, Homing, Host, Items, Mode,
     Module, Order, Outcome, PathPoints, Readings, Receiver, Repeat, Reply, Reset, Status, Step,
-    Stop, StopWay, Timing, Trajectory, Verdict, flush_byte,
+    Stop, StopMode, Timing, Trajectory, Verdict, flush_byte,
 };
 use husillo_transports::rs485::{Echo, Heard};
 use model::{Fault, Line};
@@ -54,12 +54,12 @@ fn gains() -> impl Strategy<Value = Gains> {
 
 /// Any command of version 10.
 fn command() -> impl Strategy<Value = Command> {
-    let way = prop_oneof![
+    let mode = prop_oneof![
         Just(None),
-        Just(Some(StopWay::Off)),
-        Just(Some(StopWay::Abrupt)),
-        Just(Some(StopWay::Smooth)),
-        any::<i32>().prop_map(|position| Some(StopWay::Here(position))),
+        Just(Some(StopMode::Off)),
+        Just(Some(StopMode::Abrupt)),
+        Just(Some(StopMode::Smooth)),
+        any::<i32>().prop_map(|position| Some(StopMode::Here(position))),
     ];
     prop_oneof![
         prop_oneof![
@@ -82,8 +82,8 @@ fn command() -> impl Strategy<Value = Command> {
         trajectory().prop_map(Command::LoadTrajectory),
         Just(Command::StartMotion),
         gains().prop_map(Command::SetGain),
-        (any::<bool>(), way)
-            .prop_map(|(amplifier, way)| Command::StopMotor(Stop { amplifier, way })),
+        (any::<bool>(), mode)
+            .prop_map(|(amplifier, mode)| Command::StopMotor(Stop { amplifier, mode })),
         any::<u8>().prop_map(Command::IoControl),
         any::<u8>().prop_map(|bits| Command::SetHoming(Homing(bits))),
         select(Baud::ALL.to_vec()).prop_map(Command::SetBaud),

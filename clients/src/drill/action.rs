@@ -29,7 +29,7 @@ pub enum Action {
     Test,
     /// Print the device's help.
     Help,
-    /// Print the positions, and what the drill says of itself.
+    /// Print the position and the state that the drill reports.
     Where,
 }
 

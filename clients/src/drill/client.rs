@@ -24,11 +24,11 @@ const ASK: Duration = Duration::from_secs(1);
 const RENEW: Duration = Duration::from_millis(100);
 /// A drill that answers no question for this time counts as gone.
 const GONE: Duration = Duration::from_millis(5500);
-/// The same of a drill with a lease, which is asked more often.
+/// The same for a drill with a lease, which is asked more often.
 const GONE_WITH_LEASE: Duration = Duration::from_secs(3);
-/// So long after its lease a drill has noticed its end.
-const SURELY: Duration = Duration::from_millis(50);
-/// A drill whose lease was over comes up within this time.
+/// A margin after the lease. By then a drill has noticed that the lease has expired.
+const LEASE_MARGIN: Duration = Duration::from_millis(50);
+/// A drill whose lease has expired raises its spindle within this time.
 const REST: Duration = Duration::from_secs(25);
 /// A drill that is stopped completes its record first: a move of the table, or a drilling.
 const RECORD: Duration = Duration::from_secs(180);
@@ -321,8 +321,8 @@ impl Client {
         Err(Trouble::Link(Failure::Silent))
     }
 
-    /// What a device answers that is at work or has stopped, after a silent [`Step::Resync`]:
-    /// [`WORKING`], [`ENDING`] or [`FAULT`]. An original never answers.
+    /// Returns the answer of a device that is at work or has stopped, after a silent
+    /// [`Step::Resync`]: [`WORKING`], [`ENDING`] or [`FAULT`]. An original never answers.
     fn says(&mut self) -> Result<Option<u8>, Trouble> {
         self.put(AT_WORK)?;
         let end = self.elapsed() + AT_WORK_ANSWER;
@@ -349,7 +349,7 @@ impl Client {
         self.stop.clear();
         if self.has_lease() {
             // Each byte would renew the lease of what it does.
-            let end = self.elapsed() + Duration::from_millis(self.lease_ms.into()) + SURELY;
+            let end = self.elapsed() + Duration::from_millis(self.lease_ms.into()) + LEASE_MARGIN;
             while self.elapsed() < end {
                 self.listen(end - self.elapsed())?;
             }
@@ -515,7 +515,8 @@ impl Client {
         }
     }
 
-    /// How often the device is asked whether it is at work: at least four times in a lease.
+    /// The period in which the device is asked whether it is at work: at most a quarter of a
+    /// lease.
     fn question_period(&self) -> Duration {
         if self.has_lease() {
             RENEW.min(Duration::from_millis(self.lease_ms.into()) / 4)
@@ -582,7 +583,7 @@ impl Client {
         Ok(())
     }
 
-    /// Wraps as the host expects it.
+    /// Time in microseconds, which wraps as the host expects.
     fn now_us(&self) -> u32 {
         self.wire.elapsed().as_micros() as u32
     }

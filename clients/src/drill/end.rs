@@ -1,4 +1,4 @@
-//! The end of a job, in words.
+//! The end of a job as text.
 
 use super::duration::spoken;
 
@@ -11,8 +11,8 @@ pub enum End {
     Detached,
     /// The job has failed.
     Failed(Failed),
-    /// The drill was not reached, for this reason. Nothing was sent, and how many holes are drilled
-    /// is not known.
+    /// The drill was not reached, for this reason. Nothing was sent. The number of drilled holes
+    /// is unknown.
     Unreached(String),
 }
 
@@ -33,7 +33,7 @@ pub(super) fn count(number: usize, name: &str) -> String {
     format!("{number} {name}{plural}")
 }
 
-/// The message about an end, and how to go on. `again` is the command line without --from.
+/// The message about an end, and how to continue. `again` is the command line without --from.
 pub fn sentence(end: &End, again: &str, all: usize) -> String {
     match end {
         End::Drilled => format!("{} drilled", count(all, "hole")),

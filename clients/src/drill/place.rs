@@ -1,11 +1,11 @@
-//! Where a drill stands, and what it holds.
+//! The position of a drill, and the content of its memory.
 
 use super::client::{Client, Trouble};
 use super::part::millimetres;
 use husillo_transports::drill::{Failure, MachineState, Reading, STEPS_PER_MM};
 use std::fmt;
 
-/// What a drill with extras says of itself.
+/// What a drill with extras reports about itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Place {
     /// Positions, spindle and sensors.

@@ -36,7 +36,7 @@ pub struct Sender<'a, O> {
     pub from: usize,
     /// Seconds of a byte and its echo.
     pub byte_s: f64,
-    /// Do not home: the drill says that it is homed.
+    /// Do not home: the drill reports that it is homed.
     pub is_homed: bool,
     /// Do not ask for tools.
     pub is_sure: bool,

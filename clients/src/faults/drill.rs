@@ -10,7 +10,7 @@ use std::time::Duration;
 
 /// Rate of the line, bits/s.
 const BAUD: u32 = 2400;
-/// A lease, and the way up from the deepest point of a hole.
+/// A lease, and the motion up from the deepest point of a hole.
 const UP_MS: u64 = 20_000;
 /// The steps of a short move.
 const SHORT: i32 = 40;

@@ -91,7 +91,7 @@ impl Waits {
     }
 }
 
-/// How a byte was answered.
+/// The answer to a byte.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Answer {
     Taken,
@@ -363,7 +363,7 @@ impl Client {
         Ok(())
     }
 
-    /// Ends any half command and any motion. Bytes under way are dropped.
+    /// Ends any half command and any motion. Bytes on the line are dropped.
     fn rest(&mut self) -> Result<(), String> {
         let mut last = None;
         for attempt in 1..=TRIES {
@@ -392,8 +392,8 @@ impl Client {
         .into())
     }
 
-    /// The last answer to this number of bytes. Waits for each answer, and then for bytes under
-    /// way.
+    /// The last answer to this number of bytes. Waits for each answer, and then for bytes that are
+    /// still on the line.
     fn answers_to(&mut self, bytes: usize) -> Result<Option<u8>, String> {
         let mut last = None;
         for number in 0..NOISE {

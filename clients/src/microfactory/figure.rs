@@ -10,14 +10,17 @@ pub struct Figure {
 }
 
 impl Figure {
-    /// The list of it, as it is edited.
+    /// The figure as a list of moves that the user can edit.
     pub fn text(&self) -> String {
         let lines = self.moves.iter().map(|[x, z]| format!("{x} {z}\n"));
         format!("; {}: X and Z in steps, a move a line\n", self.name) + &lines.collect::<String>()
     }
 }
 
-/// The moves of a list; otherwise the line that is none, and why.
+/// The moves of a list.
+///
+/// # Errors
+/// The number of the first line that is no move, and the reason.
 pub fn listed(text: &str) -> Result<Vec<[i16; 2]>, (usize, String)> {
     let mut moves = Vec::new();
     for (number, line) in text.lines().enumerate() {

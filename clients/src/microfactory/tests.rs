@@ -300,7 +300,7 @@ fn switch_reports(client: &mut Client) -> usize {
     let told = client.device().take_reports();
     let hits = told
         .iter()
-        .filter(|line| line.contains("closed: going back"));
+        .filter(|line| line.contains("closed: backing off"));
     hits.count()
 }
 

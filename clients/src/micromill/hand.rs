@@ -15,7 +15,7 @@ const MOST_STEPS: i32 = 9999;
 /// Why a position is not known.
 const UNREPORTED: &str = "the controller does not report where it is";
 
-/// A session, and what the controller has reported of itself.
+/// A session, and the state that the controller has reported.
 #[derive(Debug)]
 pub struct Hand {
     session: Session,
@@ -139,7 +139,7 @@ impl Hand {
         &mut self.session
     }
 
-    /// What the controller has reported of itself.
+    /// The state that the controller has reported.
     #[cfg(test)]
     pub const fn state(&self) -> Option<State> {
         self.state

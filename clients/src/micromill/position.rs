@@ -1,4 +1,4 @@
-//! What the controller reports of itself, as text.
+//! The reported state of the controller as text.
 
 use husillo_gcode::Nm;
 use husillo_machine::Config;

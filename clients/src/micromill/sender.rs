@@ -44,7 +44,7 @@ pub struct Sender {
 }
 
 impl Sender {
-    /// Stops any motion, and asks for the state of the controller. Nothing moves.
+    /// Stops any motion, and asks for the state of the controller. It starts no motion.
     ///
     /// # Errors
     ///

@@ -21,7 +21,7 @@ const MOST_REPORTS: u8 = 6;
 /// A controller that has not confirmed a stop within this time does not answer, us.
 const HALT_US: u32 = 3_000_000;
 
-/// The host's end of the line, and the reports.
+/// The host's end of the link, and the reports of the controller.
 #[derive(Debug)]
 pub struct Session {
     wire: Wire<Device>,
@@ -143,8 +143,9 @@ impl Session {
         echo.trim_end_matches(&renewal[..]).to_owned()
     }
 
-    /// Asks a controller at rest for its state. Two equal reports in succession count, because a
-    /// wrong bit on the line would be a wrong position. `None`: the controller has no such string.
+    /// Asks a controller at rest for its state. Two equal reports in succession are required,
+    /// because a wrong bit on the line would give a wrong position. `None`: the controller has no
+    /// such string.
     ///
     /// # Errors
     ///
@@ -191,8 +192,8 @@ impl Session {
         Ok(())
     }
 
-    /// Sends what may be sent, or receives for at most `longest_us`. Returns the outcome of a
-    /// string that has ended.
+    /// Sends a byte if one may be sent. Otherwise it receives for at most `longest_us`. Returns
+    /// the outcome of a string that has ended.
     ///
     /// # Errors
     ///
@@ -230,7 +231,7 @@ impl Session {
         Ok(None)
     }
 
-    /// Continues what moves, while no other string is sent.
+    /// Continues the motion while no other string is sent.
     fn renew(&mut self) {
         let now = self.now();
         let passed_us = now.wrapping_sub(self.renewed_us);

@@ -149,7 +149,7 @@ impl Translator<'_> {
                 mist: false,
                 flood: false,
             } => {}
-            Command::ToolLength { .. } | Command::Compensation { .. } => {} // in the places already
+            Command::ToolLength { .. } | Command::Compensation { .. } => {} // in the positions
             Command::Thread { .. }
             | Command::Probe { .. }
             | Command::Spline { .. }
@@ -267,20 +267,23 @@ impl Translator<'_> {
         let parts = (steps / PART).ceil().max(1.0);
         let level = |z: f64| (z / step_nm).round();
         let mut z = level(place(0.0)[2]);
-        let mut way = [0.0_f64; 2];
+        let mut travel = [0.0_f64; 2];
         let mut before = place(0.0);
         let mut part = 0.0;
         while part < parts {
             part += 1.0;
             let at = place(part / parts);
             // X or Y reverses here, and not because of an arc.
-            let next_way = [at[0] - before[0], at[1] - before[1]];
-            let turns =
-                round.is_none() && way.iter().zip(next_way).any(|(way, next)| way * next < 0.0);
+            let next_travel = [at[0] - before[0], at[1] - before[1]];
+            let turns = round.is_none()
+                && travel
+                    .iter()
+                    .zip(next_travel)
+                    .any(|(last, next)| last * next < 0.0);
             if turns {
                 self.across(before, feed, round);
             }
-            way = next_way;
+            travel = next_travel;
             before = at;
             let now = level(at[2]);
             if now != z {
@@ -295,7 +298,7 @@ impl Translator<'_> {
         self.across([x, y, 0.0], feed, round);
     }
 
-    /// X and Y to a place, Z as it is.
+    /// X and Y to a position, Z unchanged.
     fn across(&mut self, at: [f64; 3], feed: u16, round: Option<(Direction, [i64; 2])>) {
         let [x, y] = [0, 1].map(|axis| self.rounded(axis, Nm(at[axis].round() as i64)));
         let z = self.at[2];
@@ -419,7 +422,6 @@ impl Translator<'_> {
     }
 }
 
-/// Where a straight move ends.
 /// X, Y and Z of a position.
 fn three<const N: usize>(at: &[Nm; N]) -> [Nm; 3] {
     [0, 1, 2].map(|axis| at.get(axis).copied().unwrap_or_default())

@@ -64,6 +64,6 @@ pub(super) enum Next {
     Go { axis: u8, to: u16 },
     /// The end of a hole.
     Drilled,
-    /// Nothing: the lease is over.
+    /// Nothing: the lease has expired.
     Rest,
 }

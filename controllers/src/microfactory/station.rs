@@ -129,7 +129,7 @@ impl<const MOVES: usize, const MACHINES: usize> MicrofactoryStation<MOVES, MACHI
         machine.is_some_and(|machine| machine.command(command))
     }
 
-    /// Whether a task of a machine is under way.
+    /// Whether a task of a machine is running.
     pub fn is_moving(&self, machine: u8) -> bool {
         self.machine(machine).is_some_and(Microfactory::is_moving)
     }

@@ -20,7 +20,7 @@ pub struct MicromillConfig {
     /// Load steps from the position where a home switch closes to machine zero.
     pub back_off_steps: u16,
     /// Steps of homing towards each switch after which the search fails, where the position is not
-    /// known: travel, backlash, and the way to the switch.
+    /// known: travel, backlash, and the distance to the switch.
     pub search_steps: [u32; 3],
     /// Steps of homing away from a closed switch after which it fails: the backlash, and how deep
     /// an axis may stand in its switch. Where the position is known, a search for the switch ends

@@ -16,6 +16,12 @@ const WATCHED_STEPS: u8 = 64;
 /// last one of its axis too soon waits, and so do all later ones. Later moves catch up as far as
 /// the rates allow, so programmed times still add up.
 ///
+/// An axis that does not step at every event of a line steps at events that are due for another
+/// axis. With r events to a step, an interval has at least the whole number of events below r. So
+/// it may be shorter by less than the wait of one event, and is longer than half of the interval of
+/// the rate. The guard allows exactly that; the average of any number of intervals is not shorter.
+/// Delaying these steps would stop the other axes at every one of them.
+///
 /// The clock has 32 bits. A step nearly 2^32 ticks after the last one of its axis may also wait,
 /// for at most one interval.
 #[derive(Clone, Debug)]
@@ -27,6 +33,11 @@ pub struct StepGuard<const N: usize> {
     late: u32,
     /// Axes whose next step is compared with their last one, as a bit mask from the first axis on.
     watched: u8,
+    /// Axes for which an event is never shorter than the interval of their rate: those of a line
+    /// that are no slower than the longest one, and both axes of a circle.
+    steady: u8,
+    /// Whether two steps of a steady axis may be closer by 1/sqrt(2), as at 45 degrees of a circle.
+    is_round: bool,
     /// Number of steps still to check per axis.
     left: [u8; N],
 }
@@ -45,6 +56,8 @@ impl<const N: usize> StepGuard<N> {
             last: [0; N],
             late: 0,
             watched: u8::MAX,
+            steady: u8::MAX,
+            is_round: false,
             left: [WATCHED_STEPS; N],
         }
     }
@@ -57,7 +70,8 @@ impl<const N: usize> StepGuard<N> {
     /// Begins a move at constant speed and returns its ticks: those of its feed over its programmed
     /// length. `path` is the path of the move.
     ///
-    /// `segment` has passed [`Config::check`](crate::Config::check).
+    /// `segment` has passed [`Config::check`](crate::Config::check). All axes count as steady, which
+    /// is right where all have the same highest rate.
     pub fn begin<P: Moves<N>>(
         &mut self,
         config: &Config<N>,
@@ -65,7 +79,7 @@ impl<const N: usize> StepGuard<N> {
         path: &P,
     ) -> u64 {
         let ticks = self.ticks(&config.tempo(segment, path), 100, path.remaining());
-        self.watch(path.radius().is_some(), path.remaining());
+        self.watch(path.radius().is_some(), path.remaining(), u8::MAX);
         ticks
     }
 
@@ -81,11 +95,13 @@ impl<const N: usize> StepGuard<N> {
         programmed.wrapping_sub(sooner.into())
     }
 
-    /// Begins a move of `events` steps; its first steps are checked.
-    pub(crate) const fn watch(&mut self, is_round: bool, events: u32) {
-        // Two steps at 45 degrees of a circle may be closer.
+    /// Begins a move of `events` steps; its first steps are checked. `steady` is a mask of axes.
+    pub(crate) const fn watch(&mut self, is_round: bool, events: u32, steady: u8) {
+        // Two steps at 45 degrees of a circle may be closer, so only the first one is checked.
         let is_long = is_round && events >= 2 * WATCHED_STEPS as u32;
         self.watched = u8::MAX;
+        self.steady = steady;
+        self.is_round = is_round && !is_long;
         self.left = [if is_long { 1 } else { WATCHED_STEPS }; N];
     }
 
@@ -99,7 +115,12 @@ impl<const N: usize> StepGuard<N> {
         let axes_of = config.axes.iter().zip(self.last.iter().zip(&mut self.left));
         for (axis, (last, left)) in axes_of {
             if axes & bit != 0 {
-                let interval = interval_ticks(axis, config.timer_hz);
+                let mut interval = interval_ticks(axis, config.timer_hz);
+                if self.steady & bit == 0 {
+                    interval = interval.saturating_sub(wait);
+                } else if self.is_round && *left < WATCHED_STEPS {
+                    interval = nearer(interval);
+                }
                 at = at.max(interval.saturating_sub(self.now.wrapping_sub(*last)));
                 *left = left.saturating_sub(1);
                 if *left == 0 {
@@ -180,6 +201,14 @@ pub(crate) fn bits<const N: usize>(delta: &[i8; N]) -> u8 {
         bit = bit.wrapping_shl(1);
     }
     axes
+}
+
+/// A part of an interval below 1/sqrt(2): 45/64.
+const fn nearer(interval: u32) -> u32 {
+    interval
+        .wrapping_sub(interval >> 2)
+        .wrapping_sub(interval >> 5)
+        .wrapping_sub(interval >> 6)
 }
 
 /// Ticks between two steps of an axis at its highest rate, minus the fraction of a step by which a

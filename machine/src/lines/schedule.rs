@@ -18,6 +18,8 @@ pub(crate) struct Work<const N: usize, P> {
     pub(crate) path: Option<P>,
     /// Step direction of each axis over the whole of a straight move.
     pub(crate) heading: [i8; N],
+    /// Axes for the guard of the steps, see [`StepGuard`](crate::StepGuard).
+    pub(crate) steady: u8,
     pub(crate) events: u32,
     pub(crate) sweep: u64,
     pub(crate) largest_sweep: u32,
@@ -70,6 +72,7 @@ struct Parts<const N: usize, P> {
     segment: Segment<N>,
     stretch: Stretch,
     tempo: Tempo,
+    steady: u8,
     ticks_q16: u64,
     total_sweep: u64,
 }
@@ -181,6 +184,10 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
             tempo = tempo.limited(config.timer_hz);
         }
         let ways = directions(&self.lattice, &end);
+        let steady = match &tempo.round {
+            Some(round) => config.circle_axes(round.plane),
+            None => steady(config, &self.lattice, &end, path.remaining()),
+        };
         self.programmed = to;
         self.lattice = end;
         let counts_q16 = config.counts_q16(&segment, &tempo);
@@ -212,6 +219,7 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
                 segment,
                 stretch,
                 tempo,
+                steady,
                 ticks_q16,
                 total_sweep: path.total_sweep(),
             });
@@ -224,6 +232,7 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
         let work = Work {
             segment: whole.copied().unwrap_or(segment),
             heading: if is_round { [0; N] } else { ways },
+            steady,
             events: path.remaining(),
             sweep: path.total_sweep(),
             largest_sweep: path.largest_sweep(),
@@ -306,6 +315,7 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
             segment: arc.segment,
             path,
             heading: [0; N],
+            steady: arc.steady,
             events,
             sweep,
             largest_sweep,
@@ -331,6 +341,22 @@ fn share(whole: u64, part: u64, total: u64) -> u64 {
         part.wrapping_shr(shift),
         total.wrapping_shr(shift).max(1),
     )
+}
+
+/// Mask of the axes of a line that are no slower than a longest one: two of their steps are at
+/// least an event apart, which is the interval of that axis.
+fn steady<const N: usize>(config: &Config<N>, from: &[i32; N], to: &[i32; N], events: u32) -> u8 {
+    let axes = || config.axes.iter().zip(from.iter().zip(to));
+    let longest = axes().filter(|(_, (from, to))| from.abs_diff(**to) == events);
+    let slowest = longest.map(|(axis, _)| axis.max_rate_hz).min();
+    let (mut mask, mut bit) = (0, 1_u8);
+    for (axis, _) in axes() {
+        if Some(axis.max_rate_hz) >= slowest {
+            mask |= bit;
+        }
+        bit = bit.wrapping_shl(1);
+    }
+    mask
 }
 
 /// Sign of the distance of each axis.

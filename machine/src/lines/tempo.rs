@@ -132,6 +132,17 @@ impl<const N: usize> Config<N> {
         length(&fed, around)
     }
 
+    /// Mask of the axes of a circle; none where their steps differ.
+    pub(crate) fn circle_axes(&self, plane: [usize; 2]) -> u8 {
+        let [first, second] = plane.map(|number| self.axes.get(number).map(|axis| axis.scale));
+        if first != second {
+            return 0;
+        }
+        plane
+            .into_iter()
+            .fold(0, |axes, number| axes | 1_u8.wrapping_shl(number as u32))
+    }
+
     fn round<P: Moves<N>>(&self, segment: &Segment<N>, path: &P) -> Option<Round> {
         let Command::Arc { arc, .. } = &segment.command else {
             return None;

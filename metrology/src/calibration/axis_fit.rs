@@ -34,12 +34,13 @@ type Place = [(f64, f64); 3];
 
 impl AxisFit {
     /// Fits a straight line to the means of both directions by least squares, and puts the
-    /// residuals into the table. `resolution` is the length of a count in nm. It limits the trust
-    /// in the readings.
+    /// residuals into the table. `resolution` is the length of a count in nm: readings are not more
+    /// accurate than this.
     ///
     /// # Errors
     ///
-    /// A sentence: too few lengths, or errors that no screw and no scale has.
+    /// A sentence: there are too few lengths, or the errors are larger than those of any screw or
+    /// scale.
     pub fn new(readings: &[Reading], resolution: f64, no_table: bool) -> Result<Self, String> {
         let mut places: BTreeMap<i64, Place> = BTreeMap::new();
         for reading in readings {
@@ -72,7 +73,7 @@ impl AxisFit {
             ));
         }
         let scale_ppb = scale_ppb as i32;
-        // The rounded scale is subtracted, so that the table gets the rest.
+        // The rounded scale is subtracted, so that the table contains the remainder.
         let scale = f64::from(scale_ppb) * 1e-9;
         let left = |nominal: f64, reading: f64| nominal - reading * (1.0 + scale) - offset;
         let knots: Vec<Knot> = means

@@ -13,15 +13,15 @@ use std::rc::Rc;
 pub struct Calibrated<P> {
     prober: P,
     errors: Errors,
-    /// The errors in force. The table of an axis is in force after homing.
+    /// The errors in use. The table of an axis is in use after homing.
     view: View,
-    /// The readings of the last goal, while the machine is there. An axis that is sent there again
+    /// The readings of the last goal, while the machine is there. An axis with the same goal again
     /// does not reverse, even if it stands slightly off.
     sent: Option<[i64; 3]>,
 }
 
 impl<P: Prober> Calibrated<P> {
-    /// A prober with these errors. It has not moved yet and is not homed.
+    /// Creates a prober with these errors. It has not moved yet and is not homed.
     pub fn new(prober: P, errors: Errors) -> Self {
         let mut in_force = errors.clone();
         for axis in &mut in_force.axes {
@@ -36,12 +36,12 @@ impl<P: Prober> Calibrated<P> {
         }
     }
 
-    /// The prober without corrections.
+    /// Returns the prober without corrections.
     pub const fn inner(&mut self) -> &mut P {
         &mut self.prober
     }
 
-    /// The readings of the last goal, or else of the present position.
+    /// Returns the readings of the last goal, or of the present position if there is none.
     fn from(&mut self) -> Result<[i64; 3], Trouble> {
         match self.sent {
             Some(sent) => Ok(sent),
@@ -49,7 +49,7 @@ impl<P: Prober> Calibrated<P> {
         }
     }
 
-    /// The readings of an axis now count from its index. From here on its table is in force.
+    /// From now on the readings of an axis count from its index, and its table is in use.
     pub fn set_homed(&mut self, coordinate: usize) {
         let in_force = Rc::make_mut(&mut self.view.errors);
         in_force.axes[coordinate].clone_from(&self.errors.axes[coordinate]);
@@ -72,11 +72,12 @@ impl<P: Prober> Calibrated<P> {
         Ok(())
     }
 
-    /// The readings of a goal for a move from these readings, and the flanks after the move.
+    /// Returns the readings of a goal for a move from these readings, and the flanks after the
+    /// move.
     fn reading_of(&self, from: [i64; 3], goal: [i64; 3]) -> ([i64; 3], [Flank; 3]) {
         let goal = [0, 1, 2].map(|axis: usize| goal[axis].saturating_add(self.view.zero[axis]));
-        // With leaning axes a move along one axis moves others, too. So only the readings show
-        // which axes reverse.
+        // On leaning axes a move along one coordinate moves other axes too. So only the readings
+        // show which axes reverse.
         let there = self.view.errors.reading_nm(goal, self.view.flanks);
         let mut flanks = self.view.flanks;
         for (flank, (from, to)) in flanks.iter_mut().zip(from.into_iter().zip(there)) {
@@ -89,7 +90,7 @@ impl<P: Prober> Calibrated<P> {
         (self.view.errors.reading_nm(goal, flanks), flanks)
     }
 
-    /// After a trouble the direction of the last move of the axes is unknown.
+    /// After a failure the direction of the last move of the axes is unknown.
     fn lost(&mut self, trouble: Trouble) -> Trouble {
         if trouble.has_moved() {
             self.view.flanks = [Flank::Unknown; 3];
@@ -97,7 +98,7 @@ impl<P: Prober> Calibrated<P> {
         trouble
     }
 
-    /// Makes a move: `go` gets the prober and the readings of the goal.
+    /// Makes a move. `go` gets the prober and the readings of the goal.
     fn go_with(
         &mut self,
         goal: [i64; 3],
@@ -106,7 +107,7 @@ impl<P: Prober> Calibrated<P> {
         self.begin()?;
         let from = self.from()?;
         let (reading, flanks) = self.reading_of(from, goal);
-        // A move that fails leaves the axes anywhere.
+        // A move that fails leaves the axes at any position.
         self.sent = None;
         let ended = go(&mut self.prober, reading).map_err(|trouble| self.lost(trouble))?;
         self.view.flanks = flanks;
@@ -120,8 +121,8 @@ impl<P: Prober> Calibrated<P> {
         })
     }
 
-    /// Makes a touch: `touch` gets the prober, the direction and the distance on its axes. Returns
-    /// its result and the flanks at the contact.
+    /// Makes a touch. `touch` gets the prober, and the direction and the distance on its axes.
+    /// Returns its result and the flanks at the contact.
     fn touch_with<T>(
         &mut self,
         direction: &UnitVector,
@@ -131,8 +132,8 @@ impl<P: Prober> Calibrated<P> {
         self.begin()?;
         let start = self.from()?;
         let from = self.view.position_from(start, self.view.flanks);
-        // A straight line is straight in readings, too, except for the bend by a table. A distance
-        // of 17 m shows the direction well enough.
+        // A straight line is also straight in readings, apart from the bend due to a table. A
+        // distance of 17 m gives the direction accurately enough.
         let part = distance.min(1 << 34);
         let ahead = direction.scaled(part as i64);
         let goal = [0, 1, 2].map(|axis: usize| from[axis].saturating_add(ahead[axis]));
@@ -208,7 +209,7 @@ impl<P: Prober> Prober for Calibrated<P> {
     }
 }
 
-/// The end of a move at its goal.
+/// The result of a move that ends at its goal.
 const fn undisturbed(at_nm: [i64; 3]) -> Probed {
     Probed {
         changed_nm: None,
@@ -223,7 +224,7 @@ impl<P: Port> Calibrated<Head<P>> {
         self.view.position_from(readings, self.view.flanks)
     }
 
-    /// Where the axes stand, in all coordinates.
+    /// Returns the positions of the axes, in all coordinates.
     ///
     /// # Errors
     ///
@@ -246,7 +247,8 @@ impl<P: Port> Calibrated<Head<P>> {
         Ok(axes.collect())
     }
 
-    /// What the session leaves in the modules, with zeros and directions of approach.
+    /// Returns the state that the session leaves in the modules, with zeros and directions of
+    /// approach.
     ///
     /// # Errors
     ///
@@ -261,8 +263,8 @@ impl<P: Port> Calibrated<Head<P>> {
         Ok(memory)
     }
 
-    /// Takes over zeros, homes and directions of approach of an earlier session. The head is one
-    /// that has rejoined the same modules.
+    /// Takes zeros, homes and directions of approach from an earlier session. The head must have
+    /// rejoined the same modules.
     pub fn recall(&mut self, memory: &Memory) {
         for axis in &memory.axes {
             let coordinate = "XYZ".find(axis.letter).unwrap_or_default();

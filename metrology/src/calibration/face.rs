@@ -15,11 +15,11 @@ pub struct Face {
 }
 
 impl Face {
-    /// Returns the probe with the pre-travel with which this touch along the axis lies on the face.
+    /// Returns the probe with the pre-travel for which this touch along the axis lies on the face.
     ///
-    /// A sphere or a ring gives a table by direction. If it has this direction, all its entries
-    /// change, each by its component along the direction. This corresponds to a shift of that body,
-    /// which its own touches cannot show.
+    /// A sphere or a ring gives a table by direction. If this direction is in the table, all its
+    /// entries change, each by its component along the direction. This is equivalent to a shift of
+    /// that body, which its own touches cannot show.
     ///
     /// # Errors
     ///

@@ -15,7 +15,7 @@ pub enum Body {
     Ring,
 }
 
-/// A body of known radius somewhere on the machine. Lengths are amounts of the scale.
+/// A body of known radius at an approximately known position. Lengths are amounts of the scale.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ReferenceBody {
     /// Its kind.
@@ -184,13 +184,13 @@ impl ReferenceBody {
         fitted::<12>(touches, &reference, tip_radius, directions.to_vec())
     }
 
-    /// Largest possible distance of its centre from the given position.
+    /// Returns the largest possible distance of its centre from the given position.
     const fn doubt(&self) -> i64 {
         self.radius / 10
     }
 }
 
-/// The trouble of a table that cannot be made.
+/// The failure of a table that cannot be made.
 const NONE: Trouble = Trouble::Fit(FitError::TooFewPoints);
 
 fn fitted<const K: usize>(

@@ -14,8 +14,8 @@ const PLANES: [(usize, usize, &str); 3] = [(0, 1, "xy"), (0, 2, "xz"), (1, 2, "y
 pub struct SquareFit {
     /// The leans.
     pub squareness: Squareness,
-    /// Whether the bar lay along both diagonals of each plane. Otherwise its lean is not known, and
-    /// is 0.
+    /// Whether the bar lay along both diagonals of each plane. If not, the lean of the plane is
+    /// unknown and set to 0.
     pub is_known: [bool; 3],
     /// Length of the bar with these leans, nm: the given one, or the best fit.
     pub length: f64,
@@ -31,16 +31,18 @@ impl SquareFit {
     ///
     /// A sentence: the positions of the bar do not determine the angles.
     pub fn new(places: &[Ends], length: Option<f64>) -> Result<Self, String> {
-        let ways: Vec<[f64; 3]> = places
+        let displacements: Vec<[f64; 3]> = places
             .iter()
             .map(|[from, to]| [0, 1, 2].map(|axis| (to[axis] - from[axis]) as f64))
             .collect();
-        let mean = ways.iter().map(long).sum::<f64>() / ways.len().max(1) as f64;
-        if ways.is_empty() || mean == 0.0 {
+        let mean = displacements.iter().map(long).sum::<f64>() / displacements.len().max(1) as f64;
+        if displacements.is_empty() || mean == 0.0 {
             return Err("there is no bar".into());
         }
         let is_known = PLANES.map(|(a, b, _)| {
-            let products = ways.iter().map(|way| way[a] * way[b] / (mean * mean));
+            let products = displacements
+                .iter()
+                .map(|displacement| displacement[a] * displacement[b] / (mean * mean));
             let spread = products.fold([0.0f64; 2], |[low, high], p| [low.min(p), high.max(p)]);
             // A quarter of the values of the two diagonals, with both signs.
             spread[0] < -0.125 && spread[1] > 0.125
@@ -52,9 +54,9 @@ impl SquareFit {
         let mut fitted = length.unwrap_or(mean);
         // Each iteration squares the relative error: 1 % becomes 10^-16 after three.
         for _ in 0..6 {
-            let rows = ways.iter().map(|way| {
-                let there = leaned(way, leans);
-                let by_lean = PLANES.map(|(a, b, _)| there[a] * way[b] / long(&there));
+            let rows = displacements.iter().map(|displacement| {
+                let there = leaned(displacement, leans);
+                let by_lean = PLANES.map(|(a, b, _)| there[a] * displacement[b] / long(&there));
                 (
                     [by_lean[0], by_lean[1], by_lean[2], -1.0],
                     fitted - long(&there),
@@ -79,9 +81,9 @@ impl SquareFit {
         }
         let [xy_ppb, xz_ppb, yz_ppb] = leans.map(|lean| (lean * 1e9).round() as i32);
         let worst = |leans, length: f64| {
-            let errors = ways
+            let errors = displacements
                 .iter()
-                .map(|way| (long(&leaned(way, leans)) - length).abs());
+                .map(|displacement| (long(&leaned(displacement, leans)) - length).abs());
             errors.fold(0.0, f64::max)
         };
         Ok(Self {
@@ -109,8 +111,12 @@ impl SquareFit {
     }
 }
 
-fn long(way: &[f64; 3]) -> f64 {
-    way.iter().map(|part| part * part).sum::<f64>().sqrt()
+fn long(displacement: &[f64; 3]) -> f64 {
+    displacement
+        .iter()
+        .map(|part| part * part)
+        .sum::<f64>()
+        .sqrt()
 }
 
 /// A vector in square coordinates.

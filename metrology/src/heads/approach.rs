@@ -1,32 +1,32 @@
-//! How a move outside of a search meets a contact that nobody expects.
+//! The reaction of a move outside of a search to an unexpected contact.
 
 use super::head::Head;
 use super::port::Port;
 use husillo_planner::Direction;
 
-/// How a move outside of a search meets a contact. In both ways the contact is a collision: all
-/// axes stop, and the modules stop theirs without the host.
+/// The reaction of a move outside of a search to a contact. In both cases the contact is a
+/// collision, and all axes stop. Each module stops its own axis without the host.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Approach {
     /// At the speed of moves. The axes stop abruptly.
     #[default]
     Rapid,
-    /// The axes stop gently, with the deceleration of a search. The move is so slow that they stop
-    /// within half of the over-travel of the probe: v^2 / 2a is at most that. The other half is for
-    /// the lag of the servo and for the reaction of its module, a servo period.
+    /// The axes stop gently, with the deceleration of a search. The move is slow enough that they
+    /// stop within half of the over-travel of the probe: v^2 / 2a is at most that. The other half
+    /// covers the lag of the servo and the reaction time of its module, one servo period.
     Guarded,
 }
 
 impl<P: Port> Head<P> {
     /// The highest speed of a guarded move along the line to a goal, counts/s.
     pub(super) fn guarded_rate(&self, goal: &[i32]) -> u32 {
-        let (mut ways, mut accelerations) = ([0; 3], [u64::MAX; 3]);
+        let (mut distances, mut accelerations) = ([0; 3], [u64::MAX; 3]);
         for (axis, goal) in self.axes.iter().zip(goal) {
             let coordinate = axis.settings.coordinate();
-            ways[coordinate] = goal.saturating_sub(axis.held);
+            distances[coordinate] = goal.saturating_sub(axis.held);
             accelerations[coordinate] = axis.settings.acceleration.into();
         }
-        let Some(direction) = Direction::new(ways.map(i64::from)) else {
+        let Some(direction) = Direction::new(distances.map(i64::from)) else {
             // Nothing moves.
             return u32::MAX;
         };

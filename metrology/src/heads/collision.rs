@@ -7,28 +7,30 @@ use super::search::{Search, searches};
 use super::straight_move::FinishedMove;
 use crate::scale::Scale;
 use crate::trouble::Trouble;
-use husillo_transports::nmc::{Homing, Reply, StopWay};
+use husillo_transports::nmc::{Homing, Reply, StopMode};
 use std::collections::VecDeque;
 
-/// A pressed probe counts as free after this number of consecutive readings without a contact, as
-/// contacts bounce.
+/// Number of consecutive readings without a contact after which a pressed probe counts as free.
+/// More than one is needed, because contacts bounce.
 const FREE_READINGS: u32 = 2;
 
-/// The readings that a speed is computed from. A module is read at any instant of its period.
+/// Number of readings from which a speed is computed. A module is read at any instant of its
+/// period.
 const SPEED_READINGS: usize = 8;
 
 /// A move outside of a search, and its readings.
 pub(super) struct Watch {
     /// Letters of the axes that move.
     axes: String,
-    /// How it meets a contact.
+    /// Its reaction to a contact.
     approach: Approach,
-    /// The modules watch the contact on their own. They do not before a pressed probe is free.
+    /// Whether the modules watch the contact by themselves. They do not until a pressed probe is
+    /// free.
     is_armed: bool,
     free_readings: u32,
     /// Start of the move, counts.
     from: Vec<i32>,
-    /// The last readings without a collision: time in us, and counts.
+    /// The last readings before a collision: time in us, and counts.
     readings: VecDeque<(u64, Vec<i32>)>,
 }
 
@@ -59,8 +61,8 @@ impl Watch {
 }
 
 impl<P: Port> Head<P> {
-    /// In a move without a touch each module stops its own axis when a contact changes. It does so
-    /// within a servo period and without the host.
+    /// The search for a collision: in a move without a touch, each module stops its own axis when a
+    /// contact changes. It does so within a servo period and without the host.
     pub(super) const fn contact_watch(&self, approach: Approach) -> Search {
         Search {
             events: self.probe.switches.events(),
@@ -115,8 +117,8 @@ impl<P: Port> Head<P> {
         self.supervised(|head| Ok(head.go_free(goal, Some(rate), true, Approach::Rapid)?.0))
     }
 
-    /// Makes the whole move at this rate. `is_touching`: the probe is in contact, or was a moment
-    /// ago.
+    /// Makes the whole move at this rate. `is_touching`: the probe is in contact, or was in contact
+    /// immediately before.
     fn go_free(
         &mut self,
         goal: &[i32],
@@ -163,7 +165,7 @@ impl<P: Port> Head<P> {
         }
     }
 
-    /// The watch of a move from where the axes are held, without readings.
+    /// Returns the watch of a move from the held positions, without readings.
     pub(super) fn watch(&self, goal: &[i32]) -> Watch {
         let from: Vec<i32> = self.axes.iter().map(|axis| axis.held).collect();
         let moving = self.axes.iter().zip(goal);
@@ -179,7 +181,7 @@ impl<P: Port> Head<P> {
         }
     }
 
-    /// From here on the modules watch the contact, unless the probe `is_touching`.
+    /// From now on the modules watch the contact, unless the probe `is_touching`.
     pub(super) fn begin_watch(
         &mut self,
         watch: &mut Watch,
@@ -232,8 +234,7 @@ impl<P: Port> Head<P> {
         Ok(())
     }
 
-    /// Checks a reading of a search. In one for another event than a contact, a contact is a
-    /// collision.
+    /// Checks a reading of a search. If the search is not for a contact, a contact is a collision.
     ///
     /// # Errors
     ///
@@ -255,7 +256,7 @@ impl<P: Port> Head<P> {
     pub(super) fn is_touching(&mut self) -> Result<bool, Trouble> {
         let mut replies = self.read()?;
         if self.is_closed(&replies) {
-            // One reading may be wrong unnoticed. Two equal readings are right.
+            // A single reading may be wrong and undetected. Two equal readings are right.
             replies = self.read_twice()?;
         }
         // Axes that are held at a contact swing to both sides of it.
@@ -285,12 +286,12 @@ impl<P: Port> Head<P> {
 
     fn met(&mut self, watch: &Watch) -> Result<Option<Trouble>, Trouble> {
         self.stop(match watch.approach {
-            Approach::Rapid => StopWay::Abrupt,
-            Approach::Guarded => StopWay::Smooth,
+            Approach::Rapid => StopMode::Abrupt,
+            Approach::Guarded => StopMode::Smooth,
         })?;
         self.stand(None)?;
         let replies = self.read_twice()?;
-        // The contact may have been so short that it is over.
+        // The contact may have been so short that it has ended already.
         let has_latched = watch.is_armed && !replies.iter().any(searches);
         self.disarm(self.contact_watch(watch.approach))?;
         if !has_latched && !self.is_closed(&replies) {
@@ -316,8 +317,8 @@ impl<P: Port> Head<P> {
         }))
     }
 
-    /// Whether the axes press the probe deeper than it takes: they are farther than the over-travel
-    /// from the first contact, and move away from it.
+    /// Whether the axes press the probe deeper than permitted: they are farther than the
+    /// over-travel from the first contact, and move away from it.
     fn is_pressed_deeper(&self, watch: &Watch, replies: &[Reply]) -> bool {
         let Some(contact) = &self.contact_at else {
             return false;
@@ -333,7 +334,7 @@ impl<P: Port> Head<P> {
         self.scale.text(self.scale.of_counts(counts.round() as i64))
     }
 
-    /// A pressed probe is free after this distance off the surface, counts.
+    /// Returns the distance from the surface at which a pressed probe is free, counts.
     fn leaving_counts(&self) -> f64 {
         f64::from(self.probe.over_travel) + f64::from(self.probe.back_off)
     }
@@ -344,7 +345,7 @@ impl<P: Port> Head<P> {
         self.leaving_counts() as i32
     }
 
-    /// An upper bound of how far held axes may be off, counts.
+    /// Returns an upper bound of the deviation of held axes, counts.
     fn slack_counts(&self) -> f64 {
         let most = self.axes.iter().map(|axis| axis.settings.in_position).max();
         4.0 * f64::from(most.unwrap_or_default())
@@ -375,7 +376,7 @@ fn counts(replies: &[Reply]) -> Vec<i32> {
 
 /// Distance in a straight line, counts.
 fn distance(from: &[i32], to: &[i32]) -> f64 {
-    let ways = from.iter().zip(to);
-    let squares = ways.map(|(from, to)| (f64::from(*to) - f64::from(*from)).powi(2));
+    let pairs = from.iter().zip(to);
+    let squares = pairs.map(|(from, to)| (f64::from(*to) - f64::from(*from)).powi(2));
     squares.sum::<f64>().sqrt()
 }

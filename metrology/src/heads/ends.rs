@@ -1,4 +1,4 @@
-//! End switches: an axis that meets one stops, and all others with it.
+//! End switches. An axis that reaches one stops, and all others stop with it.
 
 use super::collision::Watch;
 use super::head::Head;
@@ -8,11 +8,12 @@ use super::wiring::End;
 use crate::trouble::Trouble;
 use husillo_transports::nmc::{Homing, Reply};
 
-/// An end switch counts as open after this number of consecutive readings, as contacts bounce.
+/// Number of consecutive readings after which an end switch counts as open. More than one is
+/// needed, because contacts bounce.
 const OPEN_READINGS: u32 = 2;
 
 impl<P: Port> Head<P> {
-    /// Whether an axis has met an end switch since the start.
+    /// Whether an axis has reached an end switch since the start.
     pub const fn has_met_end(&self) -> bool {
         self.has_met_end
     }
@@ -64,7 +65,7 @@ impl<P: Port> Head<P> {
         }
     }
 
-    /// Reads moving axes. The trouble of an end switch has their speed.
+    /// Reads moving axes. The failure of an end switch includes their speed.
     pub(super) fn read_moving(&mut self, watch: &Watch) -> Result<Vec<Reply>, Trouble> {
         self.read().map_err(|trouble| match trouble {
             Trouble::EndSwitch { axis, end, at, .. } => Trouble::EndSwitch {
@@ -77,7 +78,7 @@ impl<P: Port> Head<P> {
         })
     }
 
-    /// Checks before a move that no axis is at an end switch and moves farther.
+    /// Checks before a move that no axis at an end switch moves farther.
     ///
     /// # Errors
     ///
@@ -109,12 +110,13 @@ impl<P: Port> Head<P> {
         Ok(())
     }
 
-    /// Goes to the end switch of an axis and off it again until it opens. Then the axis is clear of
-    /// it by twice the back-off.
+    /// Moves an axis to its end switch and off it again until it opens. The axis then is at twice
+    /// the back-off from the switch.
     ///
     /// # Errors
     ///
-    /// [`Trouble::NoEndSwitch`] over the length of the travel, and those of a move.
+    /// [`Trouble::NoEndSwitch`] if the switch does not change over the length of the travel, and
+    /// the errors of a move.
     pub(super) fn search_end(&mut self, index: usize, end: End) -> Result<(), Trouble> {
         let [quick, slow] = [self.probe.rate, self.probe.slow_rate];
         let clear = i32::try_from(self.probe.back_off).unwrap_or(i32::MAX);
@@ -136,8 +138,8 @@ impl<P: Port> Head<P> {
     }
 
     /// Leaves an end switch that is not the one of a search. Returns where it opens, and the sign
-    /// of the direction. Where the end is not known, the axis tries both directions, each over a
-    /// short distance.
+    /// of the direction. If the end is not known, the axis tries both directions, each over a short
+    /// distance.
     fn leave_end(&mut self, index: usize) -> Result<(i32, i32), Trouble> {
         let (slow, short) = (self.probe.slow_rate, self.leaving());
         let left = match self.axes[index].end {
@@ -150,7 +152,7 @@ impl<P: Port> Head<P> {
             }
             None => match self.seek_end(index, 1, slow, short) {
                 Err(Trouble::NoEndSwitch { .. }) => {
-                    // Back, and as far to the other side.
+                    // Back to the start, and as far to the other side.
                     let twice = short.saturating_mul(2);
                     (self.seek_end(index, -1, slow, twice)?, -1)
                 }

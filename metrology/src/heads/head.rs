@@ -16,7 +16,7 @@ use crate::scale::Scale;
 use crate::trouble::Trouble;
 use husillo_probe::{Edge, UnitVector};
 use husillo_transports::nmc::{
-    CYCLE_US, Command, EVERY_GROUP, Group, Items, Reply, Reset, Status, Stop, StopWay,
+    CYCLE_US, Command, EVERY_GROUP, Group, Items, Reply, Reset, Status, Stop, StopMode,
 };
 
 /// The items of a reading of a module.
@@ -30,13 +30,13 @@ pub struct Head<P> {
     pub(crate) axes: Vec<Servo>,
     pub(super) probe: ProbeSettings,
     pub(super) scale: Scale,
-    /// Turns readings into the positions of messages.
+    /// Converts readings to the positions of messages.
     view: View,
     /// Period of the modules' profiles, s.
     pub(super) period_s: f64,
     /// Number of slow touches to average.
     pub(super) touches: u8,
-    /// A trouble has stopped the axes: their held positions are not known.
+    /// A failure has stopped the axes, so their held positions are unknown.
     is_astray: bool,
     /// The axis whose module has reported a fault, until the module gets a stop command.
     given_up: Option<usize>,
@@ -67,7 +67,7 @@ impl<P: Port> Head<P> {
         let versions: Vec<u8> = versions.collect();
         head.set_period(&versions)?;
         // The reset has put all modules into this group. So the reset of the next session reaches
-        // them, too.
+        // them too.
         head.lead_group()?;
         for index in 0..head.axes.len() {
             head.switch_on(index)?;
@@ -75,7 +75,7 @@ impl<P: Port> Head<P> {
         Ok(head)
     }
 
-    /// A head whose line is not started.
+    /// Creates a head whose line is not started.
     pub(super) fn of(mut line: Line<P>, machine: &Machine, touches: u8) -> Result<Self, Trouble> {
         if machine.axes.is_empty() {
             return Err(Trouble::NoAxis { axis: 'X' });
@@ -99,8 +99,8 @@ impl<P: Port> Head<P> {
 
     /// Sets the period of the profiles. `versions` are those of the modules of the axes.
     pub(super) fn set_period(&mut self, versions: &[u8]) -> Result<(), Trouble> {
-        // A rate divisor slows the profiles of modules before version 10. In version 10 it slows
-        // the derivative only.
+        // Before version 10, a rate divisor slows the profile of a module. From version 10 on it
+        // slows the derivative only.
         let pairs = self.axes.iter().zip(versions);
         let periods = pairs.map(|(axis, version)| match *version < 10 {
             true => axis.settings.gains.rate_divisor,
@@ -115,7 +115,7 @@ impl<P: Port> Head<P> {
         Ok(())
     }
 
-    /// The module of the first of several axes leads the group of all modules.
+    /// Makes the module of the first of several axes the leader of the group of all modules.
     pub(super) fn lead_group(&mut self) -> Result<(), Trouble> {
         if let [first, _, ..] = self.axes[..] {
             let group = Group {
@@ -134,7 +134,7 @@ impl<P: Port> Head<P> {
         let module = axis.settings.module;
         self.line
             .command(module, Command::SetGain(axis.settings.gains))?;
-        self.line.command(module, stop(StopWay::Abrupt))?;
+        self.line.command(module, stop(StopMode::Abrupt))?;
         self.line.command(module, Command::ClearBits)?;
         self.line.command(module, Command::DefineStatus(MARK))?;
         // Not every module sets its position to 0 at a reset.
@@ -143,7 +143,7 @@ impl<P: Port> Head<P> {
         self.hold_checked(index)
     }
 
-    /// Holds a standing axis where it is.
+    /// Holds a standing axis at its position.
     ///
     /// # Errors
     ///
@@ -180,7 +180,7 @@ impl<P: Port> Head<P> {
         self.read_axis_twice(&axis, items)
     }
 
-    /// Goes to a position in a straight line and returns where the axes stand.
+    /// Goes to a position in a straight line. Returns the position at which the axes stand.
     ///
     /// # Errors
     ///
@@ -189,7 +189,7 @@ impl<P: Port> Head<P> {
         self.go_at(goal, None, Approach::Rapid)
     }
 
-    /// The same as a guarded move, see [`Approach::Guarded`].
+    /// Goes there in a guarded move, see [`Approach::Guarded`].
     ///
     /// # Errors
     ///
@@ -198,7 +198,7 @@ impl<P: Port> Head<P> {
         self.go_at(goal, None, Approach::Guarded)
     }
 
-    /// The same with at most `rate` counts/s.
+    /// Goes there with at most `rate` counts/s.
     fn go_at(
         &mut self,
         goal: [i64; 3],
@@ -236,10 +236,10 @@ pub(super) fn is_done(reply: &Reply) -> bool {
 }
 
 /// The command to stop with the amplifier on.
-pub(super) const fn stop(way: StopWay) -> Command {
+pub(super) const fn stop(mode: StopMode) -> Command {
     Command::StopMotor(Stop {
         amplifier: true,
-        way: Some(way),
+        mode: Some(mode),
     })
 }
 

@@ -10,8 +10,8 @@ use husillo_probe::Failure;
 use husillo_transports::nmc::{Auxiliary, Homing};
 
 impl<P: Port> Head<P> {
-    /// Searches the index of an axis in the positive direction, once at the speed of a search and
-    /// once slowly. Every turn of the encoder has an index, and only its edge from this side
+    /// Searches the index of an axis in the positive direction, first at the speed of a search and
+    /// then slowly. Every turn of the encoder has an index, and only its edge from this side
     /// counts. The index becomes position 0, and the axis goes there. An axis with an end switch
     /// first goes to the switch and off it, so home is always the index next to the switch.
     ///
@@ -21,7 +21,7 @@ impl<P: Port> Head<P> {
     /// [`travel`](Self::travel).
     pub fn home(&mut self, coordinate: usize) -> Result<(), Trouble> {
         let index = self.index(coordinate)?;
-        // The operator asks for it, so nothing is said of an axis that is not homed yet.
+        // The operator has requested it, so no message about an axis that is not homed is needed.
         let is_announced = std::mem::replace(&mut self.axes[index].is_announced, true);
         let homed = self.search_home(index);
         self.axes[index].is_announced = is_announced;
@@ -33,7 +33,7 @@ impl<P: Port> Head<P> {
         let [slow, quick] = [self.probe.slow_rate, self.probe.rate];
         let reply = self.status(coordinate)?;
         if self.is_closed(&[reply]) {
-            // Nothing would watch the probe while it leaves the contact.
+            // While the probe leaves the contact, nothing watches it.
             return Err(Trouble::Probe(Failure::ContactAtStart));
         }
         if let Some(end) = self.axes[index].settings.end() {
@@ -61,7 +61,7 @@ impl<P: Port> Head<P> {
         let back_off = i32::try_from(self.probe.back_off).unwrap_or(i32::MAX);
         let before = count.saturating_sub(back_off);
         let before = match self.axes[index].settings.end() {
-            // The axis is clear of its switch. Its travel is not known before it is homed.
+            // The axis has left its switch. Its travel is unknown before it is homed.
             Some(_) => before,
             None => before.max(low),
         };

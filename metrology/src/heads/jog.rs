@@ -4,12 +4,12 @@ use super::head::{Head, is_done, stop};
 use super::port::Port;
 use super::straight_move::per_period;
 use crate::trouble::Trouble;
-use husillo_transports::nmc::{Command, Mode, StopWay, Trajectory};
+use husillo_transports::nmc::{Command, Mode, StopMode, Trajectory};
 
 impl<P: Port> Head<P> {
     /// Runs an axis for some time and stops it smoothly. It runs at the speed of moves, or at that
     /// of a search if it `is_slow` or starts in contact. The jog is a move over the distance of
-    /// this time, within the travel. So without the host the module ends it as asked.
+    /// this time, within the travel. So the module ends it as requested even without the host.
     ///
     /// # Errors
     ///
@@ -42,7 +42,7 @@ impl<P: Port> Head<P> {
             low.saturating_add(slack)
         };
         if axis.is_at_end && axis.end.is_none() {
-            // Until its switch opens, it must not go far.
+            // It must stay near its switch until the switch opens.
             let most = self.leaving();
             goal = goal.clamp(
                 axis.held.saturating_sub(most),
@@ -97,7 +97,7 @@ impl<P: Port> Head<P> {
             }
         }
         self.line
-            .command(axis.settings.module, stop(StopWay::Smooth))?;
+            .command(axis.settings.module, stop(StopMode::Smooth))?;
         let was_armed = self.end_watch(&mut watch)?;
         let replies = self.settle()?;
         if was_armed && self.is_closed(&replies) {

@@ -49,8 +49,8 @@ impl<P: Port> Line<P> {
         }
     }
 
-    /// The same line with an operator. No step begins while the operator wants a stop that is not
-    /// carried out yet.
+    /// Returns the line with an operator. No step begins while the operator requests a stop that is
+    /// not carried out yet.
     #[must_use]
     pub fn with_operator(self, operator: impl Operator + 'static) -> Self {
         Self {
@@ -59,13 +59,13 @@ impl<P: Port> Line<P> {
         }
     }
 
-    /// Names the axes of the modules, for messages.
+    /// Sets the letters of the axes of the modules, for messages.
     pub(super) fn name_axes(&mut self, machine: &Machine) {
         let axes = machine.axes.iter();
         self.letters = axes.map(|axis| (axis.module, axis.letter)).collect();
     }
 
-    /// A module in words: `axis x (module 2)`.
+    /// Returns the name of a module: `axis x (module 2)`.
     pub(super) fn name(&self, address: u8) -> String {
         if address >= FIRST_GROUP {
             return "the modules".into();
@@ -141,7 +141,7 @@ impl<P: Port> Line<P> {
     }
 
     /// Joins modules that an earlier session has set up, without a reset. The first of several
-    /// leads their group. None of them has answered yet.
+    /// leads their group. The modules are not asked.
     ///
     /// # Errors
     ///

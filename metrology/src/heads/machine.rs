@@ -21,7 +21,7 @@ pub struct Machine {
     pub title: String,
     /// Length of a count, on every axis.
     pub scale: Scale,
-    /// X, then Y and Z where it has them.
+    /// X, then Y and Z if the machine has them.
     pub axes: Vec<AxisSettings>,
     /// The probe.
     pub probe: ProbeSettings,
@@ -47,7 +47,7 @@ pub struct AxisSettings {
     pub rate: u32,
     /// Acceleration of all moves, counts/s^2.
     pub acceleration: u32,
-    /// What limits 1 and 2 of its module are wired to.
+    /// Connections of limits 1 and 2 of its module.
     pub limits: [Wiring; 2],
     /// Gains and limits of the servo.
     pub gains: Gains,
@@ -101,8 +101,8 @@ impl Machine {
         })
     }
 
-    /// The motor of the module with this address, in simulations. Modules without an axis have that
-    /// of the prototype.
+    /// Returns the motor of the module with this address, for simulations. Modules without an axis
+    /// have the motor of the prototype.
     #[must_use]
     pub fn motor(&self, module: u8) -> DcMotorModel {
         let mut axes = self.axes.iter();

@@ -1,4 +1,5 @@
-//! What a session leaves in the modules. The next session goes on from there without a reset.
+//! The state that a session leaves in the modules. The next session continues from it without a
+//! reset.
 
 use super::approach::Approach;
 use super::head::{Head, READ, is_done, stop};
@@ -9,9 +10,9 @@ use super::standing::SETTLING_US;
 use super::wiring::End;
 use crate::trouble::Trouble;
 use husillo_backlash::Flank;
-use husillo_transports::nmc::{Auxiliary, Baud, Command, Items, Reply, StopWay};
+use husillo_transports::nmc::{Auxiliary, Baud, Command, Items, Reply, StopMode};
 
-/// The items that show whether a module is as it was left.
+/// The items that show whether a module is unchanged.
 const LEFT: Items = READ.with(Items::AUXILIARY);
 
 /// The status items that a session defines in its modules. A reset clears them, and other programs
@@ -24,7 +25,8 @@ pub(super) const MARK: Items = Items::AUXILIARY.with(Items::CURRENT);
 pub struct Memory {
     /// Rate of the modules.
     pub baud: Baud,
-    /// The session did not end: its program was killed. The axes may be anywhere, and may move.
+    /// The session did not end, because its program was killed. The axes may be at any position,
+    /// and may move.
     pub in_use: bool,
     /// The axes, in the order of the machine file.
     pub axes: Vec<AxisMemory>,
@@ -37,26 +39,26 @@ pub struct AxisMemory {
     pub letter: char,
     /// Address of its module.
     pub module: u8,
-    /// Where it stands, counts.
+    /// Its position, counts.
     pub counts: i32,
     /// The counts that the module latched last. They are 0 after a reset.
     pub latched: i32,
-    /// Its servo is on and holds it.
+    /// Whether its servo is on and holds it.
     pub is_held: bool,
-    /// It has been homed.
+    /// Whether it has been homed.
     pub is_homed: bool,
-    /// Counts at reading 0: at home, once it is homed.
+    /// Counts at reading 0. After homing this is home.
     pub origin: i32,
     /// The position that counts as 0, an amount of the scale.
     pub zero: i64,
     /// Direction of its last move.
     pub flank: Flank,
-    /// The end switch at which it stands, if it does and if it is known which.
+    /// The end switch at which it stands, if it is known.
     pub end: Option<End>,
 }
 
 impl AxisMemory {
-    /// Whether the module is as it was left. Positions may differ by `in_position` counts.
+    /// Whether the module is unchanged. Positions may differ by `in_position` counts.
     fn is_still_true(&self, reply: &Reply, in_position: u32) -> bool {
         let readings = &reply.readings;
         readings.position.abs_diff(self.counts) <= in_position
@@ -69,22 +71,21 @@ impl AxisMemory {
 /// The result of [`Head::rejoin`].
 #[derive(Debug)]
 pub enum Rejoined<P> {
-    /// The modules are as they were left: the head goes on.
+    /// The modules are unchanged: the head continues.
     AsLeft(Box<Head<P>>),
-    /// A module was reset, moved, or does not answer: the line needs a start-up.
+    /// A module was reset, moved, or does not answer. The line needs a start-up.
     Changed(Box<Line<P>>),
 }
 
 impl<P: Port> Head<P> {
-    /// Goes on where an earlier session has left the modules. It asks them without a reset and
-    /// compares their answers with the memory. Origins and homes then hold as before. If the
-    /// program of the session was killed, all axes are stopped smoothly first, and only the status
-    /// items that the session defined in their modules are compared.
+    /// Continues from the state in which an earlier session has left the modules. It asks them
+    /// without a reset and compares their answers with the memory. Origins and homes are then still
+    /// valid. If the program of the session was killed, all axes are first stopped smoothly, and
+    /// only the status items that the session defined in their modules are compared.
     ///
     /// # Errors
     ///
-    /// A machine without axes or with different periods, or a fault of an axis that is as it was
-    /// left.
+    /// A machine without axes or with different periods, or a fault of an axis that is unchanged.
     pub fn rejoin(
         line: Line<P>,
         machine: &Machine,
@@ -109,12 +110,12 @@ impl<P: Port> Head<P> {
             axis.origin = left.origin;
             axis.is_homed = left.is_homed;
             axis.heading = left.end.filter(|_| !memory.in_use);
-            // The machine file may have other gains by now.
+            // The machine file may have other gains in the meantime.
             let module = axis.settings.module;
             let gains = axis.settings.gains;
             head.line.command(module, Command::SetGain(gains))?;
             if !left.is_held {
-                head.line.command(module, stop(StopWay::Abrupt))?;
+                head.line.command(module, stop(StopMode::Abrupt))?;
             }
             head.line.command(module, Command::ClearBits)?;
             head.hold_checked(index)?;
@@ -122,7 +123,7 @@ impl<P: Port> Head<P> {
         Ok(Rejoined::AsLeft(Box::new(head)))
     }
 
-    /// The versions of the modules, if all are as they were left.
+    /// Returns the versions of the modules if all are unchanged.
     fn versions_if_as_left(&mut self, memory: &Memory) -> Result<Vec<u8>, Trouble> {
         let modules: Vec<u8> = self.axes.iter().map(|axis| axis.settings.module).collect();
         self.line.rejoin(memory.baud, &modules)?;
@@ -131,7 +132,7 @@ impl<P: Port> Head<P> {
             self.line.command(*module, Command::NoOperation)?;
         }
         if memory.in_use {
-            self.stop(StopWay::Smooth)?;
+            self.stop(StopMode::Smooth)?;
             self.rest()?;
         }
         let pairs: Vec<_> = self.axes.iter().copied().zip(&memory.axes).collect();
@@ -146,8 +147,8 @@ impl<P: Port> Head<P> {
         Ok(versions)
     }
 
-    /// What the session leaves, once the axes stand. Zeros and flanks are those of a head alone:
-    /// none. A fault of an axis is no error here.
+    /// Returns the state that the session leaves when the axes stand. A head alone has no zeros and
+    /// flanks. A fault of an axis is no error here.
     ///
     /// # Errors
     ///
@@ -261,7 +262,7 @@ mod tests {
                 port.receive(100_000).unwrap();
             },
             |port| {
-                let there = stop(StopWay::Here(20));
+                let there = stop(StopMode::Here(20));
                 port.send(there.frame(3).bytes()).unwrap();
                 port.receive(2_000).unwrap();
                 for _ in 0..1000 {
@@ -271,7 +272,7 @@ mod tests {
             |port| {
                 let off = Command::StopMotor(Stop {
                     amplifier: false,
-                    way: Some(StopWay::Off),
+                    mode: Some(StopMode::Off),
                 });
                 port.send(off.frame(1).bytes()).unwrap();
                 port.receive(100_000).unwrap();
@@ -298,7 +299,7 @@ mod tests {
         };
         let off = Command::StopMotor(Stop {
             amplifier: false,
-            way: Some(StopWay::Off),
+            mode: Some(StopMode::Off),
         });
         head.line.command(1, off).unwrap();
         let memory = head.memory().unwrap();

@@ -1,10 +1,10 @@
 //! The operator of a machine, who can stop it and sees the traffic of its line.
 
-/// The operator of a machine. A stop is requested from outside, such as by a signal. The line
+/// The operator of a machine. A stop is requested from outside, for example by a signal. The line
 /// checks for it before each of its steps. All methods have defaults: the operator `()` never stops
-/// and sees nothing.
+/// and ignores all reports.
 pub trait Operator {
-    /// Whether a stop is wanted that is not carried out yet. No step of the line begins then.
+    /// Whether a stop is requested that is not carried out yet. No step of the line begins then.
     fn is_stop_wanted(&self) -> bool {
         false
     }
@@ -12,34 +12,34 @@ pub trait Operator {
     /// The motors are being stopped. This clears the request for a stop.
     fn stop_is_seen_to(&self) {}
 
-    /// Motors may run from now on, or do not run any more. While they may run, a program must stop
-    /// them before it ends.
+    /// Called when motors may run from now on (`true`), and when they do not run any more. While
+    /// they may run, a program must stop them before it ends.
     fn set_moving(&self, is_moving: bool) {
         let _ = is_moving;
     }
 
-    /// Bytes went to the modules.
+    /// Called with the bytes that were sent to the modules.
     fn sent(&self, bytes: &[u8]) {
         let _ = bytes;
     }
 
-    /// Bytes came from the modules.
+    /// Called with the bytes that were received from the modules.
     fn received(&self, bytes: &[u8]) {
         let _ = bytes;
     }
 
-    /// An axis that is not homed moves for the first time, at this speed at most.
+    /// Called before an axis that is not homed moves for the first time, at this speed at most.
     fn moves_without_home(&self, axis: char, rate: &str) {
         let _ = (axis, rate);
     }
 
-    /// Not every axis has answered the command to stop: motors may run on.
+    /// Called if not every axis has answered the command to stop, so that motors may run on.
     fn stop_is_unanswered(&self) {}
 }
 
 impl Operator for () {}
 
-/// An operator for tests, who wants a stop after a call of [`press`](Self::press).
+/// An operator for tests, who requests a stop when [`press`](Self::press) is called.
 #[cfg(test)]
 #[derive(Clone, Debug, Default)]
 pub struct StopButton {

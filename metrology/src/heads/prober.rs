@@ -22,8 +22,8 @@ pub trait Prober {
     /// [`Trouble`]. If the goal is outside of the travel, nothing moves.
     fn go_to(&mut self, goal_nm: [i64; 3]) -> Result<[i64; 3], Trouble>;
 
-    /// The same as a guarded move: a contact is a collision, but the axes stop gently, within the
-    /// over-travel of the probe. See [`Approach::Guarded`](super::Approach::Guarded).
+    /// Goes to the goal in a guarded move. A contact is a collision, but the axes stop gently,
+    /// within the over-travel of the probe. See [`Approach::Guarded`](super::Approach::Guarded).
     ///
     /// # Errors
     ///
@@ -38,8 +38,8 @@ pub trait Prober {
     fn feed_to(&mut self, goal_nm: [i64; 3], nm_per_min: u64) -> Result<[i64; 3], Trouble>;
 
     /// Goes towards a goal in a straight line until the contact is made or broken. Then it brakes
-    /// and stays where it stands. The speed along the path is at most `nm_per_min` and at most that
-    /// of a search.
+    /// and stays at that position. The speed along the path is at most `nm_per_min` and at most
+    /// that of a search.
     ///
     /// # Errors
     ///
@@ -55,7 +55,7 @@ pub trait Prober {
     /// Whether there was a collision. Then no result is valid.
     fn has_collided(&self) -> bool;
 
-    /// From now on its messages name positions instead of readings.
+    /// From now on the messages contain positions instead of readings.
     fn see_as(&mut self, _: &View) {}
 
     /// Touches from the present position, within a distance of `distance_nm`. Backs off and returns
@@ -63,7 +63,7 @@ pub trait Prober {
     ///
     /// # Errors
     ///
-    /// [`Trouble`], also that of the probing cycle.
+    /// [`Trouble`], including a failure of the probing cycle.
     fn touch(&mut self, direction: &UnitVector, distance_nm: u64) -> Result<Touched, Trouble>;
 }
 
@@ -73,7 +73,8 @@ pub struct Probed {
     /// Position of the centre of the tip when the contact changed, pre-travel included. `None`: it
     /// did not change.
     pub changed_nm: Option<[i64; 3]>,
-    /// Where the machine stands: the braking distance farther, or at the goal.
+    /// The position at which the machine stands: beyond the change by the braking distance, or at
+    /// the goal.
     pub at_nm: [i64; 3],
 }
 

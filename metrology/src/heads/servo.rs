@@ -16,11 +16,11 @@ pub struct Servo {
     pub origin: i32,
     /// The last commanded position, counts.
     pub held: i32,
-    /// It has been homed: the origin is at home.
+    /// Whether it has been homed, so that its origin is at home.
     pub is_homed: bool,
-    /// The operator knows that it is not homed.
+    /// Whether the operator was informed that it is not homed.
     pub is_announced: bool,
-    /// It stands at an end switch, or leaves it.
+    /// Whether it stands at an end switch, or leaves it.
     pub is_at_end: bool,
     /// The end of that switch, if it is known.
     pub end: Option<End>,
@@ -28,9 +28,9 @@ pub struct Servo {
     pub heading: Option<End>,
     /// Consecutive readings with an open end switch.
     pub open_readings: u32,
-    /// Its end switch is searched for: the closed switch is no fault.
+    /// Whether its end switch is searched for, so that a closed switch is no fault.
     pub is_end_sought: bool,
-    /// Its module watches the end switch.
+    /// Whether its module watches the end switch.
     pub is_end_armed: bool,
 }
 
@@ -63,8 +63,8 @@ impl Servo {
         i32::try_from(counts).unwrap_or(if counts < 0 { i32::MIN } else { i32::MAX })
     }
 
-    /// Both ends of the travel, counts. They count from home or, before the axis is homed, from
-    /// where it stood.
+    /// Both ends of the travel, counts. They count from home or, before the axis is homed, from its
+    /// position at the reset.
     pub fn travel_counts(&self) -> [i32; 2] {
         let ends = self.settings.travel;
         ends.map(|end| end.saturating_add(self.origin))
@@ -75,8 +75,9 @@ impl Servo {
         self.travel_counts().map(|end| self.position(scale, end))
     }
 
-    /// The highest speed, counts/s. Before it is homed the axis moves as slowly as in a search: its
-    /// travel is not where the machine file has it. It also leaves an end switch so slowly.
+    /// The highest speed, counts/s. Before homing the axis moves as slowly as in a search, because
+    /// its travel may lie elsewhere than in the machine file. It leaves an end switch at the same
+    /// low speed.
     pub fn rate(&self, search_rate: u32) -> u32 {
         match self.is_homed && !self.is_at_end {
             true => self.settings.rate,
@@ -89,8 +90,8 @@ impl Servo {
         counts.abs_diff(other) <= self.settings.in_position
     }
 
-    /// Notes that an end switch is closed. Its end is that of its input, or else the one that the
-    /// axis moved to, or else the nearer one.
+    /// Registers that an end switch is closed. Its end is that of its input. If the input does not
+    /// show it, it is the end that the axis moved to. Otherwise it is the nearer one.
     pub(super) fn meet_end(&mut self, reply: &Reply) {
         let counts = reply.readings.position.saturating_sub(self.origin);
         let nearer = self.is_homed.then(|| self.settings.nearer_end(counts));

@@ -12,7 +12,7 @@ pub const SETTLING_US: u64 = 2_000_000;
 const STILL_READINGS: u32 = 3;
 
 impl<P: Port> Head<P> {
-    /// Waits until all axes stand, at the goal or where they stop.
+    /// Waits until all axes stand, at the goal or at the position where they have stopped.
     pub(super) fn stand(&mut self, goal: Option<&[i32]>) -> Result<Vec<Reply>, Trouble> {
         let end_us = self.line.elapsed_us() + self.braking_us() + SETTLING_US;
         let (mut still, mut before): (u32, Option<Vec<i32>>) = (0, None);
@@ -30,8 +30,8 @@ impl<P: Port> Head<P> {
             if still >= STILL_READINGS {
                 return Ok(replies);
             }
-            // Axes that stand at the last reading get the remaining readings, even if a busy
-            // computer is late.
+            // Axes that stand at the last reading get the remaining readings, even if the computer
+            // is busy and late.
             if let Some(before) = before.as_deref().filter(|_| still == 0) {
                 if self.line.elapsed_us() > end_us {
                     return Err(self.late(goal, before, &replies));
@@ -41,8 +41,8 @@ impl<P: Port> Head<P> {
         }
     }
 
-    /// Waits until the axes have stopped, reads them until two readings agree, and holds them
-    /// there.
+    /// Waits until the axes have stopped, reads them until two readings agree, and holds them at
+    /// their positions.
     pub(super) fn settle(&mut self) -> Result<Vec<Reply>, Trouble> {
         self.stand(None)?;
         let replies = self.read_twice()?;
@@ -52,8 +52,9 @@ impl<P: Port> Head<P> {
         Ok(replies)
     }
 
-    /// Longest braking time of an axis, us. An oblique move has one time law for all axes. It comes
-    /// from the limits of one of them, so braking takes no longer.
+    /// Longest braking time of an axis, us. In an oblique move all axes have one time law. It
+    /// follows from the limits of one of them, so braking takes no longer than the longest of these
+    /// times.
     pub(super) fn braking_us(&self) -> u64 {
         let axes = self.axes.iter().map(|axis| {
             // No acceleration in a machine file is 0. The result is at most 2^32 s.
@@ -62,8 +63,8 @@ impl<P: Port> Head<P> {
         axes.max().unwrap_or_default()
     }
 
-    /// The trouble of axes that are late. It names an axis that still moves, or the one that is
-    /// farthest from its goal. Without a goal that is the one that is farthest from its position
+    /// The failure of axes that are late. It names an axis that still moves, or the axis that is
+    /// farthest from its goal. Without a goal it names the axis that is farthest from its position
     /// `before`.
     pub(super) fn late(&self, goal: Option<&[i32]>, before: &[i32], replies: &[Reply]) -> Trouble {
         let meant = goal.unwrap_or(before);

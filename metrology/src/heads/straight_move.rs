@@ -19,7 +19,7 @@ const STARTS: u32 = 3;
 pub struct FinishedMove {
     /// The last reading of each axis.
     pub replies: Vec<Reply>,
-    /// An event has ended the move.
+    /// Whether an event has ended the move.
     pub is_found: bool,
 }
 
@@ -34,9 +34,9 @@ pub(crate) fn per_period(rate: u32, acceleration: u64, period_s: f64) -> (u32, u
 
 impl<P: Port> Head<P> {
     /// Goes in a straight line to `goal` in counts and waits until all axes stand. The speed is the
-    /// highest that the axes can make, but at most `rate` counts/s. With a `search` each module
+    /// highest that the axes can reach, but at most `rate` counts/s. With a `search` each module
     /// latches its position at the event and stops its axis, without the host. Without an event the
-    /// move ends at its goal, also if the host is gone. Without a search a contact is a collision.
+    /// move ends at its goal, even if the host has gone. Without a search a contact is a collision.
     ///
     /// The trapezoids of the axes have one time law ([`ServoLine`]). They are loaded first and
     /// started by one command to the group.
@@ -59,7 +59,7 @@ impl<P: Port> Head<P> {
         })
     }
 
-    /// The same outside of a search.
+    /// Moves outside of a search.
     pub(super) fn go(
         &mut self,
         goal: &[i32],
@@ -94,7 +94,7 @@ impl<P: Port> Head<P> {
             self.look_in_search(search, &mut watch, &replies)?;
             let found = search.found_by(&replies);
             if found.iter().any(|(_, is_found)| *is_found) {
-                // Modules that were read before the event have seen it by now.
+                // Modules that were read before the event have detected it by now.
                 replies = self.read_moving(&watch)?;
                 let found = search.found_by(&replies);
                 if let Some((index, _)) = found.iter().find(|(_, is_found)| !is_found) {
@@ -102,7 +102,7 @@ impl<P: Port> Head<P> {
                     return Err(Trouble::NotSeen { axis });
                 }
                 let replies = self.settle()?;
-                // One reading may be wrong unnoticed. Two equal readings are right.
+                // A single reading may be wrong and undetected. Two equal readings are right.
                 if let Some(index) = replies.iter().position(searches) {
                     let axis = self.axes[index].settings.letter;
                     return Err(Trouble::NotSeen { axis });
@@ -134,7 +134,7 @@ impl<P: Port> Head<P> {
             if !search.is_for(index) {
                 continue;
             }
-            // The module sees any change of its end switch, also when it opens.
+            // The module detects any change of its end switch, also when it opens.
             axis.is_end_armed = !axis.is_at_end;
             let ends = match axis.is_end_armed {
                 true => axis.settings.end_events(),
@@ -165,21 +165,21 @@ impl<P: Port> Head<P> {
         Ok(())
     }
 
-    /// The move from where the axes are held. `None`: the axes are at the goal.
+    /// Computes the move from the held positions. `None`: the axes are at the goal.
     pub(super) fn line_to(&self, goal: &[i32], rate: Option<u32>) -> Option<ServoLine<3>> {
-        let (mut ways, mut rates, mut accelerations) = ([0; 3], [u32::MAX; 3], [u64::MAX; 3]);
+        let (mut distances, mut rates, mut accelerations) = ([0; 3], [u32::MAX; 3], [u64::MAX; 3]);
         for (axis, goal) in self.axes.iter().zip(goal) {
             let coordinate = axis.settings.coordinate();
             // A saturated distance only makes the move slower.
-            ways[coordinate] = goal.saturating_sub(axis.held);
+            distances[coordinate] = goal.saturating_sub(axis.held);
             rates[coordinate] = axis.rate(self.probe.rate);
             accelerations[coordinate] = axis.settings.acceleration.into();
         }
-        let direction = Direction::new(ways.map(i64::from))?;
+        let direction = Direction::new(distances.map(i64::from))?;
         let rate = direction.speed_limit(&rates).min(rate.unwrap_or(u32::MAX));
         let acceleration = direction.acceleration_limit(&accelerations);
         let (velocity, acceleration) = per_period(rate, acceleration, self.period_s);
-        ServoLine::new(ways, velocity, acceleration)
+        ServoLine::new(distances, velocity, acceleration)
     }
 
     /// Latest end of a move that begins now, us.
@@ -188,7 +188,7 @@ impl<P: Port> Head<P> {
         self.line.elapsed_us() + (seconds * 1.5e6) as u64 + SETTLING_US
     }
 
-    /// Tells the operator, once per axis, that a moving axis is not homed.
+    /// Informs the operator, once per axis, that a moving axis is not homed.
     pub(super) fn announce(&mut self, goal: &[i32]) {
         for (axis, goal) in self.axes.iter_mut().zip(goal) {
             if axis.is_homed || axis.is_announced || axis.held == *goal {
@@ -240,7 +240,7 @@ impl<P: Port> Head<P> {
         Ok(())
     }
 
-    /// Notes to which end each axis is about to move.
+    /// Registers the end to which each axis is about to move.
     pub(super) fn head_for(&mut self, goal: &[i32]) {
         for (axis, goal) in self.axes.iter_mut().zip(goal) {
             axis.heading = End::towards(i64::from(*goal) - i64::from(axis.held));
@@ -252,7 +252,7 @@ impl<P: Port> Head<P> {
     fn start_group(&mut self, goal: &[i32], search: Option<Search>) -> Result<(), Trouble> {
         for _ in 0..STARTS {
             match self.line.command(EVERY_GROUP, Command::StartMotion) {
-                // If the answer of the leader is missing, the readings below decide.
+                // If the answer of the leader is missing, the following readings decide.
                 Ok(_)
                 | Err(Trouble::Link {
                     failure: Failure::Uncertain,
@@ -261,7 +261,8 @@ impl<P: Port> Head<P> {
                 Err(trouble) => return Err(trouble),
             }
             let replies = self.read()?;
-            // Of short moves the readings do not show the start. They are checked at their end.
+            // In a short move the readings do not show the start. Such moves are checked at their
+            // end.
             let is_long = |(axis, (_, goal)): &(&Servo, (&Reply, &i32))| {
                 goal.abs_diff(axis.held) > 4 * axis.settings.in_position
             };

@@ -11,7 +11,7 @@ use husillo_transports::nmc::{Homing, Reply};
 
 impl<P: Port> Head<P> {
     /// Goes towards a goal in a straight line until the contact is made or broken. It stays where
-    /// it has braked. The speed is at most `rate` counts/s and at most that of a search.
+    /// it has come to rest. The speed is at most `rate` counts/s and at most that of a search.
     ///
     /// # Errors
     ///
@@ -83,8 +83,8 @@ impl<P: Port> Head<P> {
             replies: self.read()?,
             is_found: false,
         };
-        // Whether the last move was a search in vain, and the position of a contact without a
-        // latch.
+        // Whether the last move was a search without a contact, and the position of a contact
+        // without a latch.
         let (mut is_in_vain, mut unlatched) = (false, None);
         // The goal of a move of the cycle that is outside of the travel.
         let mut beyond: Option<(Vec<i32>, [i64; 3])> = None;
@@ -128,12 +128,12 @@ impl<P: Port> Head<P> {
                         self.check_sense(direction, &finished.replies)?;
                     }
                 }
-                // The modules stop on their own.
+                // The modules stop by themselves.
                 Request::Stop | Request::Wait => {}
                 Request::Done(measurement) => return Ok(measurement),
                 Request::Failed(failure) => {
                     if let (Failure::StuckContact, Some((wanted, target))) = (failure, &beyond) {
-                        // There was no room to leave the contact.
+                        // There was no room in which to leave the contact.
                         self.check_travel(wanted, *target)?;
                     }
                     // At most 2^32 - 1.
@@ -184,8 +184,8 @@ impl<P: Port> Head<P> {
         }
     }
 
-    /// The trouble of a failed search between two points. `unlatched` is the position of a contact
-    /// without a latch.
+    /// The failure of a search between two points. `unlatched` is the position of a contact without
+    /// a latch.
     fn failure(
         &self,
         failure: Failure,

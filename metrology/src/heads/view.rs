@@ -1,4 +1,4 @@
-//! The view of a machine: the positions of its readings.
+//! The view of a machine: conversion of its readings to positions.
 
 use husillo_backlash::{Calibration, Flank, Knot};
 use std::rc::Rc;
@@ -6,11 +6,11 @@ use std::rc::Rc;
 /// The errors of a machine, with any number of knots.
 pub type Errors = Calibration<Vec<Knot>>;
 
-/// Turns readings into positions: it removes the errors and subtracts the zero. Results, goals and
+/// Converts readings to positions: removes the errors and subtracts the zero. Results, goals and
 /// messages all use it.
 #[derive(Clone, Debug)]
 pub struct View {
-    /// The errors in force.
+    /// The errors in use.
     pub errors: Rc<Errors>,
     /// The direction of the last move of each axis.
     pub flanks: [Flank; 3],

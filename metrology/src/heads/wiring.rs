@@ -1,19 +1,19 @@
-//! What the limit inputs of a module are wired to.
+//! Connections of the limit inputs of a module.
 
 use super::machine::AxisSettings;
 use husillo_transports::nmc::{Homing, Reply, Status};
 use std::fmt;
 
-/// What a limit input of a module is wired to.
+/// The connection of a limit input of a module.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Wiring {
     /// A contact of the probe.
     Probe,
     /// An end switch of the axis.
     End(End),
-    /// Both end switches of the axis. They are told apart by the direction of travel.
+    /// Both end switches of the axis. The direction of travel shows which of them is closed.
     Ends,
-    /// Nothing: the input is not looked at.
+    /// Nothing. The input is ignored.
     #[default]
     Nothing,
 }
@@ -80,7 +80,7 @@ impl AxisSettings {
         })
     }
 
-    /// The end switch that home is searched from: the low one of two.
+    /// Returns the end switch from which home is searched: the low one of two.
     #[must_use]
     pub fn end(&self) -> Option<End> {
         self.ends().next().map(|(end, ..)| end.unwrap_or(End::Low))

@@ -1,4 +1,4 @@
-//! The measuring machine: how well it repeats positions and touches. The original states one
+//! The measuring machine: the repeatability of positions and touches. The original states one
 //! number for each.
 
 use super::{Parameter, Row, Table};
@@ -8,7 +8,7 @@ use crate::trouble::Trouble;
 use husillo_probe::UnitVector;
 use husillo_transports::nmc::Gains;
 
-/// Stated for positions and for touches, counts either way.
+/// Stated for positions and for touches, in counts and in both directions.
 const STATED_COUNTS: f64 = 1.0;
 /// The gains of the original. It does not state the other settings of its modules.
 const GAINS: Gains = Gains {
@@ -23,10 +23,11 @@ const GAINS: Gains = Gains {
     dead_band: 0,
     step_multiplier: None,
 };
-/// Least output that moves the simulated motor against its stiction, of 255.
+/// The dead band, of 255. It is just below the output of 15 that overcomes the stiction of the
+/// simulated motor.
 const DEAD_BAND: u8 = 14;
-/// Distance from a goal at which a move with these gains ends, counts: farther than friction holds
-/// the simulated motor.
+/// Distance from a goal at which a move with these gains may end, counts. It is more than the
+/// distance at which friction holds the simulated motor.
 const NEAR: u32 = 30;
 /// Lengths of the moves, counts. They are repeated in both directions.
 const MOVES: [i64; 10] = [1, 2, 5, 13, 40, 99, 250, 777, 1200, 2503];
@@ -46,7 +47,7 @@ type SimulatedHead = Head<SimulatedPort>;
 ///
 /// # Errors
 ///
-/// The simulated machine reports a trouble.
+/// The simulated machine reports a failure.
 pub fn repeatability() -> Result<Table, String> {
     let today = one_axis();
     let said = |trouble: Trouble| trouble.to_string();
@@ -86,7 +87,7 @@ pub fn repeatability() -> Result<Table, String> {
             Parameter::new(
                 "dead band",
                 format!("{DEAD_BAND} of 255"),
-                "fitted: the stiction of the simulated motor; the original does not state it",
+                "fitted: just below the stiction of the simulated motor; not stated by the original",
             ),
             Parameter::new(
                 "trials",
@@ -114,7 +115,7 @@ fn start(machine: &Machine, faces: &[String]) -> Result<SimulatedHead, Trouble> 
     Head::start(Line::new(SimulatedPort::new(chain)), machine, 1)
 }
 
-/// Where the axis stands when it has come to rest, counts.
+/// Returns the position at which the axis comes to rest, counts.
 fn position(head: &mut SimulatedHead) -> Result<i64, Trouble> {
     let mut last = head.status(0)?.readings.position;
     let mut same = 0;
@@ -126,7 +127,7 @@ fn position(head: &mut SimulatedHead) -> Result<i64, Trouble> {
     Ok(last.into())
 }
 
-/// Goes to and fro and returns the largest distance from a goal, counts.
+/// Moves back and forth and returns the largest distance from a goal, counts.
 fn farthest(machine: &Machine) -> Result<f64, Trouble> {
     let mut head = start(machine, &[])?;
     let mut farthest = 0;

@@ -1,4 +1,4 @@
-//! The drill: holes of a board, and what the description states of steps and times. It has no
+//! The drill: holes of a board, and the steps and times that the description states. It has no
 //! measured tables, only an accuracy that boards need.
 
 use super::{Parameter, Row, Table};
@@ -21,7 +21,7 @@ const STROKE: u16 = 3745;
 /// Distance from the upper sensor to the board, steps.
 const BOARD: u16 = 3000;
 
-/// What the simulated drill made.
+/// The result of the simulated drill.
 struct Made {
     holes: Vec<DrilledHole>,
     /// Time of each stroke of Z down and up, s.

@@ -40,18 +40,18 @@ pub const TRUE_STEP: Fraction = Fraction {
     num: 500_000 / 32,
     den: 28 * 128 / 32,
 };
-/// What the original took up when it cut the squares of table 14, um.
+/// Take-up of the original when it cut the squares of table 14, um.
 const FIRST_TAKE_UP_UM: [f64; 2] = [192.5, 168.5];
-/// What it took up when it cut the circles of table 15, and later, um.
+/// Take-up of the original when it cut the circles of table 15, and later, um.
 const LAST_TAKE_UP_UM: [f64; 2] = [204.0, 178.0];
-/// What remained in the work according to the original, um: the spread of any play.
+/// Backlash that remained in the work according to the original, um. It is the spread of any play.
 const LEFT_UM: [f64; 2] = [33.0, 27.0];
-/// Largest error of reading a mark, um: the spread of any length.
+/// Largest error of the reading of a mark, um. It is the spread of any length.
 const READING_UM: f64 = 10.0;
 /// Largest distance between two places of the map of today, mm.
 const EVERY_MM: f64 = 1.0;
 
-/// What the controller of a mill is set to.
+/// Settings of the controller of a mill.
 #[derive(Clone, Debug)]
 pub struct Settings {
     /// Step of the axes in nm.
@@ -71,7 +71,7 @@ impl Settings {
     }
 }
 
-/// The same backlash at every place.
+/// The same backlash at every position.
 fn everywhere(um: f64) -> PlaceTable {
     PlaceTable {
         axes: [0, 1],
@@ -80,8 +80,8 @@ fn everywhere(um: f64) -> PlaceTable {
     }
 }
 
-/// Builds a homed mill with these settings on these screws. Its [`Bench`] reports where the tool
-/// truly is, in steps of [`TRUE_STEP`].
+/// Builds a homed mill with these settings on these screws. Its [`Bench`] reports the true position
+/// of the tool, in steps of [`TRUE_STEP`].
 pub type Build<'a> = dyn Fn(&Settings, &Screws) -> Result<Box<dyn Bench>, String> + 'a;
 
 /// Mills on the fitted screws, with the settings of the original and with those of today.

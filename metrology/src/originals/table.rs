@@ -18,7 +18,7 @@ pub struct Row {
     pub today: Option<f64>,
     /// The programmed value; `None` where there is none.
     pub programmed: Option<f64>,
-    /// Spread of the measured value, either way.
+    /// Spread of the measured value in either direction.
     pub spread: f64,
 }
 
@@ -101,9 +101,9 @@ pub struct Table {
     pub spread: &'static str,
     /// The rows.
     pub rows: Vec<Row>,
-    /// What the rebuilt values depend on.
+    /// The parameters of the rebuilt values.
     pub parameters: Vec<Parameter>,
-    /// Why rows are outside of their spread, and what no simulation reaches.
+    /// Reasons for rows outside of their spread, and values that no simulation gives.
     pub notes: Vec<String>,
 }
 

@@ -110,7 +110,7 @@ impl Cycle {
                 points: points(4, 9, 5)?,
             },
             _ => {
-                let ends = |at: i64, way: i64| [at, at.saturating_add(way)];
+                let ends = |at: i64, length: i64| [at, at.saturating_add(length)];
                 let ([x0, x1], [y0, y1]) = (ends(nm(0), nm(3)), ends(nm(1), nm(4)));
                 let places = [[x0, y0], [x1, y0], [x1, y1], [x0, y1]];
                 Job::Plane {

@@ -12,7 +12,7 @@ impl Site<'_> {
     ///
     /// # Errors
     ///
-    /// Trouble of the machine.
+    /// [`Failure`] of the machine.
     pub(super) fn contacts(&mut self, job: &Job) -> Result<Vec<Contact>, Failure> {
         match job {
             Job::Touch { towards, within_nm } => {

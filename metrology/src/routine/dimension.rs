@@ -70,7 +70,7 @@ pub enum Verdict {
     Good,
     /// Out of its tolerance.
     Out,
-    /// Not known, as a collision may have bent or moved something.
+    /// Not known, because a collision may have bent or moved something.
     Spoiled,
 }
 

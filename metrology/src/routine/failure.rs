@@ -7,7 +7,7 @@ use std::fmt;
 /// Why a statement has no result.
 #[derive(Debug)]
 pub enum Failure {
-    /// The machine has a trouble.
+    /// The machine has failed.
     Machine(Trouble),
     /// The touches do not determine the feature.
     Fit(FitError),

@@ -23,11 +23,11 @@ pub struct Feature {
     pub marks: Vec<Mark>,
     /// The frame in which it was measured.
     pub frame: Frame,
-    /// How the routine calls that frame: `machine`, or the features that give it.
+    /// Name of that frame in the routine: `machine`, or the features that define it.
     pub frame_name: String,
     /// Its figures in that frame.
     pub dimensions: Vec<Dimension>,
-    /// The probe has collided before or after it, so it is not good.
+    /// Whether the probe has collided before or after it, so that its result is not valid.
     pub is_spoiled: bool,
 }
 
@@ -260,7 +260,7 @@ pub fn distance_nm(
     along: Option<Vector>,
     upright: Vector,
 ) -> i64 {
-    let way = minus(floats(ends[1]), floats(ends[0]));
+    let displacement = minus(floats(ends[1]), floats(ends[0]));
     let is_tall = |shape: &Shape| {
         matches!(
             shape,
@@ -268,12 +268,12 @@ pub fn distance_nm(
         )
     };
     match (along, a.plane(), b.plane()) {
-        (Some(along), ..) => dot(way, along).abs().round() as i64,
+        (Some(along), ..) => dot(displacement, along).abs().round() as i64,
         (None, Some(plane), _) => plane.distance_nm(ends[1]).abs(),
         (None, None, Some(plane)) => plane.distance_nm(ends[0]).abs(),
         (None, None, None) if is_tall(a) || is_tall(b) => {
-            length(cross(way, upright)).round() as i64
+            length(cross(displacement, upright)).round() as i64
         }
-        (None, None, None) => length(way).round() as i64,
+        (None, None, None) => length(displacement).round() as i64,
     }
 }

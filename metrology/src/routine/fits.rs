@@ -158,8 +158,11 @@ pub fn width(contacts: &[Contact], tip: &Stylus) -> Result<Fitted, Failure> {
 pub fn line(points: &Points, tip: &Stylus) -> Result<Fitted, Failure> {
     let centres = points.centres();
     let ends = centres.first().zip(centres.last());
-    let way = ends.and_then(|(a, b)| direction(minus(floats(*b), floats(*a))));
-    let fitted = Line::fit(centres.iter().copied(), &way.ok_or(Failure::Parallel)?)?;
+    let displacement = ends.and_then(|(a, b)| direction(minus(floats(*b), floats(*a))));
+    let fitted = Line::fit(
+        centres.iter().copied(),
+        &displacement.ok_or(Failure::Parallel)?,
+    )?;
     let Points::Touched(contacts) = points else {
         let off = |at| fitted.distance_nm(at);
         let marks = points.marks(tip, |at| away(fitted.point_nm, &fitted, at), off);
@@ -178,8 +181,8 @@ pub fn line(points: &Points, tip: &Stylus) -> Result<Fitted, Failure> {
         ..fitted
     };
     let off = |at: [i64; 3]| {
-        let way = minus(floats(at), floats(line.point_nm));
-        dot(way, components(&outward)).round() as i64
+        let displacement = minus(floats(at), floats(line.point_nm));
+        dot(displacement, components(&outward)).round() as i64
     };
     let marks = points.marks(tip, |_| outward, off);
     let shape = Shape::Line {
@@ -193,8 +196,8 @@ pub fn line(points: &Points, tip: &Stylus) -> Result<Fitted, Failure> {
 /// line.
 fn away(origin_nm: [i64; 3], line: &Line, at: [i64; 3]) -> UnitVector {
     let along = components(&line.direction);
-    let way = minus(floats(at), floats(origin_nm));
-    let across = vector::across(way, along);
+    let displacement = minus(floats(at), floats(origin_nm));
+    let across = vector::across(displacement, along);
     across.and_then(direction).unwrap_or(UnitVector::Z)
 }
 
@@ -207,8 +210,8 @@ pub fn circle(points: &Points, tip: &Stylus, frame: &Frame) -> Result<Fitted, Fa
     let axis = frame.upright();
     let circle = Circle::fit(points.centres(), &axis)?;
     let ray = |at: [i64; 3]| {
-        let way = minus(floats(at), floats(circle.centre_nm));
-        vector::across(way, components(&axis)).unwrap_or([1.0, 0.0, 0.0])
+        let displacement = minus(floats(at), floats(circle.centre_nm));
+        vector::across(displacement, components(&axis)).unwrap_or([1.0, 0.0, 0.0])
     };
     let side = side(points, ray)?;
     let circle = circle.grown_nm(side.growth_nm(tip));
@@ -225,8 +228,8 @@ pub fn circle(points: &Points, tip: &Stylus, frame: &Frame) -> Result<Fitted, Fa
 pub fn sphere(points: &Points, tip: &Stylus) -> Result<Fitted, Failure> {
     let sphere = Sphere::fit(points.centres())?;
     let ray = |at: [i64; 3]| {
-        let way = minus(floats(at), floats(sphere.centre_nm));
-        scaled(way, 1.0 / vector::length(way).max(1.0))
+        let displacement = minus(floats(at), floats(sphere.centre_nm));
+        scaled(displacement, 1.0 / vector::length(displacement).max(1.0))
     };
     let side = side(points, ray)?;
     let sphere = sphere.grown_nm(side.growth_nm(tip));

@@ -19,8 +19,8 @@ impl Frame {
         axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
     };
 
-    /// The frame with these axes in which the point `at_nm` of the machine has the coordinates
-    /// `called_nm`.
+    /// Creates the frame with these axes in which the point `at_nm` of the machine has the
+    /// coordinates `called_nm`.
     pub fn new(axes: [Vector; 3], at_nm: Vector, called_nm: [i64; 3]) -> Self {
         let mut origin_nm = at_nm;
         for (axis, called) in axes.iter().zip(called_nm) {
@@ -56,8 +56,8 @@ impl Frame {
 
     /// Converts a point of the machine to the part, rounded to the nearest nm.
     pub fn to_part(self, machine_nm: [i64; 3]) -> [i64; 3] {
-        let way = minus(floats(machine_nm), self.origin_nm);
-        self.axes.map(|axis| dot(axis, way).round() as i64)
+        let displacement = minus(floats(machine_nm), self.origin_nm);
+        self.axes.map(|axis| dot(axis, displacement).round() as i64)
     }
 
     /// Converts a direction of the part to the machine. `None`: its length is 0.

@@ -101,9 +101,9 @@ impl Parser {
             })?),
             "goto" => Order::GoTo(place(&mut reader, "goto")?, approach(&mut reader)),
             "jog" => {
-                let way = place(&mut reader, "jog")?;
-                let way = way.map(Option::unwrap_or_default);
-                Order::Jog(way, approach(&mut reader))
+                let displacement = place(&mut reader, "jog")?;
+                let displacement = displacement.map(Option::unwrap_or_default);
+                Order::Jog(displacement, approach(&mut reader))
             }
             "zero" => Order::Zero(zero(&mut reader)?),
             "frame" => self.frame(&mut reader)?,

@@ -214,7 +214,8 @@ fn carry_out(
             let travel =
                 UnitVector::new(displacement).ok_or_else(|| at.failed(Failure::NoDirection))?;
             let speed = nm_per_min(feed, displacement).ok_or_else(|| at.foreign())?;
-            // At the end of the contact the stylus is still bent by the travel towards the surface.
+            // At the end of the contact the stylus is still bent from the travel towards the
+            // surface.
             let (until, approach) = if away {
                 (Edge::Broken, travel.reversed())
             } else {

@@ -132,8 +132,8 @@ fn try_statement(
             let to = runner.site.place(*place)?;
             done.moved = Some(Moved::new(here, to, *approach));
         }
-        Order::Jog(way, approach) => {
-            let to = std::array::from_fn(|axis| here[axis] + way[axis]);
+        Order::Jog(displacement, approach) => {
+            let to = std::array::from_fn(|axis| here[axis] + displacement[axis]);
             done.moved = Some(Moved::new(here, to, *approach));
         }
         Order::Measure(task) => {
@@ -223,8 +223,10 @@ fn is_onward(start: [i64; 3], end: [i64; 3], to: [i64; 3]) -> bool {
     let step = |from: [i64; 3], to: [i64; 3]| -> Vec<(usize, i64)> {
         let steps = (0..3).map(|axis| (axis, (to[axis] - from[axis])));
         // An axis that stands still may be a few counts off.
-        let steps = steps.filter(|(_, way)| way.abs() > 10_000);
-        steps.map(|(axis, way)| (axis, way.signum())).collect()
+        let steps = steps.filter(|(_, displacement)| displacement.abs() > 10_000);
+        steps
+            .map(|(axis, displacement)| (axis, displacement.signum()))
+            .collect()
     };
     let (first, second) = (step(start, end), step(end, to));
     first.len() == 1 && first == second

@@ -42,9 +42,9 @@ impl<'a> Runner<'a> {
                 let goal = site.place(*place)?;
                 site.go_by(approach.unwrap_or(site.approach), goal)?;
             }
-            Order::Jog(way, approach) => {
+            Order::Jog(displacement, approach) => {
                 let here = site.position()?;
-                let goal = std::array::from_fn(|axis| here[axis] + way[axis]);
+                let goal = std::array::from_fn(|axis| here[axis] + displacement[axis]);
                 site.go_by(approach.unwrap_or(site.approach), goal)?;
             }
             Order::Zero(axes) => site.zero(*axes)?,

@@ -30,7 +30,7 @@ pub struct Site<'a> {
     pub tip: Stylus,
     /// The frame of coordinates.
     pub frame: Frame,
-    /// How the routine calls the frame: `machine`, or the features that give it.
+    /// Name of the frame in the routine: `machine`, or the features that define it.
     pub frame_name: String,
     /// Distance before a surface at which touches begin, nm.
     pub clearance_nm: i64,
@@ -38,7 +38,7 @@ pub struct Site<'a> {
     pub search_nm: i64,
     /// Safe height for the moves between features, nm. `None`: the moves are direct.
     pub safe_nm: Option<i64>,
-    /// How moves meet a contact that nobody expects.
+    /// The reaction of moves to an unexpected contact.
     pub approach: Approach,
 }
 
@@ -99,7 +99,7 @@ impl<'a> Site<'a> {
     ///
     /// # Errors
     ///
-    /// Trouble of the line.
+    /// The line fails.
     pub fn machine_position(&mut self) -> Result<[i64; 3], Failure> {
         Ok(self.prober.position()?)
     }
@@ -108,7 +108,7 @@ impl<'a> Site<'a> {
     ///
     /// # Errors
     ///
-    /// Trouble of the line.
+    /// The line fails.
     pub fn position(&mut self) -> Result<[i64; 3], Failure> {
         Ok(self.frame.to_part(self.prober.position()?))
     }
@@ -117,7 +117,7 @@ impl<'a> Site<'a> {
     ///
     /// # Errors
     ///
-    /// Trouble of the line.
+    /// The line fails.
     pub(super) fn place(&mut self, place: Place) -> Result<[i64; 3], Failure> {
         if let [Some(x), Some(y), Some(z)] = place {
             return Ok([x, y, z]);
@@ -132,16 +132,16 @@ impl<'a> Site<'a> {
     ///
     /// # Errors
     ///
-    /// Trouble of the machine.
+    /// The machine fails.
     pub fn go_to(&mut self, part_nm: [i64; 3]) -> Result<(), Failure> {
         self.go_by(self.approach, part_nm)
     }
 
-    /// The same with another approach than that of the other moves.
+    /// Goes there with another approach than that of the other moves.
     ///
     /// # Errors
     ///
-    /// Trouble of the machine.
+    /// The machine fails.
     pub(super) fn go_by(&mut self, approach: Approach, part_nm: [i64; 3]) -> Result<(), Failure> {
         let goal = self.frame.to_machine(part_nm);
         match approach {
@@ -156,7 +156,7 @@ impl<'a> Site<'a> {
     ///
     /// # Errors
     ///
-    /// Trouble of the machine.
+    /// The machine fails.
     pub(super) fn travel_to(&mut self, part_nm: [i64; 3]) -> Result<(), Failure> {
         let Some(safe_nm) = self.safe_nm else {
             return self.go_to(part_nm);
@@ -164,11 +164,11 @@ impl<'a> Site<'a> {
         self.travel_over(part_nm, safe_nm)
     }
 
-    /// The same at a given height.
+    /// Goes there at a given safe height.
     ///
     /// # Errors
     ///
-    /// Trouble of the machine.
+    /// The machine fails.
     pub(super) fn travel_over(&mut self, part_nm: [i64; 3], height_nm: i64) -> Result<(), Failure> {
         let [here_x, here_y, here_z] = self.position()?;
         let [x, y, z] = part_nm;
@@ -190,7 +190,7 @@ impl<'a> Site<'a> {
     ///
     /// # Errors
     ///
-    /// Trouble of the machine, no contact among it.
+    /// The machine fails, or there is no contact.
     pub(super) fn touch(&mut self, travel: Vector, distance_nm: i64) -> Result<Contact, Failure> {
         let travel = self
             .frame
@@ -199,11 +199,11 @@ impl<'a> Site<'a> {
         self.touch_along(travel, distance_nm.unsigned_abs())
     }
 
-    /// The same along a direction of the machine.
+    /// Touches along a direction of the machine.
     ///
     /// # Errors
     ///
-    /// Trouble of the machine, no contact among it.
+    /// The machine fails, or there is no contact.
     pub(super) fn touch_along(
         &mut self,
         travel: UnitVector,
@@ -223,7 +223,7 @@ impl<'a> Site<'a> {
     ///
     /// # Errors
     ///
-    /// Trouble of the line.
+    /// The line fails.
     pub(super) fn zero(&mut self, axes: [bool; 3]) -> Result<(), Failure> {
         let here = self.machine_position()?;
         self.change_frame(self.frame.zeroed(here, axes), here);
@@ -251,8 +251,8 @@ const NEAR_NM: i64 = 10_000;
 /// The point at the distance `by_nm` from another along a direction, whose length is not 0.
 pub fn beyond(point_nm: [i64; 3], direction: Vector, by_nm: i64) -> [i64; 3] {
     let size = vector::length(direction);
-    let way = scaled(direction, by_nm as f64 / size);
-    plus(floats(point_nm), way).map(|nm| nm.round() as i64)
+    let displacement = scaled(direction, by_nm as f64 / size);
+    plus(floats(point_nm), displacement).map(|nm| nm.round() as i64)
 }
 
 /// The mean direction out of the touched surface: the sum of the reversed directions of travel.

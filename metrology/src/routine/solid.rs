@@ -62,8 +62,8 @@ impl Ideal {
             gap = match *body {
                 Body::Block(low, high) => gap.min(outside(part, low, high)),
                 Body::Ball(centre, radius) => {
-                    let way = minus(part, floats(centre));
-                    gap.min(length(way) - radius as f64)
+                    let displacement = minus(part, floats(centre));
+                    gap.min(length(displacement) - radius as f64)
                 }
                 Body::Pin {
                     centre: [x, y],
@@ -105,7 +105,7 @@ fn outside(part: Vector, low: [i64; 3], high: [i64; 3]) -> f64 {
     let off: Vector = std::array::from_fn(|axis| {
         (low[axis] as f64 - part[axis]).max(part[axis] - high[axis] as f64)
     });
-    length(off.map(|way| way.max(0.0))) + off[0].max(off[1]).max(off[2]).min(0.0)
+    length(off.map(|displacement| displacement.max(0.0))) + off[0].max(off[1]).max(off[2]).min(0.0)
 }
 
 impl Prober for Ideal {
@@ -114,12 +114,12 @@ impl Prober for Ideal {
     }
 
     fn go_to(&mut self, goal_nm: [i64; 3]) -> Result<[i64; 3], Trouble> {
-        let (from, way) = (floats(self.at), minus(floats(goal_nm), floats(self.at)));
-        let length = length(way);
+        let (from, displacement) = (floats(self.at), minus(floats(goal_nm), floats(self.at)));
+        let length = length(displacement);
         self.moves += 1;
         let mut gone = 0.0;
         while gone < length {
-            let gap = self.gap(plus(from, scaled(way, gone / length)));
+            let gap = self.gap(plus(from, scaled(displacement, gone / length)));
             if gap < -PRESSED_NM {
                 return Err(Trouble::PositionError {
                     at: format!("{:?} to {goal_nm:?}, after {gone} nm", self.at),
@@ -152,9 +152,9 @@ impl Prober for Ideal {
         until: Edge,
     ) -> Result<Probed, Trouble> {
         self.speeds.push(nm_per_min);
-        let (from, way) = (floats(self.at), minus(floats(goal_nm), floats(self.at)));
-        let length = length(way);
-        let travel = UnitVector::new(way.map(|nm| nm as i64)).unwrap();
+        let (from, displacement) = (floats(self.at), minus(floats(goal_nm), floats(self.at)));
+        let length = length(displacement);
+        let travel = UnitVector::new(displacement.map(|nm| nm as i64)).unwrap();
         // The stylus is bent by the travel towards the surface.
         let approach = match until {
             Edge::Made => travel,
@@ -168,7 +168,7 @@ impl Prober for Ideal {
                 Edge::Broken => Trouble::NotTouching,
             });
         }
-        let at = |gone: f64| plus(from, scaled(way, gone / length));
+        let at = |gone: f64| plus(from, scaled(displacement, gone / length));
         let mut gone = 0.0;
         while gone < length {
             let gap = self.gap(at(gone));

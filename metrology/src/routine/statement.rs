@@ -25,9 +25,9 @@ pub enum Order {
     Search(i64),
     /// Safe height for the moves between features, nm. `None`: the moves are direct.
     Safe(Option<i64>),
-    /// How the moves after it meet a contact, if they do not say so themselves.
+    /// The reaction of the following moves to a contact, if they do not state their own.
     Moves(Approach),
-    /// A straight move to a position. `None`: as the moves of the routine do.
+    /// A straight move to a position. `None`: with the approach that `moves` has set.
     GoTo(Place, Option<Approach>),
     /// A straight move by these distances, nm.
     Jog([i64; 3], Option<Approach>),

@@ -51,7 +51,7 @@ pub enum Failed {
     NoUltimate,
     /// The relay found no ultimate point.
     NoRelay(NoRelay),
-    /// The ultimate point gives no gains that a module has.
+    /// The module cannot have the gains of the ultimate point.
     NoGains,
 }
 

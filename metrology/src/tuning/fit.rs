@@ -4,8 +4,8 @@ use super::trial;
 use husillo_pid::Gains as Rates;
 use husillo_transports::nmc::{CYCLE_US, Gains};
 
-/// Largest step of the integral part, PWM. The module adds it when its sum passes a multiple of 256
-/// counts and samples, and a larger step would jolt the axis.
+/// Largest step of the integral part, PWM. The module adds this step whenever its sum passes a
+/// multiple of 256 counts and samples. A larger step would jolt the axis.
 pub(super) const STEP_PWM: f64 = 4.0;
 /// Largest drive of the integral part, of 255. It overcomes stiction and does not jolt the axis.
 const SHARE_PWM: f64 = 32.0;

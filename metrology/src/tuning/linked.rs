@@ -5,7 +5,7 @@ use crate::heads::per_period;
 use crate::heads::{AxisSettings, Line, Machine, Port};
 use crate::trouble::Trouble;
 use husillo_transports::nmc::{
-    CYCLE_US, Command, Gains, Items, Mode, Reply, Reset, Status, Stop, StopWay, Trajectory,
+    CYCLE_US, Command, Gains, Items, Mode, Reply, Reset, Status, Stop, StopMode, Trajectory,
 };
 
 /// A module on a line.
@@ -56,9 +56,9 @@ impl<P: Port> Linked<P> {
         self.line.command(self.module, command)
     }
 
-    fn stop(&mut self, amplifier: bool, way: StopWay) -> Result<(), Trouble> {
-        let way = Some(way);
-        self.command(Command::StopMotor(Stop { amplifier, way }))?;
+    fn stop(&mut self, amplifier: bool, mode: StopMode) -> Result<(), Trouble> {
+        let mode = Some(mode);
+        self.command(Command::StopMotor(Stop { amplifier, mode }))?;
         Ok(())
     }
 }
@@ -72,13 +72,13 @@ impl<P: Port> Rig for Linked<P> {
     }
 
     fn engage(&mut self) -> Result<(), Trouble> {
-        self.stop(true, StopWay::Abrupt)?;
+        self.stop(true, StopMode::Abrupt)?;
         self.command(Command::ClearBits)?;
         Ok(())
     }
 
     fn hold(&mut self, position: i32) -> Result<(), Trouble> {
-        self.stop(true, StopWay::Here(position))
+        self.stop(true, StopMode::Here(position))
     }
 
     fn go_to(&mut self, goal: i32, rate: u32, acceleration: u32) -> Result<(), Trouble> {
@@ -126,7 +126,7 @@ impl<P: Port> Rig for Linked<P> {
     }
 
     fn release(&mut self) -> Result<(), Trouble> {
-        self.stop(false, StopWay::Off)
+        self.stop(false, StopMode::Off)
     }
 
     fn sample(&mut self) -> Result<Sample, Trouble> {

@@ -23,8 +23,9 @@ const OVERSHOOT_PERCENT: f64 = 25.0;
 /// Number of moves that check a limit.
 const MOVES: u32 = 9;
 
-/// The gains that a search raises no further, although the axis has not vibrated. Beyond them the
-/// steps of the encoder drive the motor, so a servo that friction keeps calm is no better for them.
+/// Upper bounds of the searches for gains of an axis that has not vibrated. Beyond them, single
+/// counts of the encoder drive the motor, so higher gains do not improve a servo that friction
+/// keeps calm.
 #[derive(Clone, Copy)]
 struct Bounds {
     derivative: u16,
@@ -33,8 +34,8 @@ struct Bounds {
 }
 
 impl Bounds {
-    /// A motion of one count in a sample makes a quarter of the full drive. An error of eight
-    /// counts makes all of it. A step of the integral makes what [`STEP_PWM`] says.
+    /// At the bounds, a motion of one count in a sample makes a quarter of the full drive, and an
+    /// error of eight counts makes the full drive. A step of the integral makes [`STEP_PWM`].
     fn new(output_limit: u8) -> Self {
         // 255 * 256 = 65280.
         let full = u16::from(output_limit) * 256;
@@ -50,7 +51,7 @@ impl Bounds {
 struct Raised {
     /// Half of the last gain.
     gain: u16,
-    /// The largest gain that was tried, where even that one was not too much.
+    /// The largest gain that was tried, if even this gain was not too large.
     calm_at: Option<u16>,
 }
 
@@ -167,11 +168,11 @@ pub fn stepwise(
     Ok(gains)
 }
 
-/// What ends the searches for the proportional and for the integral gain.
+/// The event that ends the searches for the proportional and for the integral gain.
 const SWINGS: &str = "oscillates or overshoots by more than 25 %";
 
 impl Raised {
-    /// The sentence about a search that has found nothing. `reason` says what the bound is.
+    /// Returns the sentence about a search without a result. `reason` describes the bound.
     fn note(&self, stage: &str, event: &str, reason: &str) -> Option<String> {
         let calm_at = self.calm_at?;
         Some(format!(

@@ -8,6 +8,7 @@ use crate::ramp::{root::Root, slowness::part};
 /// values are ticks times 2^32, in two's complement. An interrupt needs nothing but this value to
 /// time the events.
 ///
+/// # Examples
 /// ```
 /// use husillo_planner::Piece;
 ///

@@ -6,7 +6,7 @@ use crate::{
 };
 
 /// Largest acceleration seen, as a multiple of the limit: the cubic of a piece, see `Ramp`.
-const SEEN: f64 = 1.035;
+const SEEN: f64 = 1.036;
 
 /// Largest error of an event within a piece, in intervals. It shows only where a hold or an
 /// override ends a piece.

@@ -67,13 +67,13 @@ impl Line {
     #[must_use]
     pub fn crossing_nm(&self, other: &Line) -> Option<[i64; 3]> {
         let (a, b) = (self.direction.to_floats(), other.direction.to_floats());
-        let way = difference(other.point_nm, self.point_nm);
+        let displacement = difference(other.point_nm, self.point_nm);
         let cosine = dot(a, b);
         let sine_squared = 1.0 - cosine * cosine;
         if !exceeds(sine_squared, 1e-6) {
             return None;
         }
-        let along = (dot(way, a) - cosine * dot(way, b)) / sine_squared;
+        let along = (dot(displacement, a) - cosine * dot(displacement, b)) / sine_squared;
         Some(super::to_nm(self.point_nm, add([0.0; 3], along, a)))
     }
 }

@@ -21,18 +21,18 @@ impl Middle {
     /// [`Circle`](super::Circle). Integers only.
     #[must_use]
     pub fn of(a: [i64; 3], b: [i64; 3], direction: &UnitVector) -> Middle {
-        let way = minus(b, a);
+        let displacement = minus(b, a);
         Middle {
             // A shift of the magnitude rounds halves towards zero.
             centre_nm: plus(
                 a,
-                way.map(|w| {
+                displacement.map(|w| {
                     (w.unsigned_abs() >> 1)
                         .cast_signed()
                         .wrapping_mul(w.signum())
                 }),
             ),
-            width_nm: direction.length_along(way).saturating_abs(),
+            width_nm: direction.length_along(displacement).saturating_abs(),
         }
     }
 }

@@ -106,8 +106,8 @@ impl Circle {
     /// the nearest nm.
     #[must_use]
     pub fn distance_nm(&self, point: [i64; 3]) -> i64 {
-        let way = difference(point, self.centre_nm);
-        let from_centre = length(projected(way, Some(self.axis.to_floats())));
+        let displacement = difference(point, self.centre_nm);
+        let from_centre = length(projected(displacement, Some(self.axis.to_floats())));
         libm::round(from_centre - self.radius_nm as f64) as i64
     }
 

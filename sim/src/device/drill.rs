@@ -7,10 +7,11 @@ use husillo_transports::drill::MEMORY_BYTES;
 
 /// First positions of X, Y and Z, in steps from their switches.
 const BEGIN: [i32; 3] = [500, 250, 60];
-/// 35 mm from one sensor of Z to the other, and 30 mm to the board, in steps.
+/// Distance between the sensors of Z, 35 mm, and from the upper sensor to the board, 30 mm, in
+/// steps.
 pub const STROKE_STEPS: u16 = 3745;
 const BOARD_STEPS: u16 = 3210;
-/// Motors of 247 Hz lose steps above 390 Hz, as those of the other machines.
+/// Motors lose steps above 390 Hz, as those of the other machines do.
 const PULL_OUT_TICKS: u32 = 2564;
 
 /// The device.
@@ -21,14 +22,15 @@ pub type Device = super::Device<EmulatedDrill>;
 pub struct EmulatedDrill;
 
 impl Device {
-    /// A drill that is switched on, at a rate in bits/s: the original, or the corrected one.
+    /// Creates a drill that is switched on, the original or the corrected one, with a line at a
+    /// rate in bits/s.
     pub fn new(bits_per_s: u32, is_original: bool) -> Self {
         let rig = DrillRig::new(BEGIN, STROKE_STEPS, BOARD_STEPS, PULL_OUT_TICKS);
         let emulated = Emulated::new(Drill::new(config(is_original)), vec![rig]);
         Self::of(EmulatedDrill, emulated, bits_per_s)
     }
 
-    /// A small and fast drill, so that a test runs many programs in a short time.
+    /// Creates a small and fast drill, so that a test runs many programs in a short time.
     pub fn quick(is_original: bool) -> Self {
         let config = DrillConfig {
             rate_hz: [1000; 3],
@@ -55,7 +57,8 @@ impl Machine for EmulatedDrill {
     type Controller = Drill<MEMORY_BYTES>;
     type Plant = DrillRig;
 
-    /// The states are the wires of each motor, bit 0 for the first one, and the spindle.
+    /// The states are the levels of the wires of each motor, bit 0 for the first wire, and the
+    /// spindle.
     const COLUMNS: &'static str = "dx,dy,dz,lx,ly,lz,spindle";
     const PANEL: &'static str = "lights, holes, board, close x|y|up|down, open x|y|up|down, \
                                  free x|y|up|down, push x|y N, block x|y|z, unblock x|y|z";
@@ -146,21 +149,23 @@ fn holes(rig: &DrillRig) -> String {
     format!("{} holes: {}", holes.len(), holes.join("; "))
 }
 
-/// A report for people.
+/// The text of a report.
 fn text(report: DrillReport) -> String {
     let letter = |axis: u8| if axis == 0 { "x" } else { "y" };
     match report {
         DrillReport::Homed => "homed".into(),
         DrillReport::Drilled { at: [x, y] } => format!("drilled at {x},{y}"),
         DrillReport::Taught { at: [x, y] } => format!("taught {x},{y}"),
-        DrillReport::Expired => "the host is silent: its lease is over, and the work ends".into(),
+        DrillReport::Expired => {
+            "the host is silent: its lease has expired, and the work ends".into()
+        }
         DrillReport::Fault(fault) => {
             let why = match fault {
                 DrillFault::NoSwitch { axis } => {
-                    format!("no home switch {} on the longest way", letter(axis))
+                    format!("no home switch {} within the longest search", letter(axis))
                 }
                 DrillFault::StillClosed { axis } => format!(
-                    "home switch {} is closed still after the way off it",
+                    "home switch {} is still closed after moving off it",
                     letter(axis)
                 ),
                 DrillFault::NotUp => "the upper sensor does not see the spindle".into(),
@@ -173,7 +178,7 @@ fn text(report: DrillReport) -> String {
                     format!("a record is beyond the table in {}", letter(axis))
                 }
             };
-            format!("fault: {why}; until a reset nothing moves")
+            format!("fault: {why}; nothing moves until a reset")
         }
     }
 }

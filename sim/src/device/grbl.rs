@@ -5,11 +5,11 @@ use crate::{Emulated, GrblPin, GrblRig, SlideSwitch};
 use husillo_controllers::{Grbl, GrblEvent, GrblMemory, GrblOptions};
 use husillo_transports::grbl::Settings;
 
-/// Where the limit switches close above the first place, mm.
+/// Positions at which the limit switches close, above the position at power-on, mm.
 const SWITCHES_MM: [i64; 3] = [20, 20, 10];
-/// Where the probe closes below the first place of Z, mm.
+/// Position of Z at which the probe closes, from the position at power-on, mm.
 const PLATE_MM: i64 = -10;
-/// The motors lose steps above this rate in steps/s.
+/// Highest step rate that the motors follow, in steps/s.
 const MOST_HZ: u64 = 60_000;
 
 /// The device.
@@ -20,10 +20,10 @@ pub type Device = super::Device<EmulatedGrbl>;
 pub struct EmulatedGrbl;
 
 impl Device {
-    /// A mill that is switched on for the first time, at a rate in bits/s.
+    /// Creates a mill that is switched on for the first time, with a line at a rate in bits/s.
     ///
     /// Its mechanics have the steps per millimetre of the settings. The settings may be changed
-    /// later, as on a real mill.
+    /// later, as on a real mill, without a change of the mechanics.
     pub fn new(bits_per_s: u32, settings: Settings) -> Self {
         let memory = GrblMemory::FACTORY.with_settings(settings);
         let grbl = Grbl::new(GrblOptions::FULL, Some(&memory));
@@ -49,7 +49,7 @@ impl Device {
     }
 }
 
-/// A distance in steps.
+/// Converts a distance to steps.
 fn steps(settings: &Settings, axis: usize, mm: i64) -> i64 {
     // There are three axes.
     let milli = settings.milli(100 + axis as u8);
@@ -73,7 +73,7 @@ impl Machine for EmulatedGrbl {
     type Controller = Grbl;
     type Plant = GrblRig;
 
-    /// The states: motors off, spindle counter-clockwise, duty of the spindle, flood, mist.
+    /// The states are: motors off, spindle counter-clockwise, duty of the spindle, flood, mist.
     const COLUMNS: &'static str = "dx,dy,dz,disable,ccw,duty,flood,mist";
     const PANEL: &'static str = "close|open|free x|y|z|probe|door|hold|start|reset, push x|y|z N, \
                                  block x|y|z, unblock x|y|z";

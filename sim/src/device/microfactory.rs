@@ -7,11 +7,12 @@ use husillo_controllers::{
 };
 use husillo_transports::microfactory::{ByteTable, Device as LinkDevice};
 
-/// Moves of a figure that a device has room for.
+/// Largest number of moves of a figure.
 pub const ROOM: u16 = 1000;
-/// Ticks after which a jog that is not repeated ends, on devices that answer.
+/// Ticks after which a jog ends unless it is repeated, for devices that answer.
 const DEAD_MAN_TICKS: u32 = 500_000;
-/// First positions: of the axes above their home switches, and of the work piece before the tool.
+/// First positions of the axes, above their home switches. `FACE_STEPS` is the distance of the work
+/// piece from the tool.
 const ABOVE_SWITCHES: [u16; 3] = [420, 380, 900];
 const FACE_STEPS: i32 = 1200;
 
@@ -146,7 +147,7 @@ impl Machine for EmulatedMicrofactory {
     }
 }
 
-/// A report for people.
+/// The text of a report.
 pub fn text(report: MicrofactoryReport) -> String {
     let letter = |axis: u8| {
         ["x", "y", "z"]
@@ -161,19 +162,19 @@ pub fn text(report: MicrofactoryReport) -> String {
         MicrofactoryReport::DeadMan => "stopped: the host was silent".into(),
         MicrofactoryReport::Contact => "the tool touches: the figure begins".into(),
         MicrofactoryReport::NoContact => {
-            "no contact on the longest way; the figure was not cut".into()
+            "no contact within the longest approach; the figure was not cut".into()
         }
         MicrofactoryReport::NoFigure => "no figure is stored".into(),
         MicrofactoryReport::Switch { axis } => {
-            format!("home switch {} closed: going back off it", letter(axis))
+            format!("home switch {} closed: backing off it", letter(axis))
         }
         MicrofactoryReport::NoSwitch { axis } => {
-            format!("no home switch {} on the longest way", letter(axis))
+            format!("no home switch {} within the longest search", letter(axis))
         }
         MicrofactoryReport::StillClosed { axis } => format!(
-            "home switch {} is closed still after the way back off it",
+            "home switch {} is still closed after backing off",
             letter(axis)
         ),
-        MicrofactoryReport::Emergency => "emergency stop: until a reset nothing moves".into(),
+        MicrofactoryReport::Emergency => "emergency stop: nothing moves until a reset".into(),
     }
 }

@@ -7,7 +7,7 @@ use husillo_gcode::SpindleDirection;
 
 /// First positions of the axes above their home switches, in load steps.
 const ABOVE_SWITCHES: [u32; 3] = [90, 70, 50];
-/// Its motors lose steps above 390 Hz.
+/// The motors lose steps above 390 Hz.
 const PULL_OUT_TICKS: u32 = 2564;
 
 static CONFIG: MicromillConfig = MicromillConfig::MICROMILL;
@@ -15,12 +15,12 @@ static CONFIG: MicromillConfig = MicromillConfig::MICROMILL;
 /// The device.
 pub type Device = super::Device<EmulatedMicromill>;
 
-/// A micro mill; the queues are those of its firmware.
+/// A micro mill. Its queues have the sizes of the firmware.
 #[derive(Debug)]
 pub struct EmulatedMicromill;
 
 impl Device {
-    /// A mill that is switched on, at a rate in bits/s.
+    /// Creates a mill that is switched on, with a line at a rate in bits/s.
     pub fn new(bits_per_s: u32) -> Self {
         let rig = MicromillRig::new(&CONFIG, ABOVE_SWITCHES, PULL_OUT_TICKS);
         let emulated = Emulated::new(Micromill::new(&CONFIG), vec![rig]);
@@ -32,8 +32,8 @@ impl Machine for EmulatedMicromill {
     type Controller = Micromill<'static, 16, 16, 80>;
     type Plant = MicromillRig;
 
-    /// The states are the wires of each motor, bit 0 for the first one, and the spindle: 1
-    /// clockwise, 2 counter-clockwise.
+    /// The states are the levels of the wires of each motor, bit 0 for the first wire, and the
+    /// spindle: 1 is clockwise, 2 counter-clockwise.
     const COLUMNS: &'static str = "dx,dy,dz,lx,ly,lz,spindle";
     const PANEL: &'static str = "close x|y|z, open x|y|z, free x|y|z, push x|y|z N, \
                                  block x|y|z, unblock x|y|z";

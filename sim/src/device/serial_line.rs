@@ -57,7 +57,7 @@ impl Direction {
 }
 
 impl Line {
-    /// A line at a rate in bits/s. A byte takes ten bits.
+    /// Creates a line at a rate in bits/s. A byte takes ten bits.
     pub fn new(bits_per_s: u32) -> Self {
         Self {
             byte_us: u64::from(10_000_000 / bits_per_s.max(1)),

@@ -10,8 +10,8 @@ pub struct StepRows {
 }
 
 impl StepRows {
-    /// Columns after the number of the step event, its time and its wait: the steps of the motors,
-    /// then states.
+    /// Creates a table without rows. `columns` are the columns after the number of the step event,
+    /// its time and its wait: the steps of the motors, then the states.
     pub fn new(columns: &str) -> Self {
         Self {
             text: format!("event,t_us,wait_ticks,{columns}\n"),
@@ -19,16 +19,16 @@ impl StepRows {
         }
     }
 
-    /// Adds a row: at this time, after a wait, each motor steps by -1, 0 or 1, and the states hold
-    /// from then on. A row without steps has the number of the previous step event. If that event
-    /// is longer ago than the wait, the device stood in between.
+    /// Appends a row. At this time, after a wait, each motor steps by -1, 0 or 1, and the states
+    /// hold from then on. A row without steps has the number of the previous step event. If more
+    /// time than the wait has passed since the previous row, the device stood still in between.
     pub fn push(&mut self, t_us: u64, wait_ticks: u32, delta: &[i8], states: &[u8]) {
-        self.events += u64::from(delta.iter().any(|way| *way != 0));
+        self.events += u64::from(delta.iter().any(|step| *step != 0));
         let text = &mut self.text;
         // Writing to a string does not fail.
         let _ = write!(text, "{},{t_us},{wait_ticks}", self.events);
-        for way in delta {
-            let _ = write!(text, ",{way}");
+        for step in delta {
+            let _ = write!(text, ",{step}");
         }
         for state in states {
             let _ = write!(text, ",{state}");

@@ -2,7 +2,7 @@
 
 use crate::observers::AXES;
 
-/// The place where an axis lost its first steps.
+/// The position and time at which an axis lost its first steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FirstLoss {
     /// Number of the step event, from 1.

@@ -2,9 +2,9 @@
 
 /// A receiver that samples every bit in its middle, at its own rate.
 ///
-/// Bytes of another rate arrive as other bytes, or not at all. A character without its stop bit is
-/// heard as well, as most UARTs do that nobody asks for framing errors; the receiver then waits for
-/// an idle line.
+/// Bytes of another rate are received as other bytes, or not at all. A character without its stop
+/// bit is received too, as by most UARTs whose framing errors are not checked. The receiver then
+/// waits for an idle line.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Ear {
     /// Time up to which the line was heard, ns.
@@ -24,8 +24,8 @@ enum State {
 }
 
 impl Ear {
-    /// Hears a byte that began at this time. Returns what the receiver reads, with what it still
-    /// had to read of the silence before. Times of a bit are in ns.
+    /// Hears a byte that began at this time. Returns what the receiver reads, including the rest of
+    /// the silence before. Times of a bit are in ns.
     pub(super) fn byte(
         &mut self,
         byte: u8,

@@ -37,8 +37,8 @@ enum Pending {
 ///
 /// The timer has 32 bits. Its mode is 0 for off, 1 for a timer, 3 for a counter of the pulses at
 /// its input, plus 00, 10, 20 or 30 hex for one count in 1, 2, 4 or 8. A timer counts the 5 MHz of
-/// the instructions of the chip, whose clock has 20 MHz. The texts that we have leave open what a
-/// new mode does; here it begins at 0, and the mode off keeps the count.
+/// the instructions of the chip, whose clock has 20 MHz. The available documents do not state the
+/// effect of a new mode. Here the count begins at 0, and the mode off keeps the count.
 #[derive(Clone, Debug)]
 pub(super) struct IoModule {
     version: u8,

@@ -3,7 +3,7 @@
 #![allow(dead_code, reason = "every test file uses a part of it")]
 
 use husillo_sim::ServoChain;
-use husillo_transports::nmc::{Command, Gains, Stop, StopWay};
+use husillo_transports::nmc::{Command, Gains, Stop, StopMode};
 
 /// Sends a packet.
 pub fn send(chain: &mut ServoChain, address: u8, command: Command) {
@@ -23,7 +23,7 @@ pub fn switch_on(chain: &mut ServoChain, address: u8, gains: Gains) -> Vec<u8> {
     ask(chain, address, Command::SetGain(gains));
     let on = Stop {
         amplifier: true,
-        way: Some(StopWay::Abrupt),
+        mode: Some(StopMode::Abrupt),
     };
     ask(chain, address, Command::StopMotor(on));
     ask(chain, address, Command::ClearBits)

@@ -97,7 +97,7 @@ pub struct Device<const N: usize> {
     was_cleared: bool,
     /// The longest silence of the host during work, in units of 50 ms; 0 is any.
     lease: u8,
-    /// The present work ends, because its lease is over.
+    /// The present work ends, because its lease has expired.
     is_expired: bool,
     /// A fault has stopped the machine.
     has_failed: bool,

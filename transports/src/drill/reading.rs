@@ -1,4 +1,4 @@
-//! What a device with extras says of itself.
+//! Readings of the state of a device with extras.
 
 /// A value that [`Step::Read`](super::Step::Read) reads with [`number`](Reading::number): a letter
 /// and a number of 16 bits. Older devices with extras know only the first one and answer `f` 00 00.

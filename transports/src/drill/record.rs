@@ -326,7 +326,7 @@ impl fmt::Display for RecordError {
             RecordErrorKind::CutOff => f.write_str("record cut off"),
             RecordErrorKind::NoEnd => f.write_str("program without an end"),
             RecordErrorKind::Empty => f.write_str("program without a record"),
-            RecordErrorKind::AfterEnd => f.write_str("bytes behind the end"),
+            RecordErrorKind::AfterEnd => f.write_str("bytes after the end"),
         }
     }
 }

@@ -78,7 +78,7 @@ pub enum Refused {
 impl fmt::Display for Refused {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         out.write_str(match self {
-            Refused::Busy => "the step before is not done",
+            Refused::Busy => "the previous step is not done",
             Refused::Mode => "the device is in another mode, or in an unknown one",
             Refused::Incomplete => "the program has no record, or part of one",
             Refused::NotCleared => "the device still holds a program",
@@ -116,9 +116,9 @@ pub enum Failure {
     /// The device has stopped because of a fault: a switch, a sensor, lost steps, or a position off
     /// the table. It does nothing until a reset.
     Fault,
-    /// The lease was over before the work was done: the device heard nothing for that time. X and Y
-    /// stopped, and their positions are known if they were. Z is up if it drilled, and the spindle
-    /// stands.
+    /// The lease expired before the work was done, because the device received nothing for that
+    /// time. X and Y have stopped, and their positions are still known if they were known. Z is up
+    /// if it was drilling, and the spindle stands still.
     Expired,
     /// The memory of the device has no room for another hole. Only this outcome and the next one
     /// leave the device in a known state.
@@ -132,11 +132,11 @@ impl fmt::Display for Failure {
         match self {
             Failure::Silent => out.write_str("no answer"),
             Failure::Wrong(byte) => write!(out, "a wrong answer, {byte:02x}"),
-            Failure::Unasked(byte) => write!(out, "a byte that nothing was sent for, {byte:02x}"),
+            Failure::Unasked(byte) => write!(out, "an unexpected byte, {byte:02x}"),
             Failure::Restarted => out.write_str("the device was reset"),
-            Failure::Fault => out.write_str("the device stands for a fault"),
-            Failure::Expired => out.write_str("the lease was over"),
-            Failure::NotAll => out.write_str("the axis came to its end"),
+            Failure::Fault => out.write_str("the device has stopped with a fault"),
+            Failure::Expired => out.write_str("the lease has expired"),
+            Failure::NotAll => out.write_str("the axis reached its end"),
             Failure::Full => out.write_str("the device's memory is full"),
         }
     }

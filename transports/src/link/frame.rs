@@ -80,6 +80,7 @@ impl<'a> Frame<'a> {
     /// Returns the frame as bytes of the line. `None` if the payload is too long. Numbers are taken
     /// modulo 16, that of the broadcast modulo 8.
     ///
+    /// # Examples
     /// ```
     /// use husillo_transports::link::{Frame, Kind};
     ///

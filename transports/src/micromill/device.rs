@@ -189,7 +189,7 @@ impl<const OUT: usize> Device<OUT> {
             return; // there is no other axis
         };
         if self.every != 0 {
-            // Below 1000 either way.
+            // Below 1000 in both directions.
             *unreported = unreported.wrapping_add(if forward { 1 } else { -1 });
             if unreported.unsigned_abs() >= self.every {
                 *unreported = 0;

@@ -80,6 +80,7 @@ impl State {
 
 /// The digits of a [`State`] as they arrive.
 ///
+/// # Examples
 /// ```
 /// use husillo_transports::micromill::StateDigits;
 ///

@@ -217,7 +217,7 @@ impl Command {
             }
             Command::LoadTrajectory(trajectory) => trajectory.is_in_range(),
             Command::SetGain(gains) => gains.is_in_range(version),
-            Command::StopMotor(stop) => stop.way != Some(super::StopWay::Here(i32::MIN)),
+            Command::StopMotor(stop) => stop.mode != Some(super::StopMode::Here(i32::MIN)),
             Command::SetBaud(baud) => Baud::from_divisor(baud.divisor(), version).is_some(),
             Command::AddPathPoints(_) => version >= 5,
             Command::HardReset(configuration) => version >= 10 || configuration.is_none(),

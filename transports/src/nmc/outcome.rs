@@ -59,7 +59,7 @@ pub enum Refused {
 impl fmt::Display for Refused {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         out.write_str(match self {
-            Refused::Busy => "the step before is not done",
+            Refused::Busy => "the previous step is not done",
             Refused::OutOfRange => "a number outside the range of the command",
             Refused::NoSuchAddress => "no such address: 0 to 32, or a group from 128",
             Refused::WouldAnswer => "only a group without leader can change its rate",
@@ -119,7 +119,7 @@ impl fmt::Display for Failure {
             Failure::Silent => "no answer",
             Failure::Garbled => "every answer was damaged",
             Failure::NotExecuted => "the command was not executed",
-            Failure::Uncertain => "no answer, and the readings do not tell whether it was executed",
+            Failure::Uncertain => "no answer, and the readings do not show whether it was executed",
             Failure::Unsteady => "two readings of a standing axis never agreed",
         })
     }

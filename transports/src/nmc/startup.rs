@@ -73,6 +73,7 @@ enum Sweep {
 /// If no module answers, the modules may be at another rate from an earlier session. Then all rates
 /// are tried once.
 ///
+/// # Examples
 /// ```
 /// use husillo_transports::nmc::{Baud, Next, Startup, Step};
 ///

@@ -120,10 +120,10 @@ impl Trajectory {
     }
 }
 
-/// How Stop Motor stops.
+/// Modes of Stop Motor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum StopWay {
+pub enum StopMode {
     /// Servo off, PWM 0.
     Off,
     /// The present position becomes the commanded one, servo on.
@@ -141,20 +141,20 @@ pub struct Stop {
     /// Level of the amplifier's enable output, always applied.
     pub amplifier: bool,
     /// How to stop. `None` only sets the output.
-    pub way: Option<StopWay>,
+    pub mode: Option<StopMode>,
 }
 
 impl Stop {
     pub(super) fn write(&self, to: &mut Buffer<LONGEST_DATA>) {
-        let way = match self.way {
+        let bit = match self.mode {
             None => 0x00,
-            Some(StopWay::Off) => 0x02,
-            Some(StopWay::Abrupt) => 0x04,
-            Some(StopWay::Smooth) => 0x08,
-            Some(StopWay::Here(_)) => 0x10,
+            Some(StopMode::Off) => 0x02,
+            Some(StopMode::Abrupt) => 0x04,
+            Some(StopMode::Smooth) => 0x08,
+            Some(StopMode::Here(_)) => 0x10,
         };
-        to.push(way | u8::from(self.amplifier));
-        if let Some(StopWay::Here(position)) = self.way {
+        to.push(bit | u8::from(self.amplifier));
+        if let Some(StopMode::Here(position)) = self.mode {
             to.extend(&position.to_le_bytes());
         }
     }
@@ -166,22 +166,22 @@ impl Stop {
         let control = fields.u8()?;
         let has = |bit: u8| control & bit != 0;
         let here = if has(0x10) {
-            Some(StopWay::Here(fields.u32()? as i32)) // the same bits
+            Some(StopMode::Here(fields.u32()? as i32)) // the same bits
         } else {
             None
         };
-        let way = if has(0x02) {
-            Some(StopWay::Off)
+        let mode = if has(0x02) {
+            Some(StopMode::Off)
         } else if has(0x04) {
-            Some(StopWay::Abrupt)
+            Some(StopMode::Abrupt)
         } else if has(0x08) {
-            Some(StopWay::Smooth)
+            Some(StopMode::Smooth)
         } else {
             here
         };
         fields.0.is_empty().then_some(Stop {
             amplifier: has(0x01),
-            way,
+            mode,
         })
     }
 }

@@ -2,6 +2,7 @@
 
 /// The times of one end of a half-duplex line, in microseconds that wrap.
 ///
+/// # Examples
 /// ```
 /// use husillo_transports::rs485::Turnaround;
 ///

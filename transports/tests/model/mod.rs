@@ -4,7 +4,7 @@
 
 use husillo_transports::nmc::{
     Auxiliary, CYCLE_US, Command, Homing, Host, Mode, Module, Order, Outcome, Progress, Readings,
-    Reset, Status, Step, StopWay, Trajectory,
+    Reset, Status, Step, StopMode, Trajectory,
 };
 
 /// Moves at once when it is told that time has gone by.
@@ -56,13 +56,13 @@ impl Servo {
                 }
             }
             Command::StartMotion => self.start(),
-            Command::StopMotor(stop) => match stop.way {
-                Some(StopWay::Off) => {
+            Command::StopMotor(stop) => match stop.mode {
+                Some(StopMode::Off) => {
                     self.servo_on = false;
                     self.position_error = true;
                     self.moving = false;
                 }
-                Some(StopWay::Here(position)) => {
+                Some(StopMode::Here(position)) => {
                     self.servo_on = true;
                     self.position = position;
                     self.moving = false;

@@ -21,7 +21,8 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
         let heading = work.heading;
         let percent = self.schedule.moves.percent();
         let ticks = self.guard.ticks(&work.tempo, percent, events);
-        self.guard.watch(work.tempo.round.is_some(), events);
+        self.guard
+            .watch(work.tempo.round.is_some(), events, work.steady);
         if self.schedule.has_ramps() && stretch.length_nm != 0 {
             let sweep = work.sweep.max(1);
             let largest_sweep = work.largest_sweep.max(1);

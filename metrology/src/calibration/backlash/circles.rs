@@ -32,8 +32,8 @@ pub fn left_at_ends(
         &format!("G0 X{:.5} Y{:.5}", start[0], start[1]),
         &mut |_| {},
     )?;
-    // At a tenth of the radius before an end the axis is on its old flank, and at a tenth behind
-    // the end it is on the new one.
+    // At a tenth of the radius before an end the axis is on its old flank. At a tenth behind the
+    // end it is on the new one.
     let near = 0.9 * radius_mm;
     let mut off = [[None; 2]; 4];
     bench.make(

@@ -30,9 +30,9 @@ impl Field {
         }
     }
 
-    /// The error that a map leaves of measured pairs. `lash` has the pairs with the play that each
-    /// shows, nm. A cell has the largest error at its position and reaches halfway to the next
-    /// position.
+    /// Computes the error that a map leaves at measured pairs of lines. `lash` has the pairs and
+    /// the play that each shows, nm. A cell has the largest error at its position and reaches
+    /// halfway to the next position.
     #[must_use]
     pub fn measured(
         axis: usize,

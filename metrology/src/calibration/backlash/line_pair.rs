@@ -2,7 +2,8 @@
 
 use super::place_table::{Map, PlaceTable};
 
-/// Largest error of reading a mark, um. Play down to this much below zero counts as none.
+/// Largest error of the reading of a mark, um. A measured play down to this much below zero counts
+/// as none.
 const NOISE_UM: f64 = 10.0;
 
 /// Positions with a smaller distance than this are the same position, mm.

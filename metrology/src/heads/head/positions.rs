@@ -80,7 +80,8 @@ impl<P: Port> Head<P> {
         Ok(self.axes.iter().map(of).collect())
     }
 
-    /// Checks that all axes may go to these counts. `meant` are the readings that they come from.
+    /// Checks that all axes may go to these counts. `meant` are the readings that the counts were
+    /// computed from.
     ///
     /// # Errors
     ///

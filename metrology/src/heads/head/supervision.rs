@@ -1,10 +1,11 @@
-//! Supervision so that no axis runs on: checked readings, stops, and the recovery after a stop.
+//! Supervision that stops every axis after a failure: checked readings, stops, and the recovery
+//! after a stop.
 
 use super::{Head, READ, stop};
 use crate::heads::port::Port;
 use crate::heads::servo::Servo;
 use crate::trouble::Trouble;
-use husillo_transports::nmc::{Command, Items, Reply, Stop, StopWay};
+use husillo_transports::nmc::{Command, Items, Reply, Stop, StopMode};
 
 impl<P: Port> Head<P> {
     /// Reads all axes.
@@ -29,12 +30,13 @@ impl<P: Port> Head<P> {
         Ok(replies)
     }
 
-    /// Carries out `what`, which moves axes. After any failure, also of the link or by a stop of
-    /// the operator, all axes are commanded to stop. The next motion begins where they then are.
+    /// Carries out `what`, which moves axes. After any failure, also of the link, and after a stop
+    /// by the operator, all axes are commanded to stop. The next motion begins at their positions
+    /// then.
     ///
     /// # Errors
     ///
-    /// Those of `what`, and a stop that the operator wanted.
+    /// The errors of `what`, and the stop of the operator.
     pub(crate) fn supervised<T>(
         &mut self,
         what: impl FnOnce(&mut Self) -> Result<T, Trouble>,
@@ -44,7 +46,7 @@ impl<P: Port> Head<P> {
             .find_again()
             .and_then(|()| what(self))
             .and_then(|done| {
-                // It is too late to stop this move, but no other follows.
+                // It is too late to stop this move, but no other move follows.
                 if self.line.operator().is_stop_wanted() {
                     Err(Trouble::Interrupted)
                 } else {
@@ -55,8 +57,8 @@ impl<P: Port> Head<P> {
             self.is_astray = true;
             self.line.operator().stop_is_seen_to();
             let stop = match trouble {
-                Trouble::Interrupted => StopWay::Smooth,
-                _ => StopWay::Abrupt,
+                Trouble::Interrupted => StopMode::Smooth,
+                _ => StopMode::Abrupt,
             };
             if self.stop(stop).is_err() {
                 self.line.operator().stop_is_unanswered();
@@ -66,15 +68,15 @@ impl<P: Port> Head<P> {
         result
     }
 
-    /// Recovers after a trouble: waits until the axes stand, clears their faults and holds them
-    /// where they are.
+    /// Recovers after a failure: waits until the axes stand, clears their faults and holds them at
+    /// their positions.
     pub(crate) fn find_again(&mut self) -> Result<(), Trouble> {
         if !self.is_astray {
             return Ok(());
         }
         for index in 0..self.axes.len() {
             let module = self.axes[index].settings.module;
-            self.line.command(module, stop(StopWay::Abrupt))?;
+            self.line.command(module, stop(StopMode::Abrupt))?;
             self.line.command(module, Command::ClearBits)?;
         }
         self.settle()?;
@@ -109,24 +111,24 @@ impl<P: Port> Head<P> {
     /// exactly.
     pub(crate) fn hold(&mut self, index: usize, counts: i32) -> Result<(), Trouble> {
         let module = self.axes[index].settings.module;
-        self.line.command(module, stop(StopWay::Here(counts)))?;
+        self.line.command(module, stop(StopMode::Here(counts)))?;
         self.axes[index].held = counts;
         Ok(())
     }
 
-    /// Stops all axes. Each gets its command, whatever the others answer. An axis with a fault is
-    /// left without drive: something blocks it, or its motor has too much current.
-    pub(crate) fn stop(&mut self, way: StopWay) -> Result<(), Trouble> {
+    /// Stops all axes. Each gets its command, regardless of the answers of the others. An axis with
+    /// a fault stays without drive, because something blocks it or its motor has too much current.
+    pub(crate) fn stop(&mut self, mode: StopMode) -> Result<(), Trouble> {
         let given_up = self.given_up.take();
         let mut result = Ok(());
         for (index, axis) in self.axes.iter().enumerate() {
             let command = if given_up == Some(index) {
                 Command::StopMotor(Stop {
                     amplifier: false,
-                    way: Some(StopWay::Off),
+                    mode: Some(StopMode::Off),
                 })
             } else {
-                stop(way)
+                stop(mode)
             };
             let answer = self.line.command(axis.settings.module, command);
             result = result.and(answer.map(drop));

@@ -1,12 +1,12 @@
-//! A stop for modules that another program has set up and left.
+//! A stop for modules that another program has set up and left running.
 
 use super::Line;
 use crate::heads::head::{READ, stop};
 use crate::heads::{AxisSettings, Machine, Port};
 use crate::trouble::Trouble;
-use husillo_transports::nmc::{Baud, EVERY_GROUP, Group, Items, Reply, StopWay};
+use husillo_transports::nmc::{Baud, EVERY_GROUP, Group, Items, Reply, StopMode};
 
-/// Silence after which the replies to the stops have passed, us.
+/// Silence after which all replies to the stop commands have ended, us.
 const SILENCE_US: u32 = 50_000;
 
 impl<P: Port> Line<P> {
@@ -14,8 +14,8 @@ impl<P: Port> Line<P> {
     /// Returns their readings, with the latched positions. The modules keep their addresses,
     /// positions and settings.
     ///
-    /// It is for a machine whose program was killed. The modules answer at the rate of the machine
-    /// or, without a start-up, at that of a reset.
+    /// For a machine whose program was killed. The modules answer at the rate of the machine or, if
+    /// they were not started up, at the rate after a reset.
     ///
     /// # Errors
     ///
@@ -32,10 +32,10 @@ impl<P: Port> Line<P> {
     fn halt_at(&mut self, baud: Baud, axes: &[AxisSettings]) -> Result<Vec<Reply>, Trouble> {
         self.port.set_baud(baud)?;
         self.host.set_timing(self.port.timing_of_known(baud));
-        let command = stop(StopWay::Abrupt);
+        let command = stop(StopMode::Abrupt);
         let addresses = axes.iter().map(|axis| axis.module);
-        // A long row of zeros ends a command that was cut off. It may hide the first command, so
-        // the group of all modules and each module get one.
+        // A long row of zeros ends a command that was cut off. It may also hide the first command.
+        // So the group of all modules gets a command, and then each module.
         self.port.send(&[0; 20])?;
         for address in [EVERY_GROUP].into_iter().chain(addresses.clone()) {
             self.port.send(command.frame(address).bytes())?;

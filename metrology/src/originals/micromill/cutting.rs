@@ -15,7 +15,7 @@ pub fn extent_mm(moments: &[Moment], axis: usize) -> f64 {
     at().fold(f64::MIN, f64::max) - at().fold(f64::MAX, f64::min)
 }
 
-/// Goes to a place in mm from the lower left, so that both axes are on their positive flanks.
+/// Goes to a position in mm from the lower left, so that both axes are on their positive flanks.
 pub fn approach(bench: &mut dyn Bench, [x, y]: [f64; 2]) -> Result<(), String> {
     /// More than any play that a take-up leaves, mm.
     const RUN_UP_MM: f64 = 0.1;

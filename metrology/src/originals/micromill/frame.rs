@@ -6,7 +6,7 @@ use crate::least_squares::least_squares;
 use crate::originals::Parameter;
 use std::f64::consts::TAU;
 
-/// Where D1 lies and which way the others follow, 22.5 degrees apart.
+/// The direction of D1, and the direction in which the others follow, 22.5 degrees apart.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Order {
     /// Direction of D1 from +X, in steps of 22.5 degrees.
@@ -27,7 +27,7 @@ impl Order {
 #[derive(Clone, Copy, Debug)]
 pub struct Frame {
     pub order: Order,
-    /// How far X moves per distance along Y beside what it should: the error of squareness.
+    /// Motion of X per distance along Y in addition to the programmed one: the error of squareness.
     pub skew: f64,
     /// What the diameters leave unexplained, mm (RMS).
     rms_mm: f64,
@@ -72,7 +72,7 @@ impl Frame {
     }
 
     pub fn parameters(&self) -> [Parameter; 2] {
-        let way = if self.order.is_clockwise {
+        let direction = if self.order.is_clockwise {
             "clockwise"
         } else {
             "anticlockwise"
@@ -81,7 +81,7 @@ impl Frame {
             Parameter::new(
                 "directions of D1 to D8",
                 format!(
-                    "D1 at {} degrees from X, the others {way}",
+                    "D1 at {} degrees from X, the others {direction}",
                     22.5 * self.order.first as f64
                 ),
                 "fitted: the best of all sixteen orders; the original states none",

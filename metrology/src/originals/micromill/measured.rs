@@ -30,8 +30,8 @@ const fn region(
     }
 }
 
-/// Table 13. The thirds count from the left and from the top: so the plays of all tables agree
-/// best.
+/// Table 13. The thirds count from the left and from the top. With this choice the plays of all
+/// tables agree best.
 pub const REGIONS: [Region; 6] = [
     region("A: X in H1", (0, 1.0), [2.5, 2.509, 190.0]),
     region("B: X in H2", (0, 0.0), [2.5, 2.503, 201.0]),
@@ -54,10 +54,11 @@ pub struct Square {
     pub at_mm: [f64; 2],
 }
 
-/// Table 14. The original prints what is left without a sign; Y of the first square is larger than
-/// programmed, so there the take-up was more than the play. The squares are assumed to lie in the
-/// thirds of the work area from upper left to lower right: there the plays of Y are those of table
-/// 13. A square is higher than a third of the area, so it lies as far in it as the run-up allows.
+/// Table 14. The original prints the remaining play without a sign. Y of the first square is larger
+/// than programmed, so the take-up there was more than the play. The squares are assumed to lie in
+/// the thirds of the work area from upper left to lower right, because the plays of Y there are
+/// those of table 13. A square is higher than a third of the area, so it lies as far within its
+/// third as the run-up allows.
 pub const SQUARES: [Square; 3] = [
     Square {
         name: "X",
@@ -126,18 +127,18 @@ pub const CIRCLES: [Circle; 3] = [
 /// Names of the ends of a circle, in the order of [`Circle::ends_um`].
 pub const ENDS: [&str; 4] = ["Ei left", "Ed right", "Ps top", "Pi bottom"];
 
-/// The sign of what is left at each end. The original prints none. These signs leave least of all
-/// sixteen, over diameters, plays and the parts of tables 16 to 20: with them the play of X falls
-/// steadily from left to right.
+/// The sign of the remaining play at each end. The original prints none. Of all sixteen choices
+/// these signs leave the smallest residues over diameters, plays and the parts of tables 16 to 20.
+/// With them the play of X falls steadily from left to right.
 pub const SIGNS: [f64; 4] = [1.0, -1.0, 1.0, 1.0];
 
-/// Places of the ends from the centre, in radii.
+/// Positions of the ends from the centre, in radii.
 const END_AT: [[f64; 2]; 4] = [[-1.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.0, -1.0]];
 
-/// A play that was measured, and where.
+/// A measured play, and its position.
 #[derive(Clone, Copy, Debug)]
 pub struct Play {
-    /// 0 for X, 1 for Y.
+    /// Position from the middle of the work area, mm.
     pub axis: usize,
     /// Place from the middle of the work area, mm.
     pub at_mm: [f64; 2],
@@ -149,24 +150,24 @@ pub fn third_mm(axis: usize, third: f64) -> f64 {
     third * 2.0 * MIDDLE_MM[axis] / 3.0
 }
 
-/// What the original does not state, and what had to be chosen.
+/// Choices that the description of the original leaves open.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Choice {
-    /// Sign of what is left at each end of a circle.
+    /// Sign of the remaining play at each end of a circle.
     pub signs: [f64; 4],
     /// Direction in which the thirds count: of V along X, and of H against Y.
     pub thirds: [f64; 2],
 }
 
 impl Choice {
-    /// The choice that leaves least.
+    /// The choice with the smallest residues.
     pub const BEST: Choice = Choice {
         signs: SIGNS,
         thirds: [1.0; 2],
     };
 }
 
-/// The plays of tables 13, 14 and 15: what was taken up and what was left.
+/// The plays of tables 13, 14 and 15: the take-up and what remained.
 pub fn plays(choice: &Choice) -> Vec<Play> {
     let regions = REGIONS.iter().map(|region| {
         let mut at_mm = [0.0; 2];
@@ -206,8 +207,8 @@ pub fn plays(choice: &Choice) -> Vec<Play> {
     regions.chain(squares).chain(circles).collect()
 }
 
-/// Width of a mark, um: what lengths from outer edge to outer edge have more than the tool moved.
-/// It is the mean over the lengths of tables 13 and 14.
+/// Width of a mark, um: the excess of a length, measured from outer edge to outer edge, over the
+/// motion of the tool. It is the mean over the lengths of tables 13 and 14.
 pub fn mark_width_um() -> f64 {
     let [lines, squares] = mark_widths_um();
     mean(lines.into_iter().chain(squares))

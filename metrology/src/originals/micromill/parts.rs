@@ -52,11 +52,11 @@ pub fn part(number: &str, shop: &Shop<'_>) -> Result<Table, String> {
     })
 }
 
-/// The place where the fitted screws leave most nearly the plays and the sizes of a part, on a grid
-/// of 0.5 mm.
+/// The position at which the fitted screws explain the plays and the sizes of a part best, on a
+/// grid of 0.5 mm.
 fn place_mm(part: &Part, screws: &Screws) -> [f64; 2] {
     const GRID_MM: f64 = 0.5;
-    // Within what was measured of the screws.
+    // Within the area in which the screws were measured.
     let room = [0, 1].map(|axis| {
         let room = MIDDLE_MM[axis] - part.programmed_mm[axis] / 2.0 - 0.5;
         (room / GRID_MM).max(0.0) as i32
@@ -107,7 +107,7 @@ fn notes(part: &Part) -> Vec<String> {
     notes
 }
 
-/// Screws of which the last take-up of the original leaves this play in X, um.
+/// Screws on which the last take-up of the original leaves this play in X, um.
 fn with_left(left_um: f64) -> Screws {
     let [x, y] = LAST_TAKE_UP_UM.map(|um| um * scale());
     Screws::even([x + left_um, y])

@@ -16,7 +16,7 @@ pub struct Screw {
 }
 
 impl Screw {
-    /// The play at a place from the middle of the work area.
+    /// The play at a position from the middle of the work area.
     #[must_use]
     pub fn lash_um(&self, own_mm: f64, other_mm: f64) -> f64 {
         let powers = powers(own_mm, other_mm);
@@ -54,7 +54,7 @@ impl Screws {
         let axes = [0, 1].map(|axis| {
             let own = plays.iter().filter(|play| play.axis == axis);
             let rows = own.map(|play| (row(play), play.lash_um));
-            // There are 12 plays of each axis, at places that determine five terms.
+            // There are 12 plays of each axis, at positions that determine five terms.
             let terms = least_squares(rows, [true; 5]).unwrap_or_default();
             Screw { terms }
         });
@@ -76,7 +76,7 @@ impl Screws {
         &self.axes
     }
 
-    /// The play in true steps, by the place of the tool in true steps from the home switches.
+    /// The play in true steps, by the position of the tool in true steps from the home switches.
     #[must_use]
     pub fn field(&self) -> Arc<dyn LashField<3>> {
         let [x_screw, y_screw] = self.axes;

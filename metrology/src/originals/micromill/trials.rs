@@ -1,4 +1,4 @@
-//! Other choices of what the original does not state leave more than the one that is made.
+//! Other choices of what the original does not state have larger residues than the chosen ones.
 
 use super::measured::{CIRCLES, Choice, mark_width_um, plays};
 use super::part_tables::PARTS;
@@ -9,13 +9,13 @@ use std::f64::consts::PI;
 const PLAY_UM: f64 = 10.0;
 const LENGTH_UM: f64 = 12.0;
 
-/// What is left on the negative flank of an axis, um.
+/// The error on the negative flank of an axis, um.
 fn left_um(screws: &Screws, axis: usize, from_mm: [f64; 2]) -> f64 {
     let [own, other] = [from_mm[axis], from_mm[1 - axis]];
     screws.axes()[axis].lash_um(own, other) - LAST_TAKE_UP_UM[axis] * scale()
 }
 
-/// Where the tool is beside a clockwise circle, in a direction, um.
+/// The deviation of the tool from a clockwise circle, in a direction, um.
 fn off_um(screws: &Screws, radius_mm: f64, angle: f64) -> [f64; 2] {
     let (sin, cos) = angle.sin_cos();
     let at_mm = [radius_mm * cos, radius_mm * sin];
@@ -35,11 +35,11 @@ fn off_um(screws: &Screws, radius_mm: f64, angle: f64) -> [f64; 2] {
 
 /// Sum of squares that the best order of the diameters and the best squareness leave, um^2.
 fn diameters(screws: &Screws) -> f64 {
-    let orders = (0..8).flat_map(|first| [1.0, -1.0].map(|way| (f64::from(first), way)));
-    let left = orders.map(|(first, way)| {
+    let orders = (0..8).flat_map(|first| [1.0, -1.0].map(|sense| (f64::from(first), sense)));
+    let left = orders.map(|(first, sense)| {
         let pairs = CIRCLES.iter().flat_map(|circle| {
             (0_u8..8).map(move |index| {
-                let angle = (first + way * f64::from(index)) * PI / 8.0;
+                let angle = (first + sense * f64::from(index)) * PI / 8.0;
                 // From below X to above it: a diameter has no direction.
                 let angle = angle.rem_euclid(PI);
                 let there = off_um(screws, circle.radius_mm, angle);

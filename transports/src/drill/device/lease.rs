@@ -29,7 +29,7 @@ impl<const N: usize> Device<N> {
         self.is_drilling = false;
     }
 
-    /// Whether the present work ends, because its lease is over.
+    /// Whether the present work ends, because its lease has expired.
     pub const fn is_expired(&self) -> bool {
         self.is_expired
     }

@@ -1,4 +1,4 @@
-//! What the host reads: records, and what the device says of itself.
+//! Data that the host reads: records, and the state of the device.
 
 use super::super::{MachineState, Reading};
 use super::{Device, Mode, check};

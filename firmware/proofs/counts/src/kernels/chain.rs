@@ -10,7 +10,7 @@ use husillo_machine::{
     Axis, AxisEncoder, ClosedLoop, Config, Equipment, Event, Followed, Machine, OnLoss, Scale,
     ServoInputs,
 };
-use husillo_transports::nmc::{Command, Gains, Mode, Stop, StopWay, Trajectory};
+use husillo_transports::nmc::{Command, Gains, Mode, Stop, StopMode, Trajectory};
 
 use crate::Count;
 
@@ -143,7 +143,7 @@ fn servo_module(count: Count<'_>) {
     };
     let on = Stop {
         amplifier: true,
-        way: Some(StopWay::Abrupt),
+        mode: Some(StopMode::Abrupt),
     };
     let trajectory = Trajectory {
         position: Some(4000),
