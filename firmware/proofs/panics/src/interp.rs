@@ -64,6 +64,7 @@ pub fn keep() {
         Chords::total as *const (),
         Chords::remaining as *const (),
         <Chords as Iterator>::next as *const (),
+        <Chords as Iterator>::size_hint as *const (),
         Helix::<3>::new as *const (),
         Helix::<3>::arc as *const (),
         Helix::<3>::events as *const (),
