@@ -8,6 +8,7 @@
 mod action;
 mod hand;
 mod position;
+mod resume;
 mod sender;
 mod session;
 mod translate;

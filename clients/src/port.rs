@@ -41,7 +41,7 @@ impl Port {
                         socket.set_nodelay(true)?;
                         return Ok(Self::Network(socket, Instant::now()));
                     }
-                    Err(error) => last = error,
+                    Err(error) => last = advised(error),
                 }
             }
             return Err(last);
@@ -52,7 +52,7 @@ impl Port {
             Err(error) if error.description.contains("exclusive lock") => Err(taken()),
             Err(error) => match io::Error::from(error) {
                 error if error.kind() == ErrorKind::ResourceBusy => Err(taken()),
-                error => Err(error),
+                error => Err(advised(error)),
             },
         }
     }
@@ -72,7 +72,7 @@ impl Port {
     /// Time since the port was opened, us.
     pub fn elapsed_us(&self) -> u64 {
         match self {
-            // 2^64 us are 584 000 years.
+            // 2^64 us are 584,000 years.
             Self::Serial(_, start) | Self::Network(_, start) => start.elapsed().as_micros() as u64,
         }
     }
@@ -121,6 +121,23 @@ impl Port {
             }
         }
     }
+}
+
+/// An error of a port that cannot be opened, with what to do.
+fn advised(error: io::Error) -> io::Error {
+    let why = match error.kind() {
+        ErrorKind::NotFound => "there is no such port: check its name and its cable",
+        ErrorKind::PermissionDenied => {
+            "you may not open this port: on Linux join the group of the device, often `dialout`"
+        }
+        ErrorKind::ConnectionRefused => "no program listens at this address: start it first",
+        ErrorKind::TimedOut => "nothing answers at this address: check it and the network",
+        _ if error.to_string().contains("typewriter") => {
+            "this is no serial port: name a device such as /dev/ttyUSB0, or tcp:HOST:PORT"
+        }
+        _ => return error,
+    };
+    io::Error::new(error.kind(), why)
 }
 
 fn taken() -> io::Error {

@@ -194,8 +194,12 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
     }
 
     /// Resets the machine, as its panel or power-up does: it ends an emergency stop, the machine is
-    /// not homed, and the motors are off.
+    /// not homed, the motors are off, and positions count from where the axes stand.
     pub fn reset(&mut self) {
+        let [x, y, z] = self.config.lash_steps;
+        self.plays = [Play::new(x), Play::new(y), Play::new(z)];
+        self.spindle = 0;
+        self.line = None;
         self.task = Task::Idle;
         self.power = Power::Off;
         self.due = None;

@@ -19,7 +19,7 @@ pub enum SlotHandling {
 /// Why the slots of a board cannot be cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SlotError {
-    /// Slots are refused, and the board has so many.
+    /// Slots are refused. The board has this number of slots.
     Refused(usize),
     /// The drill cannot rout.
     CannotRout,

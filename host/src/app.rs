@@ -20,12 +20,14 @@ mod steps;
 mod stop;
 
 use job::{load, not_loaded};
+pub use reporting::count;
 
 use crate::cli::{
-    Calibrate, Cli, Command, Compile, Emulate, Interpolate, Jog, Measure, Send, Shape, Target,
-    Tune, What,
+    Calibrate, Cli, Command, Compile, Emulate, Interpolate, Jog, Measure, Output, Send, Shape,
+    Target, Tune, What,
 };
 use crate::console;
+use crate::console::told::Told;
 use crate::drill;
 use crate::input;
 use crate::lash;
@@ -36,9 +38,11 @@ use crate::microfactory;
 use crate::micromill;
 use crate::output::Outputs;
 use crate::programs::setup;
+use crate::text::json::write_line;
 use crate::tuning;
 use husillo_clients::microfactory::Settings;
 use husillo_gcode::Dialect;
+use serde_json::json;
 use std::io::{self, Write};
 
 /// The program has no errors.
@@ -84,7 +88,10 @@ pub fn run(cli: &Cli) -> Result<u8, Failure> {
         Command::Steps(args) => steps::write_steps(args),
         Command::Holes(args) => holes::list_holes(args),
         Command::Compile(args) => compile(args),
-        Command::Send(args) => driven(|out| send(args, out)),
+        Command::Send(args) => driven(|out| {
+            let mut told = Told::new(out, args.format, "husillo.send/1");
+            send(args, &mut told)
+        }),
         Command::Interpolate(args) => walk(args),
         Command::Compare(args) => compare::compare(args),
         Command::Machines(args) => machines::show_machines(args),
@@ -92,8 +99,14 @@ pub fn run(cli: &Cli) -> Result<u8, Failure> {
         Command::Schema { name } => schema::print(name.as_deref()),
         Command::Completions { shell } => manual::completions(*shell),
         Command::Man { folder } => manual::man_pages(folder),
-        Command::Jog(args) => driven(|out| jog(args, out)),
-        Command::Stop(args) => driven(|out| stop::stop(args, out)),
+        Command::Jog(args) => driven(|out| {
+            let mut told = Told::new(out, args.format, "husillo.jog/1");
+            jog(args, &mut told)
+        }),
+        Command::Stop(args) => driven(|out| {
+            let mut told = Told::new(out, args.format, "husillo.stop/1");
+            stop::stop(args, &mut told)
+        }),
         Command::Measure(args) => driven(|out| measure(args, out)),
         Command::Emulate(args) => emulate(args),
         Command::Tune(args) => driven(|out| tune_servo(args, out)),
@@ -113,7 +126,7 @@ fn driven(drive: impl FnOnce(&mut dyn Write) -> Result<u8, Failure>) -> Result<u
     }
 }
 
-fn jog(args: &Jog, out: &mut dyn Write) -> Result<u8, Failure> {
+fn jog(args: &Jog, out: &mut Told<'_>) -> Result<u8, Failure> {
     let is_well = match args.machine.as_str() {
         "drill" => drill::jog(args, out)?,
         machine if milling::is_mill(machine) => {
@@ -128,8 +141,8 @@ fn jog(args: &Jog, out: &mut dyn Write) -> Result<u8, Failure> {
         machine => {
             let settings = microfactory(machine)?.ok_or_else(|| {
                 format!(
-                    "{machine} cannot be jogged: use microfactory, drill, micromill or a file with \
-                     [bytes]"
+                    "{machine} cannot be moved by hand: name microfactory, drill, micromill, or \
+                     the file of one of them"
                 )
             })?;
             microfactory::jog(args, &settings, out)?
@@ -149,8 +162,14 @@ fn expect_no_single_block(args: &Send, machine: &str) -> Result<(), String> {
 
 fn compile(args: &Compile) -> Result<u8, Failure> {
     if let Some(settings) = figures(&args.target, &args.file)? {
+        let path = made_at(args)?;
         let text = microfactory::list(&args.file, &settings)?;
-        write(args.output.as_deref().unwrap_or("-"), text.as_bytes())?;
+        write(path, text.as_bytes())?;
+        if args.format == Output::Json {
+            let lines = text.lines().count();
+            let body = json!({"kind": "file", "output": path, "lines": lines});
+            write_line("husillo.compile/1", &body, &mut console::stdout())?;
+        }
         return Ok(OK);
     }
     if milling::is_for(&args.target, &args.file) {
@@ -160,10 +179,30 @@ fn compile(args: &Compile) -> Result<u8, Failure> {
     }
 }
 
-fn send(args: &Send, out: &mut dyn Write) -> Result<u8, Failure> {
+/// Where `compile` writes what it makes; `-` is standard output.
+fn made_at(args: &Compile) -> Result<&str, Failure> {
+    own_output(args.output.as_deref(), args.format)
+}
+
+/// The file that a command writes; `-` is standard output, which JSON has for itself.
+fn own_output(output: Option<&str>, format: Output) -> Result<&str, Failure> {
+    match (output.unwrap_or("-"), format) {
+        ("-", Output::Json) => Err(Failure::Usage(
+            "--format json takes standard output: name a file with -o".into(),
+        )),
+        (path, _) => Ok(path),
+    }
+}
+
+fn send(args: &Send, out: &mut Told<'_>) -> Result<u8, Failure> {
     let first = args.files.first().map_or("", String::as_str);
     if let Some(settings) = figures(&args.target, first)? {
         expect_no_single_block(args, "microfactory")?;
+        if args.from.is_some() {
+            let message = "a microfactory cuts a figure from its start: --from is for the drill \
+                           and the micro mill";
+            return Err(message.to_owned().into());
+        }
         let is_well = microfactory::send(args, &settings, out)?;
         return Ok(if is_well { OK } else { ERRORS });
     }
@@ -268,9 +307,11 @@ fn emulate_into(args: &Emulate, outputs: &mut Outputs, out: &mut dyn Write) -> R
 }
 
 fn calibrate(args: &Calibrate, out: &mut dyn Write) -> Result<u8, Failure> {
+    let told = |format, schema, out| Told::new(out, format, schema);
     ended(match &args.what {
         What::Backlash(args) => {
-            let made = lash::calibrate_backlash(args, &load(&args.machine)?, out)?;
+            let mut out = told(args.format, "husillo.calibrate.backlash/1", out);
+            let made = lash::calibrate_backlash(args, &load(&args.machine)?, &mut out)?;
             let mut outputs = Outputs::new();
             for (path, text) in [(&args.report, made.page), (&args.output, made.machine)] {
                 if let Some(path) = path {
@@ -279,9 +320,18 @@ fn calibrate(args: &Calibrate, out: &mut dyn Write) -> Result<u8, Failure> {
             }
             Ok(outputs.finish()?)
         }
-        What::Circles(args) => Ok(lash::print_circles(args, &load(&args.machine)?, out)?),
-        What::Axis(args) => measuring::calibrate_axis(args, out),
-        What::Squareness(args) => measuring::calibrate_squareness(args, out),
+        What::Circles(args) => {
+            let mut out = told(args.format, "husillo.calibrate.circles/1", out);
+            Ok(lash::print_circles(args, &load(&args.machine)?, &mut out)?)
+        }
+        What::Axis(args) => {
+            let mut out = told(args.format, "husillo.calibrate.axis/1", out);
+            measuring::calibrate_axis(args, &mut out)
+        }
+        What::Squareness(args) => {
+            let mut out = told(args.format, "husillo.calibrate.squareness/1", out);
+            measuring::calibrate_squareness(args, &mut out)
+        }
     })
 }
 

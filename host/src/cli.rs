@@ -6,6 +6,7 @@ mod jog;
 mod moves;
 mod reproduce;
 mod servo;
+mod status;
 mod stop;
 mod zero;
 
@@ -23,6 +24,7 @@ use reproduce::REPRODUCE_HELP;
 pub use reproduce::{Original, Reproduce};
 use servo::TUNE_HELP;
 pub use servo::{Emulate, Measure, Tune, TuneMethod, TuneRule, words};
+pub use status::command;
 pub use stop::Stop;
 pub use zero::{LETTERS, Zero};
 
@@ -185,8 +187,7 @@ pub enum Command {
         husillo stop -m micromill --port /dev/ttyUSB0\n  \
         husillo stop -m microfactory --emergency\n\n\
         The husillo that drives the machine stops it as at Ctrl-C and ends. Then this one opens\n\
-        the port, sends the stop itself and waits for the answer. Exit status: 0 the machine\n\
-        has confirmed the stop, 1 it has not.")]
+        the port, sends the stop itself and waits for the answer.")]
     Stop(Stop),
     /// Measure with a contact probe and correct for pre-travel
     #[command(after_help = "Actions, done in turn:\n  \
@@ -251,7 +252,7 @@ pub enum Command {
 }
 
 /// Machine and language of a program.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub struct Target {
     /// Machine: micromill, free, router, lathe, drill, microfactory, or a TOML file
     #[arg(short, long, value_name = "NAME|FILE")]
@@ -361,6 +362,9 @@ pub struct FormatArgs {
     /// File to write, which may be the program itself [default: standard output]
     #[arg(short, long, value_name = "FILE", conflicts_with = "check")]
     pub output: Option<String>,
+    /// How to print what was found and written
+    #[arg(long, value_enum, default_value = "text")]
+    pub format: Output,
     /// Write nothing; print the programs that are not in this form, and exit with 1 if there are
     /// any
     #[arg(long)]
@@ -375,6 +379,9 @@ pub struct FormatArgs {
     /// the moves that they make
     #[arg(long, value_enum, value_name = "NAME", conflicts_with = "check")]
     pub to: Option<TargetDialect>,
+    /// With --to: machine whose axes the program has [default: the axes X, Y, Z, A, B and C]
+    #[arg(short, long, value_name = "NAME|FILE", requires = "to")]
+    pub machine: Option<String>,
     /// With --to: folder with files of subroutines, after that of the program; repeatable
     #[arg(long, value_name = "DIR", requires = "to")]
     pub include: Vec<String>,
@@ -397,6 +404,9 @@ pub struct Explain {
     /// Findings as E0302, codes as G83
     #[arg(required = true, value_name = "NAME")]
     pub names: Vec<String>,
+    /// How to print the explanation
+    #[arg(long, value_enum, default_value = "text")]
+    pub format: Output,
 }
 
 /// `husillo machines`.
@@ -432,6 +442,9 @@ pub enum MachinesAction {
         machine: String,
         /// File to write; - is standard output [default: NAME.toml]
         file: Option<String>,
+        /// How to print what was written
+        #[arg(long, value_enum, default_value = "text")]
+        format: Output,
     },
 }
 
@@ -443,6 +456,9 @@ pub struct NewMachine {
     pub name: String,
     /// File to write; - is standard output [default: NAME.toml]
     pub file: Option<String>,
+    /// How to print what was written
+    #[arg(long, value_enum, default_value = "text")]
+    pub format: Output,
     /// Letters of its axes: X, Y, Z, and up to three of A, B, C, U, V, W and E
     #[arg(long, default_value = "XYZ")]
     pub axes: String,
@@ -499,6 +515,9 @@ pub struct Steps {
     /// CSV file to write; - is standard output
     #[arg(short, long, value_name = "FILE.csv")]
     pub output: String,
+    /// How to print what was written
+    #[arg(long, value_enum, default_value = "text")]
+    pub format: Output,
     /// Leave the backlash of the machine uncompensated
     #[arg(long)]
     pub no_compensation: bool,

@@ -6,8 +6,10 @@
 pub mod progress;
 pub mod sharing;
 pub mod stop;
+pub mod told;
 pub mod typed;
 
+use crate::text::name;
 use std::io::{self, IsTerminal, StderrLock, StdoutLock, Write};
 
 /// [`std::eprintln`] through [`message`]: every module of the program prints its messages with it.
@@ -159,7 +161,9 @@ pub fn shown(text: &str) -> String {
 }
 
 fn push(all: &mut String, one: char) {
-    if is_obeyed(one) {
+    if name::is_byte(one) {
+        all.push(char::REPLACEMENT_CHARACTER);
+    } else if is_obeyed(one) {
         all.push_str(&format!("\\u{:04x}", u32::from(one)));
     } else {
         all.push(one);

@@ -1,8 +1,10 @@
 //! Findings about programs and machine files, and collections of them. [`drawing`] prints them.
 
+mod alike;
 mod drawing;
 
 use crate::console::shown;
+use alike::Alike;
 use std::collections::HashSet;
 use std::io::{self, Write};
 use std::ops::Range;
@@ -259,14 +261,27 @@ impl Findings {
         self.kept.iter().map(short).collect()
     }
 
-    /// Prints the kept findings.
+    /// Whether an error is about something that another kind of machine has: an axis, a code, means.
+    pub fn concern_the_machine(&self) -> bool {
+        let codes = ["E0201", "E0202", "E0212", "E0404"];
+        let mut kept = self.kept.iter();
+        kept.any(|finding| codes.contains(&finding.code.as_str()))
+    }
+
+    /// Prints the kept findings. As text, of those that are alike the first ones are drawn, and a
+    /// line has the number of the others.
     ///
     /// # Errors
     ///
     /// The writer fails.
     pub fn print(&self, format: Format, colour: bool, out: &mut impl Write) -> io::Result<()> {
-        let mut kept = self.kept.iter();
-        kept.try_for_each(|finding| finding.print(format, colour, out))
+        let mut alike = Alike::default();
+        for finding in &self.kept {
+            if format != Format::Text || alike.is_drawn(finding) {
+                finding.print(format, colour, out)?;
+            }
+        }
+        alike.print(out)
     }
 }
 

@@ -20,8 +20,10 @@ pub use program::{Translation, text as program_text};
 use crate::cli::Jog;
 use crate::console::sharing::share;
 use crate::console::stop::stop_requests;
+use crate::console::told::{Told, action as action_object, report};
 use crate::holes;
 use crate::output::Outputs;
+use crate::text::name;
 use husillo_clients::drill::{
     Action, BAUD, Client, End, Hand, Operator, Part, Place, Sender, Trouble, sentence,
 };
@@ -41,7 +43,7 @@ fn keep(file: &str, bytes: &[u8]) -> Result<(), String> {
 /// # Errors
 ///
 /// A sentence about the actions, before anything moves.
-pub fn jog(args: &Jog, out: &mut dyn Write) -> Result<bool, String> {
+pub fn jog(args: &Jog, out: &mut Told<'_>) -> Result<bool, String> {
     let actions = Action::parse(&args.actions)?;
     let [port] = &args.port[..] else {
         return Err("a drill is driven alone: one --port".into());
@@ -55,10 +57,6 @@ pub fn jog(args: &Jog, out: &mut dyn Write) -> Result<bool, String> {
     let baud = args.baud.unwrap_or(BAUD);
     let mut client = open(port, baud, args.lease)?;
     share(&args.machine, port, baud);
-    let tell = |line: &str, out: &mut dyn Write| {
-        // A reader that has gone away does not stop a machine.
-        let _ = writeln!(out, "{line}").and_then(|()| out.flush());
-    };
     let reached = match actions.first() {
         Some(Action::Stop) => client.end_program(|longest| {
             let seconds = longest.as_secs();
@@ -72,13 +70,16 @@ pub fn jog(args: &Jog, out: &mut dyn Write) -> Result<bool, String> {
     if let (Err(trouble), [Action::Where]) = (&reached, &actions[..]) {
         let is_answer =
             *trouble == Trouble::AtWork || *trouble == Trouble::Link(LinkFailure::Fault);
-        tell(&Place::unknown(trouble), out);
+        let place = Place::unknown(trouble);
+        out.tell(&place, || {
+            action_object(1, port, &Action::Where, 0.0, Ok(&place))
+        });
         if is_answer {
             return Ok(true);
         }
     }
     if let Err(trouble) = reached {
-        eprintln!("error: {port}: {}", trouble.unreached());
+        out.failed(port, &trouble.unreached());
         return Ok(false);
     }
     let mut hand = Hand::new(client, keep);
@@ -86,24 +87,24 @@ pub fn jog(args: &Jog, out: &mut dyn Write) -> Result<bool, String> {
         let start = hand.client().elapsed();
         let result = hand.carry_out(action);
         for line in hand.client().take_reports() {
-            tell(&format!("  {line}"), out);
+            out.tell(format_args!("  {line}"), || report(1, port, &line));
         }
-        match result {
-            Ok(text) => {
-                let seconds = (hand.client().elapsed() - start).as_secs_f64();
-                tell(&format!("{action}: {seconds:.1} s"), out);
-                if !text.is_empty() {
-                    tell(&text, out);
-                }
-            }
+        let seconds = (hand.client().elapsed() - start).as_secs_f64();
+        let end = result.as_deref().map_err(String::as_str);
+        out.object(&action_object(1, port, action, seconds, end));
+        match end {
+            Ok("") => out.text(format_args!("{action}: {seconds:.1} s")),
+            Ok(text) => out.text(format_args!("{action}: {seconds:.1} s\n{text}")),
             Err(sentence) => {
-                eprintln!("error: {port}: {action}: {sentence}");
+                if !out.is_json() {
+                    eprintln!("error: {port}: {action}: {sentence}");
+                }
                 return Ok(false);
             }
         }
     }
     if let Err(sentence) = hand.end() {
-        eprintln!("error: {port}: {sentence}");
+        out.failed(port, &sentence);
         return Ok(false);
     }
     Ok(true)
@@ -123,7 +124,7 @@ fn open(port: &str, baud: u32, lease_ms: Option<u16>) -> Result<Client, String> 
 /// # Errors
 ///
 /// A sentence about what cannot be asked for, before anything moves.
-pub fn send(args: &crate::cli::Send, parts: &[Part], out: &mut dyn Write) -> Result<bool, String> {
+pub fn send(args: &crate::cli::Send, parts: &[Part], out: &mut Told<'_>) -> Result<bool, String> {
     let (_, port) = args.alone()?;
     let baud = args.baud.unwrap_or(BAUD);
     // A drill that is to work alone has no lease.
@@ -134,12 +135,12 @@ pub fn send(args: &crate::cli::Send, parts: &[Part], out: &mut dyn Write) -> Res
         port,
         baud,
     );
-    let mut operator = operator::Console::new(out);
+    let mut operator = operator::Console::new(out, port);
     let mut sender = Sender {
         client,
         operator: &mut operator,
         parts,
-        from: args.from as usize - 1,
+        from: args.from.unwrap_or(1) as usize - 1,
         // There and back, and what a computer takes between.
         byte_s: 20.0 / f64::from(baud) + 0.001,
         is_homed: args.no_home,
@@ -148,12 +149,12 @@ pub fn send(args: &crate::cli::Send, parts: &[Part], out: &mut dyn Write) -> Res
     };
     let end = sender.send(args.detach)?;
     let all = parts.iter().map(Part::holes).sum();
-    let again = again(std::env::args().skip(1));
+    let again = again(std::env::args_os().skip(1).map(|word| name::text(&word)));
     let text = sentence(&end, &again, all);
     operator.close();
     match end {
         End::Failed(_) | End::Unreached(_) => {
-            eprintln!("error: {port}: {text}");
+            operator.out().failed(port, &text);
             Ok(false)
         }
         End::Drilled | End::Detached => {

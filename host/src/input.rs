@@ -2,6 +2,7 @@
 
 pub mod columns;
 
+use crate::text::name;
 use std::fs::{File, Metadata};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
@@ -46,21 +47,46 @@ impl Identity {
 /// The files that were read, with their names.
 static READ: Mutex<Vec<(Identity, PathBuf)>> = Mutex::new(Vec::new());
 
-/// Opens a file for reading.
+/// Opens a file for reading. `path` is the text of its name, see [`name`].
 ///
 /// # Errors
 ///
 /// The file cannot be opened, or is a directory.
 pub fn open(path: impl AsRef<Path>) -> io::Result<File> {
-    let path = path.as_ref();
-    let file = File::open(path)?;
+    let path = &*name::path(path.as_ref());
+    let file = File::open(path).map_err(|error| advised(error, &ADVICE))?;
     let metadata = file.metadata()?;
     if metadata.is_dir() {
         let kind = io::ErrorKind::InvalidInput;
-        return Err(io::Error::new(kind, "is a directory"));
+        return Err(io::Error::new(kind, "this is a folder: name a file in it"));
     }
     keep(path, &metadata);
     Ok(file)
+}
+
+/// What to do about a file that cannot be opened.
+const ADVICE: [(io::ErrorKind, &str); 3] = [
+    (
+        io::ErrorKind::NotFound,
+        "there is no such file: check its name and its folder",
+    ),
+    (
+        io::ErrorKind::PermissionDenied,
+        "you may not read this file: change its permissions, or name another one",
+    ),
+    (
+        io::ErrorKind::NotADirectory,
+        "a part of this path is a file and no folder: check its name",
+    ),
+];
+
+/// An error with the sentence for its kind, if there is one.
+pub fn advised(error: io::Error, advice: &[(io::ErrorKind, &str)]) -> io::Error {
+    let kind = error.kind();
+    match advice.iter().find(|(known, _)| *known == kind) {
+        Some((_, advice)) => io::Error::new(kind, *advice),
+        None => error,
+    }
 }
 
 /// Most bytes of a program or a drill file that is read as a whole, or that comes from a pipe. A
@@ -152,8 +178,10 @@ pub fn read_to_string(path: impl AsRef<Path>) -> io::Result<String> {
         true => to_end(bounded_by(stdin(), MOST_TEXT))?,
         false => to_end(bounded_by(open(path)?, MOST_TEXT))?,
     };
-    String::from_utf8(bytes)
-        .map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "the file is not text in UTF-8"))
+    String::from_utf8(bytes).map_err(|_| {
+        let why = "this is no text in UTF-8: save it as UTF-8, or name another file";
+        io::Error::new(io::ErrorKind::InvalidData, why)
+    })
 }
 
 /// Standard input. If it comes from a file, that file is remembered too.

@@ -42,12 +42,14 @@ mod simulation;
 mod text;
 mod tuning;
 
-use clap::Parser;
+use clap::FromArgMatches;
 use std::ffi::OsString;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let cli = match cli::Cli::try_parse_from(cli::words(std::env::args_os())) {
+    let words = cli::words(std::env::args_os());
+    let parsed = cli::command().try_get_matches_from(words);
+    let cli = match parsed.and_then(|matches| cli::Cli::from_arg_matches(&matches)) {
         Ok(cli) => cli,
         Err(error) => return answered(&error),
     };

@@ -13,8 +13,10 @@ pub use figure::{is_list, program};
 use crate::cli::Jog;
 use crate::console::sharing::share;
 use crate::console::stop::stop_requests;
+use crate::console::told::{Told, action as action_object, report};
 use crate::machines::machine_file::MachineFile;
-use husillo_clients::microfactory::{Action, BAUD, LEASE, Links, Settings, crew, shares};
+use husillo_clients::microfactory::crew::{self, What};
+use husillo_clients::microfactory::{Action, BAUD, LEASE, Links, Settings, shares};
 use husillo_controllers::MicrofactoryConfig;
 use husillo_sim::device::microfactory::Device;
 use std::io::{self, Write};
@@ -50,7 +52,7 @@ pub fn settings_of(machine: &MachineFile) -> Option<Settings> {
 /// # Errors
 ///
 /// A sentence about the actions, before anything moves.
-pub fn jog(args: &Jog, settings: &Settings, out: &mut dyn Write) -> Result<bool, String> {
+pub fn jog(args: &Jog, settings: &Settings, out: &mut Told<'_>) -> Result<bool, String> {
     let load = |file: &str| figure::load(file, settings);
     let shares = shares(&args.actions, args.port.len(), load)?;
     let figure = figure_of(args.figure.as_deref(), settings)?;
@@ -64,11 +66,41 @@ pub fn jog(args: &Jog, settings: &Settings, out: &mut dyn Write) -> Result<bool,
     };
     let crew = links.crew(&args.port, shares)?;
     (args.port.iter()).for_each(|port| share(&args.machine, port, links.bits_per_s));
-    let shares = crew::work(crew, out)?;
+    let shares = work(crew, out)?;
     if shares.len() > 1 {
         crew::report(&shares, out).map_err(|error| error.to_string())?;
     }
-    Ok(crew::is_well(&shares))
+    Ok(is_well(&shares, out))
+}
+
+/// Lets all machines work, and tells what they do.
+fn work(crew: Vec<crew::Worker>, out: &mut Told<'_>) -> Result<Vec<crew::Share>, String> {
+    let is_alone = crew.len() == 1;
+    crew::work(crew, |said| {
+        let number = said.machine + 1;
+        let name = match is_alone {
+            true => String::new(),
+            false => format!("{number}: "),
+        };
+        out.tell(format_args!("{name}{}", said.what), || match &said.what {
+            What::Report(line) => report(number, &said.port, line),
+            What::Action(row) => {
+                let end = row.end.as_deref().map_err(String::as_str);
+                action_object(number, &said.port, &row.action, row.took_s, end)
+            }
+        });
+    })
+}
+
+/// Whether all machines have done their work. The failures are printed; objects have them already.
+fn is_well(shares: &[crew::Share], out: &Told<'_>) -> bool {
+    let troubles = crew::troubles(shares);
+    let count = troubles.map(|(port, trouble)| {
+        if !out.is_json() {
+            eprintln!("error: {port}: {trouble}");
+        }
+    });
+    count.count() == 0
 }
 
 /// `husillo send`: stores a figure in every machine and cuts it, all at once.
@@ -79,7 +111,7 @@ pub fn jog(args: &Jog, settings: &Settings, out: &mut dyn Write) -> Result<bool,
 pub fn send(
     args: &crate::cli::Send,
     settings: &Settings,
-    out: &mut dyn Write,
+    out: &mut Told<'_>,
 ) -> Result<bool, String> {
     let (files, ports) = (&args.files, &args.port);
     if files.len() != 1 && files.len() != ports.len() {
@@ -115,9 +147,9 @@ pub fn send(
     let crew = links.crew(ports, shares)?;
     let machine = args.target.machine.as_deref().unwrap_or("microfactory");
     (ports.iter()).for_each(|port| share(machine, port, links.bits_per_s));
-    let shares = crew::work(crew, out)?;
+    let shares = work(crew, out)?;
     crew::report(&shares, out).map_err(|error| error.to_string())?;
-    Ok(crew::is_well(&shares))
+    Ok(is_well(&shares, out))
 }
 
 /// `husillo compile -m microfactory`: a figure as a list, which can be edited.

@@ -11,6 +11,7 @@
 use crate::cli::Jog;
 use crate::console::sharing::share;
 use crate::console::stop::stop_requests;
+use crate::console::told::{Told, action as action_object, report};
 use husillo_clients::micromill::{Action, BAUD, Frame, Hand, LEASE_MS, LengthUnit, open};
 use husillo_machine::Config;
 use husillo_sim::device::micromill::Device;
@@ -61,7 +62,7 @@ pub fn text(lines: &[(usize, Line)]) -> String {
 /// # Errors
 ///
 /// A sentence about a wrong action, before anything moves.
-pub fn jog(args: &Jog, config: Config<3>, out: &mut dyn io::Write) -> Result<bool, String> {
+pub fn jog(args: &Jog, config: Config<3>, out: &mut Told<'_>) -> Result<bool, String> {
     let actions = Action::parse(&args.actions)?;
     let [name] = &args.port[..] else {
         return Err("a mill is driven alone: one --port".into());
@@ -82,7 +83,7 @@ pub fn jog(args: &Jog, config: Config<3>, out: &mut dyn io::Write) -> Result<boo
     let mut hand = match Hand::new(wire, baud, lease_ms, frame, stop) {
         Ok(hand) => hand,
         Err(sentence) => {
-            eprintln!("error: {name}: {sentence}");
+            out.failed(name, &sentence);
             return Ok(false);
         }
     };
@@ -90,17 +91,17 @@ pub fn jog(args: &Jog, config: Config<3>, out: &mut dyn io::Write) -> Result<boo
         let start = hand.elapsed();
         let made = hand.carry_out(action);
         for line in hand.panel() {
-            // A closed output does not stop a machine.
-            let _ = writeln!(out, "  {line}");
+            out.tell(format_args!("  {line}"), || report(1, name, &line));
         }
-        match made {
-            Ok(how) => {
-                let seconds = (hand.elapsed() - start).as_secs_f64();
-                // A closed output does not stop a machine.
-                let _ = writeln!(out, "{action}: {seconds:.1} s, {how}").and_then(|()| out.flush());
-            }
+        let seconds = (hand.elapsed() - start).as_secs_f64();
+        let end = made.as_deref().map_err(String::as_str);
+        out.object(&action_object(1, name, action, seconds, end));
+        match end {
+            Ok(how) => out.text(format_args!("{action}: {seconds:.1} s, {how}")),
             Err(sentence) => {
-                eprintln!("error: {name}: {action}: {sentence}");
+                if !out.is_json() {
+                    eprintln!("error: {name}: {action}: {sentence}");
+                }
                 return Ok(false);
             }
         }

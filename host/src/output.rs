@@ -1,13 +1,21 @@
 //! Files that a command writes: either all of them completely, or none.
 //!
 //! Each file is written under a temporary name in its own folder. When all files of the command are
-//! complete, they are renamed in the order in which they were begun. Until then the old files stay
-//! unchanged, also if the program is killed or the device is full. Outputs that are not regular
-//! files (a terminal, a pipe, `/dev/null`, `-`) are written directly.
+//! complete and on the device, they are renamed in the order in which they were begun. Until then
+//! the old files stay unchanged, also if the program is killed or the device is full. If a file
+//! cannot be renamed, the files before it are put back. Outputs that are not regular files (a
+//! terminal, a pipe, `/dev/null`, `-`) are written directly.
+//!
+//! No file system renames several files at once. If the power fails, or the program is killed
+//! without a request to end, between two of the renames, the first files are new and the others
+//! old, each of them whole. The old files are then kept beside the new ones, as `NAME.*.old`.
+
+mod replacing;
 
 use crate::console;
 use crate::console::stop::{INTERRUPTED, on_request};
 use crate::input::{self, Identity};
+use crate::text::name::path;
 use std::fs::{File, Metadata, OpenOptions};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -96,7 +104,8 @@ impl Outputs {
             return Ok(self.direct(name, console::data()));
         }
         let named = |error| named(name, &error);
-        let old = std::fs::metadata(name).ok();
+        let path = &*path(Path::new(name));
+        let old = std::fs::metadata(path).ok();
         if old.as_ref().is_some_and(Metadata::is_dir) {
             return Err(named(io::ErrorKind::IsADirectory.into()));
         }
@@ -104,10 +113,10 @@ impl Outputs {
         let handles = ["/dev/fd/", "/dev/stderr", "/proc/"];
         let is_handle = handles.iter().any(|start| name.starts_with(start));
         if is_handle || old.as_ref().is_some_and(|old| !old.is_file()) {
-            let file = OpenOptions::new().write(true).open(name).map_err(named)?;
+            let file = OpenOptions::new().write(true).open(path).map_err(named)?;
             return Ok(self.direct(name, Box::new(file)));
         }
-        let place = place(Path::new(name)).map_err(named)?;
+        let place = place(path).map_err(named)?;
         let old_file = old.as_ref().and_then(|old| Identity::of(&place, old));
         self.expect_own(name, &place, old_file.as_ref())?;
         if old.is_some() {
@@ -149,8 +158,7 @@ impl Outputs {
     ///
     /// # Errors
     ///
-    /// A file is not complete; then none is renamed. Or a file cannot be renamed; then those before
-    /// it are renamed already.
+    /// A file is not complete, or cannot be renamed. Then all old files are as before.
     pub fn finish(mut self) -> io::Result<()> {
         let faults = self.files.iter().map(|file| &file.fault);
         if let Some((kind, message)) = faults.chain(&self.direct).find_map(|fault| fault.get()) {
@@ -167,17 +175,14 @@ impl Outputs {
         }
         // The lock makes Ctrl-C wait until all are renamed.
         let mut unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
-        while let Some(file) = self.files.first() {
-            if let Err(error) = std::fs::rename(&file.beside, &file.place) {
-                let error = named(&file.name, &error);
-                // `self` is dropped on return and needs the lock.
-                drop(unfinished);
-                return Err(error);
-            }
-            unfinished.retain(|begun| begun.beside != file.beside);
-            self.files.remove(0);
+        let renamed = replacing::rename_all(&self.files, |from, to| std::fs::rename(from, to));
+        if renamed.is_ok() {
+            let files = std::mem::take(&mut self.files);
+            unfinished.retain(|begun| files.iter().all(|file| file.beside != begun.beside));
         }
-        Ok(())
+        // `self` is dropped on return and needs the lock.
+        drop(unfinished);
+        renamed
     }
 
     /// Checks that a path belongs to no other output of this command, and to no input.
@@ -252,9 +257,36 @@ impl Drop for Writer {
     }
 }
 
+/// What to do about a file that cannot be written.
+const ADVICE: [(io::ErrorKind, &str); 4] = [
+    (
+        io::ErrorKind::PermissionDenied,
+        "you may not write this file: name one in a folder of yours",
+    ),
+    (
+        io::ErrorKind::IsADirectory,
+        "this is a folder: name a file in it",
+    ),
+    (
+        io::ErrorKind::NotADirectory,
+        "a part of this path is a file and no folder: name another one",
+    ),
+    (
+        io::ErrorKind::StorageFull,
+        "No space left on device: make room, or name a file on another one",
+    ),
+];
+
 /// An error with the name of its file.
 fn named(name: &str, error: &io::Error) -> io::Error {
-    io::Error::new(error.kind(), format!("{name}: {error}"))
+    let kind = error.kind();
+    let advice = ADVICE.iter().find(|(known, _)| *known == kind);
+    // A text of this module says already what to do.
+    let advice = advice.filter(|_| error.get_ref().is_none());
+    match advice {
+        Some((_, advice)) => io::Error::new(kind, format!("{name}: {advice}")),
+        None => io::Error::new(kind, format!("{name}: {error}")),
+    }
 }
 
 fn refused(message: String) -> io::Error {
@@ -272,10 +304,9 @@ fn place(path: &Path) -> io::Result<PathBuf> {
         if !folder.exists() {
             // Makes one folder, such as `out`, but no chain of folders, which may be mistyped.
             std::fs::create_dir(folder).map_err(|error| {
-                io::Error::new(
-                    error.kind(),
-                    format!("no folder {}: {error}", folder.display()),
-                )
+                let folder = folder.display();
+                let why = format!("there is no folder {folder}, and none is made: name another");
+                io::Error::new(error.kind(), why)
             })?;
         }
         let folder = folder.canonicalize()?;

@@ -55,3 +55,36 @@ fn programs_of_cam_systems_run_on_the_router() {
     }
     assert_eq!(programs, 14);
 }
+
+#[test]
+fn a_program_for_another_kind_of_machine_is_refused_with_its_name() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/cam");
+    for (name, machine) in [("cura.gcode", "printer"), ("wrapped.tap", "router4")] {
+        for command in ["run", "steps"] {
+            let output = husillo()
+                .args([command, "-m", "router", "-o", "-"])
+                .arg(folder.join(name))
+                .output()
+                .unwrap();
+            let printed = String::from_utf8_lossy(&output.stderr).into_owned();
+            assert_eq!(output.status.code(), Some(1), "{printed}");
+            let sentence = format!("{machine} accepts this program: -m {machine}");
+            assert!(printed.contains(&sentence), "{printed}");
+            // Findings that are alike are drawn three times.
+            assert!(
+                printed.matches("unknown word `A`").count() <= 3,
+                "{printed}"
+            );
+        }
+    }
+    let output = husillo()
+        .args(["run", "-m", "router", "-"])
+        .write_stdin("G1 X10 F100\nG77\n")
+        .output()
+        .unwrap();
+    let printed = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(
+        printed.contains("1 error") && !printed.contains("accepts"),
+        "{printed}"
+    );
+}

@@ -211,7 +211,7 @@ fn wrong_actions_move_nothing() {
         .assert()
         .code(2)
         .stdout("")
-        .stderr(contains("use microfactory, drill, micromill"));
+        .stderr(contains("name microfactory, drill, micromill"));
 }
 
 /// A program of the drill's language, in a file of this test's own.

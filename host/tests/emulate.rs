@@ -84,7 +84,9 @@ fn a_port_that_cannot_be_had_is_named() {
     for machine in ["micromill", "cmm"] {
         emulate(machine, "30", &["--link", link])
             .failure()
-            .stderr(contains(format!("{link}: No such file")));
+            .stderr(contains(format!(
+                "{link}: there is no folder for this link"
+            )));
     }
     for address in ["127.0.0.1", ":7000", "127.0.0.1:65536"] {
         emulate("drill", "30", &["--listen", address])

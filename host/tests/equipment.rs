@@ -221,6 +221,13 @@ fn curves_are_drawn_and_measured() {
     let [x, y] = [0, 1].map(|axis: usize| number(&results["end_nm"][axis]));
     assert_eq!([x, y], [10e6, 40e6]);
     assert!(number(&results["max_nm"][0]) < 40.003e6, "{results}");
+    let arc = std::f64::consts::FRAC_PI_2 * 30e6;
+    assert!((number(&results["feed_nm"]) - arc).abs() < 2e3, "{results}");
+    let [most, rms] = ["max_deviation_nm", "rms_deviation_nm"].map(|key| number(&results[key]));
+    assert!(
+        most < 1.46 * 2500.0 && (100.0..2500.0).contains(&rms),
+        "{results}"
+    );
     // The curve leaves the table between its ends, which are on it.
     let file = written(
         "beyond.nc",

@@ -484,3 +484,74 @@ fn a_program_is_translated() {
         .assert()
         .code(2);
 }
+
+/// A machine with these axes after X, Y and Z: rotary ones as A of `router4`, others as its X.
+fn machine(letters: &str) -> PathBuf {
+    let text = fs::read_to_string("../machines/router4.toml").unwrap();
+    let section = |letter: char| {
+        let start = text.find(&format!("[axis.{letter}]")).unwrap();
+        let length = text[start + 1..].find("\n[").unwrap() + 2;
+        text[start..start + length].to_owned()
+    };
+    let more = letters.chars().map(|letter| {
+        let like = if "abc".contains(letter) { 'a' } else { 'x' };
+        section(like).replace(&format!("axis.{like}"), &format!("axis.{letter}"))
+    });
+    let more: String = more.collect();
+    let text = text.replace(&section('a'), &more).replace("XA", "XY");
+    scratch(&format!("{letters}.toml"), text)
+}
+
+/// Axes beyond X, Y and Z stay, in whatever form their lines are written; those of a machine are
+/// the ones of its file.
+#[test]
+fn a_translation_has_all_axes() {
+    let program = "G21 G90 G94\nG0 X1 A90 B-5\nG91\nG1 A45 C10 F100\no1 repeat [2]\nG1 A-1 X2\n\
+                   o1 endrepeat\nG90\nM2\n";
+    let file = scratch("axes.nc", program);
+    let made = |args: &[&str], file: &Path| {
+        let mut command = husillo();
+        command
+            .args(["format", "--to", "grbl"])
+            .args(args)
+            .arg(file);
+        let output = command.output().unwrap();
+        let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success(), "{errors}");
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let text = made(&[], &file);
+    let translated = scratch("axes-grbl.nc", &text);
+    let ends = |file: &Path| -> Vec<Value> {
+        let mut command = husillo();
+        command.args(["commands", "--format", "json", "-m"]);
+        let output = command.arg(machine("abc")).arg(file).output().unwrap();
+        assert!(output.status.success(), "{output:?}");
+        let lines = String::from_utf8(output.stdout).unwrap();
+        let all = lines
+            .lines()
+            .map(|line| serde_json::from_str::<Value>(line).unwrap());
+        all.filter(|one| one["to_nm"].is_array() || one["to"].is_array())
+            .map(|one| match one["to_nm"].is_null() {
+                true => one["to"].clone(),
+                false => one["to_nm"].clone(),
+            })
+            .collect()
+    };
+    let before = ends(&file);
+    assert_eq!(before.len(), 4, "{before:?}");
+    assert_eq!(before, ends(&translated), "{text}");
+    assert!(text.contains("A90") && text.contains("C10"), "{text}");
+    // U is an axis of this machine only.
+    let sliding = scratch("u.nc", "G21 G90\nG0 X1 U5\nM2\n");
+    husillo()
+        .args(["format", "--to", "linuxcnc"])
+        .arg(&sliding)
+        .assert()
+        .code(1)
+        .stderr(contains("U"));
+    let mut command = husillo();
+    command.args(["format", "--to", "linuxcnc", "-m"]);
+    command.arg(machine("u")).arg(&sliding);
+    command.assert().success().stdout(contains("G0 X1 U5"));
+}

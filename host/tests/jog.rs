@@ -38,7 +38,9 @@ fn where_has_steps_millimetres_and_inches() {
         .args(["jog", "where", "home", "x", "400", "z", "-5", "where"])
         .assert()
         .success()
-        .stdout(contains("x 0 y 0 z 0 spindle 0 steps, not homed\n"))
+        .stdout(contains(
+            "position unknown: not homed; its counters are at x 0 y 0 z 0 spindle 0 steps\n",
+        ))
         .stdout(contains(
             "x 400 y 0 z -5 spindle 0 steps, from home; x 0.748 y 0.000 z -0.009 mm; \
              x 0.0294 y 0.0000 z -0.0004 in\n",
@@ -243,9 +245,21 @@ fn an_interruption_stops_what_moves() {
         rest.split(' ').next().unwrap().parse().unwrap()
     };
     for (times, name, told) in [
-        (1, "INT", "stopped; it stands at x 0 y "),
-        (1, "TERM", "stopped; it stands at x 0 y "),
-        (1, "HUP", "stopped; it stands at x 0 y "),
+        (
+            1,
+            "INT",
+            "stopped; position unknown: not homed; its counters are at x 0 y ",
+        ),
+        (
+            1,
+            "TERM",
+            "stopped; position unknown: not homed; its counters are at x 0 y ",
+        ),
+        (
+            1,
+            "HUP",
+            "stopped; position unknown: not homed; its counters are at x 0 y ",
+        ),
         (2, "INT", "stopped; emergency stop: stopped for good"),
     ] {
         let before = y(&where_(&mut device));

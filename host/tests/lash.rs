@@ -259,7 +259,7 @@ fn bands_are_read_from_a_table() {
     );
     fails(
         "axis,x,programmed,measured\nX,1,0.3,0.3\nX,1.1,0.3,0.2\n",
-        "too fast",
+        "too steep",
     );
     fails("axis,programmed,measured\nX,0.3,0.3\n", "where it was made");
     fails(

@@ -209,10 +209,11 @@ fn the_next_command_goes_on_where_the_last_one_ended() {
     // A killed program leaves a jog that runs on. The next command stops it and keeps what is
     // known, and so does a stop.
     run(&["goto", "50", "zero"]);
-    let killed = || {
+    let killed = |actions: &[&str]| {
         let mut jog = std::process::Command::new(env!("CARGO_BIN_EXE_husillo"))
             .env("XDG_STATE_HOME", common::state())
-            .args(["measure", "--raw", "--port", &port, "jog", "+x", "60s"])
+            .args(["measure", "--raw", "--port", &port])
+            .args(actions)
             .stderr(std::process::Stdio::piped())
             .stdout(std::process::Stdio::null())
             .spawn()
@@ -234,7 +235,7 @@ fn the_next_command_goes_on_where_the_last_one_ended() {
         [of("steps") - of("machine"), of("machine") - of("work")]
     };
     let before = origins();
-    killed();
+    killed(&["jog", "+x", "60s"]);
     let (rows, told) = run(&["status"]);
     assert!(
         told.starts_with("note: the program before was killed."),
@@ -242,8 +243,17 @@ fn the_next_command_goes_on_where_the_last_one_ended() {
     );
     assert!(number(&rows[0]["position"]) > 5.0, "{rows}");
     assert_eq!(origins(), before);
+    // Homing that was not completed changes nothing: the earlier home holds.
+    run(&["goto", "300"]);
+    killed(&["home", "x"]);
+    let (_, told) = run(&["status"]);
+    assert!(
+        told.starts_with("note: the program before was killed."),
+        "{told}"
+    );
+    assert_eq!(origins(), before);
     run(&["goto", "0"]);
-    killed();
+    killed(&["jog", "+x", "60s"]);
     let stopped = printed(&["stop", "-m", "cmm", "--port", &port]);
     let at = stopped
         .split_whitespace()
@@ -259,8 +269,23 @@ fn the_next_command_goes_on_where_the_last_one_ended() {
     near(&rows[0]["position"], 0.0, 1.0);
     assert!(zero > 400.0, "{zero}");
 
-    run(&["goto", "50", "zero"]);
+    // A pulled cable loses nothing, also if a command has failed meanwhile.
+    let fails = || {
+        let mut command = husillo();
+        let output = command.args(["measure", "--port", &port, "where"]).output();
+        let errors = String::from_utf8(output.unwrap().stderr).unwrap();
+        assert!(errors.contains("no module on the line"), "{errors}");
+        assert!(!errors.contains("lost"), "{errors}");
+    };
+    run(&["home", "x", "goto", "50", "zero"]);
+    let before = origins();
+    chain.type_line("unplug", "unplugged");
+    fails();
+    chain.type_line("plug", "plugged in");
+    assert_eq!(origins(), before);
+
     chain.type_line("power off", "power is off");
+    fails();
     chain.type_line("power on", "power is on");
     let (rows, told) = run(&["status"]);
     let lost = "note: the modules were reset or moved, so zero and home are lost\n";

@@ -132,7 +132,7 @@ fn a_simulated_mill_makes_each_step() {
         .arg(file("near.nc", "G21 G90\nG0 X1\nM30\n"))
         .assert()
         .success()
-        .stdout(predicates::str::contains("7143, each as in the simulator"));
+        .stdout(predicates::str::contains("7,143, each as in the simulator"));
 }
 
 #[test]

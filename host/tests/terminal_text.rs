@@ -3,6 +3,10 @@
 mod common;
 
 use common::husillo;
+use proptest::prelude::*;
+use std::ffi::OsString;
+use std::io::{Read, Write};
+use std::net::TcpListener;
 use std::path::{Path, PathBuf};
 
 /// Colours, the title of the window, C1, DEL, and what turns text round.
@@ -246,4 +250,123 @@ fn machines_print_nothing_that_a_terminal_obeys() {
         vec!["run", none, "--bogus"],
     ];
     files.run(&commands, 10);
+}
+
+/// Random bytes, of which many begin an escape, or are pieces of one.
+fn bytes() -> impl Strategy<Value = Vec<u8>> {
+    let piece = prop_oneof![
+        any::<u8>().prop_map(|byte| vec![byte]),
+        prop::sample::select(vec![
+            "\u{1b}[31m",
+            "\u{1b}]0;x\u{7}",
+            "\u{9b}2J",
+            "\u{202e}",
+            "\u{2066}",
+            "\u{200f}",
+            "\r",
+            "\u{7f}",
+            "\n",
+            "X1",
+            "G1 ",
+            "(",
+            "\"",
+        ])
+        .prop_map(|text| text.as_bytes().to_vec()),
+    ];
+    prop::collection::vec(piece, 1..24).prop_map(|pieces| pieces.concat())
+}
+
+/// A name of a file that the system takes.
+fn file_name(bytes: &[u8]) -> OsString {
+    let taken = bytes.iter().filter(|byte| !matches!(byte, 0 | b'/'));
+    let taken: Vec<u8> = taken.copied().take(100).collect();
+    #[cfg(unix)]
+    {
+        use std::os::unix::ffi::OsStringExt;
+        OsString::from_vec([b"n".to_vec(), taken].concat())
+    }
+    #[cfg(not(unix))]
+    {
+        format!("n{}", taken.len()).into()
+    }
+}
+
+/// A device that answers anything with these bytes, for one client, and soon falls silent.
+fn device(answer: Vec<u8>) -> String {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let port = format!("tcp:{}", listener.local_addr().unwrap());
+    std::thread::spawn(move || {
+        let Ok((mut client, _)) = listener.accept() else {
+            return;
+        };
+        let mut question = [0; 256];
+        for _ in 0..20 {
+            let heard = client.read(&mut question);
+            if !matches!(heard, Ok(1..)) || client.write_all(&answer).is_err() {
+                return;
+            }
+        }
+    });
+    port
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 12, ..ProptestConfig::default() })]
+
+    /// Whatever a program, a name of a file, a machine or a device has in it: the terminal obeys
+    /// none of it.
+    #[test]
+    fn no_bytes_reach_the_terminal_unescaped(
+        program in bytes(),
+        name in bytes(),
+        machine in bytes(),
+        answer in bytes(),
+    ) {
+        let folder: PathBuf = common::scratch("terminal-random");
+        let _ = std::fs::remove_dir_all(&folder);
+        std::fs::create_dir_all(&folder).unwrap();
+        let file = file_name(&name);
+        std::fs::write(folder.join(&file), &program).unwrap();
+        let title = String::from_utf8_lossy(&machine).into_owned();
+        let title = serde_json::to_string(&title).unwrap().replace('\u{7f}', "\\u007f");
+        let toml = std::fs::read_to_string("../machines/micromill.toml").unwrap();
+        let toml: Vec<String> = toml
+            .lines()
+            .map(|line| match line.split_once(" = ") {
+                Some(("title", _)) => format!("title = {title}"),
+                _ => line.to_owned(),
+            })
+            .collect();
+        std::fs::write(folder.join("m.toml"), toml.join("\n")).unwrap();
+        let port = device(answer);
+        let is_obeyed = |one: &char| {
+            is_obeyed(*one) || matches!(one, '\u{200e}' | '\u{200f}' | '\u{61c}')
+        };
+        let commands: [&[&str]; 8] = [
+            &["check", "FILE", "-m", "m.toml"],
+            &["check", "FILE", "--format", "json"],
+            &["commands", "FILE"],
+            &["holes", "FILE"],
+            &["machines", "show", "FILE"],
+            &["machines", "show", "m.toml"],
+            &["calibrate", "axis", "FILE"],
+            &["jog", "-m", "micromill", "--port", &port, "where"],
+        ];
+        for args in commands {
+            let args = args.iter().map(|arg| match *arg {
+                "FILE" => file.clone(),
+                other => other.into(),
+            });
+            let mut command = husillo();
+            let output = command.current_dir(&folder).args(args).output().unwrap();
+            for bytes in [output.stdout, output.stderr] {
+                let text = String::from_utf8(bytes);
+                prop_assert!(text.is_ok(), "{:?}", text);
+                // A line of a program may end with CR LF, as it is printed again.
+                let text = text.unwrap().replace("\r\n", "\n");
+                let obeyed: String = text.chars().filter(is_obeyed).collect();
+                prop_assert!(obeyed.is_empty(), "{:?}", text);
+            }
+        }
+    }
 }

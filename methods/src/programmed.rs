@@ -24,7 +24,7 @@ pub fn line<const N: usize>(
     to: [Nm; N],
 ) -> Result<Option<Move>, &'static str> {
     let (mut delta, mut exact) = ([0; AXES], [[0.0; AXES]; 2]);
-    for axis in 0..3 {
+    for axis in 0..AXES.min(N) {
         let scale = config.axes[axis].scale;
         let start = scale.nearest(from[axis].0).ok_or(TOO_LARGE)?;
         let end = scale.nearest(to[axis].0).ok_or(TOO_LARGE)?;

@@ -33,7 +33,7 @@ pub enum Steps {
 }
 
 impl Walk {
-    /// Makes a line of so many axes.
+    /// Makes a line of this number of axes.
     ///
     /// # Errors
     ///

@@ -541,12 +541,12 @@ impl Ramp {
                 if !self.has_cruise {
                     self.prepare_cruise();
                 }
-                // The rest of a grain is none.
+                // The rest of a grain is zero.
                 sweep = sweep.max(sweep_of(count));
                 (0, 0, Law::Level)
             }
             Part::Ramp { count, from, gain } => {
-                // The rest of a grain is none.
+                // The rest of a grain is zero.
                 sweep = sweep.max(sweep_of(count));
                 let root = self.course.root;
                 let is_rising = root.speed > from.speed;

@@ -143,7 +143,7 @@ where
                 Some(over_us) => self.pass_until(over_us.max(self.now_us), &mut made),
                 None => return self.pass_until(end_us, &mut made),
             }
-            // The time of silence begins anew for the next motion of the controller.
+            // The time of silence restarts for the next motion of the controller.
             let is_over = self.controller.lease_us().is_some();
             self.heard_us = self.now_us;
             if is_over && self.controller.expire() {

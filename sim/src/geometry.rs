@@ -4,5 +4,6 @@
 //! of the integer interpolators.
 
 mod curve;
+pub mod nurbs;
 pub mod path;
 pub mod turn;

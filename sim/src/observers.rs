@@ -84,7 +84,8 @@ pub trait Observer {
     /// The output of the observer cannot be written.
     fn step(&mut self, now: &Now<'_>) -> io::Result<()>;
 
-    /// The machine has waited until so many ticks from the start.
+    /// The machine has waited. `ticks` is the time at the end of the wait, from the start of the
+    /// run.
     fn dwell(&mut self, _ticks: u64) {}
 
     /// The run has ended.

@@ -78,7 +78,7 @@ pub struct ServoChain {
     baud: Baud,
     /// Bytes that the modules have not received yet, with the rate of the host when it sent them.
     to_modules: VecDeque<(Byte, Option<u32>)>,
-    /// Bytes take no time.
+    /// The transfer of a byte takes no time.
     is_fast: bool,
     /// Time after a reset in which a module hears nothing.
     reset_ns: u64,
@@ -130,7 +130,7 @@ impl ServoChain {
         self
     }
 
-    /// Lets bytes take no time: a packet arrives within a period, and its reply in the same.
+    /// Switches the times of bytes off. A packet and its reply then arrive within one period.
     pub fn without_byte_times(mut self) -> ServoChain {
         self.is_fast = true;
         self

@@ -21,7 +21,7 @@
 //! | `T`, manual | `T`, or `w` if the memory is full | the present position becomes a hole at the end of the program |
 //! | `O`, `S` | the same | spindle on, off |
 //! | `n` lo hi, also manual | the same, then three bytes and the complement of their sum | the record of that number; after the last one `f` 00 00. The highest numbers read a [`Reading`] instead |
-//! | `t` number | the same | a lease of number x 50 ms, until it is over, a reset, or `t` 00, which is none: see below |
+//! | `t` number | the same | a lease of number x 50 ms. It lasts until it expires, a reset, or `t` 00, which ends it: see below |
 //! | `0` | `0` | the program becomes empty, the zero stays |
 //! | `?` | `?`, text, 04 | help |
 //! | `M` | `M`, an advance, `m` when home | as `m`, but no single wrong bit turns it into `e`: the program may be kept |

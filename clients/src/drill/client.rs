@@ -129,7 +129,7 @@ pub struct Client {
     /// The answer of the device in a step whose answer is a text.
     text: Vec<u8>,
     has_extras: bool,
-    /// The wanted lease; 0 is none.
+    /// The lease to request; 0 for no lease.
     lease_ms: u16,
     /// A device without a lease is no device for this client.
     needs_lease: bool,

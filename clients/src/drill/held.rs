@@ -20,7 +20,7 @@ pub(super) fn holes_done(client: &mut Client, parts: &[Part]) -> Option<usize> {
     Some(load.before + holes)
 }
 
-/// The load of so many records that the drill holds.
+/// The load that the drill holds, if its number of records is `records`.
 fn load_held(client: &mut Client, parts: &[Part], records: usize) -> Option<Load> {
     let all: usize = parts.iter().map(Part::holes).sum();
     for from in 0..all {

@@ -177,7 +177,7 @@ impl<O: Operator> Sender<'_, O> {
         done.filter(|done| *done > self.from)
     }
 
-    /// The parts that remain, in pieces of so many records.
+    /// The parts that remain, in pieces of at most this number of records.
     fn loads(&self, most_records: usize) -> Result<Vec<Load>, String> {
         let all: usize = self.parts.iter().map(Part::holes).sum();
         if self.from >= all {

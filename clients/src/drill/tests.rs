@@ -494,7 +494,7 @@ fn real(lease_ms: u16) -> Client {
     client_of(Device::new(2400, false), StopRequests::default()).with_lease(lease_ms)
 }
 
-/// Sends a board, pulls the cable so long after the start of the run, and lets a time pass.
+/// Sends a board, pulls the cable `after_s` after the start of the run, and lets `passes_s` pass.
 /// Returns the client.
 fn pulled(parts: &[Part], lease_ms: u16, after_s: u64, passes_s: u64) -> (End, Client) {
     let mut client = real(lease_ms);

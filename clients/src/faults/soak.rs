@@ -91,7 +91,7 @@ fn session<S: Subject>(random: &mut Random, tally: &mut Tally) {
     tally.hours += machine.bench().now_ms() as f64 / 3.6e6;
 }
 
-/// Sessions for so many simulated hours.
+/// Sessions until this simulated time has passed.
 fn soak<S: Subject>(hours: f64) {
     let mut random = Random::new(72);
     let mut tally = Tally::default();

@@ -206,7 +206,7 @@ impl Client {
                 };
             }
             match rest {
-                Ok(status) => format!("{trouble}; it stands at {}", place(&status)),
+                Ok(status) => format!("{trouble}; {}", standing(&status)),
                 Err(_) => trouble,
             }
         })
@@ -432,7 +432,7 @@ impl Client {
         }
     }
 
-    /// Stores a figure. Repeats it if the link fails, as every try begins anew.
+    /// Stores a figure. Repeats it if the link fails, because every try starts from the beginning.
     fn load(&mut self, moves: &[[i16; 2]]) -> Result<String, String> {
         if moves.len() > usize::from(device::ROOM) {
             return Err(format!(
@@ -743,13 +743,21 @@ fn letter(table: &ByteTable, motor: u8, forward: bool) -> u8 {
     if forward { plus } else { minus }
 }
 
-/// The position of a device as text.
+/// The position of a device as text. One that is not homed does not know it, and has its counters
+/// only.
 fn place(status: &Status) -> String {
     let [x, y, z, spindle] = status.position_steps;
-    let frame = if status.is_homed {
-        "from home"
-    } else {
-        "not homed"
-    };
-    format!("x {x} y {y} z {z} spindle {spindle} steps, {frame}")
+    let counters = format!("x {x} y {y} z {z} spindle {spindle} steps");
+    match status.is_homed {
+        true => format!("{counters}, from home"),
+        false => format!("position unknown: not homed; its counters are at {counters}"),
+    }
+}
+
+/// The same, after the report of a failure.
+fn standing(status: &Status) -> String {
+    match status.is_homed {
+        true => format!("it stands at {}", place(status)),
+        false => place(status),
+    }
 }

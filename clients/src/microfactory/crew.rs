@@ -2,6 +2,7 @@
 
 use super::action::Action;
 use super::client::Client;
+use std::fmt;
 use std::io::{self, Write};
 use std::sync::mpsc;
 use std::thread;
@@ -18,13 +19,53 @@ pub struct Worker {
 }
 
 /// An action that was begun.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Row {
-    action: String,
-    began_s: f64,
-    took_s: f64,
+    /// The action, as it is typed.
+    pub action: String,
+    /// When it was begun, seconds after the first one.
+    pub began_s: f64,
+    /// Its duration, seconds.
+    pub took_s: f64,
     /// The result, or the reason of the failure.
-    end: Result<String, String>,
+    pub end: Result<String, String>,
+}
+
+/// What a machine says at work.
+#[derive(Clone, Debug)]
+pub struct Said {
+    /// Its number among the machines, from 0.
+    pub machine: usize,
+    /// Name of its port.
+    pub port: String,
+    /// A line of its device, or the end of an action.
+    pub what: What,
+}
+
+/// A line of a device, or the end of an action.
+#[derive(Clone, Debug)]
+pub enum What {
+    /// A line of the device.
+    Report(String),
+    /// An action that has ended.
+    Action(Row),
+}
+
+impl fmt::Display for What {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Report(line) => write!(f, "  {line}"),
+            Self::Action(Row {
+                action,
+                took_s,
+                end,
+                ..
+            }) => match end {
+                Ok(how) => write!(f, "{action}: {took_s:.1} s, {how}"),
+                Err(trouble) => write!(f, "{action}: {took_s:.1} s, FAILED: {trouble}"),
+            },
+        }
+    }
 }
 
 /// Record of one machine.
@@ -42,15 +83,14 @@ impl Share {
     }
 }
 
-/// Lets all machines carry out their actions at once. Prints each result to `out` when it happens.
+/// Lets all machines carry out their actions at once. Passes each result to `tell` when it happens.
 /// A failure of one machine does not stop the others.
 ///
 /// # Errors
 ///
 /// A thread has panicked.
-pub fn work(workers: Vec<Worker>, out: &mut dyn Write) -> Result<Vec<Share>, String> {
-    let is_alone = workers.len() == 1;
-    let (sender, lines) = mpsc::channel();
+pub fn work(workers: Vec<Worker>, mut tell: impl FnMut(&Said)) -> Result<Vec<Share>, String> {
+    let (sender, said) = mpsc::channel();
     thread::scope(|scope| {
         let begun: Vec<_> = (workers.into_iter().enumerate())
             .map(|(machine, worker)| {
@@ -59,15 +99,7 @@ pub fn work(workers: Vec<Worker>, out: &mut dyn Write) -> Result<Vec<Share>, Str
             })
             .collect();
         drop(sender);
-        for (machine, line) in lines {
-            let name = if is_alone {
-                String::new()
-            } else {
-                format!("{}: ", machine + 1)
-            };
-            // Machines go on when the reader of the output has gone.
-            let _ = writeln!(out, "{name}{line}").and_then(|()| out.flush());
-        }
+        said.iter().for_each(|said| tell(&said));
         let ends = begun.into_iter().map(|machine| machine.join());
         ends.collect::<Result<_, _>>()
     })
@@ -75,16 +107,12 @@ pub fn work(workers: Vec<Worker>, out: &mut dyn Write) -> Result<Vec<Share>, Str
 }
 
 /// Carries out the actions of one machine.
-fn alone(worker: Worker, machine: usize, sender: &mpsc::Sender<(usize, String)>) -> Share {
+fn alone(worker: Worker, machine: usize, sender: &mpsc::Sender<Said>) -> Share {
     let Worker {
         port,
         mut client,
         actions,
     } = worker;
-    let tell = |line| {
-        // The receiver exists until all machines have ended.
-        let _ = sender.send((machine, line));
-    };
     let mut share = Share {
         port,
         asked: actions.len(),
@@ -93,21 +121,24 @@ fn alone(worker: Worker, machine: usize, sender: &mpsc::Sender<(usize, String)>)
     for action in &actions {
         let began_s = client.elapsed().as_secs_f64();
         let end = client.carry_out(action);
-        let took_s = client.elapsed().as_secs_f64() - began_s;
-        for line in client.take_reports() {
-            tell(format!("  {line}"));
-        }
-        tell(match &end {
-            Ok(how) => format!("{action}: {took_s:.1} s, {how}"),
-            Err(trouble) => format!("{action}: {took_s:.1} s, FAILED: {trouble}"),
-        });
-        let is_over = end.is_err();
-        share.rows.push(Row {
+        let row = Row {
             action: action.to_string(),
             began_s,
-            took_s,
+            took_s: client.elapsed().as_secs_f64() - began_s,
             end,
-        });
+        };
+        let reports = client.take_reports().into_iter().map(What::Report);
+        for what in reports.chain([What::Action(row.clone())]) {
+            let port = share.port.clone();
+            // The receiver exists until all machines have ended.
+            let _ = sender.send(Said {
+                machine,
+                port,
+                what,
+            });
+        }
+        let is_over = row.end.is_err();
+        share.rows.push(row);
         if is_over {
             break;
         }
@@ -177,12 +208,9 @@ pub fn report(shares: &[Share], out: &mut dyn Write) -> io::Result<bool> {
     Ok(well == shares.len())
 }
 
-/// Prints the failure of each machine on standard error. Returns whether there is none.
-pub fn is_well(shares: &[Share]) -> bool {
-    for share in shares {
-        if let Some(trouble) = share.trouble() {
-            eprintln!("error: {}: {trouble}", share.port);
-        }
-    }
-    shares.iter().all(|share| share.trouble().is_none())
+/// The failures, each with the name of its port.
+pub fn troubles(shares: &[Share]) -> impl Iterator<Item = (&str, &str)> {
+    shares
+        .iter()
+        .filter_map(|share| Some((share.port.as_str(), share.trouble()?)))
 }

@@ -152,6 +152,11 @@ impl Sender {
         (self.session.echo(), self.session.steps.len())
     }
 
+    /// Lines that were made.
+    pub const fn made(&self) -> usize {
+        self.session.lines
+    }
+
     /// Keeps the session alive for a time while no line is sent: at most one tenth of a second.
     ///
     /// # Errors
@@ -168,11 +173,11 @@ impl Sender {
     ///
     /// As [`send`](Self::send), and a controller whose position is not that of the steps that it
     /// reported.
-    pub fn finish(mut self) -> Result<Sent, String> {
+    pub fn finish(&mut self) -> Result<Sent, String> {
         let finished = self.try_finish();
         let state = finished.map_err(|sentence| self.failed(sentence))?;
         Ok(Sent {
-            steps: self.session.steps,
+            steps: std::mem::take(&mut self.session.steps),
             lines: self.session.lines,
             state,
         })

@@ -19,6 +19,7 @@
 //! | `switch(outputs: u8)` | sets up to four other outputs: spindle, current |
 //! | `inputs(simulated: u8) -> u8` | reads up to five switches, 1 for closed; without switches it returns `simulated` |
 //! | `wait(us: u32, section)` | calls `on_time` this many microseconds after the end of the previous wait, or at once if that time has passed; if the previous wait was cut short, the time counts from now |
+//! | `jumpers() -> u8` | with the feature `wide`: reads three jumpers, 1 for a closed one |
 //! | `LONGEST_US` | the longest wait that `wait` accepts; a longer one is split into several |
 //! | `stop()` | cancels the wait |
 //! | `baud(bits_per_s: u32)` | sets the rate of the UART; `start` sets 9600 |
@@ -47,6 +48,8 @@ mod registers;
 mod shared;
 mod steps;
 
+#[cfg(feature = "wide")]
+pub use chosen::jumpers;
 pub use chosen::{
     CLOCKS_PER_US, baud, clock, counts, drive, inputs, is_sent, send, start, stop, switch, wait,
     write,

@@ -2,9 +2,11 @@
 //!
 //! UART0 is the link. GPIO0 has the motors at pins 0 to 7 and other outputs at pins 8 to 11. GPIO1
 //! has switches to ground at pins 0 to 4. With the feature `wide`, the motors are at pins 0 to 15
-//! of GPIO2 and at pins 0 and 1 of GPIO3. TIMER0 makes the step interrupt. Its reload value is 0,
-//! so it counts down once. TIMER1 counts freely, so the time that an interrupt takes does not add
-//! up over successive waits.
+//! of GPIO2 and at pins 0 and 1 of GPIO3, and jumpers to ground at pins 5 to 7 of GPIO1. Without
+//! `switches`, the jumpers are the bits of the word at 0x21000000, which QEMU's loader sets.
+//!
+//! TIMER0 makes the step interrupt. Its reload value is 0, so it counts down once. TIMER1 counts
+//! freely, so the time that an interrupt takes does not add up over successive waits.
 //: MEMORY
 //: {
 //:   FLASH : ORIGIN = 0x00000000, LENGTH = 64K
@@ -41,6 +43,9 @@ const OUTENSET: usize = 0x10;
 const WIDE: [usize; 2] = [0x4001_2000, 0x4001_3000];
 #[cfg(feature = "wide")]
 const DATAOUT: usize = 0x4;
+/// The jumpers in QEMU, which has no pins: a word of RAM that the firmware does not use.
+#[cfg(feature = "wide")]
+const SIMULATED_JUMPERS: usize = 0x2100_0000;
 /// The counter of time counts clocks.
 pub const CLOCKS_PER_US: u32 = 25;
 const CLOCKS_PER_S: u32 = 25_000_000;
@@ -130,6 +135,15 @@ pub fn inputs(simulated: u8) -> u8 {
         return simulated;
     }
     !read(GPIO1 + DATA) as u8 & 0x1f
+}
+
+/// Reads the jumpers; a closed one is 1.
+#[cfg(feature = "wide")]
+pub fn jumpers() -> u8 {
+    if cfg!(not(feature = "switches")) {
+        return read(SIMULATED_JUMPERS) as u8;
+    }
+    (!read(GPIO1 + DATA) >> 5 & 0b111) as u8
 }
 
 /// The counter of time, which wraps: [`CLOCKS_PER_US`] a microsecond.

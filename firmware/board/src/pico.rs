@@ -57,11 +57,16 @@ const OUTPUTS: u32 = 0xf << 10;
 /// Switches to ground: GP14 to GP18.
 const INPUTS: [usize; 5] = [14, 15, 16, 17, 18];
 /// With the feature `wide`: motors at GP2 to GP19, two outputs at GP20 and GP21, three switches at
-/// GP22, GP26 and GP27.
+/// GP22, GP26 and GP27, three jumpers to ground at GP0, GP1 and GP28.
 const IS_WIDE: bool = cfg!(feature = "wide");
 const WIDE_MOTORS: u32 = 0x3_ffff << 2;
 const WIDE_OUTPUTS: u32 = 3 << 20;
 const WIDE_INPUTS: [usize; 3] = [22, 26, 27];
+#[cfg(feature = "wide")]
+const JUMPERS: [usize; 3] = [0, 1, 28];
+/// The time in which the pull-up of a pin raises it, us.
+#[cfg(feature = "wide")]
+const PULL_UP_US: u32 = 10;
 /// The motors' pins, the other outputs and the switches with these features.
 const MOTORS_NOW: u32 = if IS_WIDE { WIDE_MOTORS } else { MOTORS };
 const OUTPUTS_NOW: u32 = if IS_WIDE { WIDE_OUTPUTS } else { OUTPUTS };
@@ -211,11 +216,27 @@ pub fn inputs(simulated: u8) -> u8 {
     if cfg!(not(feature = "switches")) {
         return simulated;
     }
+    closed(INPUTS_NOW)
+}
+
+/// Which of these pins are at ground.
+fn closed(pins: &[usize]) -> u8 {
     let open = read(SIO + GPIO_IN);
-    INPUTS_NOW
-        .iter()
+    pins.iter()
         .rev()
         .fold(0, |closed, pin| closed << 1 | (!open >> pin & 1) as u8)
+}
+
+/// Reads the jumpers; a closed one is 1.
+#[cfg(feature = "wide")]
+pub fn jumpers() -> u8 {
+    for pin in JUMPERS {
+        set(IO_BANK + 8 * pin + 4, BY_SIO);
+        set(PADS + 4 + 4 * pin, PULLED_UP);
+    }
+    let begin = clock();
+    while clock().wrapping_sub(begin) < PULL_UP_US {}
+    closed(&JUMPERS)
 }
 
 /// The counter of time, which wraps: [`CLOCKS_PER_US`] a microsecond.

@@ -1,8 +1,8 @@
-"""Half and quarter steps, and the A3988: all inputs of the drivers are at pins.
+"""Full, half and quarter steps, PBL3717A and A3988: all inputs of the drivers are at pins.
 
-The firmware is built with each of these features. Then every step, its wait and the 18 levels must
-be those of the host for a machine with the same steps and drivers. The host sends the strings once
-more, with the file of that machine.
+The firmware is built once, and started with each setting of its jumpers. Then every step, its wait
+and the 18 levels must be those of the host for a machine with the same steps and drivers. The host
+sends the strings once more, with the file of that machine.
 """
 
 from __future__ import annotations
@@ -31,11 +31,16 @@ LINES_PER_MOTOR = 6
 FULL_STEPS_PER_CYCLE = 4
 
 
+# The word of RAM that stands for the jumpers: `SIMULATED_JUMPERS` in the board's file.
+JUMPERS = 0x2100_0000
+HALF, QUARTER, A3988 = 1, 2, 4
+
+
 @dataclass
 class Steps:
     """A step mode with a driver."""
 
-    features: str
+    jumpers: int
     mode: str
     # Steps per full step.
     parts: int
@@ -57,11 +62,22 @@ class Steps:
         return text
 
 
+    def loader(self) -> tuple[str, str]:
+        """Options of QEMU that close these jumpers."""
+        return "-device", f"loader,addr={JUMPERS:#x},data={self.jumpers},data-len=4"
+
+    def __str__(self) -> str:
+        return f"jumpers {self.jumpers:03b}, {self.mode} steps, {self.driver}"
+
+
 ALL = (
-    Steps("coils", "full", 1),
-    Steps("half", "half", 2),
-    Steps("quarter", "quarter", 4),
-    Steps("quarter,a3988", "quarter", 4, "a3988"),
+    Steps(0, "full", 1),
+    Steps(HALF, "half", 2),
+    Steps(QUARTER, "quarter", 4),
+    Steps(QUARTER | HALF, "quarter", 4),
+    Steps(A3988, "full", 1, "a3988"),
+    Steps(A3988 | HALF, "half", 2, "a3988"),
+    Steps(A3988 | QUARTER, "quarter", 4, "a3988"),
 )
 
 
@@ -72,15 +88,15 @@ def check(board: Board) -> None:
     for steps in ALL:
         with tempfile.TemporaryDirectory() as folder:
             compare_mode(board, steps, Path(folder))
-        print(f"{board}: {steps.features}: 18 levels as in the simulator")
+        print(f"{board}: {steps}: 18 levels as in the simulator")
 
 
 def compare_mode(board: Board, steps: Steps, folder: Path) -> None:
-    """Sends the strings to a firmware with these features, and compares."""
+    """Sends the strings to a firmware with these jumpers, and compares."""
     log, machine = folder / "log", folder / "mill.toml"
     machine.write_text(steps.machine())
     trace = (*registers.ARGUMENTS, "-D", str(log))
-    with Micromill(board, *trace, features=steps.features) as mill:
+    with Micromill(board, *trace, *steps.loader(), features="coils") as mill:
         mill.home()
         for string in STRINGS:
             mill.ask(string.encode(), (DONE,))
@@ -89,6 +105,6 @@ def compare_mode(board: Board, steps: Steps, folder: Path) -> None:
     compare(board, registers.read_file(board, log), lines, wiring)
     part = folder / "part.mm"
     part.write_text("\n".join(STRINGS) + "\n")
-    with Micromill(board, features=steps.features, is_connected=False) as mill:
+    with Micromill(board, *steps.loader(), features="coils", is_connected=False) as mill:
         mill.booted()
         host.send(part, str(machine), mill.tcp)

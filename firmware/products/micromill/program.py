@@ -46,7 +46,7 @@ def cut(board: Board, program: Path, is_traced: bool) -> Iterator[tuple[str, int
         trace = (*registers.ARGUMENTS, "-D", str(log)) if is_traced else ()
         with Firmware("micromill", board, *trace) as firmware:
             firmware.booted()
-            steps = int(host.send(program, "micromill", firmware.tcp)[0])
+            steps = int(host.send(program, "micromill", firmware.tcp)[0].replace(",", ""))
             ram = firmware.ram()
         # The host has compared the reported steps with those of the strings on the simulator. The
         # simulator's reports of the strings and of the program must be equal.

@@ -12,7 +12,7 @@ from husillo_firmware.waiting import fail
 
 # No command of a check takes longer than this.
 LONGEST_S = 600
-STEPS_AS_SIMULATED = r"Steps +(\d+), each as in the simulator"
+STEPS_AS_SIMULATED = r"Steps +([\d,]+), each as in the simulator"
 # Virtual time may run ahead of the host, so a lease in wall-clock time does not fit.
 IN_VIRTUAL_TIME = ("--lease", "0")
 

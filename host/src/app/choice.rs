@@ -5,6 +5,7 @@ use super::job::Job;
 use crate::cli::{Target, Zero};
 use crate::diagnostics::Findings;
 use crate::machines::machine_file::MachineFile;
+use crate::programs::check::Facts;
 
 /// The machines that are tried in this order.
 const TRIED: [&str; 5] = ["micromill", "router", "lathe", "router4", "printer"];
@@ -48,13 +49,9 @@ impl Job {
     /// Whether the machine accepts the program without an error. If so, the result of the check is
     /// kept, and a line names the machine.
     fn accepts(&mut self, zero: Option<Zero>, limit: u64) -> Result<bool, Failure> {
-        self.is_trial = true;
-        self.place(zero)?;
-        let mut findings = Findings::new(limit).up_to_error();
-        let facts = self.check(&mut findings)?;
-        if findings.errors > 0 {
+        let Some(checked) = self.accepted(zero, limit)? else {
             return Ok(false);
-        }
+        };
         let (name, machine, tried) = (self.name(), &self.machine.name, TRIED.join(", "));
         eprintln!(
             "{name}: for {machine}, the first of {tried} that accepts it; -m NAME selects another"
@@ -62,9 +59,53 @@ impl Job {
         for note in self.notes.drain(..) {
             eprintln!("{note}");
         }
-        self.checked = Some((facts, findings));
+        self.checked = Some(checked);
         Ok(true)
     }
+
+    /// The result of the check, if the machine accepts the program without an error. Nothing is
+    /// printed.
+    fn accepted(
+        &mut self,
+        zero: Option<Zero>,
+        limit: u64,
+    ) -> Result<Option<(Facts, Findings)>, Failure> {
+        self.is_trial = true;
+        self.place(zero)?;
+        let mut findings = Findings::new(limit).up_to_error();
+        let facts = self.check(&mut findings)?;
+        Ok((findings.errors == 0).then_some((facts, findings)))
+    }
+}
+
+/// Prints which other machine accepts a program that was refused for what its machine lacks.
+pub fn suggest(
+    job: &Job,
+    target: &Target,
+    zero: Option<Zero>,
+    refused: &Findings,
+) -> Result<(), Failure> {
+    let is_repeatable =
+        job.input.is_some() || std::fs::metadata(&job.file).is_ok_and(|of| of.is_file());
+    if !is_repeatable || !refused.concern_the_machine() {
+        return Ok(());
+    }
+    let any = Target {
+        machine: None,
+        ..target.clone()
+    };
+    let others = TRIED.into_iter().filter(|name| *name != job.machine.name);
+    for machine in others {
+        let mut trial = job.on(machine, &any)?;
+        if trial.accepted(zero, 1)?.is_some() {
+            eprintln!(
+                "{}: {machine} accepts this program: -m {machine}",
+                job.name()
+            );
+            break;
+        }
+    }
+    Ok(())
 }
 
 /// The machine that a comment names: `-m NAME`, as on the command line.

@@ -2,7 +2,7 @@
 
 use super::job::Job;
 use super::reporting::{verdict, with_findings};
-use super::{ERRORS, Failure, OK};
+use super::{ERRORS, Failure, OK, count};
 use crate::cli::{Compare, Page};
 use crate::console;
 use crate::diagnostics::Findings;
@@ -29,7 +29,7 @@ pub fn compare(args: &Compare) -> Result<u8, Failure> {
     };
     if comparison.rows.is_empty() {
         let why = comparison.notes.first().map(String::as_str);
-        let why = why.unwrap_or("no line and no arc at a feed");
+        let why = why.unwrap_or("no line and no arc at a feed, so there is nothing to compare");
         return Err(Failure::Usage(format!("{}: {why}", args.job)));
     }
     let mut outputs = Outputs::new();
@@ -40,7 +40,7 @@ pub fn compare(args: &Compare) -> Result<u8, Failure> {
     print(&comparison, page(args), &mut out)?;
     outputs.finish()?;
     if let Some(path) = &args.output {
-        eprintln!("{path}: {} methods", comparison.rows.len());
+        eprintln!("{path}: {}", count(comparison.rows.len() as u64, "method"));
     }
     Ok(OK)
 }

@@ -1,17 +1,18 @@
 //! `compile`, and the other commands on records of the drill.
 
 use super::job::{displayed, whole};
-use super::reporting::{self, with_findings};
+use super::reporting::{MOST_PRINTED, count, with_some_findings};
 use super::{ERRORS, Failure, OK};
 use crate::cli::{Compile, DrillOrder, Drilling, Listing, Send};
 use crate::console;
+use crate::console::told::Told;
 use crate::drill::{self, Translation};
 use crate::holes;
 use crate::holes::drill_records::{Compiler, Refusal};
 use crate::output::Outputs;
 use crate::programs::setup;
 use crate::programs::source::Source;
-use crate::text::json::write_line;
+use crate::text::json::{Millimetres, write_line};
 use husillo_clients::drill::{Part, lean, millimetres, seconds, spoken, travel_steps};
 use husillo_gcode::{Dialect, Nm};
 use husillo_holes::{Metric, ToolRecords};
@@ -19,6 +20,7 @@ use husillo_reports::board::{self, Board};
 use husillo_sim::device::drill::STROKE_STEPS;
 use husillo_transports::drill::{Record, STEPS_PER_MM, Table};
 use serde::Serialize;
+use serde_json::json;
 use std::io::{BufWriter, Write};
 
 /// What is to be drilled.
@@ -37,6 +39,7 @@ pub(super) fn load(
     file: &str,
     dialect: Option<&str>,
     args: &Drilling,
+    out: &mut Told<'_>,
 ) -> Result<Option<Job>, Failure> {
     let lower = file.to_ascii_lowercase();
     let of_parts = |parts| Job {
@@ -63,7 +66,7 @@ pub(super) fn load(
         return Ok(Some(of_parts(vec![part])));
     }
     if holes::is_drill_file(dialect, file) {
-        return of_drill_file(file, args);
+        return of_drill_file(file, args, out);
     }
     let name = displayed(file);
     let dialect = match dialect {
@@ -80,8 +83,10 @@ pub(super) fn load(
     };
     let mut source =
         Source::open(file).map_err(|error| Failure::Usage(format!("{file}: {error}")))?;
-    let (parts, findings) =
-        with_findings(|findings| Ok(translation.read(&mut source, name, findings)?))?;
+    let (parts, findings) = with_some_findings(MOST_PRINTED, out.format(), |findings| {
+        Ok(translation.read(&mut source, name, findings)?)
+    })?;
+    out.findings(name, &findings);
     Ok((findings.errors == 0).then(|| of_parts(parts)))
 }
 
@@ -93,7 +98,7 @@ fn table(args: &Drilling) -> Table {
     }
 }
 
-fn of_drill_file(file: &str, args: &Drilling) -> Result<Option<Job>, Failure> {
+fn of_drill_file(file: &str, args: &Drilling, out: &mut Told<'_>) -> Result<Option<Job>, Failure> {
     let options = holes::Options::new(&args.layout)?;
     let depth = match &args.depth {
         None => 0,
@@ -107,8 +112,10 @@ fn of_drill_file(file: &str, args: &Drilling) -> Result<Option<Job>, Failure> {
     };
     let name = displayed(file);
     let text = whole(file)?;
-    let (mut board, findings) =
-        with_findings(|findings| Ok(holes::read(&text, name, &options, findings)))?;
+    let (mut board, findings) = with_some_findings(MOST_PRINTED, out.format(), |findings| {
+        Ok(holes::read(&text, name, &options, findings))
+    })?;
+    out.findings(name, &findings);
     if findings.errors > 0 {
         return Ok(None);
     }
@@ -116,11 +123,15 @@ fn of_drill_file(file: &str, args: &Drilling) -> Result<Option<Job>, Failure> {
         eprintln!("{name}: {fit}");
     }
     let compiler = Compiler::new(&args.layout);
-    let compile = |board: &husillo_holes::Board| match compiler.compile(board, name) {
+    let mut compile = |board: &husillo_holes::Board| match compiler.compile(board, name) {
         Ok(tools) => Ok(Some(tools)),
         Err(Refusal::Usage(message)) => Err(Failure::Usage(message)),
         Err(Refusal::Finding(finding)) => {
-            reporting::print(&[*finding])?;
+            let ((), findings) = with_some_findings(MOST_PRINTED, out.format(), |findings| {
+                findings.add(*finding);
+                Ok(())
+            })?;
+            out.findings(name, &findings);
             Ok(None)
         }
     };
@@ -178,9 +189,10 @@ pub(super) fn compile(args: &Compile) -> Result<u8, Failure> {
     expect_drill(args.target.machine.as_deref())?;
     let name = displayed(&args.file);
     let dialect = args.target.dialect.as_deref();
-    let Some(job) = load(&args.file, dialect, &args.drilling)? else {
-        eprintln!("{name}: errors; nothing written");
-        return Ok(ERRORS);
+    let stdout = &mut console::stdout();
+    let mut out = Told::new(stdout, args.format, "husillo.compile/1");
+    let Some(job) = load(&args.file, dialect, &args.drilling, &mut out)? else {
+        return Ok(nothing_made(name, "written", &out));
     };
     let parts = &job.parts;
     if parts.is_empty() {
@@ -188,44 +200,38 @@ pub(super) fn compile(args: &Compile) -> Result<u8, Failure> {
             "{name}: no hole, and a program needs one record"
         )));
     }
-    let mut out = console::stdout();
     let mut outputs = Outputs::new();
     let files = args
         .output
         .as_ref()
         .map(|output| drill::file_names(output, parts));
     for (place, part) in parts.iter().enumerate() {
-        let bytes = part.bytes();
         let file = files.as_ref().and_then(|files| files.get(place));
-        let to = file.map_or(String::new(), |file| format!("{file}: "));
-        writeln!(
-            out,
-            "{to}{}, {} holes, {} bytes, {:.1} mm in X and Y, about {}",
-            part.name(),
-            part.holes(),
-            bytes.len(),
-            travel_steps(part) as f64 / f64::from(STEPS_PER_MM),
-            spoken(seconds(part, [0; 2]).iter().sum())
-        )?;
+        tell_part(part, file.map(String::as_str), &mut out);
         if let Some(file) = file {
-            outputs.write(file, &bytes)?;
+            outputs.write(file, &part.bytes())?;
         }
     }
     if let Some(steps) = job.file_travel_steps {
         let travel: u64 = parts.iter().map(travel_steps).sum();
         let [travel, file] = [travel, steps].map(|steps| steps as f64 / f64::from(STEPS_PER_MM));
-        writeln!(
-            out,
-            "travel {travel:.1} mm, in the order of the file {file:.1} mm: {:.0} % less",
-            100.0 * (1.0 - travel / file.max(0.1))
-        )?;
+        out.tell(
+            format_args!(
+                "travel {travel:.1} mm, in the order of the file {file:.1} mm: {:.0} % less",
+                100.0 * (1.0 - travel / file.max(0.1))
+            ),
+            || json!({"kind": "travel", "mm": travel, "in_the_order_of_the_file_mm": file}),
+        );
     }
     if let (Some(output), Some(files)) = (&args.output, &files) {
         if job.is_drill_file || parts.len() > 1 {
             let manifest = drill::manifest_name(output);
             let text = drill::manifest_text(name, parts, files)?;
             outputs.write(&manifest, text.as_bytes())?;
-            writeln!(out, "{manifest}: the tools and their files")?;
+            out.tell(
+                format_args!("{manifest}: the tools and their files"),
+                || json!({"kind": "file", "output": manifest, "lines": text.lines().count()}),
+            );
         }
     }
     if let Some(report) = &args.report {
@@ -236,7 +242,10 @@ pub(super) fn compile(args: &Compile) -> Result<u8, Failure> {
             file_travel_steps: job.file_travel_steps,
         });
         outputs.write(report, page.as_bytes())?;
-        writeln!(out, "{report}: the board")?;
+        out.tell(
+            format_args!("{report}: the board"),
+            || json!({"kind": "file", "output": report, "lines": page.lines().count()}),
+        );
     }
     outputs.finish()?;
     if args.output.is_none() && args.report.is_none() {
@@ -245,15 +254,51 @@ pub(super) fn compile(args: &Compile) -> Result<u8, Failure> {
     Ok(OK)
 }
 
+/// Prints what the records of a tool do.
+fn tell_part(part: &Part, file: Option<&str>, out: &mut Told<'_>) {
+    let travel_mm = travel_steps(part) as f64 / f64::from(STEPS_PER_MM);
+    let duration_s: f64 = seconds(part, [0; 2]).iter().sum();
+    let bytes = part.bytes().len();
+    let to = file.map_or(String::new(), |file| format!("{file}: "));
+    out.tell(
+        format_args!(
+            "{to}{}, {}, {}, {travel_mm:.1} mm in X and Y, about {}",
+            part.name(),
+            count(part.holes() as u64, "hole"),
+            count(bytes as u64, "byte"),
+            spoken(duration_s)
+        ),
+        || {
+            json!({
+                "kind": "tool",
+                "output": file,
+                "tool": part.tool,
+                "diameter_mm": part.diameter.map(|Nm(nm)| Millimetres(nm)),
+                "holes": part.holes(),
+                "bytes": bytes,
+                "travel_mm": travel_mm,
+                "duration_s": duration_s,
+            })
+        },
+    );
+}
+
+/// The exit status of a command on a program with errors. Objects have said so.
+fn nothing_made(name: &str, done: &str, out: &Told<'_>) -> u8 {
+    if !out.is_json() {
+        eprintln!("{name}: errors; nothing {done}");
+    }
+    ERRORS
+}
+
 /// `send`.
-pub(super) fn send(args: &Send, out: &mut dyn Write) -> Result<u8, Failure> {
+pub(super) fn send(args: &Send, out: &mut Told<'_>) -> Result<u8, Failure> {
     expect_drill(args.target.machine.as_deref())?;
     let (file, _) = args.alone()?;
     let name = displayed(file);
     let dialect = args.target.dialect.as_deref();
-    let Some(job) = load(file, dialect, &args.drilling)? else {
-        eprintln!("{name}: errors; nothing sent");
-        return Ok(ERRORS);
+    let Some(job) = load(file, dialect, &args.drilling, out)? else {
+        return Ok(nothing_made(name, "sent", out));
     };
     if job.parts.is_empty() {
         return Err(Failure::Usage(format!("{name}: no hole")));

@@ -1,8 +1,10 @@
 //! `husillo explain`: the meaning of a finding or a code, from the pages of the documentation.
 
 use super::{Failure, OK};
-use crate::cli::Explain;
+use crate::cli::{Explain, Output};
 use crate::console;
+use crate::text::json::write_line;
+use std::collections::BTreeMap;
 use std::io::Write;
 
 const FINDINGS: &str = include_str!("../../docs/findings.md");
@@ -23,6 +25,15 @@ pub(super) fn explain(args: &Explain) -> Result<u8, Failure> {
     let found: Result<Vec<_>, _> = args.names.iter().map(|name| row(name)).collect();
     let mut out = console::stdout();
     for Row { heads, cells } in found? {
+        if args.format == Output::Json {
+            let columns = heads
+                .iter()
+                .zip(cells)
+                .map(|(head, cell)| (*head, plain(cell)));
+            let columns: BTreeMap<_, _> = columns.collect();
+            write_line("husillo.explain/1", &columns, &mut out)?;
+            continue;
+        }
         let mut pairs = heads.iter().zip(&cells);
         if let (Some((_, code)), Some((_, meaning))) = (pairs.next(), pairs.next()) {
             writeln!(out, "{code}: {}", plain(meaning))?;

@@ -1,23 +1,29 @@
 //! `format`: writes programs in one form.
 
-use super::job::displayed;
-use super::reporting::{verdict, with_findings};
-use super::{ERRORS, Failure, OK};
-use crate::cli::{FormatArgs, TargetDialect};
+use super::job::{displayed, load};
+use super::reporting::{MOST_PRINTED, verdict, with_some_findings};
+use super::{ERRORS, Failure, OK, own_output};
+use crate::cli::{FormatArgs, Output, TargetDialect};
 use crate::console;
+use crate::diagnostics::Findings;
 use crate::output::Outputs;
 use crate::programs::format;
 use crate::programs::library::Folders;
 use crate::programs::setup;
 use crate::programs::source::{self, Source};
 use crate::programs::translate;
+use crate::text::json::write_found;
 use husillo_gcode::Dialect;
+use serde_json::json;
 use std::io::{self, Write};
 
 pub(super) fn format_files(args: &FormatArgs) -> Result<u8, Failure> {
     if args.files.len() > 1 && !args.check {
         let message = "several programs are for --check only".to_owned();
         return Err(Failure::Usage(message));
+    }
+    if !args.check {
+        own_output(args.output.as_deref(), args.format)?;
     }
     if let Some(to) = args.to {
         let [file] = &args.files[..] else {
@@ -43,7 +49,7 @@ fn format_file(args: &FormatArgs, file: &str) -> Result<bool, Failure> {
     let name = displayed(file);
     let usage = |error| Failure::Usage(format!("{name}: {error}"));
     let mut reader = source::open(file).map_err(usage)?;
-    let (changed, findings) = with_findings(|findings| {
+    let (changed, findings) = with_some_findings(MOST_PRINTED, args.format, |findings| {
         let mut write =
             |out: &mut dyn Write| format::write(&mut *reader, name, &form, findings, out);
         if args.check {
@@ -56,42 +62,65 @@ fn format_file(args: &FormatArgs, file: &str) -> Result<bool, Failure> {
         outputs.finish()?;
         Ok(changed)
     })?;
-    if findings.errors > 0 {
+    let is_text = args.format == Output::Text;
+    if !is_text {
+        print(args, name, changed, &findings)?;
+    }
+    if findings.errors > 0 && is_text {
         let lines = verdict(findings.errors, 0);
         eprintln!("{name}: {lines}; such lines stay as they are");
     }
-    if args.check && changed {
+    if args.check && changed && is_text {
         writeln!(console::stdout(), "{name}: would change")?;
     }
     Ok(findings.errors > 0 || (args.check && changed))
 }
 
+/// Prints what was done with a program as an object.
+fn print(args: &FormatArgs, name: &str, changed: bool, findings: &Findings) -> io::Result<()> {
+    let body = json!({
+        "file": name,
+        "output": args.output,
+        "changed": changed,
+        "errors": findings.errors,
+        "warnings": findings.warnings,
+    });
+    write_found("husillo.format/1", &body, findings, &mut console::stdout())
+}
+
 /// `format --to`.
 fn translate_file(args: &FormatArgs, file: &str, to: TargetDialect) -> Result<u8, Failure> {
-    let from = setup::dialect(args.dialect.as_deref(), file, None)?;
+    let machine = args.machine.as_deref().map(load).transpose()?;
+    let from = setup::dialect(args.dialect.as_deref(), file, machine.as_ref())?;
+    let to = match to {
+        TargetDialect::Grbl => Dialect::GRBL,
+        TargetDialect::Linuxcnc => Dialect::RS274,
+        TargetDialect::Iso => Dialect::ISO,
+    };
+    let [from, to] = [from, to].map(|dialect| match &machine {
+        Some(machine) => setup::on_axes(dialect, machine),
+        None => dialect,
+    });
     let form = format::Form {
-        dialect: match to {
-            TargetDialect::Grbl => Dialect::GRBL,
-            TargetDialect::Linuxcnc => Dialect::RS274,
-            TargetDialect::Iso => Dialect::ISO,
-        },
+        dialect: to,
         line_end: if args.crlf { b"\r\n" } else { b"\n" },
     };
     let name = displayed(file);
     let usage = |error| Failure::Usage(format!("{name}: {error}"));
     let source = Source::open(file).map_err(usage)?;
     let mut source = source.with_folders(Folders::of(file, &args.include));
-    let ((), findings) = with_findings(|findings| {
+    let ((), findings) = with_some_findings(MOST_PRINTED, args.format, |findings| {
         let mut outputs = Outputs::rewriting();
         let mut out = outputs.create(args.output.as_deref().unwrap_or("-"))?;
         translate::write(&mut source, name, from, &form, findings, &mut out)?;
         out.flush()?;
         Ok(outputs.finish()?)
     })?;
-    if findings.errors > 0 {
+    if args.format == Output::Json {
+        print(args, name, true, &findings)?;
+    } else if findings.errors > 0 {
         let lines = verdict(findings.errors, 0);
         eprintln!("{name}: {lines}; such lines are left out");
-        return Ok(ERRORS);
     }
-    Ok(OK)
+    Ok(if findings.errors > 0 { ERRORS } else { OK })
 }

@@ -15,10 +15,12 @@ use crate::programs::setup::{self, MappedEngine};
 use crate::programs::source::Source;
 use crate::programs::zero::{self, Lie};
 use crate::simulation::work_piece::WorkPiece;
+use crate::text::name;
 use husillo_gcode::Nm;
 use husillo_machine::Config;
 use husillo_sim::observers::AXES;
 use std::io::{self, Read};
+use std::path::Path;
 
 /// A program and its machine.
 pub struct Job {
@@ -102,7 +104,7 @@ impl Job {
 
     /// Keeps what can be read once only in memory: standard input, pipes.
     pub fn keep_input(&mut self) -> Result<(), Failure> {
-        let metadata = std::fs::metadata(&self.file);
+        let metadata = std::fs::metadata(name::path(Path::new(&self.file)));
         let is_pipe = metadata.is_ok_and(|file| !file.is_file() && !file.is_dir());
         if self.input.is_none() && (self.file == "-" || is_pipe) {
             self.input = Some(whole(&self.file)?);

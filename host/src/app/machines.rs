@@ -3,15 +3,17 @@
 mod new;
 
 use super::job::load;
-use super::{Failure, OK, write};
+use super::{Failure, OK, own_output, write};
 use crate::cli::{Machines, MachinesAction, Output};
 use crate::console;
 use crate::console::shown;
 use crate::machines::listing;
 use crate::machines::machine_file::{MEASURING, MachineFile};
 use crate::text::json::write_line;
+use crate::text::name;
 use serde_json::json;
 use std::io::Write;
+use std::path::Path;
 
 /// Lists, shows and writes machine files.
 pub fn show_machines(args: &Machines) -> Result<u8, Failure> {
@@ -23,7 +25,11 @@ pub fn show_machines(args: &Machines) -> Result<u8, Failure> {
         }
         None => out.write_all(listing::list()?.as_bytes())?,
         Some(MachinesAction::New(args)) => return new::make(args),
-        Some(MachinesAction::Write { machine, file }) => return write_machine(machine, file),
+        Some(MachinesAction::Write {
+            machine,
+            file,
+            format,
+        }) => return write_machine(machine, file, *format),
         Some(MachinesAction::Show { machine, format }) if MachineFile::is_measuring(machine) => {
             // Its file contains all that is known of it.
             let text = MachineFile::text_of(machine).unwrap_or_default();
@@ -49,7 +55,7 @@ pub fn show_machines(args: &Machines) -> Result<u8, Failure> {
 }
 
 /// Writes the file of a built-in machine. An existing file is not replaced.
-fn write_machine(machine: &str, file: &Option<String>) -> Result<u8, Failure> {
+fn write_machine(machine: &str, file: &Option<String>, format: Output) -> Result<u8, Failure> {
     let Some(text) = MachineFile::text_of(machine) else {
         let names = MachineFile::names().join(", ");
         let measuring = MEASURING.map(|(name, ..)| name).join(", ");
@@ -60,21 +66,26 @@ fn write_machine(machine: &str, file: &Option<String>) -> Result<u8, Failure> {
         Some(file) => file.to_owned(),
         None => format!("{machine}.toml"),
     };
-    write_new(&file, text)?;
+    write_new(machine, &file, text, format)?;
     Ok(OK)
 }
 
 /// Writes a machine file that does not exist yet; `-` is standard output.
-fn write_new(file: &str, text: &str) -> Result<(), Failure> {
-    if file == "-" {
+fn write_new(machine: &str, file: &str, text: &str, format: Output) -> Result<(), Failure> {
+    if own_output(Some(file), format)? == "-" {
         console::stdout().write_all(text.as_bytes())?;
         return Ok(());
     }
-    if std::fs::symlink_metadata(file).is_ok() {
-        let why = "exists already: nothing is written";
+    if std::fs::symlink_metadata(name::path(Path::new(file))).is_ok() {
+        let why = "exists already, and nothing is written: name another file";
         return Err(Failure::Usage(format!("{file} {why}")));
     }
     write(file, text.as_bytes())?;
+    if format == Output::Json {
+        let body = json!({"name": machine, "file": file});
+        write_line("husillo.machines.file/1", &body, &mut console::stdout())?;
+        return Ok(());
+    }
     writeln!(
         console::stdout(),
         "Wrote      {} - use it with -m",

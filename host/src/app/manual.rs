@@ -1,24 +1,22 @@
 //! `husillo completions` and `husillo man`.
 
 use super::{Failure, OK};
-use crate::cli::Cli;
 use crate::console;
 use crate::console::shown;
 use crate::output::Outputs;
-use clap::CommandFactory;
 use std::io::{self, Write};
 
 /// Prints the completions of a shell.
 pub fn completions(shell: clap_complete::Shell) -> Result<u8, Failure> {
     let mut text = Vec::new();
-    clap_complete::generate(shell, &mut Cli::command(), "husillo", &mut text);
+    clap_complete::generate(shell, &mut crate::cli::command(), "husillo", &mut text);
     console::stdout().write_all(&text)?;
     Ok(OK)
 }
 
 /// Writes a manual page of the program and of each command.
 pub fn man_pages(folder: &str) -> Result<u8, Failure> {
-    let mut command = Cli::command().disable_help_subcommand(true);
+    let mut command = crate::cli::command().disable_help_subcommand(true);
     command.build();
     let mut outputs = Outputs::new();
     write_page(&command, folder, &mut outputs)?;

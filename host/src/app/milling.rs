@@ -4,11 +4,13 @@ mod by_line;
 mod comparison;
 
 use super::job::Job;
-use super::reporting::{verdict, with_findings};
-use super::{ERRORS, Failure, OK, write};
+use super::reporting::{MOST_PRINTED, count as counted, verdict, with_some_findings};
+use super::{ERRORS, Failure, OK, made_at, write};
 use crate::cli::{Compile, Send, Target};
+use crate::console;
 use crate::console::sharing::share;
 use crate::console::stop::{INTERRUPTED, stop_requests, stops_asked};
+use crate::console::told::Told;
 use crate::console::typed::typed_line;
 use crate::diagnostics::Findings;
 use crate::machines::machine_file::MachineFile;
@@ -20,7 +22,7 @@ use husillo_clients::micromill::{self as client, Sender, Translated, Translator}
 use husillo_controllers::MicromillConfig;
 use husillo_machine::Config;
 use husillo_transports::micromill::{Line, State};
-use std::io::Write;
+use serde_json::json;
 
 /// Whether a machine is the micro mill, or the file of one, whose motors may make other steps. Such
 /// a file has the same `name`.
@@ -52,8 +54,11 @@ pub(super) fn is_for(target: &Target, file: &str) -> bool {
 }
 
 pub(super) fn compile(args: &Compile) -> Result<u8, Failure> {
+    let path = made_at(args)?;
     let mut job = Job::new(&args.file, &args.target, "micromill")?;
-    let Some(made) = translated(&mut job)? else {
+    let stdout = &mut console::stdout();
+    let mut out = Told::new(stdout, args.format, "husillo.compile/1");
+    let Some(made) = translated(&mut job, &mut out)? else {
         return Ok(ERRORS);
     };
     // An empty file of strings would not show that the program does nothing.
@@ -61,10 +66,11 @@ pub(super) fn compile(args: &Compile) -> Result<u8, Failure> {
         return Err(format!("{}: no command for the mill", job.name()).into());
     }
     let text = micromill::text(&made.lines);
-    let path = args.output.as_deref().unwrap_or("-");
     write(path, text.as_bytes())?;
-    if path != "-" {
-        eprintln!("{path}: {} strings", made.lines.len());
+    let count = made.lines.len();
+    out.object(&json!({"kind": "file", "output": path, "lines": count}));
+    if path != "-" && !out.is_json() {
+        eprintln!("{path}: {}", counted(count as u64, "string"));
     }
     Ok(OK)
 }
@@ -77,29 +83,60 @@ fn expect_a_command(made: &Translated, job: &Job) -> Result<(), String> {
     }
 }
 
-pub(super) fn send(args: &Send, out: &mut dyn Write) -> Result<u8, Failure> {
+pub(super) fn send(args: &Send, out: &mut Told<'_>) -> Result<u8, Failure> {
     let (file, port) = args.alone()?;
     if by_line::is_for(file) {
-        return by_line::send(args, out);
+        return match args.from {
+            None => by_line::send(args, out),
+            Some(_) => Err("--from needs a file".to_owned().into()),
+        };
+    }
+    if args.from.is_some() && !args.no_home {
+        let message = "--from goes on where the mill stands: it needs --no-home";
+        return Err(message.to_owned().into());
     }
     let mut job = Job::new(file, &args.target, "micromill")?;
     let mut sender = match connected(args, port, &setup::first_three(&job.config))? {
         Ok(sender) => sender,
-        Err(message) => return Ok(told(&job, &message)),
+        Err(message) => return Ok(failed_at(&job, &message, out)),
     };
     stand(&mut job, sender.start());
-    let Some(made) = translated(&mut job)? else {
+    let Some(made) = translated(&mut job, out)? else {
         return Ok(ERRORS);
     };
     expect_a_command(&made, &job)?;
-    if let Some(message) = unhomed(sender.start(), &made) {
-        return Ok(told(&job, message));
-    }
     let start = sender.start();
-    match all(args, &mut sender, &made).and_then(|()| sender.finish()) {
-        Ok(sent) => compared(&job, args.every, &made, start, &sent, out),
-        Err(message) => Ok(told(&job, &message)),
+    let made = match rest(args, made, start, &setup::first_three(&job.config)) {
+        Ok(made) => made,
+        Err(message) => return Ok(failed_at(&job, &message, out)),
+    };
+    if let Some(message) = unhomed(start, &made) {
+        return Ok(failed_at(&job, message, out));
     }
+    match all(args, &mut sender, &made, out).and_then(|()| sender.finish()) {
+        Ok(sent) => compared(&job, args.every, &made, start, &sent, out),
+        Err(message) => {
+            let status = failed_at(&job, &message, out);
+            if let (false, Some((number, _))) = (out.is_json(), made.lines.get(sender.made())) {
+                eprintln!("line {number} is not completed; go on with --no-home --from {number}");
+            }
+            Ok(status)
+        }
+    }
+}
+
+/// The program, or what is left of it from the line of `--from` on.
+fn rest(
+    args: &Send,
+    made: Translated,
+    start: Option<State>,
+    config: &Config<3>,
+) -> Result<Translated, String> {
+    let Some(number) = args.from else {
+        return Ok(made);
+    };
+    let start = start.ok_or("--from: the controller does not report where it is")?;
+    made.resumed_at(number as usize, &start, config)
 }
 
 /// A controller at rest, and its state.
@@ -157,7 +194,12 @@ fn unhomed(start: Option<State>, made: &Translated) -> Option<&'static str> {
 }
 
 /// Sends all lines.
-fn all(args: &Send, sender: &mut Sender, made: &Translated) -> Result<(), String> {
+fn all(
+    args: &Send,
+    sender: &mut Sender,
+    made: &Translated,
+    out: &mut Told<'_>,
+) -> Result<(), String> {
     sender.begin()?;
     let count = made.lines.len();
     for (done, (number, line)) in made.lines.iter().enumerate() {
@@ -169,25 +211,30 @@ fn all(args: &Send, sender: &mut Sender, made: &Translated) -> Result<(), String
         let done = done + 1;
         if done == count || done.is_multiple_of(100) {
             eprintln!("{done} of {count} lines");
+            out.object(&json!({"kind": "progress", "lines": done, "of": count}));
         }
     }
     Ok(())
 }
 
 /// Prints a failure of the controller.
-fn told(job: &Job, message: &str) -> u8 {
-    eprintln!("{}: {message}", job.name());
+fn failed_at(job: &Job, message: &str, out: &mut Told<'_>) -> u8 {
+    out.failed(job.name(), message);
     failed()
 }
 
 /// The program as lines of the mill. Everything that is dropped or changed is reported. `None` if
 /// it has errors.
-fn translated(job: &mut Job) -> Result<Option<Translated>, Failure> {
+fn translated(job: &mut Job, out: &mut Told<'_>) -> Result<Option<Translated>, Failure> {
     job.keep_input()?;
-    let (_, findings) = with_findings(|findings| job.check(findings))?;
+    let (_, findings) =
+        with_some_findings(MOST_PRINTED, out.format(), |findings| job.check(findings))?;
+    out.findings(job.name(), &findings);
     if findings.errors > 0 {
-        let verdict = verdict(findings.errors, findings.warnings);
-        eprintln!("{}: {verdict}; nothing is made", job.name());
+        if !out.is_json() {
+            let verdict = verdict(findings.errors, findings.warnings);
+            eprintln!("{}: {verdict}; nothing is made", job.name());
+        }
         return Ok(None);
     }
     let config = setup::first_three(&job.config);
@@ -206,13 +253,24 @@ fn translated(job: &mut Job) -> Result<Option<Translated>, Failure> {
         },
     )?;
     let made = translator.take();
-    for (line, note) in &made.notes {
-        eprintln!("{}:{line}: {note}", job.name());
-    }
-    for (line, error) in &made.errors {
-        eprintln!("{}:{line}: error: {error}", job.name());
-    }
+    print_notes(job, &made, out);
     Ok(made.errors.is_empty().then_some(made))
+}
+
+/// Prints what of a program is dropped or changed, and what cannot be made.
+fn print_notes(job: &Job, made: &Translated, out: &mut Told<'_>) {
+    let notes = made.notes.iter().map(|note| (note, "note"));
+    let errors = made.errors.iter().map(|error| (error, "error"));
+    for ((line, text), severity) in notes.chain(errors) {
+        let file = job.name();
+        match (out.is_json(), severity) {
+            (true, _) => out.object(&json!({
+                "kind": "note", "severity": severity, "file": file, "line": line, "message": text,
+            })),
+            (false, "note") => eprintln!("{file}:{line}: {text}"),
+            (false, _) => eprintln!("error: {file}:{line}: {text}"),
+        }
+    }
 }
 
 /// Exit status if the machine did not complete its work.

@@ -4,6 +4,7 @@ use super::Failure;
 use crate::cli::Output;
 use crate::console::is_coloured;
 use crate::diagnostics::{Finding, Findings, Format};
+use crate::text::grouped;
 use std::io;
 
 /// Number of findings of a file that are printed, without an option.
@@ -49,12 +50,12 @@ pub fn left_out(findings: &Findings) -> Option<String> {
     (hidden > 0).then(|| format!("{} not printed: see --limit", count(hidden, "finding")))
 }
 
-/// A number of things: no errors, 1 error, 2 errors.
+/// A number of things: no errors, 1 error, 2,000 errors.
 pub fn count(number: u64, name: &str) -> String {
     match number {
         0 => format!("no {name}s"),
         1 => format!("1 {name}"),
-        _ => format!("{number} {name}s"),
+        _ => format!("{} {name}s", grouped(number)),
     }
 }
 

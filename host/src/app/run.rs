@@ -41,6 +41,7 @@ fn simulate_job(job: &mut Job, args: &RunArgs) -> Result<u8, Failure> {
         if !is_text {
             Results::refused(&findings, job.machine.axes.len()).print_json(job, &findings)?;
         }
+        choice::suggest(job, &args.target, args.place.zero, &findings)?;
         return Ok(ERRORS);
     }
     if is_text {
@@ -57,6 +58,7 @@ fn simulate_job(job: &mut Job, args: &RunArgs) -> Result<u8, Failure> {
     let mut outputs = Outputs::new();
     let mut files = Files::create(job, args, &mut outputs)?;
     let mut run = Run::new(&job.machine, args.worn, files.trace.take())?;
+    run.set_curves(std::mem::take(&mut facts.curves));
     let end = feed(job, args, &mut run, facts.events)?;
     let lost = losses::sentences(job, &run);
     let results = Results {

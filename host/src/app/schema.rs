@@ -5,7 +5,23 @@ use crate::console;
 use std::io::Write;
 
 /// The schemas and their names.
-const SCHEMAS: [(&str, &str); 16] = [
+const SCHEMAS: [(&str, &str); 29] = [
+    (
+        "calibrate.axis",
+        include_str!("../../schemas/calibrate.axis.json"),
+    ),
+    (
+        "calibrate.backlash",
+        include_str!("../../schemas/calibrate.backlash.json"),
+    ),
+    (
+        "calibrate.circles",
+        include_str!("../../schemas/calibrate.circles.json"),
+    ),
+    (
+        "calibrate.squareness",
+        include_str!("../../schemas/calibrate.squareness.json"),
+    ),
     ("check", include_str!("../../schemas/check.json")),
     ("commands", include_str!("../../schemas/commands.json")),
     (
@@ -13,7 +29,11 @@ const SCHEMAS: [(&str, &str); 16] = [
         include_str!("../../schemas/commands.records.json"),
     ),
     ("compare", include_str!("../../schemas/compare.json")),
+    ("compile", include_str!("../../schemas/compile.json")),
+    ("emulate", include_str!("../../schemas/emulate.json")),
     ("error", include_str!("../../schemas/error.json")),
+    ("explain", include_str!("../../schemas/explain.json")),
+    ("format", include_str!("../../schemas/format.json")),
     ("holes", include_str!("../../schemas/holes.json")),
     (
         "holes.records",
@@ -23,7 +43,12 @@ const SCHEMAS: [(&str, &str); 16] = [
         "interpolate",
         include_str!("../../schemas/interpolate.json"),
     ),
+    ("jog", include_str!("../../schemas/jog.json")),
     ("machines", include_str!("../../schemas/machines.json")),
+    (
+        "machines.file",
+        include_str!("../../schemas/machines.file.json"),
+    ),
     (
         "machines.measuring",
         include_str!("../../schemas/machines.measuring.json"),
@@ -39,6 +64,9 @@ const SCHEMAS: [(&str, &str); 16] = [
     ),
     ("reproduce", include_str!("../../schemas/reproduce.json")),
     ("run", include_str!("../../schemas/run.json")),
+    ("send", include_str!("../../schemas/send.json")),
+    ("steps", include_str!("../../schemas/steps.json")),
+    ("stop", include_str!("../../schemas/stop.json")),
     ("tune", include_str!("../../schemas/tune.json")),
 ];
 

@@ -3,8 +3,9 @@
 
 use super::{ERRORS, Failure, OK, ended, jog, microfactory};
 use crate::cli::{Jog, Stop};
-use crate::measuring;
-use std::io::Write;
+use crate::console::told::Told;
+use crate::measuring::{self, Stopped};
+use serde_json::json;
 
 /// A port, and the machine at it.
 struct Place {
@@ -18,9 +19,9 @@ struct Place {
 /// # Errors
 ///
 /// There is nothing to stop, or the command line is wrong.
-pub(super) fn stop(args: &Stop, out: &mut dyn Write) -> Result<u8, Failure> {
+pub(super) fn stop(args: &Stop, out: &mut Told<'_>) -> Result<u8, Failure> {
     let mut is_well = true;
-    let mut places = released(args, &mut is_well);
+    let mut places = released(args, &mut is_well, out);
     if let (true, Some(port)) = (places.is_empty() && is_well, &args.port) {
         if args.machine.is_none() {
             let why = "no running husillo has this port: name the machine at it with -m";
@@ -46,15 +47,20 @@ pub(super) fn stop(args: &Stop, out: &mut dyn Write) -> Result<u8, Failure> {
 }
 
 /// Sends the stop to the machine at a port that is free now. Returns whether it has confirmed it.
-fn confirm(place: Place, args: &Stop, out: &mut dyn Write) -> Result<bool, Failure> {
+fn confirm(place: Place, args: &Stop, out: &mut Told<'_>) -> Result<bool, Failure> {
     let Place { port, baud, .. } = place;
     let Some(machine) = args.machine.clone().or(place.machine) else {
         return Ok(true);
     };
     let is_by_hand = machine == "drill" || super::milling::is_mill(&machine);
     if !is_by_hand && microfactory(&machine)?.is_none() {
-        let halted = measuring::halt(&machine, &port, out);
-        return Ok(ended(halted)? == OK);
+        return match measuring::halt(&machine, &port, out) {
+            Err(Stopped::Machine(message)) if out.is_json() => {
+                out.failed(&port, &message);
+                Ok(false)
+            }
+            halted => Ok(ended(halted)? == OK),
+        };
     }
     let action = match !is_by_hand && args.emergency {
         true => "emergency",
@@ -65,7 +71,8 @@ fn confirm(place: Place, args: &Stop, out: &mut dyn Write) -> Result<bool, Failu
         // A machine that stands needs no lease.
         lease: Some(0),
         machine,
-        port: vec![port],
+        port: vec![port.clone()],
+        format: args.format,
         figure: None,
         baud: args.baud.or(baud),
         inch: false,
@@ -74,7 +81,7 @@ fn confirm(place: Place, args: &Stop, out: &mut dyn Write) -> Result<bool, Failu
     match jog(&action, out) {
         Ok(code) => Ok(code == OK),
         Err(Failure::Usage(message)) => {
-            eprintln!("error: {message}");
+            out.failed(&port, &message);
             Ok(false)
         }
         Err(failure) => Err(failure),
@@ -84,7 +91,7 @@ fn confirm(place: Place, args: &Stop, out: &mut dyn Write) -> Result<bool, Failu
 /// Asks the programs that hold the ports to stop. Returns the ports that are free again. `is_well`
 /// becomes `false` at a program that does not end.
 #[cfg(unix)]
-fn released(args: &Stop, is_well: &mut bool) -> Vec<Place> {
+fn released(args: &Stop, is_well: &mut bool, out: &mut Told<'_>) -> Vec<Place> {
     use crate::console::sharing::machine_from_anywhere;
     use husillo_clients::holder::{Urgency, folder, holders};
     use std::time::Duration;
@@ -105,6 +112,13 @@ fn released(args: &Stop, is_well: &mut bool) -> Vec<Place> {
         let holder = &held.holder;
         let text = format!("`husillo {}` (process {})", holder.command, holder.process);
         eprintln!("{}: {text} is stopping the machine", holder.port);
+        out.object(&json!({
+            "kind": "holder",
+            "port": holder.port,
+            "machine": holder.machine,
+            "command": holder.command,
+            "process": holder.process,
+        }));
         // A program that has ended meanwhile has released its port.
         let _ = held.ask(urgency);
     }
@@ -113,8 +127,8 @@ fn released(args: &Stop, is_well: &mut bool) -> Vec<Place> {
         let holder = held.holder.clone();
         if !held.has_ended(LONGEST) {
             let seconds = LONGEST.as_secs();
-            let port = &holder.port;
-            eprintln!("error: {port}: it has not ended within {seconds} s: switch off the machine");
+            let why = format!("it has not ended within {seconds} s: switch off the machine");
+            out.failed(&holder.port, &why);
             *is_well = false;
             continue;
         }
@@ -129,6 +143,6 @@ fn released(args: &Stop, is_well: &mut bool) -> Vec<Place> {
 
 /// Programs do not share their ports on this system.
 #[cfg(not(unix))]
-fn released(_args: &Stop, _is_well: &mut bool) -> Vec<Place> {
+fn released(_args: &Stop, _is_well: &mut bool, _out: &mut Told<'_>) -> Vec<Place> {
     Vec::new()
 }

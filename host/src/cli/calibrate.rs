@@ -1,5 +1,6 @@
 //! `husillo calibrate`: its arguments.
 
+use super::Output;
 use clap::{Args, Subcommand};
 
 /// `husillo calibrate`.
@@ -48,6 +49,9 @@ pub struct BacklashArgs {
     /// The lines were cut without any take-up
     #[arg(long)]
     pub uncompensated: bool,
+    /// How to print the map
+    #[arg(long, value_enum, default_value = "text")]
+    pub format: Output,
     /// Machine file to write: this one with the map in it
     #[arg(short, long, value_name = "MACHINE.toml")]
     pub output: Option<String>,
@@ -62,6 +66,9 @@ pub struct CirclesArgs {
     /// Machine with a table simulated_lash: a name, or a TOML file
     #[arg(short, long, value_name = "NAME|FILE", default_value = "micromill")]
     pub machine: String,
+    /// How to print the values
+    #[arg(long, value_enum, default_value = "text")]
+    pub format: Output,
 }
 
 /// `husillo calibrate axis`.
@@ -76,6 +83,9 @@ pub struct AxisArgs {
     /// Axis the lengths lie along
     #[arg(long, value_name = "X|Y|Z", default_value_t = 'x')]
     pub axis: char,
+    /// How to print the result
+    #[arg(long, value_enum, default_value = "text")]
+    pub format: Output,
     /// Find only the scale, whatever errors remain
     #[arg(long)]
     pub no_table: bool,
@@ -90,6 +100,9 @@ pub struct SquarenessArgs {
     /// Measuring machine: cmm3, or a TOML file with a `count`
     #[arg(short, long, value_name = "NAME|FILE", default_value = "cmm3")]
     pub machine: String,
+    /// How to print the result
+    #[arg(long, value_enum, default_value = "text")]
+    pub format: Output,
     /// Length of the bar, if it is known [default: the one that fits best]
     #[arg(long, value_name = "LENGTH")]
     pub length: Option<String>,

@@ -114,6 +114,9 @@ pub struct Compile {
     /// file a manifest NAME.toml
     #[arg(short, long, value_name = "NAME.cod")]
     pub output: Option<String>,
+    /// How to print what was made
+    #[arg(long, value_enum, default_value = "text")]
+    pub format: Output,
     /// Page with a picture of the board: holes, order and travel
     #[arg(long, value_name = "REPORT.html")]
     pub report: Option<String>,
@@ -140,15 +143,13 @@ pub struct Send {
     /// Bits per second of the link [default: 2400 for a drill, otherwise 9600]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(300..=115_200))]
     pub baud: Option<u32>,
-    /// First hole to be drilled, counted over all tools
-    #[arg(
-        long,
-        value_name = "HOLE",
-        default_value_t = 1,
-        hide_default_value = true,
-        value_parser = clap::value_parser!(u32).range(1..),
-    )]
-    pub from: u32,
+    /// How to print what the machine does
+    #[arg(long, value_enum, default_value = "text")]
+    pub format: Output,
+    /// Drill: first hole to be drilled, counted over all tools. Micro mill: line of the program to
+    /// go on with after a stop, where the mill stands on its path or at its start
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub from: Option<u32>,
     /// End when the start is confirmed, and let the drill continue alone, without a lease: one
     /// tool, up to 8192 bytes
     #[arg(long)]

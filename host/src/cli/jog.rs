@@ -1,5 +1,6 @@
 //! `husillo jog`: its arguments.
 
+use super::Output;
 use clap::Args;
 
 /// `husillo jog`.
@@ -26,6 +27,9 @@ pub struct Jog {
     /// motion needs no host [default: 250]
     #[arg(long, value_name = "MS", value_parser = clap::value_parser!(u16).range(0..=9999))]
     pub lease: Option<u16>,
+    /// How to print what the machine does
+    #[arg(long, value_enum, default_value = "text")]
+    pub format: Output,
     /// Micro mill: `where` reports positions in inches instead of millimetres
     #[arg(long)]
     pub inch: bool,

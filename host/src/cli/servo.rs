@@ -1,6 +1,7 @@
 //! The measuring machine and its servos; simulated machines behind a port.
 
 use super::{Output, Results};
+use crate::text::name;
 use clap::{Args, ValueEnum};
 use std::ffi::OsString;
 
@@ -70,10 +71,10 @@ pub struct Measure {
     pub raw: bool,
 }
 
-/// The arguments, with directions of `measure` such as `-z` and `-1,0,0` written so that they are
-/// not taken as options: `z-` and `(-1,0,0)`.
+/// The arguments as text ([`name::text`]), with directions of `measure` such as `-z` and `-1,0,0`
+/// written so that they are not taken as options: `z-` and `(-1,0,0)`.
 pub fn words(args: impl Iterator<Item = OsString>) -> Vec<OsString> {
-    let mut args: Vec<_> = args.collect();
+    let mut args: Vec<OsString> = args.map(|word| name::text(&word).into()).collect();
     if args.get(1).is_some_and(|command| command == "measure") {
         for word in &mut args[2..] {
             let Some(rest) = word.to_str().and_then(|word| word.strip_prefix('-')) else {
@@ -166,6 +167,9 @@ pub struct Emulate {
     /// CSV file for the events of a micro mill, drill, microfactory or grbl: steps, dwells, outputs
     #[arg(long, value_name = "FILE.csv")]
     pub steps: Option<String>,
+    /// How to print where clients connect, and what the machine reports
+    #[arg(long, value_enum, default_value = "text")]
+    pub format: Output,
     /// End after this time instead of at Ctrl-C
     #[arg(long = "for", value_name = "SECONDS", value_parser = positive)]
     pub seconds: Option<f64>,

@@ -1,5 +1,6 @@
 //! `husillo stop`: its arguments.
 
+use super::Output;
 use clap::Args;
 
 /// `husillo stop`.
@@ -15,6 +16,9 @@ pub struct Stop {
     /// Bits per second of the link [default: that of the machine]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(300..=115_200))]
     pub baud: Option<u32>,
+    /// How to print what the machine does
+    #[arg(long, value_enum, default_value = "text")]
+    pub format: Output,
     /// An emergency stop where the machine has one: the microfactory, until the reset of its panel
     #[arg(long)]
     pub emergency: bool,

@@ -3,7 +3,11 @@
 #[cfg(unix)]
 use crate::machines::machine_file::MachineFile;
 #[cfg(unix)]
+use crate::text;
+#[cfg(unix)]
 use husillo_clients::holder::{Holder, Listening, Urgency, folder};
+#[cfg(unix)]
+use std::path::Path;
 #[cfg(unix)]
 use std::sync::{Mutex, PoisonError};
 
@@ -64,8 +68,9 @@ pub fn machine_from_anywhere(name: &str) -> String {
 fn from_anywhere(name: &str) -> String {
     // `#2` names a machine of the controller at the port.
     let file = name.split('#').next().unwrap_or(name);
-    match std::path::absolute(name) {
-        Ok(path) if std::path::Path::new(file).exists() => path.to_string_lossy().into_owned(),
+    let [file, whole] = [file, name].map(|name| text::name::path(Path::new(name)));
+    match std::path::absolute(whole) {
+        Ok(path) if file.exists() => text::name::text(path.as_os_str()),
         _ => name.to_owned(),
     }
 }

@@ -143,6 +143,14 @@ pub fn load(file: &str) -> Result<Vec<Part>, String> {
 /// A sentence with the position of the first wrong byte.
 pub fn load_records(file: &str) -> Result<Vec<Record>, String> {
     let bytes = crate::input::read(file).map_err(|error| format!("{file}: {error}"))?;
+    if bytes.is_empty() {
+        return Err(format!(
+            "{file}: an empty file, without records: compile it again"
+        ));
+    }
     let all: Result<Vec<_>, _> = records(&bytes).collect();
-    all.map_err(|error| format!("{file}, byte {}: {error}", error.at))
+    all.map_err(|error| {
+        let at = error.at;
+        format!("{file}, byte {at}: {error}: name a file of `husillo compile -m drill`")
+    })
 }

@@ -2,9 +2,12 @@
 
 use crate::cli::Emulate;
 use crate::console::stop::stop_requests;
+use crate::console::told::Told;
 use crate::console::typed::typed_lines;
+use crate::text::name as file_name;
 use husillo_clients::{StopRequests, read};
 use husillo_sim::device::Emulation;
+use serde_json::{Value, json};
 use serialport::{SerialPort, TTYPort};
 use std::io::{self, ErrorKind, Write};
 use std::net::{TcpListener, TcpStream};
@@ -62,35 +65,48 @@ pub fn serve<E: Emulation>(
     };
     let asked = args.port();
     let outlet = match (&args.link, &args.listen) {
-        (Some(link), _) => Outlet::terminal(Path::new(link)),
+        (Some(link), _) => Outlet::terminal(&file_name::path(Path::new(link))),
         (None, Some(address)) => Outlet::socket(address),
         (None, None) => Err(ErrorKind::InvalidInput.into()),
     };
     let opened = outlet.and_then(|outlet| Ok((outlet.port()?, outlet)));
     let (port, outlet) = opened.map_err(|error| of_port(&asked, &error))?;
     let hint = hint.replace("{port}", &port);
+    let out = &mut Told::new(out, args.format, "husillo.emulate/1");
     let heading = format!("{name} at {port}; Ctrl-C ends it\nConnect: {hint}\nPanel: {panel}");
     let mut server = Server {
         outlet,
         asked,
         steps,
     };
-    print(out, &[heading])?;
+    let open = json!({
+        "kind": "open",
+        "machine": args.machine,
+        "port": port,
+        "connect": hint,
+        "panel": panel,
+    });
+    print(out, &heading, open)?;
     server.run(device, &pace, out)
 }
 
-/// Prints lines at once.
-fn print(out: &mut dyn Write, lines: &[String]) -> io::Result<()> {
-    let mut lines = lines.iter();
-    let written = lines.try_for_each(|line| writeln!(out, "{line}"));
-    written
-        .and_then(|()| out.flush())
+/// Prints a line or its object at once.
+fn print(out: &mut Told<'_>, line: &str, object: Value) -> io::Result<()> {
+    out.tried(line, &object)
         .map_err(|error| io::Error::new(error.kind(), format!("standard output: {error}")))
 }
 
 /// The error of a port, with the name that the user gave.
 fn of_port(asked: &str, error: &io::Error) -> io::Error {
-    io::Error::other(format!("{asked}: {error}"))
+    let why = match error.kind() {
+        ErrorKind::AlreadyExists => "a file has this name: choose another name for the link",
+        ErrorKind::NotFound => "there is no folder for this link: choose another name",
+        ErrorKind::PermissionDenied => "you may not make this link: choose a folder of yours",
+        ErrorKind::AddrInUse => "another program listens there: choose another address",
+        ErrorKind::AddrNotAvailable => "this computer has no such address: choose another one",
+        _ => return io::Error::other(format!("{asked}: {error}")),
+    };
+    io::Error::other(format!("{asked}: {why}"))
 }
 
 /// Where clients connect.
@@ -146,7 +162,7 @@ impl Outlet {
     /// What a client names as its port.
     fn port(&self) -> io::Result<String> {
         match self {
-            Self::Terminal { link, .. } => Ok(link.display().to_string()),
+            Self::Terminal { link, .. } => Ok(file_name::text(link.as_os_str())),
             Self::Socket { listener, .. } => Ok(format!("tcp:{}", listener.local_addr()?)),
         }
     }
@@ -238,7 +254,7 @@ impl Server {
         &mut self,
         device: &mut E,
         pace: &Pace,
-        out: &mut dyn Write,
+        out: &mut Told<'_>,
     ) -> io::Result<()> {
         let panel = typed_lines();
         let (start, mut done, mut left_out) = (Instant::now(), 0_u64, 0_u64);
@@ -284,7 +300,9 @@ impl Server {
                 }
             }
             shown.extend(device.take_reports());
-            print(out, &shown)?;
+            for line in shown {
+                print(out, &line, json!({"kind": "report", "text": line}))?;
+            }
             if let Some(steps) = &mut self.steps {
                 let written = steps.write_all(device.made().as_bytes());
                 // Another program may read it as it grows. The error names the file.

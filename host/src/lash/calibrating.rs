@@ -3,6 +3,7 @@
 use super::bench::SimulatedBench;
 use super::readings;
 use crate::cli::BacklashArgs;
+use crate::console::told::Told;
 use crate::machines::lash_file::section;
 use crate::machines::machine_file::{MachineFile, Travel};
 use crate::programs::setup;
@@ -13,7 +14,7 @@ use husillo_metrology::calibration::backlash::{
 use husillo_metrology::quantity::{self, Quantity};
 use husillo_reports::lash::{self, Panel};
 use husillo_sim::observers::AXES;
-use std::io::Write;
+use serde_json::json;
 
 /// The files that a calibration writes.
 pub struct Calibrated {
@@ -32,7 +33,7 @@ pub struct Calibrated {
 pub fn calibrate_backlash(
     args: &BacklashArgs,
     file: &MachineFile,
-    out: &mut dyn Write,
+    out: &mut Told<'_>,
 ) -> Result<Calibrated, String> {
     let travel_mm = travel(file)?;
     let now = if args.uncompensated {
@@ -89,10 +90,13 @@ pub fn calibrate_backlash(
         let um = tables[*axis]
             .as_ref()
             .map_or(&[][..], |table| &table.lash_um);
-        print_left(file.axes[*axis].letter, um, fields, out).map_err(|error| error.to_string())?;
+        print_left(file.axes[*axis].letter, um, fields, out);
     }
-    out.write_all(sections.as_bytes())
-        .map_err(|error| error.to_string())?;
+    let text = sections.trim_end();
+    out.tell(
+        text,
+        || json!({"kind": "lines", "readings": readings.len(), "text": text}),
+    );
     let panels: Vec<Panel> = panels
         .into_iter()
         .map(|(axis, fields)| Panel {
@@ -127,22 +131,27 @@ fn pairs(
 }
 
 /// Prints the remaining backlash of an axis, with one value and with its map.
-fn print_left(
-    letter: u8,
-    um: &[f64],
-    [before, after]: &[Field; 2],
-    out: &mut dyn Write,
-) -> std::io::Result<()> {
+fn print_left(letter: u8, um: &[f64], [before, after]: &[Field; 2], out: &mut Told<'_>) {
     let low = um.iter().copied().fold(f64::MAX, f64::min);
     let high = um.iter().copied().fold(f64::MIN, f64::max);
     let ([one_low, one_high], [low_left, high_left]) = (before.span_um, after.span_um);
-    writeln!(
-        out,
-        "# {}: {} positions, backlash {low:.1} to {high:.1} um; left with one value {one_low:+.1} \
-         to {one_high:+.1} um, with this map {low_left:+.2} to {high_left:+.2} um",
-        char::from(letter),
-        um.len()
-    )
+    let (letter, count) = (char::from(letter), um.len());
+    out.tell(
+        format_args!(
+            "# {letter}: {count} positions, backlash {low:.1} to {high:.1} um; left with one value \
+             {one_low:+.1} to {one_high:+.1} um, with this map {low_left:+.2} to {high_left:+.2} um"
+        ),
+        || {
+            json!({
+                "kind": "axis",
+                "axis": letter,
+                "positions": count,
+                "backlash_um": [low, high],
+                "left_with_one_value_um": before.span_um,
+                "left_with_map_um": after.span_um,
+            })
+        },
+    );
 }
 
 /// Travel of X and Y in mm.

@@ -3,10 +3,11 @@
 
 use super::bench::SimulatedBench;
 use crate::cli::CirclesArgs;
+use crate::console::told::Told;
 use crate::machines::machine_file::{MachineFile, Travel};
 use crate::programs::setup;
 use husillo_metrology::calibration::backlash::{CIRCLE_ENDS, left_at_ends};
-use std::io::Write;
+use serde_json::json;
 
 /// Radius in mm, and the values measured at the ends of such a circle on the original, um, in the
 /// order of [`CIRCLE_ENDS`].
@@ -29,7 +30,7 @@ const MEASURED: [(f64, [f64; 4]); 3] = [
 pub fn print_circles(
     args: &CirclesArgs,
     file: &MachineFile,
-    out: &mut dyn Write,
+    out: &mut Told<'_>,
 ) -> Result<(), String> {
     let mut centre = [0.0; 2];
     for (centre, axis) in centre.iter_mut().zip(&file.axes) {
@@ -42,15 +43,12 @@ pub fn print_circles(
         *centre = (low + high) as f64 / 2e6;
     }
     let has_map = file.lash.maps.iter().any(Option::is_some);
-    let failed = |error: std::io::Error| error.to_string();
     let ends = CIRCLE_ENDS.join("  ");
-    writeln!(
-        out,
+    out.text(format_args!(
         "Remaining backlash at the ends of circles around X{:.1} Y{:.1}, um\n\n\
          radius  screws                 {ends}",
         centre[0], centre[1]
-    )
-    .map_err(failed)?;
+    ));
     for (radius, measured) in MEASURED {
         let mut rows = vec![("one value per axis", setup::one_value(file))];
         if has_map {
@@ -58,21 +56,26 @@ pub fn print_circles(
         }
         for (name, maps) in rows {
             let left = left_at_ends(&mut SimulatedBench::new(file, maps)?, centre, radius)?;
-            print_row(out, radius, name, left).map_err(failed)?;
+            print_row(out, radius, name, left);
         }
-        print_row(out, radius, "the original's", measured).map_err(failed)?;
+        print_row(out, radius, "the original's", measured);
     }
     Ok(())
 }
 
-fn print_row(
-    out: &mut dyn Write,
-    radius: f64,
-    screws: &str,
-    [top, left, bottom, right]: [f64; 4],
-) -> std::io::Result<()> {
-    writeln!(
-        out,
-        "{radius:4} mm  {screws:20} {top:5.1} {left:5.1} {bottom:7.1} {right:6.1}"
-    )
+fn print_row(out: &mut Told<'_>, radius: f64, screws: &str, ends: [f64; 4]) {
+    let [top, left, bottom, right] = ends;
+    out.tell(
+        format_args!("{radius:4} mm  {screws:20} {top:5.1} {left:5.1} {bottom:7.1} {right:6.1}"),
+        || {
+            json!({
+                "radius_mm": radius,
+                "screws": screws,
+                "top_um": top,
+                "left_um": left,
+                "bottom_um": bottom,
+                "right_um": right,
+            })
+        },
+    );
 }

@@ -212,6 +212,11 @@ fn reference<'a>(
 }
 
 fn position(action: &str, text: &str, scale: Scale) -> Result<i64, String> {
+    let is_number = |first: char| first.is_ascii_digit() || matches!(first, '+' | '-' | '.');
+    if !text.starts_with(is_number) {
+        let why = "needs axes with positions, as in `goto 1200` or `goto X10 Y-2.5`";
+        return Err(format!("`{action}` {why}"));
+    }
     let amount = scale.amount(scale.parse(text)?);
     amount.ok_or_else(|| {
         let unit = scale.unit();

@@ -3,19 +3,22 @@
 use super::Stopped;
 use super::calibration_file::{axis_lines, squareness_lines};
 use super::machine_file;
+use crate::app::count;
 use crate::cli::{AxisArgs, SquarenessArgs};
+use crate::console::told::Told;
 use crate::input::columns::{Columns, Row};
+use crate::text::json::Millimetres;
 use husillo_backlash::Flank;
 use husillo_metrology::calibration::{AxisFit, Ends, Reading, SquareFit};
 use husillo_metrology::heads::Machine;
-use std::io::Write;
+use serde_json::json;
 
 /// `husillo calibrate axis`: writes the lines for the machine file to `out`.
 ///
 /// # Errors
 ///
 /// [`Stopped`]: the file is bad, or its readings do not determine a calibration.
-pub fn calibrate_axis(args: &AxisArgs, out: &mut dyn Write) -> Result<(), Stopped> {
+pub fn calibrate_axis(args: &AxisArgs, out: &mut Told<'_>) -> Result<(), Stopped> {
     let machine = load(&args.machine)?;
     let letter = args.axis.to_ascii_uppercase();
     let axis = machine.axes.iter().position(|axis| axis.letter == letter);
@@ -50,15 +53,39 @@ pub fn calibrate_axis(args: &AxisArgs, out: &mut dyn Write) -> Result<(), Stoppe
     } else {
         "no table: it was not requested, or only noise is left".to_owned()
     };
-    write!(
-        out,
-        "# {letter}: {} readings of {} lengths, a mean of them good to {noise:.2} um\n\
-         # errors span {before:.2} um; {scaled:.2} um with the scale; {table}\n{}",
-        readings.len(),
-        fit.places,
-        axis_lines(letter, &fit.table)
-    )
-    .map_err(Stopped::Output)
+    let lines = axis_lines(letter, &fit.table);
+    out.tell(
+        format_args!(
+            "# {letter}: {} of {}, a mean of them good to {noise:.2} um\n\
+             # errors span {before:.2} um; {scaled:.2} um with the scale; {table}\n{}",
+            count(readings.len() as u64, "reading"),
+            count(fit.places as u64, "length"),
+            lines.trim_end()
+        ),
+        || {
+            let knots = fit.table.knots().iter();
+            let knots = knots.map(|knot| {
+                json!({
+                    "reading_mm": Millimetres(knot.reading_nm),
+                    "after_positive_move_um": f64::from(knot.positive_nm) / 1e3,
+                    "after_negative_move_um": f64::from(knot.negative_nm) / 1e3,
+                })
+            });
+            json!({
+                "axis": letter,
+                "readings": readings.len(),
+                "lengths": fit.places,
+                "noise_um": noise,
+                "error_span_um": before,
+                "error_span_with_scale_um": scaled,
+                "error_span_with_table_um": after,
+                "scale_um_per_m": f64::from(fit.table.scale_ppb()) / 1e3,
+                "table": knots.collect::<Vec<_>>(),
+                "text": lines,
+            })
+        },
+    );
+    Ok(())
 }
 
 /// `husillo calibrate squareness`: writes the lines for the machine file to `out`.
@@ -66,7 +93,7 @@ pub fn calibrate_axis(args: &AxisArgs, out: &mut dyn Write) -> Result<(), Stoppe
 /// # Errors
 ///
 /// [`Stopped`]: the file is bad, or its readings do not determine an angle.
-pub fn calibrate_squareness(args: &SquarenessArgs, out: &mut dyn Write) -> Result<(), Stopped> {
+pub fn calibrate_squareness(args: &SquarenessArgs, out: &mut Told<'_>) -> Result<(), Stopped> {
     let machine = load(&args.machine)?;
     let names = ["x1", "y1", "z1", "x2", "y2", "z2"];
     let columns = Columns::read(&args.file, &names)?;
@@ -99,22 +126,36 @@ pub fn calibrate_squareness(args: &SquarenessArgs, out: &mut dyn Write) -> Resul
     let fit = SquareFit::new(&places, given).map_err(|why| format!("{}: {why}", args.file))?;
     let [before, after] = fit.worst.map(|nm| nm / 1e3);
     let origin = if given.is_some() { "" } else { " (fitted)" };
-    writeln!(
-        out,
-        "# {} places of a bar of {:.4} mm{origin}: off by {before:.2} um at most before, \
-         {after:.2} um after",
-        places.len(),
-        fit.length / 1e6
-    )
-    .map_err(Stopped::Output)?;
-    for plane in fit.unknown() {
-        writeln!(
-            out,
-            "# {plane} is not known: the bar did not lie along both diagonals"
-        )
-        .map_err(Stopped::Output)?;
+    let length_mm = fit.length / 1e6;
+    let unknown = fit.unknown();
+    let lines = squareness_lines(&fit.squareness);
+    let mut text = format!(
+        "# {} of a bar of {length_mm:.4} mm{origin}: off by {before:.2} um at most before, \
+         {after:.2} um after\n",
+        count(places.len() as u64, "place")
+    );
+    for plane in &unknown {
+        text += &format!("# {plane} is not known: the bar did not lie along both diagonals\n");
     }
-    write!(out, "{}", squareness_lines(&fit.squareness)).map_err(Stopped::Output)
+    text += lines.trim_end();
+    out.tell(text, || {
+        let squareness = &fit.squareness;
+        let [xy, xz, yz] = [squareness.xy_ppb, squareness.xz_ppb, squareness.yz_ppb]
+            .map(|ppb| f64::from(ppb) / 1e3);
+        json!({
+            "places": places.len(),
+            "length_mm": length_mm,
+            "is_length_fitted": given.is_none(),
+            "worst_before_um": before,
+            "worst_after_um": after,
+            "unknown_planes": unknown,
+            "xy_um_per_m": xy,
+            "xz_um_per_m": xz,
+            "yz_um_per_m": yz,
+            "text": lines,
+        })
+    });
+    Ok(())
 }
 
 fn load(name: &str) -> Result<Machine, Stopped> {

@@ -3,16 +3,17 @@
 use super::memory_file::MemoryFile;
 use super::port::ChainPort;
 use super::{Stopped, error_text, machine_file};
+use crate::console::told::Told;
 use husillo_metrology::heads::{Line, Machine};
 use husillo_transports::nmc::{Auxiliary, Reply};
-use std::io::Write;
+use serde_json::json;
 
 /// Stops all axes of a measuring machine at a port, resets nothing, and writes where they stand.
 ///
 /// # Errors
 ///
 /// [`Stopped`]: the port, or an axis that does not confirm.
-pub fn halt(machine: &str, port: &str, out: &mut dyn Write) -> Result<(), Stopped> {
+pub fn halt(machine: &str, port: &str, out: &mut Told<'_>) -> Result<(), Stopped> {
     let file = machine_file::load(machine).map_err(Stopped::File)?;
     let opened = ChainPort::open(port).map_err(|error| format!("{port}: {error}"))?;
     let replies = Line::new(opened).halt(&file).map_err(|trouble| {
@@ -22,7 +23,11 @@ pub fn halt(machine: &str, port: &str, out: &mut dyn Write) -> Result<(), Stoppe
     keep(machine, port, &file, &replies);
     for (axis, reply) in file.axes.iter().zip(replies) {
         let counts = reply.readings.position;
-        writeln!(out, "stop: {} at {counts} counts", axis.letter).map_err(Stopped::Output)?;
+        let letter = axis.letter;
+        out.tell(
+            format_args!("stop: {letter} at {counts} counts"),
+            || json!({"kind": "axis", "port": port, "axis": letter, "position_counts": counts}),
+        );
     }
     Ok(())
 }

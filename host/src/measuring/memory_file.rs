@@ -192,7 +192,7 @@ fn place(port: &str) -> Option<(PathBuf, String)> {
 
 /// The absolute path of a file, through links; any other name stays.
 fn absolute(name: &str) -> String {
-    let path = fs::canonicalize(name);
+    let path = fs::canonicalize(crate::text::name::path(Path::new(name)));
     path.map_or_else(|_| name.to_owned(), |path| path.display().to_string())
 }
 

@@ -81,6 +81,7 @@ impl Session {
     ) -> Result<Calibrated<Head<AnyPort>>, Trouble> {
         let (machine, touches) = (&self.machine, args.repeat);
         let errors = || machine.errors.clone();
+        let mut was_left = false;
         let left = self.memory.as_ref().filter(|_| !args.reset);
         if let Some(mut memory) = left.and_then(MemoryFile::read) {
             match Head::rejoin(line, machine, touches, &memory)? {
@@ -100,12 +101,20 @@ impl Session {
                 }
                 Rejoined::Changed(same) => line = *same,
             }
+            was_left = true;
+        }
+        let started = Head::start(line, machine, touches);
+        if was_left {
+            if matches!(started, Err(Trouble::NoModules)) {
+                // Modules behind a pulled cable keep their counts. The next command compares them.
+                return Err(Trouble::NoModules);
+            }
             eprintln!("note: the modules were reset or moved, so zero and home are lost");
         }
         if let Some(memory) = &self.memory {
             memory.forget();
         }
-        let mut head = Calibrated::new(Head::start(line, machine, touches)?, errors());
+        let mut head = Calibrated::new(started?, errors());
         self.keep(&mut head);
         Ok(head)
     }

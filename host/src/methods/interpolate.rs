@@ -96,7 +96,7 @@ pub fn centre(text: &str, bits: u8) -> Result<[i64; 2], String> {
         .map(|text| scaled(text, bits))
         .collect::<Result<_, _>>()?;
     let centre: Result<[i64; 2], _> = centre.try_into();
-    centre.map_err(|_| "--centre takes X,Y".to_owned())
+    centre.map_err(|_| "--centre takes two numbers, as in 0,0.5".to_owned())
 }
 
 /// Reads two whole numbers. `name` is the option, for messages.
@@ -105,7 +105,8 @@ pub fn centre(text: &str, bits: u8) -> Result<[i64; 2], String> {
 ///
 /// The text is not two whole numbers.
 pub fn pair(text: &str, name: &str) -> Result<[i32; 2], String> {
-    <[i32; 2]>::try_from(integers(text, name)?).map_err(|_| format!("{name} takes X,Y"))
+    <[i32; 2]>::try_from(integers(text, name)?)
+        .map_err(|_| format!("{name} takes two numbers, as in 30,0"))
 }
 
 /// Reads whole numbers, separated by commas. `name` is the option, for messages.

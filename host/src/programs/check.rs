@@ -12,6 +12,7 @@ use husillo_machine::{Config, MoveError};
 use husillo_reports::text::duration;
 use husillo_reports::text::length;
 use husillo_reports::text::shortest;
+use husillo_sim::geometry::nurbs::{NurbsPath, NurbsPoints};
 use husillo_sim::geometry::path::Path;
 use husillo_sim::observers::AXES;
 use std::io;
@@ -27,6 +28,8 @@ pub struct Facts {
     pub events: f64,
     /// Reversals of each axis. A first motion in negative direction counts as one.
     pub reversals: [u64; AXES],
+    /// The curves of several commands (G5.2, G5.3), in the order in which they are made.
+    pub curves: Vec<NurbsPath>,
     /// The first move that leaves the travel of an axis, for
     /// [`crate::programs::zero::report_beyond`].
     pub beyond: Option<(Place, MoveError)>,
@@ -46,6 +49,8 @@ pub struct Checker<'a> {
     feed_nm: f64,
     rapid_nm: f64,
     events: f64,
+    points: NurbsPoints,
+    curves: Vec<NurbsPath>,
     beyond: Option<(Place, MoveError)>,
 }
 
@@ -90,6 +95,7 @@ pub fn check(
         rapid_nm: checker.rapid_nm,
         events: checker.events,
         reversals: checker.turns.reversals(),
+        curves: checker.curves,
         beyond: checker.beyond,
     })
 }
@@ -112,6 +118,8 @@ impl<'a> Checker<'a> {
             feed_nm: 0.0,
             rapid_nm: 0.0,
             events: 0.0,
+            points: NurbsPoints::default(),
+            curves: Vec::new(),
             beyond: None,
         }
     }
@@ -143,6 +151,7 @@ impl Checker<'_> {
             }
             Err(error) => findings.add(self.limit(&error, &meaning.at, command)),
         }
+        let curve = self.points.take(&from, command);
         let Some(to) = end else {
             return;
         };
@@ -172,15 +181,20 @@ impl Checker<'_> {
                 self.turns.line(from, to);
                 Path::programmed(from, command, 0.0).map_or(0.0, |path| path.length())
             }
+            Command::NurbsEnd { .. } => {
+                self.turns.line(from, to);
+                curve.as_ref().map_or(0.0, NurbsPath::length)
+            }
             _ => {
                 self.turns.line(from, to);
                 fed_length(command, from, self.config.dialect.axes())
             }
         };
+        self.curves.extend(curve);
         self.events += length / self.step_nm();
         match command {
             Command::Rapid { .. } => self.rapid_nm += length,
-            Command::Thread { .. } => self.feed_nm += length,
+            Command::Thread { .. } | Command::NurbsEnd { .. } => self.feed_nm += length,
             Command::Linear { feed, .. }
             | Command::Probe { feed, .. }
             | Command::Spline { feed, .. }

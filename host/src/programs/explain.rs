@@ -162,9 +162,15 @@ fn described(error: &Error, at: &At<'_>) -> Finding {
         ErrorKind::NotALetter(b'$') if is_of(at, &Dialect::GRBL) => finding
             .label("a jog (`$J=`) is for the operator")
             .help("write G1, or send it by a Grbl sender"),
-        ErrorKind::NotALetter(_) => finding
-            .label("a word is a letter and a number")
-            .note("grbl: `error:1`; LinuxCNC: \"Bad character used\""),
+        ErrorKind::NotALetter(byte) => {
+            let finding = finding
+                .label("a word is a letter and a number")
+                .note("grbl: `error:1`; LinuxCNC: \"Bad character used\"");
+            match byte.is_ascii_graphic() {
+                true => finding,
+                false => finding.help("remove it; if the file is no text, name another file"),
+            }
+        }
         ErrorKind::MissingNumber(_) => finding
             .label("a number must follow the letter")
             .note("grbl: `error:2`"),

@@ -1,7 +1,9 @@
 //! Folders in which the files of subroutines are searched.
 
 use crate::input;
+use crate::text::name;
 use husillo_gcode::parameters::{File, Library};
+use std::borrow::Cow;
 use std::cell::OnceCell;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -37,10 +39,12 @@ struct Book {
 impl Folders {
     /// The folder of the program, unless it comes from standard input, and then these.
     pub fn of(program: &str, more: &[String]) -> Self {
-        let own = Path::new(program).parent().filter(|_| program != "-");
+        let program = name::path(Path::new(program));
+        let own = program.parent().filter(|_| *program != *Path::new("-"));
         let folders = own.map(Path::to_path_buf).into_iter();
+        let more = more.iter().map(|folder| name::path(Path::new(folder)));
         Self {
-            folders: folders.chain(more.iter().map(PathBuf::from)).collect(),
+            folders: folders.chain(more.map(Cow::into_owned)).collect(),
             read: Shelf::default(),
         }
     }
@@ -51,7 +55,7 @@ impl Folders {
             .iter()
             .flat_map(|folder| ENDINGS.map(|ending| folder.join(format!("{name}.{ending}"))));
         paths.into_iter().find_map(|path| {
-            let path = path.to_str()?.to_owned();
+            let path = name::text(path.as_os_str());
             let mut text = Vec::new();
             let file = input::open(&path).ok()?;
             let length = file.take(LARGEST + 1).read_to_end(&mut text).ok()?;

@@ -6,13 +6,14 @@ use crate::programs::explain::{self, At};
 use crate::programs::format::Form;
 use crate::programs::reading::{Reading, Results};
 use crate::programs::source::Source;
-use husillo_gcode::{Command, Dialect, Translator, Untranslated};
+use husillo_gcode::{Axes, Command, Dialect, Translator, Untranslated};
+use husillo_sim::observers::AXES;
 use std::io::{self, Write};
 use std::ops::ControlFlow;
 
 /// A translation in progress.
 struct Work {
-    translator: Translator<3>,
+    translator: Translator<AXES>,
     /// Pieces of lines, each ended by LF.
     made: Vec<u8>,
 }
@@ -63,16 +64,23 @@ pub fn write(
             let mut is_end = false;
             work.made.clear();
             let made = &mut work.made;
-            let done = block.map_err(Untranslated::Error).and_then(|block| {
-                is_end = blocks::ends_program(given.text);
-                let mut push = |piece: &[u8]| made.extend_from_slice(piece);
-                work.translator.line(given.text, &block, &mut push)
-            });
+            let done = match block {
+                Ok(block) => {
+                    is_end = blocks::ends_program(given.text);
+                    let mut push = |piece: &[u8]| made.extend_from_slice(piece);
+                    work.translator.line(given.text, &block, &mut push)
+                }
+                Err(error) => Err(Untranslated::Error(error)),
+            };
             match done {
                 Ok(_) => {}
                 Err(Untranslated::Error(error)) => findings.add(explain::finding(&error, &at)),
                 Err(Untranslated::Command(command)) => {
-                    findings.add(no_command(&at, form.dialect, &shown(&command)));
+                    findings.add(no_command(
+                        &at,
+                        form.dialect,
+                        &shown(&command, *from.axes()),
+                    ));
                 }
             }
             write_lines(&work.made, form, out)?;
@@ -90,7 +98,7 @@ pub fn write(
         let message = format!(
             "{} cannot do this: {}",
             form.dialect.name(),
-            shown(&command)
+            shown(&command, *from.axes())
         );
         findings.add(Finding::general(
             crate::diagnostics::Severity::Error,
@@ -101,8 +109,8 @@ pub fn write(
     write_lines(&last, form, out)
 }
 
-fn shown(command: &Command<3>) -> String {
-    command.to_string()
+fn shown(command: &Command<AXES>, axes: Axes) -> String {
+    command.shown(axes).to_string()
 }
 
 fn write_lines(made: &[u8], form: &Form, out: &mut dyn Write) -> io::Result<()> {

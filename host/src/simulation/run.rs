@@ -6,6 +6,7 @@ use crate::programs::setup::{self, ClosedEngine, MappedEngine};
 use crate::simulation::mechanics::Mechanics;
 use husillo_gcode::SpindleDirection;
 use husillo_machine::{Event, Followed, Origin, Output, Probed, StepEvent};
+use husillo_sim::geometry::nurbs::NurbsPath;
 use husillo_sim::observers::AXES;
 use husillo_sim::observers::deviation::Deviation;
 use husillo_sim::observers::encoders::EncoderReports;
@@ -125,6 +126,11 @@ impl Run {
         self.mechanics.start_at(steps);
         self.observers.statistics.start_at(self.mechanics.tool());
         self.moves.start_at(self.mechanics.tool());
+    }
+
+    /// Sets the curves of several commands in the order in which they are made.
+    pub fn set_curves(&mut self, curves: Vec<NurbsPath>) {
+        self.moves.set_curves(curves);
     }
 
     /// Sets the simulated losses.

@@ -132,7 +132,7 @@ struct Plan {
     has_outages: bool,
 }
 
-/// Runs sessions as `husillo measure` does. Each starts the line anew and makes a few moves and
+/// Runs sessions as `husillo measure` does. Each starts the line again and makes a few moves and
 /// touches until it is done or an error is reported.
 fn sessions(plan: Plan) -> Tally {
     let Plan {

@@ -179,7 +179,7 @@ impl SimulatedChain {
         }
     }
 
-    /// The same chain on a line where bytes take no time.
+    /// The same chain on a line on which the transfer of a byte takes no time.
     #[must_use]
     pub fn without_byte_times(self) -> Self {
         Self {

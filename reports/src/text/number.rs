@@ -1,6 +1,6 @@
 //! Numbers as readable text.
 
-/// A number with at most so many decimals, without trailing zeros.
+/// A number with at most `decimals` decimals, without trailing zeros.
 pub fn shortest(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     if decimals == 0 {

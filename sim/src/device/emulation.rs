@@ -15,7 +15,7 @@ pub trait Emulation {
     fn send(&mut self, byte: u8);
 
     /// Number of bytes that a client sent and the device has not received yet: they are on the
-    /// line. A port takes no more bytes of a client while there are many.
+    /// line. A port accepts no further bytes of a client while this number is large.
     fn on_the_line(&self) -> usize;
 
     /// Simulates one period. Returns the bytes that the device sends in it.

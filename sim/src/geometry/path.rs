@@ -6,6 +6,7 @@
 //! integer path that it measures.
 
 use super::curve::CurvePath;
+use super::nurbs::NurbsPath;
 use super::turn;
 use husillo_gcode::{Command, Direction, Nm};
 use std::f64::consts::TAU;
@@ -26,6 +27,8 @@ pub enum Path {
     Arc(ArcPath),
     /// A cubic curve.
     Curve(CurvePath),
+    /// A NURBS.
+    Nurbs(NurbsPath),
 }
 
 /// An arc in a plane. A helix also has a linear motion across the plane.
@@ -141,6 +144,7 @@ impl Path {
                 (arc.sweep * radius).hypot(arc.ends[1][arc.across] - arc.ends[0][arc.across])
             }
             Self::Curve(curve) => curve.length(),
+            Self::Nurbs(curve) => curve.length(),
         }
     }
 
@@ -175,6 +179,7 @@ impl Path {
             }
             Self::Arc(arc) => arc.distance_squared(tool),
             Self::Curve(curve) => curve.distance_squared(tool),
+            Self::Nurbs(curve) => curve.distance_squared(tool),
         }
     }
 
@@ -202,6 +207,7 @@ impl Path {
                 nearest
             }
             Self::Curve(curve) => curve.nearest(tool),
+            Self::Nurbs(curve) => curve.nearest(tool),
         }
     }
 }

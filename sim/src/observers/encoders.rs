@@ -13,7 +13,8 @@ pub struct EncoderReports {
 }
 
 impl EncoderReports {
-    /// Takes an entry after so many step events. `letters` are those of the axes.
+    /// Takes an entry. `events` is the number of step events before it, and `letters` are the
+    /// letters of the axes.
     #[cold]
     pub fn add(&mut self, entry: &Followed<AXES>, letters: [char; AXES], events: u64) {
         let (axis, is_behind, what) = match *entry {

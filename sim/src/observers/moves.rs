@@ -1,9 +1,11 @@
 //! Assigns steps to programmed moves, and finds where moves and take-ups begin and end.
 
+use crate::geometry::nurbs::NurbsPath;
 use crate::geometry::path::Path;
 use crate::observers::{AXES, Begun};
-use husillo_gcode::Nm;
+use husillo_gcode::{Command, Nm};
 use husillo_machine::{Config, Origin, Segment, StepEvent};
+use std::collections::VecDeque;
 
 /// The move under execution.
 #[derive(Debug)]
@@ -16,6 +18,8 @@ pub struct Moves {
     is_arrived: bool,
     origin: Origin,
     take_up_axis: Option<usize>,
+    /// The curves of several commands that are still to come. Such a segment has its end only.
+    curves: VecDeque<NurbsPath>,
 }
 
 /// A move with its path.
@@ -42,7 +46,7 @@ impl Move {
 impl Moves {
     /// Starts at rest at zero. `half_step_nm` decides whether an arc is a circle or a spiral, as in
     /// [`Path::programmed`].
-    pub const fn new(half_step_nm: f64) -> Self {
+    pub fn new(half_step_nm: f64) -> Self {
         Self {
             half_step_nm,
             milli_rpm: 0,
@@ -51,7 +55,13 @@ impl Moves {
             is_arrived: true,
             origin: Origin::Rest,
             take_up_axis: None,
+            curves: VecDeque::new(),
         }
+    }
+
+    /// Sets the curves of several commands (G5.2, G5.3) in the order in which they are made.
+    pub fn set_curves(&mut self, curves: Vec<NurbsPath>) {
+        self.curves = curves.into();
     }
 
     /// Puts the tool at these steps before the run.
@@ -83,7 +93,10 @@ impl Moves {
         }
         self.origin = origin;
         let segment = executing.filter(|_| is_other)?;
-        let path = Path::programmed(segment.from, &segment.command, self.half_step_nm)?;
+        let path = match segment.command {
+            Command::NurbsEnd { .. } => self.curves.pop_front().map(Path::Nurbs)?,
+            _ => Path::programmed(segment.from, &segment.command, self.half_step_nm)?,
+        };
         let to = segment.command.end().unwrap_or(segment.from);
         for (axis, target) in self.target.iter_mut().enumerate() {
             let scale = config.axes[axis].scale;

@@ -14,7 +14,7 @@ fn pace(begun: &Begun<'_>) -> Move {
             plane: arc.plane,
             radius: 0.5 * (arc.radii[0] + arc.radii[1]),
         }),
-        Path::Line { .. } | Path::Curve(_) => None,
+        Path::Line { .. } | Path::Curve(_) | Path::Nurbs(_) => None,
     };
     let by_turns = |lead: Nm| lead.0 as f64 * begun.milli_rpm as f64 / 60e3;
     let programmed = match &begun.segment.command {

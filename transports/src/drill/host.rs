@@ -93,7 +93,7 @@ pub struct Host {
     /// Whether the device was asked if a program runs, and whether it has confirmed it.
     asks_at_work: bool,
     is_at_work: bool,
-    /// The lease that the device has confirmed; 0 is none.
+    /// The lease that the device has confirmed; 0 without a lease.
     lease: u8,
     /// A byte that arrived while the host waited for none.
     unasked: Option<u8>,

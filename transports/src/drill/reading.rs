@@ -34,8 +34,8 @@ impl Reading {
         Reading::Records,
     ];
 
-    /// Returns the number for [`Step::Read`](super::Step::Read): ff ff for the first one, and
-    /// downwards. No memory has so many records.
+    /// Returns the number for [`Step::Read`](super::Step::Read): ff ff for the first one, and one
+    /// less for each further one. No memory has a record with such a number.
     pub const fn number(self) -> u16 {
         u16::MAX - self as u16
     }

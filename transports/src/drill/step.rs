@@ -12,10 +12,10 @@ pub enum Step {
     Resync,
     /// Tests the link.
     Test,
-    /// Requests a lease of so many [`LEASE_UNIT_MS`](super::LEASE_UNIT_MS) for all that the device
-    /// does from now on, or none with 0; on a device with extras. While a step lasts,
-    /// [`Host::ask_at_work`](super::Host::ask_at_work) renews it. It ends with
-    /// [`Failure::Expired`].
+    /// Requests a lease, in units of [`LEASE_UNIT_MS`](super::LEASE_UNIT_MS), for all that the
+    /// device does from now on; 0 ends the lease. Only a device with extras has a lease. While a
+    /// step lasts, [`Host::ask_at_work`](super::Host::ask_at_work) renews the lease. When it
+    /// expires, the step ends with [`Failure::Expired`].
     Lease(u8),
     /// Empties the program of a device with extras. The zero stays.
     Empty,

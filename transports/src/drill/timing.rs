@@ -8,7 +8,7 @@ pub struct Timing {
     pub character_us: u32,
     /// From the last bit sent to the whole echo.
     pub echo_us: u32,
-    /// An additional wait, once, for a late echo. 0 is none.
+    /// An additional single wait for a late echo; 0 for no such wait.
     pub late_us: u32,
     /// How often a byte is sent until it is echoed, at least once.
     pub tries: u8,

@@ -209,8 +209,8 @@ fn homing(before: &Reply, after: &Reply) -> Finding {
     match (waits(before), waits(after)) {
         (false, true) => Finding::Executed,
         (false, false) if was != is => Finding::Executed,
-        // An event would have latched a position on the path. The old home position is none of
-        // these.
+        // An event would have latched a position on the path. The old home position is not
+        // on it.
         (false, false)
             if !is_near(was, from) && !is_near(was, to) && !is_between(was, from, to) =>
         {

@@ -14,29 +14,10 @@ use board::{CriticalSection, Shared, Step};
 #[cfg(feature = "coils")]
 use coils::Motors;
 use foreground::{Interrupts, Product};
-use husillo_controllers::{MicromillConfig, MicromillEvent, MicromillInputs};
+use husillo_controllers::{MicromillEvent, MicromillInputs};
 use husillo_gcode::SpindleDirection;
-use husillo_stepper::{Driver, Mode, Sequencer};
 #[cfg(not(feature = "coils"))]
 use motors::Motors;
-
-/// The step of the motors.
-const MODE: Mode = if cfg!(feature = "quarter") {
-    Mode::Quarter
-} else if cfg!(feature = "half") {
-    Mode::Half
-} else {
-    Mode::Full
-};
-/// The drivers of the motors.
-const DRIVER: Driver = if cfg!(feature = "a3988") {
-    Driver::A3988
-} else {
-    Driver::Pbl3717a
-};
-
-/// The machine. For another machine, use another constant.
-static CONFIG: MicromillConfig = MicromillConfig::with_step_of(MODE.steps_per_full());
 
 /// Slots of the queue of events.
 const AHEAD: usize = 16;
@@ -61,17 +42,11 @@ fn on_byte(byte: u8, section: CriticalSection<'_>) {
 #[board::entry]
 fn main() -> ! {
     board::start();
-    let Ok(motor) = Sequencer::new(DRIVER, MODE) else {
-        // Never reached: both drivers have these modes.
-        loop {
-            core::hint::spin_loop();
-        }
-    };
     let mut mill = Micromill {
-        motors: Motors::new(motor),
+        motors: Motors::at_start(),
     };
     board::write(mill.motors.step([0; 2]));
-    let mut controller = Controller::new(&CONFIG);
+    let mut controller = Controller::new(mill.motors.machine());
     foreground::run(&mut mill, &mut controller, &INTERRUPTS)
 }
 

@@ -1,6 +1,16 @@
 //! The drivers of the motors: two PH inputs for each motor. In full steps, I0 and I1 stay low.
 
-use husillo_stepper::{CoilDriver, Levels, Sequencer};
+use husillo_controllers::MicromillConfig;
+use husillo_stepper::{CoilDriver, Driver, Levels, Mode, Sequencer};
+
+/// The machine. For another machine, use another constant.
+static MACHINE: MicromillConfig = MicromillConfig::MICROMILL;
+
+/// Two lines for each motor suffice for full steps, with either driver.
+const MOTOR: Sequencer = match Sequencer::new(Driver::Pbl3717a, Mode::Full) {
+    Ok(motor) => motor,
+    Err(_) => panic!("the driver has full steps"),
+};
 
 /// X, Y and Z, stepped together.
 pub struct Motors {
@@ -29,14 +39,20 @@ const fn spread(bits: u8) -> u8 {
 }
 
 impl Motors {
-    /// All motors are at the first state of the sequencer.
-    pub fn new(mut motor: Sequencer) -> Self {
+    /// All motors are at the first state of their cycle.
+    pub fn at_start() -> Self {
+        let mut motor = MOTOR;
         let cycle = [0, 1, 1, 1].map(|step| phases(motor.step(step)));
         let mut levels = [0; 64];
         for (at, levels) in levels.iter_mut().enumerate() {
             *levels = cycle[at & 3] | cycle[at >> 2 & 3] << 2 | cycle[at >> 4] << 4;
         }
         Motors { at: 0, levels }
+    }
+
+    /// The machine with these motors.
+    pub const fn machine(&self) -> &'static MicromillConfig {
+        &MACHINE
     }
 
     /// Makes a step of the axes of the first mask. Those of the second mask step backwards. Returns

@@ -40,7 +40,7 @@ pub fn make(args: &NewMachine) -> Result<u8, Failure> {
         Some(file) => file.to_owned(),
         None => format!("{}.toml", args.name),
     };
-    write_new(&file, &text)?;
+    write_new(&args.name, &file, &text, args.format)?;
     Ok(OK)
 }
 

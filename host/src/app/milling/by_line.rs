@@ -1,12 +1,13 @@
 //! `send -` from a terminal or a pipe: each line is made when it arrives.
 
 use super::comparison::compared;
-use super::{connected, expect_a_command, stand, told, unhomed};
+use super::{connected, expect_a_command, failed_at, print_notes, stand, unhomed};
 use crate::app::job::Job;
-use crate::app::reporting::with_findings;
+use crate::app::reporting::{MOST_PRINTED, with_some_findings};
 use crate::app::{ERRORS, Failure};
 use crate::cli::Send;
 use crate::console::stop::stops_asked;
+use crate::console::told::Told;
 use crate::console::typed::{next_line, terminal_lines, typed_lines};
 use crate::diagnostics::Findings;
 use crate::programs::check::Checker;
@@ -15,7 +16,8 @@ use crate::programs::setup;
 use crate::programs::zero;
 use husillo_clients::micromill::{Sender, Translated, Translator};
 use husillo_transports::micromill::Line;
-use std::io::{self, IsTerminal, Write};
+use serde_json::json;
+use std::io::{self, IsTerminal};
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::Duration;
 
@@ -42,7 +44,7 @@ fn is_file() -> bool {
 }
 
 /// Interprets and sends lines.
-struct Session<'a> {
+struct Session<'a, 'b> {
     args: &'a Send,
     job: &'a Job,
     sender: Sender,
@@ -55,7 +57,7 @@ struct Session<'a> {
     is_terminal: bool,
     /// Answers of the operator, where standard input is a pipe.
     terminal: Option<Receiver<String>>,
-    out: &'a mut dyn Write,
+    out: &'a mut Told<'b>,
 }
 
 /// The fate of a line.
@@ -67,7 +69,7 @@ enum Fate {
     Failed(String),
 }
 
-pub(super) fn send(args: &Send, out: &mut dyn Write) -> Result<u8, Failure> {
+pub(super) fn send(args: &Send, out: &mut Told<'_>) -> Result<u8, Failure> {
     let (file, port) = args.alone()?;
     let mut job = Job::new(file, &args.target, "micromill")?;
     if job.start.dialect.framing().is_some() {
@@ -90,12 +92,12 @@ pub(super) fn send(args: &Send, out: &mut dyn Write) -> Result<u8, Failure> {
     let config = setup::first_three(&job.config);
     let mut sender = match connected(args, port, &config)? {
         Ok(sender) => sender,
-        Err(message) => return Ok(told(&job, &message)),
+        Err(message) => return Ok(failed_at(&job, &message, out)),
     };
     let start = sender.start();
     stand(&mut job, start);
     if let Err(message) = sender.begin() {
-        return Ok(told(&job, &message));
+        return Ok(failed_at(&job, &message, out));
     }
     let config = setup::first_three(&job.config);
     let [zero, at] = [job.start.zero, job.start.at].map(setup::three);
@@ -114,10 +116,13 @@ pub(super) fn send(args: &Send, out: &mut dyn Write) -> Result<u8, Failure> {
     };
     let is_well = match session.all()? {
         Ok(is_well) => is_well,
-        Err(message) => return Ok(told(&job, &message)),
+        Err(message) => return Ok(failed_at(&job, &message, session.out)),
     };
     let Session {
-        sender, sent, out, ..
+        mut sender,
+        sent,
+        out,
+        ..
     } = session;
     if is_well && !is_terminal {
         expect_a_command(&sent, &job)?;
@@ -127,11 +132,11 @@ pub(super) fn send(args: &Send, out: &mut dyn Write) -> Result<u8, Failure> {
             let status = compared(&job, args.every, &sent, start, &made, out)?;
             Ok(if is_well { status } else { ERRORS })
         }
-        Err(message) => Ok(told(&job, &message)),
+        Err(message) => Ok(failed_at(&job, &message, out)),
     }
 }
 
-impl Session<'_> {
+impl Session<'_, '_> {
     /// Makes all lines. Whether each was right; the message of a fault.
     fn all(&mut self) -> Result<Result<bool, String>, Failure> {
         if self.is_terminal {
@@ -176,7 +181,8 @@ impl Session<'_> {
     fn line(&mut self, line: Option<&str>) -> Result<Fate, Failure> {
         let (mut program, mut translator) = (self.program.clone(), self.translator.clone());
         let (checker, machine) = (&mut self.checker, &self.job.machine);
-        let (made, findings) = with_findings(|findings| {
+        let format = self.out.format();
+        let (made, findings) = with_some_findings(MOST_PRINTED, format, |findings| {
             let each = |meaning: &Meaning<'_>, command: &_, from, findings: &mut Findings| {
                 checker.command(meaning, command, from, findings);
                 if let Some(beyond) = checker.take_beyond() {
@@ -191,12 +197,10 @@ impl Session<'_> {
             }
             Ok(translator.take())
         })?;
-        for (number, note) in &made.notes {
-            eprintln!("{}:{number}: {note}", self.job.name());
+        if findings.errors + findings.warnings > 0 {
+            self.out.findings(self.job.name(), &findings);
         }
-        for (number, error) in &made.errors {
-            eprintln!("{}:{number}: error: {error}", self.job.name());
-        }
+        print_notes(self.job, &made, self.out);
         if findings.errors > 0 || !made.errors.is_empty() {
             self.program.count();
             return Ok(Fate::Wrong);
@@ -247,8 +251,10 @@ impl Session<'_> {
         }
         let (echo, after) = self.sender.echo();
         let steps = after - before;
-        writeln!(self.out, "sent {shown} echo {echo} {steps} steps")?;
-        self.out.flush()?;
+        self.out.tell(
+            format_args!("sent {shown} echo {echo} {steps} steps"),
+            || json!({"kind": "line", "sent": shown, "echo": echo, "steps": steps}),
+        );
         self.sent.lines.push((number, line));
         Ok(Ok(()))
     }

@@ -2,18 +2,22 @@
 
 use super::super::job::Job;
 use super::super::{ERRORS, Failure, OK};
+use crate::console::told::Told;
 use crate::micromill;
 use crate::programs::feeder;
 use crate::programs::setup::{self, Engine};
 use crate::programs::source::Source;
 use crate::simulation::work_piece::WorkPiece;
+use crate::text::grouped;
 use husillo_backlash::{Lash, Play};
 use husillo_clients::micromill::{self as client, Sent, Translated};
 use husillo_gcode::Dialect;
 use husillo_machine::{Config, Event};
 use husillo_sim::observers::AXES;
 use husillo_transports::micromill::State;
-use std::io::{self, Write};
+use serde_json::json;
+use std::fmt;
+use std::io;
 
 /// What the simulated machine makes of the strings.
 struct Expected {
@@ -31,74 +35,119 @@ pub(super) fn compared(
     made: &Translated,
     start: Option<State>,
     sent: &Sent,
-    out: &mut dyn Write,
+    out: &mut Told<'_>,
 ) -> Result<u8, Failure> {
     let expected = expected(job, micromill::text(&made.lines), start)?;
-    writeln!(out, "Lines      {} made", sent.lines)?;
+    out.text(format_args!("Lines      {} made", sent.lines));
     if start.is_none() {
-        writeln!(
-            out,
+        out.text(
             "State      unknown: the controller does not report position, work zero and backlash; \
-             compared with a start at machine zero"
-        )?;
+             compared with a start at machine zero",
+        );
     }
-    let is_same = steps(every, &expected.steps, sent, out)?;
-    let is_there = position(&expected.end, start, sent, out)?;
-    Ok(if is_same && is_there { OK } else { ERRORS })
+    let steps = Steps::new(every, &expected.steps, sent);
+    let position = Position::new(&expected.end, start, sent);
+    out.text(&steps);
+    if let Some(position) = &position {
+        out.text(position);
+    }
+    let is_well = steps.is_same() && position.as_ref().is_none_or(Position::is_same);
+    out.object(&json!({
+        "kind": "made",
+        "lines": sent.lines,
+        "steps_expected": steps.expected,
+        "steps_reported": steps.reported,
+        "first_different_step": steps.different,
+        "position_steps": position.as_ref().map(|position| position.reported),
+        "expected_position_steps": position.as_ref().map(|position| position.expected),
+        "is_as_simulated": is_well,
+    }));
+    Ok(if is_well { OK } else { ERRORS })
 }
 
-/// Whether the reported steps are those of the simulator.
-fn steps(
+/// The reported steps and those of the simulator.
+struct Steps {
+    expected: u64,
+    reported: u64,
+    /// One step in this number is reported; 0: none.
     every: u16,
-    expected: &[(u8, bool)],
-    sent: &Sent,
-    out: &mut dyn Write,
-) -> io::Result<bool> {
-    let (count, reported) = (expected.len(), sent.steps.len());
-    if every != 1 {
-        let reported = reported as u64 * u64::from(every.max(1));
-        writeln!(out, "Steps      about {reported} reported of {count}")?;
-        return Ok(true);
-    }
-    let differs = (sent.steps.iter().zip(expected)).position(|(ours, theirs)| ours != theirs);
-    if let Some(place) = differs {
-        let step = place + 1;
-        writeln!(out, "Steps      step {step} is not the simulator's")?;
-        return Ok(false);
-    }
-    if reported != count {
-        writeln!(
-            out,
-            "Steps      {reported} reported, {count} in the simulator"
-        )?;
-        return Ok(false);
-    }
-    writeln!(out, "Steps      {count}, each as in the simulator")?;
-    Ok(true)
+    /// Number of the first step that differs, from 1.
+    different: Option<usize>,
 }
 
-/// Whether the mill ends where the simulator does.
-fn position(
-    expected: &[i32; AXES],
-    start: Option<State>,
-    sent: &Sent,
-    out: &mut dyn Write,
-) -> io::Result<bool> {
-    // Before homing, positions count from where the mill was switched on.
-    let (Some(_), Some(end)) = (start.filter(|start| start.is_homed), sent.state) else {
-        return Ok(true);
-    };
-    let [x, y, z] = end.axes.map(|axis| axis.load_steps);
-    let [to_x, to_y, to_z, ..] = expected;
-    if [x, y, z] == [*to_x, *to_y, *to_z] && end.is_homed {
-        writeln!(out, "Position   x {x} y {y} z {z} steps from machine zero")?;
-        return Ok(true);
+impl Steps {
+    fn new(every: u16, expected: &[(u8, bool)], sent: &Sent) -> Self {
+        let pairs = sent.steps.iter().zip(expected);
+        let different = pairs.into_iter().position(|(ours, theirs)| ours != theirs);
+        Self {
+            expected: expected.len() as u64,
+            reported: sent.steps.len() as u64 * u64::from(every.max(1)),
+            every,
+            different: different.filter(|_| every == 1).map(|place| place + 1),
+        }
     }
-    writeln!(
-        out,
-        "Position   x {x} y {y} z {z} steps, in the simulator x {to_x} y {to_y} z {to_z}"
-    )?;
-    Ok(false)
+
+    /// Whether no report says otherwise.
+    fn is_same(&self) -> bool {
+        self.every != 1 || (self.different.is_none() && self.reported == self.expected)
+    }
+}
+
+impl fmt::Display for Steps {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (count, reported) = (grouped(self.expected), grouped(self.reported));
+        match self.different {
+            _ if self.every != 1 => write!(f, "Steps      about {reported} reported of {count}"),
+            Some(step) => {
+                let step = grouped(step as u64);
+                write!(f, "Steps      step {step} is not the simulator's")
+            }
+            None if self.is_same() => write!(f, "Steps      {count}, each as in the simulator"),
+            None => write!(
+                f,
+                "Steps      {reported} reported, {count} in the simulator"
+            ),
+        }
+    }
+}
+
+/// Where the mill and the simulator end, in steps from machine zero.
+struct Position {
+    reported: [i32; 3],
+    expected: [i32; 3],
+    is_homed: bool,
+}
+
+impl Position {
+    /// `None`: before homing, positions count from where the mill was switched on.
+    fn new(expected: &[i32; AXES], start: Option<State>, sent: &Sent) -> Option<Self> {
+        start.filter(|start| start.is_homed)?;
+        let end = sent.state?;
+        let [x, y, z, ..] = *expected;
+        Some(Self {
+            reported: end.axes.map(|axis| axis.load_steps),
+            expected: [x, y, z],
+            is_homed: end.is_homed,
+        })
+    }
+
+    fn is_same(&self) -> bool {
+        self.is_homed && self.reported == self.expected
+    }
+}
+
+impl fmt::Display for Position {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [x, y, z] = self.reported;
+        if self.is_same() {
+            return write!(f, "Position   x {x} y {y} z {z} steps from machine zero");
+        }
+        let [to_x, to_y, to_z] = self.expected;
+        write!(
+            f,
+            "Position   x {x} y {y} z {z} steps, in the simulator x {to_x} y {to_y} z {to_z}"
+        )
+    }
 }
 
 /// The strings on a simulated machine in the state `start`, or at machine zero with the backlash of

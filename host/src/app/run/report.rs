@@ -5,6 +5,7 @@ use crate::app::job::Job;
 use crate::machines::machine_file::Travel;
 use crate::programs::check::Facts;
 use crate::simulation::run::Run;
+use crate::text::grouped;
 use husillo_reports::run::{AxisRow, Report};
 use husillo_reports::text::duration;
 use husillo_reports::text::length;
@@ -18,7 +19,7 @@ pub fn figures(
 ) -> Vec<(&'static str, String)> {
     vec![
         ("time", duration(results.duration_s)),
-        ("step events", results.events.to_string()),
+        ("step events", grouped(results.events)),
         ("feed path", length(facts.feed_nm)),
         ("rapid path", length(facts.rapid_nm)),
         ("largest deviation", length(results.max_deviation_nm)),

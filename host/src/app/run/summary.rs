@@ -2,9 +2,11 @@
 
 use super::results::{Order, Results};
 use crate::app::job::Job;
+use crate::app::reporting::count;
 use crate::console;
 use crate::programs::check::Facts;
 use crate::simulation::run::Run;
+use crate::text::grouped;
 use husillo_reports::text::duration;
 use husillo_reports::text::{length, millimetres};
 use husillo_sim::observers::symmetry::Difference;
@@ -22,8 +24,8 @@ pub fn print(job: &Job, run: &Run, results: &Results, facts: &Facts) -> io::Resu
     let out = &mut console::stdout();
     writeln!(
         out,
-        "Simulated  {} step events, {}",
-        results.events,
+        "Simulated  {}, {}",
+        count(results.events, "step event"),
         duration(results.duration_s)
     )?;
     writeln!(
@@ -76,37 +78,36 @@ fn print_axes(job: &Job, run: &Run, results: &Results, out: &mut impl Write) -> 
         let unit = if facts.is_rotary { "degrees" } else { "mm" };
         write!(
             out,
-            "           {} {low} to {high} {unit}, ends at {end}, {} take-ups",
+            "           {} {low} to {high} {unit}, ends at {end}, {}",
             char::from(facts.letter),
-            results.reversals[axis]
+            count(results.reversals[axis], "take-up")
         )?;
         match lost[axis] {
             0 => writeln!(out)?,
-            lost => writeln!(out, ", {lost} STEPS LOST")?,
+            lost => writeln!(out, ", {} STEPS LOST", grouped(lost))?,
         }
     }
     Ok(())
 }
 
 fn print_order(order: &Order, out: &mut impl Write) -> io::Result<()> {
-    let count = |reversals: &[u64]| reversals.iter().sum::<u64>();
+    let sum = |reversals: &[u64]| reversals.iter().sum::<u64>();
     writeln!(
         out,
-        "Mirrored   {} contours in halves, {} as they were; {} reversals, \
-         {} in the order of the file",
-        order.mirrored,
+        "Mirrored   {} in halves, {} as they were; {}, {} in the order of the file",
+        count(order.mirrored as u64, "contour"),
         order.whole,
-        count(&order.reversals),
-        count(&order.reversals_of_file)
+        count(sum(&order.reversals), "reversal"),
+        grouped(sum(&order.reversals_of_file))
     )
 }
 
 fn print_sides(apart: &Difference, out: &mut impl Write) -> io::Result<()> {
     writeln!(
         out,
-        "Left/right {} apart at most, {} RMS, over {} pairs of points",
+        "Left/right {} apart at most, {} RMS, over {} of points",
         length(apart.max_nm),
         length(apart.rms_nm),
-        apart.pairs
+        count(apart.pairs as u64, "pair")
     )
 }

@@ -19,12 +19,11 @@ pub enum LoadError {
 /// The file cannot be read.
 pub fn read_text(path: &str, kind: &str, built_in: &str) -> Result<String, LoadError> {
     crate::input::read_to_string(path).map_err(|error| {
-        let why = match error.kind() {
-            std::io::ErrorKind::NotFound => "and there is no such file".to_owned(),
-            _ => format!("as a file: {error}"),
-        };
-        LoadError::File(format!(
-            "no {kind} `{path}`: {built_in} are built in, {why}"
-        ))
+        LoadError::File(match error.kind() {
+            std::io::ErrorKind::NotFound => {
+                format!("no {kind} `{path}`: {built_in} are built in, and there is no such file")
+            }
+            _ => format!("`{path}` as the file of a {kind}: {error}; {built_in} are built in"),
+        })
     })
 }

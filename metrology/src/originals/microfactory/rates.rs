@@ -72,7 +72,7 @@ pub fn rates() -> Result<Table, String> {
 }
 
 /// The steps that the original makes: it divides the larger number by the smaller one in integers,
-/// and makes a step of Z after each so many of X.
+/// and makes a step of Z each time X has made that number of steps.
 fn cut_by_whole_ratio([x, z]: [i16; 2]) -> [f64; 2] {
     let whole = x / z;
     let mut made = [0.0; 2];
