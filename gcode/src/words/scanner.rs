@@ -63,6 +63,21 @@ fn comment(text: &[u8], lines: bool) -> Result<usize, Error> {
     })
 }
 
+/// The number after the letter at the start of the text, with the positions after it and after the
+/// following text.
+#[inline(always)]
+fn any_number<const LINES: bool>(
+    text: &[u8],
+    letter: u8,
+) -> Result<(Decimal, usize, usize), Error> {
+    let short = if LINES || !QUICK {
+        short_number(text, 1, LINES)
+    } else {
+        None // was tried
+    };
+    short.map_or_else(|| number(text, letter, LINES), Ok)
+}
+
 impl<'a, const LINES: bool> Scanner<'a, LINES> {
     #[inline]
     pub(crate) fn new(text: &'a [u8]) -> Self {
@@ -215,10 +230,23 @@ impl<'a, const LINES: bool> Scanner<'a, LINES> {
                 self.skip(1);
                 return ControlFlow::Continue(());
             }
-            _ if is_letter(byte) && self.before < Before::Percent => match self.word(byte) {
-                Ok(word) => return ControlFlow::Break(Some(Ok(Token::Word(word)))),
-                Err(error) => error,
-            },
+            _ if is_letter(byte) && self.before < Before::Percent => {
+                let letter = byte.to_ascii_uppercase();
+                match any_number::<LINES>(rest, letter) {
+                    Ok((value, end, next)) => {
+                        self.enter(letter);
+                        self.skip(next);
+                        let end = at.wrapping_add(end);
+                        return ControlFlow::Break(Some(Ok(Token::Word(Word {
+                            letter,
+                            value,
+                            at,
+                            end,
+                        }))));
+                    }
+                    Err(error) => error,
+                }
+            }
             _ => Error {
                 kind: match byte {
                     b'#' | b'[' => ErrorKind::Expression,
@@ -235,29 +263,6 @@ impl<'a, const LINES: bool> Scanner<'a, LINES> {
             at: at.wrapping_add(fault.at),
             end: at.wrapping_add(fault.end),
         })))
-    }
-
-    /// The word that begins with this letter. After an error, nothing is skipped.
-    #[inline(always)]
-    fn word(&mut self, letter: u8) -> Result<Word, Error> {
-        let (at, letter) = (self.at(), letter.to_ascii_uppercase());
-        let short = if LINES || !QUICK {
-            short_number(self.rest, 1, LINES)
-        } else {
-            None // was tried
-        };
-        let (value, end, next) = match short {
-            Some(found) => found,
-            None => number(self.rest, letter, LINES)?,
-        };
-        self.enter(letter);
-        self.skip(next);
-        Ok(Word {
-            letter,
-            value,
-            at,
-            end: at.wrapping_add(end),
-        })
     }
 
     /// Skips the rest of this line.

@@ -291,11 +291,11 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
             mode: self.mode,
             has_ended: false,
         };
-        let mut nurbs = None;
+        let mut points = None;
         for command in commands {
             if E::IS_EXTENDED {
                 self.config.check(&accepted.end, &command)?;
-                self.check_nurbs(&mut nurbs, &accepted.end, &command)?;
+                self.check_nurbs(&mut points, &accepted.end, &command)?;
             } else if P::HAS_ELLIPSES {
                 self.config.check_moves(&accepted.end, &command)?;
             } else {

@@ -4,9 +4,8 @@ use husillo_gcode::{Command, Nm};
 use husillo_interp::{ArcError, ArcMove, GridArc, GridEllipse, Moves, length};
 
 use crate::lines::arc::in_plane;
-use crate::lines::chords::Chords;
+use crate::lines::curve::chords_of;
 use crate::lines::duration::mul_div;
-
 use crate::{Config, MoveError};
 
 /// Largest number of events of one arc: the range of `i32` steps and of the `u32` counts of the
@@ -55,12 +54,12 @@ pub fn extent<const N: usize>(from: &[Nm; N], command: &Command<N>) -> [Option<[
             *extent = Some([to, to]);
         }
     }
-    if let Command::Spline { spline, feed } = command {
+    if let Command::Spline { spline, .. } = command {
         for (extent, at) in extents.iter_mut().zip(spline.to).take(2) {
             *extent = Some([at, at]);
         }
-        for (to, _) in Chords::new(*from, spline, *feed, EXTENT_TOLERANCE) {
-            for (extent, to) in extents.iter_mut().zip(to) {
+        for to in chords_of(spline, EXTENT_TOLERANCE) {
+            for (extent, to) in extents.iter_mut().zip(to.map(Nm)) {
                 if let Some([low, high]) = extent {
                     (*low, *high) = ((*low).min(to), (*high).max(to));
                 }
@@ -109,9 +108,7 @@ impl<const N: usize> Config<N> {
     pub fn check(&self, from: &[Nm; N], command: &Command<N>) -> Result<(), MoveError> {
         self.check_moves(from, command)?;
         match command {
-            Command::Spline { spline, feed } => {
-                self.check_chords(self.chords(*from, spline, *feed))
-            }
+            Command::Spline { spline, feed } => self.check_curve(self.curve(*from, spline, *feed)),
             _ => Ok(()),
         }
     }

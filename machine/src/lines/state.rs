@@ -4,8 +4,7 @@
 use husillo_gcode::{Nm, SpindleDirection};
 
 use crate::Output;
-use crate::lines::chords::Chords;
-use crate::lines::nurbs::Nurbs;
+use crate::lines::curve::{ControlPoints, Curve};
 
 /// Number of outputs that can wait for the moves before them. Further ones wait for standstill.
 const SYNCHRONISED: usize = 8;
@@ -24,8 +23,8 @@ pub struct State<const N: usize> {
     pub(crate) spindle: (SpindleDirection, u64),
     pub(crate) tapping: Option<Tapping<N>>,
     /// Control points of a curve that is not complete.
-    pub(crate) nurbs: Nurbs,
-    pub(crate) chords: Option<Chords<N>>,
+    pub(crate) points: ControlPoints,
+    pub(crate) curve: Option<Curve<N>>,
     outputs: [Option<(Output, usize)>; SYNCHRONISED],
     /// Override of the operator, and whether the program permits it.
     pub(crate) percent: u8,
@@ -140,8 +139,8 @@ impl<const N: usize> State<N> {
             surface: None,
             spindle: (SpindleDirection::Off, 0),
             tapping: None,
-            nurbs: Nurbs::EMPTY,
-            chords: None,
+            points: ControlPoints::NONE,
+            curve: None,
             outputs: [const { None }; SYNCHRONISED],
             percent: 100,
             permits_override: true,
@@ -155,13 +154,13 @@ impl<const N: usize> State<N> {
         self.surface = None;
         self.spindle = (SpindleDirection::Off, 0);
         self.tapping = None;
-        self.chords = None;
+        self.curve = None;
         self.outputs = [const { None }; SYNCHRONISED];
     }
 
     /// Whether something is in progress that a later line has to wait for.
     pub(crate) const fn is_busy(&self) -> bool {
-        self.probing.is_some() || self.tapping.is_some() || self.is_awaited || self.chords.is_some()
+        self.probing.is_some() || self.tapping.is_some() || self.is_awaited || self.curve.is_some()
     }
 
     /// Adds an output that acts when `moves` moves of the queue have been made and the next one

@@ -10,8 +10,8 @@ use husillo_probe::Tip;
 use super::Machine;
 #[cfg(feature = "extended")]
 use crate::Extended;
+use crate::lines::curve::ControlPoints;
 use crate::lines::extension::Extension;
-use crate::lines::nurbs::Nurbs;
 use crate::lines::state::{Probed, Probing, Surface};
 use crate::{Alarm, Event, MoveError, Output, Pause};
 
@@ -43,11 +43,11 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
         })
     }
 
-    /// Checks a curve of several commands. `nurbs` are the control points that these commands add
-    /// to those already taken.
+    /// Checks a curve of several commands. `points` are the control points that these commands
+    /// add to those already taken.
     pub(super) fn check_nurbs(
         &self,
-        nurbs: &mut Option<Nurbs>,
+        points: &mut Option<ControlPoints>,
         from: &[Nm; N],
         command: &Command<N>,
     ) -> Result<(), MoveError> {
@@ -58,9 +58,9 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
         else {
             return Ok(());
         };
-        let nurbs = nurbs.get_or_insert_with(|| state.nurbs.clone());
-        match nurbs.take(&self.config, from, command)? {
-            Some(chords) => self.config.check_chords(chords),
+        let points = points.get_or_insert_with(|| state.points.clone());
+        match points.take(&self.config, from, command)? {
+            Some(curve) => self.config.check_curve(curve),
             None => Ok(()),
         }
     }
@@ -75,13 +75,13 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
         };
         match command {
             Command::Spline { spline, feed } => {
-                state.chords = Some(self.config.chords(from, &spline, feed));
+                state.curve = Some(self.config.curve(from, &spline, feed));
                 None
             }
             Command::NurbsBegin { .. } | Command::NurbsPoint { .. } | Command::NurbsEnd { .. } => {
                 // `accept` has checked it.
-                if let Ok(Some(chords)) = state.nurbs.take(&self.config, &from, &command) {
-                    state.chords = Some(chords);
+                if let Ok(Some(curve)) = state.points.take(&self.config, &from, &command) {
+                    state.curve = Some(curve);
                 }
                 None
             }
@@ -115,17 +115,16 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
         let Some(state) = self.extension.state_mut() else {
             return false;
         };
-        let Some(chords) = &mut state.chords else {
+        let Some(curve) = &mut state.curve else {
             return false;
         };
-        let inner = (!chords.is_first()).then_some(chords.tolerance);
-        match chords.next() {
-            None => state.chords = None,
+        let inner = (!curve.is_first()).then_some(curve.tolerance);
+        match curve.next() {
+            None => state.curve = None,
             Some((to, feed)) => {
                 let chord = Command::Linear { to, feed };
-                let curve = &chords.segment;
                 self.schedule
-                    .push_chord(curve, inner, &self.config, chord, has_lash);
+                    .push_chord(&curve.segment, inner, &self.config, chord, has_lash);
             }
         }
         true
