@@ -221,7 +221,7 @@ impl Pulled {
 
 /// The simulated spindle reverses at once, so no step beyond the ends of a tap is made.
 #[inline]
-fn turned_back<L: Lash<AXES>>(machine: &mut Mill<L>, event: &Event<AXES>) -> bool {
+fn turned_back<L: Lash<AXES>>(machine: &mut Engine<L>, event: &Event<AXES>) -> bool {
     let turns = matches!(event, Event::Follow(_)) && machine.awaits_reversal();
     if turns {
         machine.spindle_reversed(false);
