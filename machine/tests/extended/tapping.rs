@@ -1,6 +1,6 @@
 //! Rigid tapping with a spindle that takes its time to reverse.
 
-use super::{Mill, config};
+use super::{ExtendedMachine, config};
 use husillo_machine::gcode::SpindleDirection;
 use husillo_machine::{Alarm, Config, Equipment, Event, Means, MoveError, Output, Refused};
 
@@ -39,7 +39,7 @@ impl Spindle {
 
 /// What a program does with a spindle that reverses within `turns` turns, roughly.
 struct Tapped {
-    machine: Mill,
+    machine: ExtendedMachine,
     /// Directions of the spindle, in their order.
     directions: Vec<SpindleDirection>,
     /// Lowest and highest Z in steps.
@@ -50,7 +50,7 @@ struct Tapped {
 }
 
 fn tap(lines: &[&str], lead_steps: f64, top: f64, turns: f64) -> Tapped {
-    let mut machine = Mill::new(with_encoder(Some(3)));
+    let mut machine = ExtendedMachine::new(with_encoder(Some(3)));
     let mut lines = lines.iter();
     let mut spindle = Spindle {
         counts: 0.0,
@@ -159,7 +159,7 @@ fn a_spindle_that_does_not_reverse_is_an_alarm() {
 
 #[test]
 fn later_lines_wait_for_the_tap() {
-    let mut machine = Mill::new(with_encoder(Some(1)));
+    let mut machine = ExtendedMachine::new(with_encoder(Some(1)));
     for line in ["M4 S600", "G33.1 Z-4 K1.5"] {
         machine.line(line.as_bytes()).unwrap();
     }
@@ -185,14 +185,14 @@ fn later_lines_wait_for_the_tap() {
 #[test]
 fn a_machine_without_means_refuses_it() {
     for config in [with_encoder(None), config(true)] {
-        let mut machine = Mill::new(config);
+        let mut machine = ExtendedMachine::new(config);
         machine.line(b"M3 S600").unwrap();
         let refused = machine.line(b"G33.1 Z-4 K1.5");
         let missing = MoveError::Unsupported(Means::RigidTapping);
         assert_eq!(refused, Err(Refused::Move(missing)));
     }
     // Three turns beyond the bottom and the top must be within the travel of Z, -50 to 50 mm.
-    let mut machine = Mill::new(with_encoder(Some(3)));
+    let mut machine = ExtendedMachine::new(with_encoder(Some(3)));
     machine.line(b"M3 S600").unwrap();
     for line in ["G33.1 Z-46 K1.5", "G0 Z46"] {
         while machine.next_event().is_some() {}
