@@ -14,17 +14,9 @@ use fixed::traits::Fixed;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Decimal {
     digits: i64,
-    /// The places, and [`MINUS`]: one byte, because a word is copied several times.
-    form: u8,
-}
-
-/// With the feature `extended`: written with a minus sign. Below zero it is always set.
-const MINUS: u8 = 0x80;
-
-/// The bit of a sign.
-#[inline(always)]
-const fn sign(minus: bool) -> u8 {
-    (EXTENDED && minus) as u8 * MINUS
+    places: u8,
+    /// With the feature `extended`: written with a minus sign. Below zero it is always set.
+    minus: bool,
 }
 
 /// The largest power of ten that an `i64` holds.
@@ -170,7 +162,11 @@ const fn times_by_tens(digits: u64, factor: u32, mut shift: i32) -> Option<i64> 
 
 impl Decimal {
     /// Zero, without places.
-    pub const ZERO: Decimal = Decimal { digits: 0, form: 0 };
+    pub const ZERO: Decimal = Decimal {
+        digits: 0,
+        places: 0,
+        minus: false,
+    };
 
     /// The largest number of places.
     pub const MAX_PLACES: u8 = 30;
@@ -183,7 +179,8 @@ impl Decimal {
         } else {
             Some(Decimal {
                 digits,
-                form: places | sign(digits < 0),
+                places,
+                minus: EXTENDED && digits < 0,
             })
         }
     }
@@ -195,11 +192,7 @@ impl Decimal {
 
     /// Number of digits after the point.
     pub const fn places(self) -> u8 {
-        if EXTENDED {
-            self.form & !MINUS
-        } else {
-            self.form
-        }
+        self.places
     }
 
     /// Whether the value is below zero.
@@ -215,7 +208,7 @@ impl Decimal {
     /// Whether it was written with a minus sign: [`Decimal::is_negative`], or `-0`.
     #[cfg(feature = "extended")]
     pub const fn has_minus(self) -> bool {
-        self.form & MINUS != 0
+        self.minus
     }
 
     /// `value * factor * 10^exponent`, rounded once, halves away from zero; `None` when it does not
@@ -228,7 +221,7 @@ impl Decimal {
     /// Normally one multiplication or one 64-bit division.
     #[inline(always)]
     pub const fn scaled(self, factor: i32, exponent: u8) -> Option<i64> {
-        let shift = (exponent as i32).wrapping_sub(self.places() as i32);
+        let shift = (exponent as i32).wrapping_sub(self.places as i32);
         times(self.digits, factor, shift)
     }
 
@@ -240,11 +233,11 @@ impl Decimal {
     /// `value * 10^exponent` if that is an integer that fits.
     pub(crate) const fn exactly(self, exponent: u8) -> Option<i64> {
         let rounded = self.scaled(1, exponent);
-        if self.places() <= exponent {
+        if self.places <= exponent {
             return rounded;
         }
         // Fewer than 20 digits after 19 places round to nothing unless they are 0.
-        let (Some(rounded), Some(power)) = (rounded, power(self.places().wrapping_sub(exponent)))
+        let (Some(rounded), Some(power)) = (rounded, power(self.places.wrapping_sub(exponent)))
         else {
             return if self.is_zero() { Some(0) } else { None };
         };
@@ -261,7 +254,8 @@ impl Decimal {
     pub const fn last_place(self) -> Decimal {
         Decimal {
             digits: 1,
-            form: self.places(),
+            places: self.places,
+            minus: false,
         }
     }
 
@@ -277,7 +271,7 @@ impl Decimal {
     {
         let magnitude = self.digits.unsigned_abs();
         let mut divisor = 1u128; // 10^30 < 2^100
-        for _ in 0..self.places() {
+        for _ in 0..self.places {
             divisor = divisor.wrapping_mul(10);
         }
         let (mut bits, mut rest) = match u64::try_from(divisor) {
@@ -326,7 +320,8 @@ impl Decimal {
         };
         Decimal {
             digits: i64::from(digits),
-            form: places | sign(negative),
+            places,
+            minus: EXTENDED && negative,
         }
     }
 
@@ -334,12 +329,12 @@ impl Decimal {
     /// longer fit are dropped; they do not change the value.
     pub(crate) fn push(&mut self, digit: u8, place: bool) -> Result<(), ErrorKind> {
         // The largest value whose tenfold fits; with the digit it is below 2^64.
-        let fits = self.digits <= i64::MAX / 10 && !(place && self.places() >= Decimal::MAX_PLACES);
+        let fits = self.digits <= i64::MAX / 10 && !(place && self.places >= Decimal::MAX_PLACES);
         let ten = (self.digits << 3).wrapping_add(self.digits << 1);
         let next = ten.wrapping_add(i64::from(digit));
         if fits && next >= 0 {
             self.digits = next;
-            self.form = self.form.wrapping_add(place.into());
+            self.places = self.places.wrapping_add(place.into());
             return Ok(());
         }
         match (place, digit) {
@@ -353,7 +348,8 @@ impl Decimal {
     pub(crate) fn negated(self) -> Decimal {
         Decimal {
             digits: self.digits.wrapping_neg(),
-            form: self.places() | sign(true),
+            places: self.places,
+            minus: EXTENDED,
         }
     }
 }
@@ -361,18 +357,18 @@ impl Decimal {
 impl fmt::Display for Decimal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let magnitude = self.digits.unsigned_abs();
-        let sign = if self.digits < 0 || self.form & MINUS != 0 {
+        let sign = if self.digits < 0 || self.minus {
             "-"
         } else {
             ""
         };
-        if self.places() == 0 {
+        if self.places == 0 {
             return write!(f, "{sign}{magnitude}");
         }
-        let width = usize::from(self.places());
+        let width = usize::from(self.places);
         // Beyond 10^18 the divisor exceeds all but 19-digit numbers; 10^19 still fits u64, 10^20
         // exceeds every number.
-        let divisor = 10u64.checked_pow(u32::from(self.places()));
+        let divisor = 10u64.checked_pow(u32::from(self.places));
         let whole = divisor
             .and_then(|divisor| magnitude.checked_div(divisor))
             .unwrap_or(0);

@@ -73,6 +73,8 @@ pub fn keep() {
         ExtendedMachine::set_probe as *const (),
         ExtendedMachine::is_probing as *const (),
         ExtendedMachine::needs_probe as *const (),
+        ExtendedMachine::awaits_reversal as *const (),
+        ExtendedMachine::spindle_reversed as *const (),
         ExtendedMachine::set_tip as *const (),
         ExtendedMachine::probed as *const (),
         ExtendedMachine::answer as *const (),
