@@ -20,6 +20,9 @@ class Grbl(Firmware):
 
     begun = b""
 
+    def __enter__(self) -> Grbl:
+        return self
+
     def start(self) -> None:
         """Opens the line. What was said at power-on is dropped; how much has come is unknown."""
         self.booted()
