@@ -262,7 +262,7 @@ impl Findings {
         self.kept.iter().map(short).collect()
     }
 
-    /// Whether an error is about something that another kind of machine has: an axis, a code, means.
+    /// Whether an error is about an axis, a code or means that another machine may have.
     pub fn concern_the_machine(&self) -> bool {
         let codes = ["E0201", "E0202", "E0212", "E0404"];
         let mut kept = self.kept.iter();

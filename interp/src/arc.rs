@@ -427,8 +427,8 @@ fn fits_narrow(start: &Start, reach: u64) -> bool {
         && after_u.wrapping_add(start.dv).unsigned_abs() <= MAX_STATE
 }
 
-/// The u-step and the v-step of a quadrant. The u-step of the quadrants is (-1, 0), (0, -1), (1, 0),
-/// (0, 1). The v-step is the previous u-step, reversed.
+/// The u-step and the v-step of a quadrant. The u-step of the quadrants is (-1, 0), (0, -1),
+/// (1, 0), (0, 1). The v-step is the previous u-step, reversed.
 #[inline]
 fn toward([first, second]: [u32; 2], quadrant: u8, is_clockwise: bool) -> (Toward, Toward) {
     let along_x = |is_negative: bool| Toward::new(first, is_negative);

@@ -401,8 +401,8 @@ impl Start {
     }
 }
 
-/// The distance of a point from the centre of an ellipse in 2^-`bits` BLU, at most two BLU more than
-/// its semi-axis.
+/// The distance of a point from the centre of an ellipse in 2^-`bits` BLU, at most two BLU more
+/// than its semi-axis.
 #[inline]
 fn from_centre(at: i32, centre: i64, semi_axis: u32, bits: u8) -> Result<i64, ConicError> {
     // |at| <= 2^31 and f <= 20; the semi-axis plus two BLU is below 2^22.

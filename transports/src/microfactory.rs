@@ -305,8 +305,8 @@ impl Device {
     fn turn_to(&mut self, byte: u8) {
         let [_, second] = self.table.machines;
         self.machine = u8::from(byte == second);
-        // The mode, and a figure in transfer, belonged to the other machine. An emergency stop holds
-        // for both.
+        // The mode, and a figure in transfer, belonged to the other machine. An emergency stop
+        // holds for both.
         if self.mode != Mode::Emergency {
             self.mode = Mode::None;
         }

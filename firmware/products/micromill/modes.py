@@ -61,7 +61,6 @@ class Steps:
             text = text.replace(old, new)
         return text
 
-
     def loader(self) -> tuple[str, str]:
         """Options of QEMU that close these jumpers."""
         return "-device", f"loader,addr={JUMPERS:#x},data={self.jumpers},data-len=4"

@@ -259,7 +259,8 @@ impl Dialect {
     ///
     /// let block = Block::parse(b"X1", &Dialect::RS274)?;
     /// assert!(Modal::<3>::new(Dialect::RS274).plan(&block).is_err());
-    /// let (_, mut commands) = Modal::<3>::new(Dialect::RS274.with_rapid_start(true)).plan(&block)?;
+    /// let starts = Dialect::RS274.with_rapid_start(true);
+    /// let (_, mut commands) = Modal::<3>::new(starts).plan(&block)?;
     /// let text = commands.next().map(|command| command.to_string());
     /// assert_eq!(text.as_deref(), Some("rapid X1 Y0 Z0"));
     /// # Ok::<(), husillo_gcode::Error>(())

@@ -364,7 +364,8 @@ fn described(error: &Error, at: &At<'_>) -> Finding {
             .label("the radius of this tool is not known")
             .note("LinuxCNC: \"Requested tool not found in the tool table\"")
             .help(
-                "set its radius first: `G10 L1 P<tool> R<radius>`, or `[[tool]]` of the machine file",
+                "set its radius first: `G10 L1 P<tool> R<radius>`, or `[[tool]]` of the machine \
+                file",
             ),
         ErrorKind::SpindleStopped => finding
             .label("the spindle does not turn, or turns in the other direction")

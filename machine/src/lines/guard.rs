@@ -70,8 +70,8 @@ impl<const N: usize> StepGuard<N> {
     /// Begins a move at constant speed and returns its ticks: those of its feed over its programmed
     /// length. `path` is the path of the move.
     ///
-    /// `segment` has passed [`Config::check`](crate::Config::check). All axes count as steady, which
-    /// is right where all have the same highest rate.
+    /// `segment` has passed [`Config::check`](crate::Config::check). All axes count as steady,
+    /// which is right where all have the same highest rate.
     pub fn begin<P: Moves<N>>(
         &mut self,
         config: &Config<N>,

@@ -87,7 +87,8 @@ pub fn repeatability() -> Result<Table, String> {
             Parameter::new(
                 "dead band",
                 format!("{DEAD_BAND} of 255"),
-                "fitted: just below the stiction of the simulated motor; not stated by the original",
+                "fitted: just below the stiction of the simulated motor; not stated by the \
+                original",
             ),
             Parameter::new(
                 "trials",
