@@ -175,6 +175,7 @@ impl Axes {
     }
 
     /// Whether any axis is wrapped.
+    #[cfg(feature = "extended")]
     pub(crate) const fn has_wrapped(&self) -> bool {
         self.wrapped != 0
     }
