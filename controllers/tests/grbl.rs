@@ -12,7 +12,7 @@ use husillo_transports::grbl::{Message, Settings};
 use proptest::prelude::*;
 
 /// A controller with its motors, as fast as it can.
-struct Mill {
+struct Driven {
     grbl: Grbl,
     steps: [i32; 3],
     us: u64,
@@ -29,19 +29,19 @@ fn settings() -> Settings {
     settings
 }
 
-impl Mill {
+impl Driven {
     fn new() -> Self {
         let memory = GrblMemory::FACTORY.with_settings(settings());
-        let mut mill = Mill {
+        let mut driven = Driven {
             grbl: Grbl::new(GrblOptions::FULL, Some(&memory)),
             steps: [0; 3],
             us: 0,
             said: Vec::new(),
             stored: 0,
         };
-        mill.run(200_000);
-        mill.said.clear();
-        mill
+        driven.run(200_000);
+        driven.said.clear();
+        driven
     }
 
     /// Makes events for this time, or until there are none.
@@ -148,30 +148,30 @@ proptest! {
     fn any_input_is_answered_at_most_once(
         parts in prop::collection::vec((input(), 0_u64..300_000), 1..60),
     ) {
-        let mut mill = Mill::new();
+        let mut driven = Driven::new();
         let (mut ends, mut homes) = (0, false);
         for (bytes, us) in parts {
             ends += bytes.iter().filter(|byte| matches!(byte, b'\r' | b'\n')).count();
             homes |= bytes.contains(&b'H') || bytes.contains(&b'h');
-            mill.send(&bytes);
-            mill.run(us);
-            prop_assert!(mill.answers() <= ends);
+            driven.send(&bytes);
+            driven.run(us);
+            prop_assert!(driven.answers() <= ends);
             if !homes {
-                prop_assert_eq!(mill.grbl.position_steps(), mill.steps);
+                prop_assert_eq!(driven.grbl.position_steps(), driven.steps);
             }
         }
-        for line in mill.lines() {
+        for line in driven.lines() {
             let is_message = Message::parse(line).is_some();
             prop_assert!(is_message, "{:?}", String::from_utf8_lossy(line));
         }
-        mill.run(90_000_000);
-        mill.said.clear();
-        mill.send(b"\x18");
-        mill.run(2_000_000);
-        mill.send(b"?");
-        mill.run(10_000);
+        driven.run(90_000_000);
+        driven.said.clear();
+        driven.send(b"\x18");
+        driven.run(2_000_000);
+        driven.send(b"?");
+        driven.run(10_000);
         let is_status = |line| matches!(Message::parse(line), Some(Message::Status(_)));
-        prop_assert!(mill.lines().any(is_status));
+        prop_assert!(driven.lines().any(is_status));
     }
 
     /// Holds, overrides and reports at any moment change neither the path nor the answers of a
@@ -186,32 +186,32 @@ proptest! {
             let code = if *is_rapid { "G0" } else { "G1" };
             program += &format!("{code}X{}Y{}\n", f64::from(*x) / 10.0, f64::from(*y) / 10.0);
         }
-        let mut mill = Mill::new();
+        let mut driven = Driven::new();
         let mut disturbances = disturbances.into_iter();
         for line in program.lines() {
-            mill.send(line.as_bytes());
-            mill.send(b"\n");
-            let answered = mill.answers() + 1;
-            while mill.answers() < answered {
-                mill.run(5000);
+            driven.send(line.as_bytes());
+            driven.send(b"\n");
+            let answered = driven.answers() + 1;
+            while driven.answers() < answered {
+                driven.run(5000);
                 if let Some((us, kind)) = disturbances.next() {
-                    mill.run(us);
-                    mill.send(&[b"!~?\x91\x92\x96\x95\x99"[kind]]);
+                    driven.run(us);
+                    driven.send(&[b"!~?\x91\x92\x96\x95\x99"[kind]]);
                 }
                 // A hold would wait for ever.
-                mill.run(300_000);
-                mill.send(b"~");
+                driven.run(300_000);
+                driven.send(b"~");
             }
         }
-        mill.send(b"~");
+        driven.send(b"~");
         for _ in 0..200 {
-            mill.run(500_000);
-            mill.send(b"~");
+            driven.run(500_000);
+            driven.send(b"~");
         }
         let (x, y, _) = targets[targets.len() - 1];
-        prop_assert_eq!(mill.steps, [x * 25, y * 25, 0]);
-        prop_assert_eq!(mill.answers(), targets.len() + 1);
-        let has_errors = mill.lines().any(|line| line.starts_with(b"error"));
+        prop_assert_eq!(driven.steps, [x * 25, y * 25, 0]);
+        prop_assert_eq!(driven.answers(), targets.len() + 1);
+        let has_errors = driven.lines().any(|line| line.starts_with(b"error"));
         prop_assert!(!has_errors);
     }
 }
@@ -233,14 +233,14 @@ fn the_memory_survives_a_loss_of_power() {
         store.read(0, &mut bytes).unwrap();
         GrblMemory::from_bytes(&bytes).unwrap()
     };
-    let mut mill = Mill::new();
-    let old = *mill.grbl.memory();
+    let mut driven = Driven::new();
+    let old = *driven.grbl.memory();
     save(&mut flash, &old.to_bytes());
     assert_eq!(load(&mut flash), old);
-    mill.send(b"$110=1234\nG10L2P3X1.5\n$N1=G21G90\n");
-    mill.run(1_000_000);
-    assert_eq!(mill.stored, 3);
-    let new = *mill.grbl.memory();
+    driven.send(b"$110=1234\nG10L2P3X1.5\n$N1=G21G90\n");
+    driven.run(1_000_000);
+    assert_eq!(driven.stored, 3);
+    let new = *driven.grbl.memory();
     assert_ne!(old, new);
     let (mut olds, mut news) = (0, 0);
     for operation in 0..200 {
@@ -262,13 +262,13 @@ fn the_memory_survives_a_loss_of_power() {
 /// With braking at once, a hold in full motion stops within the distance of the acceleration.
 #[test]
 fn a_hold_brakes_at_once() {
-    let mut mill = Mill::new();
-    mill.send(b"G1X50F3000\n");
-    mill.run(1_000_000);
-    let at = mill.steps[0];
-    mill.send(b"!");
-    mill.run(1_000_000);
+    let mut driven = Driven::new();
+    driven.send(b"G1X50F3000\n");
+    driven.run(1_000_000);
+    let at = driven.steps[0];
+    driven.send(b"!");
+    driven.run(1_000_000);
     // 50 mm/s and 300 mm/s^2: 4.17 mm, and the step that was under way.
-    let braked = f64::from(mill.steps[0] - at) / 250.0;
+    let braked = f64::from(driven.steps[0] - at) / 250.0;
     assert!((4.1..4.25).contains(&braked), "{braked}");
 }

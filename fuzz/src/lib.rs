@@ -12,6 +12,7 @@ mod expressions;
 mod format;
 mod gcode;
 mod grbl;
+mod grbl_controller;
 mod interp;
 mod link;
 mod machine;
@@ -24,6 +25,7 @@ mod planner;
 mod reader;
 mod servo;
 mod stepper;
+mod translate;
 
 pub use backlash::backlash;
 pub use closed_loop::closed_loop;
@@ -34,6 +36,7 @@ pub use expressions::expressions;
 pub use format::format;
 pub use gcode::gcode;
 pub use grbl::grbl;
+pub use grbl_controller::grbl_controller;
 pub use interp::interp;
 pub use link::link;
 pub use machine::machine;
@@ -46,18 +49,20 @@ pub use planner::planner;
 pub use reader::reader;
 pub use servo::servo;
 pub use stepper::stepper;
+pub use translate::translate;
 
 /// A target: takes any bytes.
 pub type Target = fn(&[u8]);
 
 /// Every target with its name, which is also that of its program and of its folder in `corpus`.
-pub const TARGETS: [(&str, Target); 21] = [
+pub const TARGETS: [(&str, Target); 22] = [
     ("gcode", gcode),
     ("reader", reader),
     ("format", format),
     ("expressions", expressions),
     ("parameters", parameters),
     ("contour", contour),
+    ("translate", translate),
     ("excellon", excellon),
     ("interp", interp),
     ("planner", planner),
@@ -70,6 +75,7 @@ pub const TARGETS: [(&str, Target); 21] = [
     ("closed_loop", closed_loop),
     ("drill", drill),
     ("grbl", grbl),
+    ("grbl_controller", grbl_controller),
     ("microfactory", microfactory),
     ("micromill", micromill),
     ("link", link),

@@ -45,8 +45,6 @@ pub enum ErrorKind {
     BlockTooLong(u8),
     /// A comment `(` without its `)`.
     UnclosedComment,
-    /// A `(` inside a comment.
-    NestedComment,
     /// A word that needs a whole number and has a fraction, or is too large for one.
     NotWhole(u8),
     /// A letter that is neither an axis nor a parameter here.
@@ -200,7 +198,6 @@ impl ErrorKind {
             ErrorKind::NumberTooLarge | ErrorKind::TooManyDigits => 103,
             ErrorKind::BlockTooLong(_) => 104,
             ErrorKind::UnclosedComment => 105,
-            ErrorKind::NestedComment => 106,
             ErrorKind::NotWhole(_) => 107,
             ErrorKind::DecimalComma => 108,
             ErrorKind::Checksum { .. } | ErrorKind::NoChecksum => 110,
@@ -361,7 +358,6 @@ impl fmt::Display for ErrorKind {
             ErrorKind::NumberTooLarge => "number too large",
             ErrorKind::TooManyDigits => "number with too many digits",
             ErrorKind::UnclosedComment => "comment without its closing parenthesis",
-            ErrorKind::NestedComment => "comment inside a comment",
             ErrorKind::TwoCodesOfOneGroup => "two codes of one modal group",
             ErrorKind::TwoUsersOfWords => "two codes that use the same words",
             ErrorKind::AxisWordsWithoutMotion => "axis words and no motion mode",

@@ -682,7 +682,7 @@ fn lines_of_words() {
         ("G0 X#1 /Y1", 101, 7, 8),
         ("G0 X#1 , Y1", 108, 7, 8),
         (", X#1", 101, 0, 1),
-        ("(a (b) X#1", 106, 3, 4),
+        ("(a (b) X#1", 105, 0, 10),
     ] {
         let mut program: Program = Program::new(line.as_bytes(), executed);
         let block = program.next_line(&NoMachine).expect("a line").block;

@@ -404,3 +404,79 @@ fn here_is_zero() {
     modal = modal.plan(&block).expect("a plan").0;
     assert_eq!(modal.work_offset(), [7_000_000, 1_000_000, 0].map(Nm));
 }
+
+/// The forms of G10 as LinuxCNC has them: frames P0 (the active one) to P9 (G59.3), tools with
+/// radius, angles and orientation. The angles have no effect here.
+#[test]
+#[cfg(feature = "extended")]
+fn forms_of_g10() {
+    let modal = |line: &str| {
+        let mut modal = Modal::<3>::new(Dialect::RS274);
+        modal.set_position([1, 2, 3].map(|mm| Nm(mm * 1_000_000)));
+        for line in ["G57", line] {
+            let block = Block::parse(line.as_bytes(), &Dialect::RS274).expect(line);
+            modal = modal.plan(&block).expect(line).0;
+        }
+        modal
+    };
+    for system in 0..=9_u8 {
+        // P0 is the active frame, G57.
+        let place = system.checked_sub(1).unwrap_or(3);
+        let set = modal(&format!("G10 L2 P{system} X5"));
+        assert_eq!(
+            set.work_zero(place),
+            Some([5_000_000, 0, 0].map(Nm)),
+            "L2 P{system}"
+        );
+        let here = modal(&format!("G10 L20 P{system} X5 Z0"));
+        let zero = [-4_000_000, 0, 3_000_000].map(Nm);
+        assert_eq!(here.work_zero(place), Some(zero), "L20 P{system}");
+    }
+    for line in ["G10 L2 P10 X1", "G10 L20 P10 X1"] {
+        assert_eq!(verdict(line), Some(ErrorKind::OutOfRange(b'P')), "{line}");
+    }
+    assert_eq!(verdict("G10 L1 P0 Z1"), Some(ErrorKind::OutOfRange(b'P')));
+    assert_eq!(verdict("G10 P1 Z1"), Some(ErrorKind::MissingWord(b'L')));
+    assert_eq!(verdict("G10 L2 X1"), Some(ErrorKind::MissingWord(b'P')));
+    for line in [
+        "G10 L1 P7 X1 Z2 R3 I10 J20 Q4",
+        "G10 L1 P7 Z2 R3 X1",
+        "G20 G10 L1 P7 X1 Z2 R3",
+    ] {
+        let unit = if line.starts_with("G20") {
+            25_400_000
+        } else {
+            1_000_000
+        };
+        let tool = modal(line).tool_data(7).expect("a tool");
+        assert_eq!(tool.offset, [unit, 0, 2 * unit].map(Nm), "{line}");
+        assert_eq!(tool.radius, Nm(3 * unit), "{line}");
+    }
+    // Words that are not given stay.
+    let twice = {
+        let mut modal = modal("G10 L1 P7 X1 Z2 R3");
+        let block = Block::parse(b"G10 L1 P7 Z9", &Dialect::RS274).expect("a block");
+        modal = modal.plan(&block).expect("a plan").0;
+        modal.tool_data(7).expect("a tool")
+    };
+    assert_eq!(twice.offset, [1_000_000, 0, 9_000_000].map(Nm));
+    assert_eq!(twice.radius, Nm(3_000_000));
+}
+
+/// A probe move without length is an error, whether a contact is required or not, as in Grbl and
+/// LinuxCNC.
+#[test]
+#[cfg(feature = "extended")]
+fn probe_moves_without_length() {
+    for code in ["G38.2", "G38.3", "G38.4", "G38.5"] {
+        for dialect in [Dialect::RS274, Dialect::GRBL] {
+            let line = format!("{code} X0 F1");
+            let block = Block::parse(line.as_bytes(), &dialect).expect("a block");
+            let kind = Modal::<3>::new(dialect)
+                .plan(&block)
+                .err()
+                .map(|error| error.kind);
+            assert_eq!(kind, Some(ErrorKind::NoProbeMove), "{line}");
+        }
+    }
+}

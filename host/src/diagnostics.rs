@@ -2,6 +2,7 @@
 
 mod alike;
 mod drawing;
+pub mod page;
 
 use crate::console::shown;
 use alike::Alike;

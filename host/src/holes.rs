@@ -3,6 +3,7 @@
 pub mod drill_records;
 mod explain;
 pub mod listing;
+pub mod made;
 mod options;
 
 use crate::diagnostics::{Finding, Findings, Severity};

@@ -53,7 +53,7 @@ fn programs_of_cam_systems_run_on_the_router() {
         );
         programs += 1;
     }
-    assert_eq!(programs, 14);
+    assert_eq!(programs, 17);
 }
 
 #[test]

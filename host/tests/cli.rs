@@ -147,7 +147,7 @@ fn machines_are_listed_shown_and_written() {
         .lines()
         .map(|line| line.split(' ').next().unwrap())
         .collect();
-    assert_eq!(names.len(), 10, "{listed}");
+    assert_eq!(names.len(), 11, "{listed}");
     for name in names {
         assert!(
             listed

@@ -388,17 +388,7 @@ pub(crate) fn start(arc: &ArcMove, plane: [u32; 2]) -> Result<(Start, u64, bool)
     }
     .max(1);
 
-    // The u-step of the quadrants is (-1, 0), (0, -1), (1, 0), (0, 1). The v-step is the previous
-    // u-step, reversed.
-    let [first, second] = plane;
-    let along_x = |is_negative: bool| Toward::new(first, is_negative);
-    let along_y = |is_negative: bool| Toward::new(second, is_negative != is_clockwise);
-    let (toward_u, toward_v) = match from.quadrant {
-        0 => (along_x(true), along_y(false)),
-        1 => (along_y(true), along_x(true)),
-        2 => (along_x(false), along_y(true)),
-        _ => (along_y(false), along_x(false)),
-    };
+    let (toward_u, toward_v) = toward(plane, from.quadrant, is_clockwise);
     let difference = |coordinate: i64| one.wrapping_add(coordinate).wrapping_add(coordinate);
     let start = Start {
         residue: start_residue,
@@ -417,18 +407,38 @@ pub(crate) fn start(arc: &ArcMove, plane: [u32; 2]) -> Result<(Start, u64, bool)
         least_sweep: (radius.wrapping_shl(shift.into()) / 2).max(1) as i64,
         sweep_shift: shift,
     };
+    let is_narrow = fits_narrow(&start, reach);
+    Ok((start, radius, is_narrow))
+}
+
+/// Whether 32 bits hold the state of a walk; `reach` is its radius and four BLU.
+#[inline]
+fn fits_narrow(start: &Start, reach: u64) -> bool {
     // The state needs 3 (r + 4) 2^f plus the change of radius over a few steps.
     let needed = reach
         .wrapping_mul(3)
-        .saturating_add(quotient.unsigned_abs().saturating_mul(4));
+        .saturating_add(start.quotient.unsigned_abs().saturating_mul(4));
     let after_u = start.residue.wrapping_add(start.du);
     let after_v = start.residue.wrapping_add(start.dv);
-    let fits_narrow = reach <= MAX_NARROW
+    reach <= MAX_NARROW
         && needed <= MAX_STATE
         && after_u.unsigned_abs() <= MAX_STATE
         && after_v.unsigned_abs() <= MAX_STATE
-        && after_u.wrapping_add(start.dv).unsigned_abs() <= MAX_STATE;
-    Ok((start, radius, fits_narrow))
+        && after_u.wrapping_add(start.dv).unsigned_abs() <= MAX_STATE
+}
+
+/// The u-step and the v-step of a quadrant. The u-step of the quadrants is (-1, 0), (0, -1), (1, 0),
+/// (0, 1). The v-step is the previous u-step, reversed.
+#[inline]
+fn toward([first, second]: [u32; 2], quadrant: u8, is_clockwise: bool) -> (Toward, Toward) {
+    let along_x = |is_negative: bool| Toward::new(first, is_negative);
+    let along_y = |is_negative: bool| Toward::new(second, is_negative != is_clockwise);
+    match quadrant {
+        0 => (along_x(true), along_y(false)),
+        1 => (along_y(true), along_x(true)),
+        2 => (along_x(false), along_y(true)),
+        _ => (along_y(false), along_x(false)),
+    }
 }
 
 /// The vector from the first to the last point in BLU, mirrored like the walk. Differences of two

@@ -259,19 +259,8 @@ impl Start {
         let spot = |at: [i32; 2]| {
             let [at_x, at_y] = at;
             let [centre_x, centre_y] = ellipse.centre;
-            let from_centre = |at: i32, centre: i64, semi_axis: u32| {
-                // |at| <= 2^31 and f <= 20; the semi-axis plus two BLU is below 2^22.
-                i64::from(at)
-                    .wrapping_shl(bits.into())
-                    .checked_sub(centre)
-                    .filter(|distance| {
-                        let beyond = distance.unsigned_abs().saturating_sub(semi_axis.into());
-                        beyond <= u64::from(one).wrapping_mul(2)
-                    })
-                    .ok_or(ConicError::OffCurve)
-            };
-            let x = from_centre(at_x, centre_x, width)?;
-            let y = from_centre(at_y, centre_y, height)?;
+            let x = from_centre(at_x, centre_x, width, bits)?;
+            let y = from_centre(at_y, centre_y, height, bits)?;
             let y = if is_clockwise { y.wrapping_neg() } else { y };
             // Coefficients are below 2^41 and coordinates below 2^22, so the product is below 2^86.
             let part = |factor: i64, at: i64| {
@@ -369,13 +358,7 @@ impl Start {
             let along_y = times(c, y.wrapping_mul(2))
                 .wrapping_add(times(b, x))
                 .wrapping_add(wide(e));
-            let fit = |value: i128| {
-                i64::try_from(value)
-                    .ok()
-                    .filter(|value| value.unsigned_abs() < 1 << 62)
-                    .map(|value| value.wrapping_mul(sign))
-                    .ok_or(ConicError::TooLarge)
-            };
+            let fit = |value: i128| fit(value).map(|value| value.wrapping_mul(sign));
             Ok(Spot {
                 residue: fit(residue)?,
                 gradient: [fit(along_x)?, mirror(fit(along_y)?)],
@@ -416,6 +399,30 @@ impl Start {
             Pace::Tangent,
         )
     }
+}
+
+/// The distance of a point from the centre of an ellipse in 2^-`bits` BLU, at most two BLU more than
+/// its semi-axis.
+#[inline]
+fn from_centre(at: i32, centre: i64, semi_axis: u32, bits: u8) -> Result<i64, ConicError> {
+    // |at| <= 2^31 and f <= 20; the semi-axis plus two BLU is below 2^22.
+    i64::from(at)
+        .wrapping_shl(bits.into())
+        .checked_sub(centre)
+        .filter(|distance| {
+            let beyond = distance.unsigned_abs().saturating_sub(semi_axis.into());
+            beyond <= 2_u64.wrapping_shl(bits.into())
+        })
+        .ok_or(ConicError::OffCurve)
+}
+
+/// A value of the conic in 62 bits.
+#[inline]
+fn fit(value: i128) -> Result<i64, ConicError> {
+    i64::try_from(value)
+        .ok()
+        .filter(|value| value.unsigned_abs() < 1 << 62)
+        .ok_or(ConicError::TooLarge)
 }
 
 /// Greatest common divisor. Euclid's algorithm takes at most 30 divisions for 21 bits.

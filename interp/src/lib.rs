@@ -26,8 +26,10 @@ mod staircase;
 mod timed_direct_search;
 
 mod bezier;
+mod chords;
 mod conic;
 mod conic_move;
+mod nurbs;
 
 mod helix;
 
@@ -40,6 +42,7 @@ mod scale;
 
 pub use arc::{Arc, ArcError, ArcMove, Direction, Rim, fraction_bits_for};
 pub use bezier::{Bezier, BezierError};
+pub use chords::Chords;
 pub use conic::Conic;
 pub use conic_move::{ConicError, ConicMove, EllipseMove};
 pub use dda_arc::{ArcDda, DdaRegisters};
@@ -53,6 +56,7 @@ pub use interpolator::{Interpolator, Moves};
 pub use length::length;
 pub use line::Line;
 pub use narrow_arc::NarrowArc;
+pub use nurbs::{Nurbs, TooManyPoints};
 pub use path::Path;
 pub use programmed_arc::{GridArc, ProgrammedArc};
 pub use scale::Scale;

@@ -3,8 +3,6 @@
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
 
-mod motors;
-mod pulses;
 mod step_event;
 
 mod servo_axis;
@@ -24,10 +22,8 @@ pub use husillo_pid as pid;
 pub use husillo_planner as planner;
 #[cfg(feature = "extended")]
 pub use husillo_probe as probe;
-pub use husillo_stepper as stepper;
 #[cfg(feature = "gcode")]
 pub use lines::*;
-pub use motors::{Idle, Motors};
 #[cfg(feature = "nb")]
 pub use poll::NotFound;
 pub use servo_axis::{ServoAxis, ServoEvents, ServoInputs, ServoStatus, ServoStop};

@@ -12,11 +12,10 @@ mod segment;
 mod tangent;
 mod tempo;
 
-mod chords;
+mod curve;
 #[cfg(feature = "extended")]
 mod extended;
 mod extension;
-mod nurbs;
 mod state;
 
 mod limits;
@@ -32,8 +31,8 @@ mod step_encoder;
 mod poll;
 
 pub use axis::{Axis, AxisRamp, Config};
-pub use chords::Checker;
 pub use closed_loop::{ClosedLoop, Followed};
+pub use curve::Checker;
 pub use equipment::Equipment;
 pub use event::{Alarm, Event, FollowEvent, Output, Pause};
 #[cfg(feature = "extended")]

@@ -6,9 +6,9 @@ use common::config;
 use husillo_gcode::{Command, Feed, Nm};
 use husillo_machine::{AxisRamp, Event, Machine, Refused};
 
-type Mill = Machine<3>;
+type ThreeAxes = Machine<3>;
 
-fn with_ramps() -> Mill {
+fn with_ramps() -> ThreeAxes {
     let mut config = config();
     for axis in &mut config.axes {
         axis.lash_steps = 0;
@@ -22,7 +22,7 @@ fn with_ramps() -> Mill {
     Machine::new(config)
 }
 
-fn events(mill: &mut Mill) -> Vec<Event<3>> {
+fn events(mill: &mut ThreeAxes) -> Vec<Event<3>> {
     std::iter::from_fn(|| mill.next_event()).collect()
 }
 

@@ -9,13 +9,15 @@ mod outputs;
 mod probing;
 #[path = "extended/stages.rs"]
 mod stages;
+#[path = "extended/tapping.rs"]
+mod tapping;
 
 use husillo_machine::backlash::Backlash;
 use husillo_machine::gcode::{Dialect, Nm};
 use husillo_machine::interp::Path;
 use husillo_machine::{Axis, AxisRamp, Config, Equipment, Event, Extended, Machine, Scale};
 
-type Mill = Machine<3, Path<3>, Backlash, 16, Extended<3>>;
+type ExtendedMachine = Machine<3, Path<3>, Backlash, 16, Extended<3>>;
 
 const ALL: Equipment = Equipment {
     splines: true,
@@ -26,6 +28,7 @@ const ALL: Equipment = Equipment {
     analog_inputs: 2,
     spindle_angle: true,
     surface_milli_rpm: Some(6_000_000),
+    tapping_overrun_turns: Some(3),
     heaters: true,
     pallets: true,
 };
@@ -58,7 +61,11 @@ fn config(has_ramps: bool) -> Config<3> {
 }
 
 /// Runs lines to their end; `each` gets the machine after each event, and may set its inputs.
-fn run(machine: &mut Mill, lines: &[&str], mut each: impl FnMut(&mut Mill, &Event<3>)) {
+fn run(
+    machine: &mut ExtendedMachine,
+    lines: &[&str],
+    mut each: impl FnMut(&mut ExtendedMachine, &Event<3>),
+) {
     for line in lines {
         machine
             .line(line.as_bytes())

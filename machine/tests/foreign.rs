@@ -6,11 +6,11 @@ use common::config;
 use husillo_backlash::Lash;
 use husillo_interp::{ArcError, ArcMove, Interpolator, Moves, Step};
 use husillo_machine::{
-    Event, Idle, Machine, Motors, MoveError, Refused, Scale, ServoAxis, ServoInputs, ServoStop,
+    Event, Machine, MoveError, Refused, Scale, ServoAxis, ServoInputs, ServoStop,
 };
 use husillo_pid::{Drive, Gains, Integration, Limits, Pid, Regulator};
 use husillo_planner::ServoMotion;
-use husillo_stepper::{CoilDriver, Levels};
+use husillo_stepper::{CoilDriver, Idle, Levels, Motors};
 
 /// Moves one axis after the other, as an old drilling machine does; arcs are replaced by chords.
 #[derive(Clone)]

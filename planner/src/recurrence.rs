@@ -86,6 +86,18 @@ enum Part {
     Down,
 }
 
+/// 4 n of event `count` of a ramp, rounded to nearest: off by at most an eighth of an event. The
+/// divisors made of it stay below 2^31.
+#[inline]
+fn ramp_index(gain: u128, from: u128, count: u32) -> Result<u32, RatesError> {
+    let sum = quotient(from.wrapping_shl(2).wrapping_add(gain >> 1), gain)
+        .saturating_add(u64::from(count).wrapping_mul(4));
+    u32::try_from(sum)
+        .ok()
+        .filter(|sum| *sum < (1 << 31) - 8)
+        .ok_or(RatesError::RampTooLong)
+}
+
 impl Recurrence {
     /// Creates the profile of a move of `events` events. Start and end rates above the top rate are
     /// taken as the top rate.
@@ -134,16 +146,7 @@ impl Recurrence {
         } else {
             (ends(start), ends(end))
         };
-        // 4 n of an event of a ramp, rounded to nearest: off by at most an eighth of an event. The
-        // divisors stay below 2^31.
-        let index = |from: u128, count: u32| {
-            let sum = quotient(from.wrapping_shl(2).wrapping_add(gain >> 1), gain)
-                .saturating_add(u64::from(count).wrapping_mul(4));
-            u32::try_from(sum)
-                .ok()
-                .filter(|sum| *sum < (1 << 31) - 8)
-                .ok_or(RatesError::RampTooLong)
-        };
+        let index = |from: u128, count: u32| ramp_index(gain, from, count);
         index(start, up)?;
         let divisor_up = index(start, 0)?.wrapping_add(5);
         let (ticks_up, fraction_up) = scaled_start(index(start, 0)?, gain);

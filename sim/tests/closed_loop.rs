@@ -4,17 +4,17 @@
 use husillo_encoder::Extended;
 use husillo_gcode::Dialect;
 use husillo_machine::{
-    Axis, AxisEncoder, AxisRamp, ClosedLoop, Config, Equipment, Event, Followed, Machine, Motors,
-    OnLoss, Scale,
+    Axis, AxisEncoder, AxisRamp, ClosedLoop, Config, Equipment, Event, Followed, Machine, OnLoss,
+    Scale,
 };
 use husillo_sim::{AxisModel, Rig};
-use husillo_stepper::{Drive, Driver, Mode, Sequencer};
+use husillo_stepper::{Drive, Driver, Idle, Mode, Motors, Sequencer};
 use proptest::prelude::*;
 
 const LASH: u32 = 5;
 
 /// Two axes of 1 um per full step, with encoders, in simulated time.
-struct Cell {
+struct Stand {
     loop_: ClosedLoop<2>,
     motors: Motors<2, Drive>,
     rig: Rig<2>,
@@ -26,8 +26,8 @@ struct Cell {
     events: u32,
 }
 
-impl Cell {
-    fn new(encoder: AxisEncoder, ramp: Option<AxisRamp>, pull_out_ticks: u32) -> Cell {
+impl Stand {
+    fn new(encoder: AxisEncoder, ramp: Option<AxisRamp>, pull_out_ticks: u32) -> Stand {
         let axis = Axis {
             scale: Scale::new(1000, 1).unwrap(),
             travel: None,
@@ -47,12 +47,12 @@ impl Cell {
             spindle_counts: None,
         });
         let drive = || Drive::Coils(Sequencer::new(Driver::Pbl3717a, Mode::Full).unwrap());
-        let motors = Motors::new([drive(), drive()], husillo_machine::Idle::Hold);
+        let motors = Motors::new([drive(), drive()], Idle::Hold);
         let model = AxisModel::coils(Driver::Pbl3717a, Mode::Full)
             .with_lash(LASH)
             .with_pull_out_ticks(pull_out_ticks);
         let rig = Rig::new([model; 2], *motors.levels());
-        Cell {
+        Stand {
             loop_: ClosedLoop::new(machine, [Some(encoder); 2]),
             motors,
             rig,
@@ -75,7 +75,7 @@ impl Cell {
     }
 
     /// Runs until no event is left, with `before` called before each event.
-    fn run(&mut self, mut before: impl FnMut(&mut Cell)) {
+    fn run(&mut self, mut before: impl FnMut(&mut Stand)) {
         loop {
             before(self);
             let counts = self.counts();
@@ -104,7 +104,7 @@ impl Cell {
     }
 
     /// Takes lines and executes them.
-    fn program(&mut self, lines: &[String], mut before: impl FnMut(&mut Cell)) {
+    fn program(&mut self, lines: &[String], mut before: impl FnMut(&mut Stand)) {
         for line in lines {
             while !self.loop_.machine().has_room() {
                 self.run(&mut before);
@@ -180,13 +180,13 @@ fn two_counts(counts: u32, steps: u32) -> i32 {
     2 * (steps.div_ceil(counts) as i32 - 1)
 }
 
-fn push_at(pushes: &[(u32, usize, i32)]) -> impl FnMut(&mut Cell) + '_ {
+fn push_at(pushes: &[(u32, usize, i32)]) -> impl FnMut(&mut Stand) + '_ {
     let mut left = pushes.to_vec();
-    move |cell| {
+    move |stand| {
         left.retain(|&(event, axis, cycles)| {
-            let is_now = cell.events >= event;
+            let is_now = stand.events >= event;
             if is_now {
-                cell.rig.push(axis, 4 * cycles);
+                stand.rig.push(axis, 4 * cycles);
             }
             !is_now
         });
@@ -203,17 +203,17 @@ proptest! {
     fn nothing_is_lost_unreported(
         (lines, end) in program(), pushes in pushes(), ramp in ramp(), (counts, steps) in ratio(),
     ) {
-        let mut cell = Cell::new(encoder(OnLoss::Report, counts, steps), ramp, 0);
+        let mut stand = Stand::new(encoder(OnLoss::Report, counts, steps), ramp, 0);
         // The positions without disturbance.
-        let mut ideal = Cell::new(encoder(OnLoss::Report, counts, steps), ramp, 0);
+        let mut ideal = Stand::new(encoder(OnLoss::Report, counts, steps), ramp, 0);
         ideal.program(&lines, |_| {});
         prop_assert_eq!(ideal.rig.tool(), end);
         prop_assert_eq!(&ideal.seen, &[]);
-        cell.program(&lines, push_at(&pushes));
+        stand.program(&lines, push_at(&pushes));
         let slack = two_counts(counts, steps);
         for axis in 0..2 {
-            let behind = ideal.rig.motor()[axis] - cell.rig.motor()[axis];
-            let lost = cell.lost[axis];
+            let behind = ideal.rig.motor()[axis] - stand.rig.motor()[axis];
+            let lost = stand.lost[axis];
             prop_assert!((lost - behind).abs() <= slack, "{lost} of {behind}");
         }
     }
@@ -225,29 +225,29 @@ proptest! {
     fn corrected_moves_end_exactly(
         (lines, end) in program(), pushes in pushes(), ramp in ramp(), (counts, steps) in ratio(),
     ) {
-        let mut cell = Cell::new(encoder(OnLoss::Correct, counts, steps), ramp, 0);
-        let mut ideal = Cell::new(encoder(OnLoss::Correct, counts, steps), ramp, 0);
+        let mut stand = Stand::new(encoder(OnLoss::Correct, counts, steps), ramp, 0);
+        let mut ideal = Stand::new(encoder(OnLoss::Correct, counts, steps), ramp, 0);
         ideal.program(&lines, |_| {});
-        cell.program(&lines, push_at(&pushes));
+        stand.program(&lines, push_at(&pushes));
         let slack = two_counts(counts, steps);
         // If the motor is pushed onwards, the nut stays within its backlash until the axis
         // reverses.
         let is_pushed_on = |axis: usize| pushes.iter().any(|push| push.1 == axis);
         for (axis, end) in end.into_iter().enumerate() {
-            let off = cell.rig.motor()[axis].abs_diff(ideal.rig.motor()[axis]);
+            let off = stand.rig.motor()[axis].abs_diff(ideal.rig.motor()[axis]);
             prop_assert!(off <= slack as u32, "motor {off}");
-            let off = (cell.rig.tool()[axis] - end).abs();
+            let off = (stand.rig.tool()[axis] - end).abs();
             let is_right = off <= slack || is_pushed_on(axis) && off <= slack + LASH as i32;
             prop_assert!(is_right, "tool {off}");
         }
-        let lost = cell.seen.iter().filter(|seen| matches!(seen, Followed::Lost { .. })).count();
-        let right = cell
+        let lost = stand.seen.iter().filter(|seen| matches!(seen, Followed::Lost { .. })).count();
+        let right = stand
             .seen
             .iter()
             .filter(|seen| matches!(seen, Followed::Corrected { .. }))
             .count();
         prop_assert_eq!(lost, right);
-        prop_assert!(!cell.loop_.is_stopped());
+        prop_assert!(!stand.loop_.is_stopped());
     }
 
     /// An axis that is blocked for good ends with a report, and nothing hangs. After it is released
@@ -260,28 +260,28 @@ proptest! {
         ramp in ramp(),
         (counts, steps) in ratio(),
     ) {
-        let mut cell = Cell::new(encoder(OnLoss::Correct, counts, steps), ramp, 0);
-        let mut ideal = Cell::new(encoder(OnLoss::Correct, counts, steps), ramp, 0);
+        let mut stand = Stand::new(encoder(OnLoss::Correct, counts, steps), ramp, 0);
+        let mut ideal = Stand::new(encoder(OnLoss::Correct, counts, steps), ramp, 0);
         ideal.program(&lines, |_| {});
         for line in &lines {
-            cell.loop_.machine_mut().line(line.as_bytes()).unwrap();
+            stand.loop_.machine_mut().line(line.as_bytes()).unwrap();
         }
-        cell.run(|cell| if cell.events >= at { cell.rig.block(axis, true) });
+        stand.run(|stand| if stand.events >= at { stand.rig.block(axis, true) });
         let slack = steps.div_ceil(counts) - 1;
-        let (now, end) = (cell.rig.motor(), ideal.rig.motor());
+        let (now, end) = (stand.rig.motor(), ideal.rig.motor());
         let is_behind = (0..2).any(|axis| now[axis].abs_diff(end[axis]) > slack);
         if is_behind {
-            let last = cell.seen.last();
+            let last = stand.seen.last();
             let stalled =
                 matches!(last, Some(Followed::Stalled { axis: there, .. }) if *there == axis);
-            prop_assert!(stalled && cell.loop_.is_stopped(), "{:?}", cell.seen);
+            prop_assert!(stalled && stand.loop_.is_stopped(), "{:?}", stand.seen);
         }
-        cell.rig.block(axis, false);
-        cell.loop_.resume();
-        cell.run(|_| {});
+        stand.rig.block(axis, false);
+        stand.loop_.resume();
+        stand.run(|_| {});
         let slack = two_counts(counts, steps) as u32;
         for axis in 0..2 {
-            prop_assert!(cell.rig.motor()[axis].abs_diff(ideal.rig.motor()[axis]) <= slack);
+            prop_assert!(stand.rig.motor()[axis].abs_diff(ideal.rig.motor()[axis]) <= slack);
         }
     }
 
@@ -289,24 +289,24 @@ proptest! {
     /// ends exactly.
     #[test]
     fn a_stop_waits_for_the_operator((lines, _) in program(), pushes in pushes(), ramp in ramp()) {
-        let mut cell = Cell::new(encoder(OnLoss::Stop, 4, 1), ramp, 0);
-        let mut ideal = Cell::new(encoder(OnLoss::Stop, 4, 1), ramp, 0);
+        let mut stand = Stand::new(encoder(OnLoss::Stop, 4, 1), ramp, 0);
+        let mut ideal = Stand::new(encoder(OnLoss::Stop, 4, 1), ramp, 0);
         ideal.program(&lines, |_| {});
         for line in &lines {
-            cell.loop_.machine_mut().line(line.as_bytes()).unwrap();
+            stand.loop_.machine_mut().line(line.as_bytes()).unwrap();
         }
         let mut push = push_at(&pushes);
         let mut stops = 0;
-        cell.run(&mut push);
-        while cell.loop_.is_stopped() {
+        stand.run(&mut push);
+        while stand.loop_.is_stopped() {
             stops += 1;
             prop_assert!(stops < 20);
-            let counts = cell.counts();
-            prop_assert_eq!(cell.loop_.next_event(&counts), None);
-            cell.loop_.resume();
-            cell.run(&mut push);
+            let counts = stand.counts();
+            prop_assert_eq!(stand.loop_.next_event(&counts), None);
+            stand.loop_.resume();
+            stand.run(&mut push);
         }
-        prop_assert_eq!(cell.rig.motor(), ideal.rig.motor());
+        prop_assert_eq!(stand.rig.motor(), ideal.rig.motor());
     }
 }
 
@@ -314,45 +314,45 @@ proptest! {
 #[test]
 fn a_motor_that_is_too_slow_is_reported() {
     let lines = ["G0 X0.4".to_owned(), "G1 F6 X0.1 Y0.05".to_owned()];
-    let mut ideal = Cell::new(encoder(OnLoss::Report, 4, 1), None, 0);
+    let mut ideal = Stand::new(encoder(OnLoss::Report, 4, 1), None, 0);
     ideal.program(&lines, |_| {});
     // 1 kHz, for a motor that follows up to 800 Hz.
-    let mut cell = Cell::new(encoder(OnLoss::Report, 4, 1), None, 1250);
-    cell.program(&lines, |_| {});
+    let mut stand = Stand::new(encoder(OnLoss::Report, 4, 1), None, 1250);
+    stand.program(&lines, |_| {});
     assert!(
-        cell.rig.lost_steps()[0] > 100,
+        stand.rig.lost_steps()[0] > 100,
         "{:?}",
-        cell.rig.lost_steps()
+        stand.rig.lost_steps()
     );
-    let behind = ideal.rig.motor()[0] - cell.rig.motor()[0];
+    let behind = ideal.rig.motor()[0] - stand.rig.motor()[0];
     assert!(
-        behind != 0 && cell.lost[0] == behind,
+        behind != 0 && stand.lost[0] == behind,
         "{} of {behind}",
-        cell.lost[0]
+        stand.lost[0]
     );
     // At most the tolerance plus one event at a time.
-    let most = cell.seen.iter().map(|seen| match seen {
+    let most = stand.seen.iter().map(|seen| match seen {
         Followed::Lost { steps, .. } => steps.abs(),
         _ => 0,
     });
-    assert!(most.max().unwrap() <= 3 + 4, "{:?}", cell.seen);
+    assert!(most.max().unwrap() <= 3 + 4, "{:?}", stand.seen);
 }
 
 /// After an abort, missing steps are re-emitted before the next line moves; outputs are switched
 /// off first.
 #[test]
 fn an_abort_puts_the_axes_right() {
-    let mut cell = Cell::new(encoder(OnLoss::Stop, 4, 1), None, 0);
-    cell.loop_.machine_mut().line(b"G1 F6 X0.1 Y0.02").unwrap();
-    cell.run(|cell| {
-        if cell.events == 40 {
-            cell.rig.push(0, -8);
-            cell.events += 1
+    let mut stand = Stand::new(encoder(OnLoss::Stop, 4, 1), None, 0);
+    stand.loop_.machine_mut().line(b"G1 F6 X0.1 Y0.02").unwrap();
+    stand.run(|stand| {
+        if stand.events == 40 {
+            stand.rig.push(0, -8);
+            stand.events += 1
         }
     });
-    assert!(cell.loop_.is_stopped());
-    cell.loop_.abort();
-    cell.loop_.machine_mut().line(b"G0 X0.05 Y0").unwrap();
-    cell.run(|_| {});
-    assert_eq!(cell.rig.tool(), [50, 0]);
+    assert!(stand.loop_.is_stopped());
+    stand.loop_.abort();
+    stand.loop_.machine_mut().line(b"G0 X0.05 Y0").unwrap();
+    stand.run(|_| {});
+    assert_eq!(stand.rig.tool(), [50, 0]);
 }

@@ -31,9 +31,11 @@ mod driver;
 mod l297;
 mod levels;
 mod microstep;
+mod motors;
 #[cfg(feature = "embedded-hal")]
 mod pins;
 mod pulse_timing;
+mod pulses;
 mod sequencer;
 mod sine;
 mod step_direction;
@@ -46,6 +48,7 @@ pub use driver::{Driver, FULL_CURRENT};
 pub use l297::{L297, L297Inputs};
 pub use levels::Levels;
 pub use microstep::Microstep;
+pub use motors::{Idle, Motors};
 #[cfg(feature = "embedded-hal")]
 pub use pins::{LevelPins, StepDirectionPins, Switch, Unwired};
 pub use pulse_timing::{PulseNanoseconds, PulseTiming};

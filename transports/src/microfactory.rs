@@ -255,14 +255,7 @@ impl Device {
             return Some(Some(Order::Ask));
         }
         if self.is_pair && table.machines.contains(&byte) {
-            let [_, second] = table.machines;
-            self.machine = u8::from(byte == second);
-            // The mode, and a figure in transfer, belonged to the other machine. An emergency stop
-            // holds for both.
-            if self.mode != Mode::Emergency {
-                self.mode = Mode::None;
-            }
-            self.loading = None;
+            self.turn_to(byte);
             return Some(None);
         }
         if self.mode == Mode::Emergency {
@@ -306,6 +299,18 @@ impl Device {
             })),
             _ => self.choose(byte),
         }
+    }
+
+    /// Turns to one of two machines.
+    fn turn_to(&mut self, byte: u8) {
+        let [_, second] = self.table.machines;
+        self.machine = u8::from(byte == second);
+        // The mode, and a figure in transfer, belonged to the other machine. An emergency stop holds
+        // for both.
+        if self.mode != Mode::Emergency {
+            self.mode = Mode::None;
+        }
+        self.loading = None;
     }
 
     /// Takes a byte of a move, or of the end of a figure.

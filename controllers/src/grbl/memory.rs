@@ -102,14 +102,18 @@ impl GrblMemory {
             settings: Settings::from_bytes(settings),
             ..GrblMemory::FACTORY
         };
-        let (places, lines) = rest.split_at_checked(PLACES_BYTES)?;
-        let slots = memory.places.iter_mut().flatten();
-        for (slot, bytes) in slots.zip(places.chunks_exact(8)) {
-            *slot = i64::from_le_bytes(*bytes.first_chunk()?);
+        // Not `chunks_exact` with `zip`: it keeps a division by the length, which could panic.
+        let mut rest = rest;
+        for slot in memory.places.iter_mut().flatten() {
+            let (bytes, others) = rest.split_first_chunk()?;
+            *slot = i64::from_le_bytes(*bytes);
+            rest = others;
         }
-        for (slot, bytes) in memory.lines.iter_mut().zip(lines.chunks_exact(LINE_BYTES)) {
+        for slot in &mut memory.lines {
+            let (bytes, others) = rest.split_first_chunk::<LINE_BYTES>()?;
             let (length, text) = bytes.split_first()?;
             *slot = StoredLine::new(text.get(..usize::from(*length))?);
+            rest = others;
         }
         Some(memory)
     }

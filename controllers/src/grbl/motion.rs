@@ -188,7 +188,9 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             dwell,
             start,
         ];
-        let least = waits.into_iter().flatten().filter(|wait| *wait > 0).min()?;
+        let idle = self.options.reads_inputs.then_some(LONGEST_WAIT_US);
+        let waits = waits.into_iter().chain([idle]).flatten();
+        let least = waits.filter(|wait| *wait > 0).min()?;
         Some(least.min(LONGEST_WAIT_US))
     }
 

@@ -18,6 +18,9 @@ pub struct GrblOptions {
     /// Microseconds from a hold, a cancelled jog or a probe contact until braking begins. Grbl
     /// first makes the segments that it has prepared.
     pub brakes_after_us: u32,
+    /// While nothing happens, the controller gives waits, so that its inputs are read. Without this
+    /// an input that changes while the machine stands is seen at the next byte or move.
+    pub reads_inputs: bool,
     /// Highest step rate that the settings may request, in steps per second. `None`: no limit.
     pub most_steps_per_s: Option<u32>,
 }
@@ -32,6 +35,7 @@ impl GrblOptions {
         has_door: false,
         reports_lines: false,
         brakes_after_us: 48_000,
+        reads_inputs: false,
         most_steps_per_s: None,
     };
 

@@ -93,13 +93,16 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
         if left == 0 {
             return self.end(Answer::NoSwitch);
         }
-        self.task = Task::Leave {
-            axis,
-            left: left.wrapping_sub(1),
-        };
+        let left = left.wrapping_sub(1);
+        self.task = Task::Leave { axis, left };
+        self.step_alone(axis, true)
+    }
+
+    /// A step of one axis at the rate of moves by hand.
+    fn step_alone(&mut self, axis: Axis, forward: bool) -> Next {
         self.give(
             self.interval(self.config.jog_hz),
-            Directions::one(axis, true),
+            Directions::one(axis, forward),
         )
     }
 
@@ -120,14 +123,9 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
         if left == 0 {
             return self.end(Answer::NoSwitch);
         }
-        self.task = Task::Search {
-            axis,
-            left: left.wrapping_sub(1),
-        };
-        self.give(
-            self.interval(self.config.jog_hz),
-            Directions::one(axis, false),
-        )
+        let left = left.wrapping_sub(1);
+        self.task = Task::Search { axis, left };
+        self.step_alone(axis, false)
     }
 
     fn back_off(&mut self, axis: Axis, left: u16, inputs: &MicromillInputs) -> Next {

@@ -26,6 +26,7 @@
 //! | `is_sent() -> bool` | whether the last stop bit has been sent, so that a half-duplex line may be released |
 //! | `drive(duty: u8)` | sets the PWM of a DC motor, if the board has one |
 //! | `counts(simulated: u16) -> u16` | reads the counter of its encoder; without one it returns `simulated` |
+//! | `flash_read(at) -> u8`, `flash_erase(at)`, `flash_write(at, unit)` | two sectors of `SECTOR_BYTES`, written in units of `UNIT_BYTES`, for the feature `flash` |
 //!
 //! On ARM, the file also has its part of the vector table, `__INTERRUPTS`. All interrupts have the
 //! same priority. They call `on_time` when a wait is over, and `heard` when a byte has been
@@ -41,6 +42,8 @@
 #![no_std]
 
 include!(concat!(env!("OUT_DIR"), "/chosen.rs"));
+#[cfg(feature = "flash")]
+mod flash;
 #[cfg(target_arch = "arm")]
 mod nvic;
 mod panic;
@@ -55,6 +58,8 @@ pub use chosen::{
     write,
 };
 pub use critical_section::{CriticalSection, with as uninterrupted};
+#[cfg(feature = "flash")]
+pub use flash::Flash;
 pub use shared::Shared;
 pub use steps::{Step, Steps};
 
@@ -96,8 +101,14 @@ unsafe fn section() -> CriticalSection<'static> {
 /// effect, and the firmware simulates them.
 pub const HAS_MOTOR: bool = cfg!(feature = "motor");
 
-/// Received bytes. A host sends only a few of them before it waits for an answer.
-static HEARD: Shared<Queue<u8, 32>> = Shared::new(Queue::new());
+/// Whether switches are at the pins. Without them `inputs` returns what the firmware simulates.
+pub const HAS_SWITCHES: bool = cfg!(feature = "switches");
+
+/// Room for received bytes. Most hosts send only a few of them before they wait for an answer.
+const HEARD_BYTES: usize = if cfg!(feature = "buffered") { 256 } else { 32 };
+
+/// Received bytes.
+static HEARD: Shared<Queue<u8, HEARD_BYTES>> = Shared::new(Queue::new());
 
 /// Takes a received byte. The UART's interrupt calls this.
 fn heard(byte: u8) {

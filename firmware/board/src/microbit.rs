@@ -4,9 +4,15 @@
 //! that an interrupt takes does not add up over successive waits.
 //: MEMORY
 //: {
-//:   FLASH : ORIGIN = 0x00000000, LENGTH = 64K
+//:   FLASH : ORIGIN = 0x00000000, LENGTH = 254K
 //:   RAM   : ORIGIN = 0x20000000, LENGTH = 16K
 //: }
+
+#[cfg(feature = "flash")]
+mod nvmc;
+
+#[cfg(feature = "flash")]
+pub use nvmc::{SECTOR_BYTES, UNIT_BYTES, flash_erase, flash_read, flash_write};
 
 use crate::{
     CriticalSection, Pins, Shared,

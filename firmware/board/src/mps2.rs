@@ -9,9 +9,15 @@
 //! freely, so the time that an interrupt takes does not add up over successive waits.
 //: MEMORY
 //: {
-//:   FLASH : ORIGIN = 0x00000000, LENGTH = 64K
-//:   RAM   : ORIGIN = 0x20000000, LENGTH = 16K
+//:   FLASH : ORIGIN = 0x00000000, LENGTH = 256K
+//:   RAM   : ORIGIN = 0x20000000, LENGTH = 128K
 //: }
+
+#[cfg(feature = "flash")]
+mod ram_flash;
+
+#[cfg(feature = "flash")]
+pub use ram_flash::{SECTOR_BYTES, UNIT_BYTES, flash_erase, flash_read, flash_write};
 
 use crate::{
     CriticalSection, Pins, Shared,

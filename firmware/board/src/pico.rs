@@ -12,13 +12,19 @@
 //: MEMORY
 //: {
 //:   BOOT2 : ORIGIN = 0x10000000, LENGTH = 256
-//:   FLASH : ORIGIN = 0x10000100, LENGTH = 2M - 256
+//:   FLASH : ORIGIN = 0x10000100, LENGTH = 2M - 8K - 256
 //:   RAM   : ORIGIN = 0x20000000, LENGTH = 256K
 //: }
 //: SECTIONS
 //: {
 //:   .boot2 ORIGIN(BOOT2) : { KEEP(*(.boot2)); } > BOOT2
 //: } INSERT BEFORE .text;
+
+#[cfg(feature = "flash")]
+mod pico_flash;
+
+#[cfg(feature = "flash")]
+pub use pico_flash::{SECTOR_BYTES, UNIT_BYTES, flash_erase, flash_read, flash_write};
 
 use crate::{
     CriticalSection, Pins, Shared,
@@ -56,6 +62,16 @@ const MOTORS: u32 = 0xff << 2;
 const OUTPUTS: u32 = 0xf << 10;
 /// Switches to ground: GP14 to GP18.
 const INPUTS: [usize; 5] = [14, 15, 16, 17, 18];
+/// Three more of them, for the buttons of a Grbl controller: GP19 to GP21.
+const BUTTONS: [usize; 3] = [19, 20, 21];
+/// The PWM of a spindle: GP22, channel A of slice 3, 1.9 kHz.
+const PWM_PIN: usize = 22;
+const PWM: usize = 0x4005_0000 + 3 * 0x14;
+const PWM_DIVIDER: usize = 0x04;
+const PWM_COMPARE: usize = 0x0c;
+const PWM_TOP: usize = 0x10;
+/// The function of a pin that its PWM drives.
+const BY_PWM: u32 = 4;
 /// With the feature `wide`: motors at GP2 to GP19, two outputs at GP20 and GP21, three switches at
 /// GP22, GP26 and GP27, three jumpers to ground at GP0, GP1 and GP28.
 const IS_WIDE: bool = cfg!(feature = "wide");
@@ -71,6 +87,7 @@ const PULL_UP_US: u32 = 10;
 const MOTORS_NOW: u32 = if IS_WIDE { WIDE_MOTORS } else { MOTORS };
 const OUTPUTS_NOW: u32 = if IS_WIDE { WIDE_OUTPUTS } else { OUTPUTS };
 const INPUTS_NOW: &[usize] = if IS_WIDE { &WIDE_INPUTS } else { &INPUTS };
+const BUTTONS_NOW: &[usize] = if IS_WIDE { &[] } else { &BUTTONS };
 /// The timer accepts every wait: none is above 2^31.
 pub const LONGEST_US: u32 = u32::MAX;
 /// The counter of time counts microseconds.
@@ -107,7 +124,7 @@ pub fn start() {
     for pin in (0..32).filter(|pin| (MOTORS_NOW | OUTPUTS_NOW) >> pin & 1 != 0) {
         set(IO_BANK + 8 * pin + 4, BY_SIO);
     }
-    for pin in INPUTS_NOW {
+    for pin in INPUTS_NOW.iter().chain(BUTTONS_NOW) {
         set(IO_BANK + 8 * pin + 4, BY_SIO);
         set(PADS + 4 + 4 * pin, PULLED_UP);
     }
@@ -136,6 +153,7 @@ fn open() -> Result<Option<Line>, InitError> {
     chip.RESETS.reset().modify(|_, resets| {
         resets.io_bank0().clear_bit();
         resets.pads_bank0().clear_bit();
+        resets.pwm().clear_bit();
         resets.timer().clear_bit()
     });
     while !chip.RESETS.reset_done().read().timer().bit() {}
@@ -181,8 +199,14 @@ pub fn is_sent() -> bool {
     true
 }
 
-/// This board has no DC motor.
-pub fn drive(_: u8) {}
+/// Sets the PWM at GP22. It begins with the first call.
+pub fn drive(duty: u8) {
+    set(PWM + PWM_DIVIDER, 255 << 4);
+    set(PWM + PWM_TOP, 254);
+    set(PWM + PWM_COMPARE, duty.into());
+    set(PWM, 1);
+    set(IO_BANK + 8 * PWM_PIN + 4, BY_PWM);
+}
 
 /// This board has no counter for an encoder.
 pub fn counts(simulated: u16) -> u16 {
@@ -216,7 +240,7 @@ pub fn inputs(simulated: u8) -> u8 {
     if cfg!(not(feature = "switches")) {
         return simulated;
     }
-    closed(INPUTS_NOW)
+    closed(INPUTS_NOW) | closed(BUTTONS_NOW) << INPUTS.len()
 }
 
 /// Which of these pins are at ground.

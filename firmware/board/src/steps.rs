@@ -45,6 +45,8 @@ pub struct Steps<D, const PLACES: usize, const PULSED: Pins = 0, const PULSE_US:
     due: Due,
     /// The previous step had a pulse, so that part of the next wait is already over.
     has_pulsed: bool,
+    /// Pins of `PULSED` whose pulse is low.
+    inverted: Pins,
 }
 
 impl<D: Copy, const PLACES: usize, const PULSED: Pins, const PULSE_US: u32>
@@ -69,7 +71,18 @@ impl<D: Copy, const PLACES: usize, const PULSED: Pins, const PULSE_US: u32>
             made: 0,
             due: Due::Nothing,
             has_pulsed: false,
+            inverted: 0,
         }
+    }
+
+    /// Inverts pins of `PULSED`. The queue must be empty.
+    pub fn invert(&mut self, pins: Pins) {
+        self.inverted = pins & PULSED;
+    }
+
+    /// The pins of `PULSED` whose pulse is low.
+    pub fn inverted(&self) -> Pins {
+        self.inverted
     }
 
     /// Acts at the end of a wait. The step interrupt calls this.
@@ -79,8 +92,10 @@ impl<D: Copy, const PLACES: usize, const PULSED: Pins, const PULSE_US: u32>
             return self.go_on(section);
         }
         let levels = self.place(self.made).levels;
-        crate::write(levels);
-        if PULSED != 0 {
+        if PULSED == 0 {
+            crate::write(levels);
+        } else {
+            crate::write(levels ^ self.inverted);
             self.has_pulsed = levels & PULSED != 0;
             if self.has_pulsed {
                 self.due = Due::Fall;
@@ -123,7 +138,8 @@ impl<D: Copy, const PLACES: usize, const PULSED: Pins, const PULSE_US: u32>
         match self.due {
             Due::Rest => self.next(section),
             Due::Fall => {
-                crate::write(self.place(self.made).levels & !PULSED);
+                let levels = self.place(self.made).levels & !PULSED;
+                crate::write(levels ^ self.inverted);
                 self.made = self.made.wrapping_add(1);
                 self.next(section);
             }

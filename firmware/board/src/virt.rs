@@ -3,8 +3,8 @@
 //! other outputs are DTR, RTS, OUT1 and OUT2.
 //: MEMORY
 //: {
-//:   FLASH : ORIGIN = 0x80000000, LENGTH = 64K
-//:   RAM   : ORIGIN = 0x80100000, LENGTH = 16K
+//:   FLASH : ORIGIN = 0x80000000, LENGTH = 256K
+//:   RAM   : ORIGIN = 0x80100000, LENGTH = 128K
 //: }
 //: REGION_ALIAS("REGION_TEXT", FLASH);
 //: REGION_ALIAS("REGION_RODATA", FLASH);
@@ -12,6 +12,12 @@
 //: REGION_ALIAS("REGION_BSS", RAM);
 //: REGION_ALIAS("REGION_HEAP", RAM);
 //: REGION_ALIAS("REGION_STACK", RAM);
+
+#[cfg(feature = "flash")]
+mod ram_flash;
+
+#[cfg(feature = "flash")]
+pub use ram_flash::{SECTOR_BYTES, UNIT_BYTES, flash_erase, flash_read, flash_write};
 
 use core::ptr::{read_volatile, write_volatile};
 

@@ -30,6 +30,16 @@ impl<P: Product, const PLACES: usize, const PULSED: Pins, const PULSE_US: u32>
         }
     }
 
+    /// Inverts pins of `PULSED`, while no step is queued.
+    pub fn invert(&mut self, pins: Pins) {
+        self.steps.invert(pins);
+    }
+
+    /// The pins of `PULSED` whose pulse is low.
+    pub fn inverted(&self) -> Pins {
+        self.steps.inverted()
+    }
+
     /// Acts at the end of a wait. `on_time` calls this.
     #[inline]
     pub fn on_time(&mut self, section: CriticalSection<'_>) {

@@ -37,6 +37,11 @@ pub trait Product {
         event: <Self::Controller as Controller>::Event,
     ) -> Option<Step<Self::Undo>>;
 
+    /// Called after each performed event, before the controller gives the next one or a byte.
+    fn performed(&mut self, controller: &Self::Controller) {
+        let _ = controller;
+    }
+
     /// Called after events with a wait have been made.
     fn made(&mut self) {}
 
@@ -103,6 +108,7 @@ pub fn run<P: Product, const PLACES: usize, const PULSED: Pins, const PULSE_US: 
             if let Some(step) = product.perform(event) {
                 has_room = push(interrupts, step);
             }
+            product.performed(controller);
         }
         let is_silent = if plans_ahead {
             transmitter.is_empty_after(|| controller.transmit())

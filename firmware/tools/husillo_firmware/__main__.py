@@ -1,4 +1,5 @@
-"""The command line of all checks: `firmware/check NAME ...` and `firmware/qemu PRODUCT ...`."""
+"""The command line of all checks: `firmware/check NAME ...`, `firmware/qemu PRODUCT ...`
+and `firmware/uf2 PRODUCT`."""
 
 from __future__ import annotations
 
@@ -7,13 +8,14 @@ import os
 import sys
 from importlib import import_module
 
-from husillo_firmware import boards, build, qemu
+from husillo_firmware import boards, build, qemu, uf2
 
 CHECKS = {
     "micromill": "products.micromill.check",
     "drill": "products.drill.check",
     "microfactory": "products.microfactory.check",
     "servo_module": "products.servo_module.check",
+    "grbl": "products.grbl.check",
     "counts": "proofs.counts.check",
     "sizes": "proofs.sizes.check",
 }
@@ -35,6 +37,8 @@ def run(arguments: list[str]) -> None:
     port = f"--port tcp:127.0.0.1:{chosen.port}"
     if chosen.product == "servo_module":
         print(f"husillo measure -m cmm {port} home x goto 1200 touch + touch -", flush=True)
+    elif chosen.product == "grbl":
+        print(f"husillo send PROGRAM -m grbl {port}, or any sender of Grbl", flush=True)
     else:
         print(f"husillo send PROGRAM -m {chosen.product} {port}", flush=True)
     command = qemu.command(elf, chosen.board, chosen.port, "none", chosen.slow) + chosen.qemu
@@ -50,6 +54,8 @@ def main(arguments: list[str]) -> int:
     """Runs a check by its name. Returns the exit status."""
     if arguments[:1] == ["qemu"]:
         run(arguments[1:])
+    if arguments[:1] == ["uf2"]:
+        return uf2.main(arguments[1:])
     if not arguments or arguments[0] not in CHECKS:
         print(f"firmware/check {'|'.join(CHECKS)} [--help]", file=sys.stderr)
         return 2

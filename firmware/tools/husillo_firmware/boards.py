@@ -4,9 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-# RAM of every board, in bytes.
-RAM = 16384
-
 
 @dataclass(frozen=True)
 class Board:
@@ -17,6 +14,8 @@ class Board:
     target: str
     qemu: tuple[str, ...]
     ram_start: int
+    # Bytes of RAM in the memory map of the board's file.
+    ram: int
     # The optimisation level. A product may use another one.
     level: str
 
@@ -24,13 +23,14 @@ class Board:
         return self.name
 
 
-MICROBIT = Board("microbit", "thumbv6m-none-eabi", ("qemu-system-arm",), 0x2000_0000, "z")
-MPS2 = Board("mps2-an386", "thumbv7em-none-eabihf", ("qemu-system-arm",), 0x2000_0000, "s")
+MICROBIT = Board("microbit", "thumbv6m-none-eabi", ("qemu-system-arm",), 0x2000_0000, 16384, "z")
+MPS2 = Board("mps2-an386", "thumbv7em-none-eabihf", ("qemu-system-arm",), 0x2000_0000, 131072, "s")
 VIRT = Board(
     "virt",
     "riscv32imac-unknown-none-elf",
     ("qemu-system-riscv32", "-bios", "none"),
     0x8010_0000,
+    131072,
     "s",
 )
 ALL = (MICROBIT, MPS2, VIRT)

@@ -59,6 +59,17 @@ class Elf:
         """The bytes that are loaded."""
         return self.sum(lambda one: one.kind != ZEROS)
 
+    def loaded(self) -> Iterator[tuple[int, bytes]]:
+        """The parts that are loaded, each with its address in flash."""
+        (offset,) = struct.unpack_from("<I", self.data, 0x1C)
+        size, count = struct.unpack_from("<HH", self.data, 0x2A)
+        for number in range(count):
+            kind, place, _, address, length = struct.unpack_from(
+                "<5I", self.data, offset + number * size
+            )
+            if kind == PROGRAM and length:
+                yield address, self.data[place : place + length]
+
     def written(self) -> int:
         """The bytes of memory that can be written."""
         return self.sum(lambda one: bool(one.flags & WRITTEN))

@@ -9,7 +9,7 @@ import tempfile
 from pathlib import Path
 
 from husillo_firmware import build
-from husillo_firmware.boards import RAM, Board
+from husillo_firmware.boards import Board
 from husillo_firmware.elf import Elf
 from husillo_firmware.waiting import Lines, fail, pipe_of, until
 
@@ -100,7 +100,7 @@ class Firmware:
         """The contents of RAM, read by the processor: the microbit's RAM is on no other bus."""
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "ram"
-            self.monitor(f'memsave {self.board.ram_start:#x} {RAM} "{path}"')
+            self.monitor(f'memsave {self.board.ram_start:#x} {self.board.ram} "{path}"')
             return path.read_bytes()
 
     def connect(self) -> None:
@@ -148,5 +148,6 @@ class Firmware:
         that is not zero.
         """
         static = self.elf.static(self.board.ram_start)
-        deepest = next((place for place in range(static, RAM) if ram[place]), RAM)
-        return {"flash": self.elf.flash(), "static": static, "stack": RAM - deepest}
+        end = self.board.ram
+        deepest = next((place for place in range(static, end) if ram[place]), end)
+        return {"flash": self.elf.flash(), "static": static, "stack": end - deepest}

@@ -16,8 +16,8 @@ MOTORS, OUTPUTS, INPUTS = 8, 4, 5
 # Pins of the chip of a micro:bit, version 1, at the pads of its edge connector.
 PADS = {1: 2, 2: 1, 3: 0, 4: 3, 5: 4, 6: 10, 10: 9, 11: 7, 12: 6, 16: 16, 17: 5, 18: 8}
 PADS |= {20: 12, 21: 15, 22: 14, 23: 13, 26: 11}
-# Pins of the module Raspberry Pi Pico for GP2 to GP18.
-PICO_PINS = dict(enumerate((4, 5, 6, 7, 9, 10, 11, 12, 14, 15, 16, 17, 19, 20, 21, 22, 24), 2))
+# Pins of the module Raspberry Pi Pico for GP2 to GP22.
+PICO_PINS = (4, 5, 6, 7, 9, 10, 11, 12, 14, 15, 16, 17, 19, 20, 21, 22, 24, 25, 26, 27, 29)
 # GitHub shows a page in this width.
 WIDEST, SMALLEST_TEXT = 900, 12
 
@@ -76,7 +76,7 @@ def microbit() -> dict[str, str]:
 
 def pico() -> dict[str, str]:
     """The names of the Pico's pins in the tables."""
-    names = {line: f"GP{pin}, pin {PICO_PINS[pin]}" for line, pin in pins("pico.rs").items()}
+    names = {line: f"GP{pin}, pin {PICO_PINS[pin - 2]}" for line, pin in pins("pico.rs").items()}
     return names | {"link TXD": "USB", "link RXD": "USB"}
 
 

@@ -361,12 +361,12 @@ impl Block {
         let mut slot = slot_of(letter);
         let mut bit = 1u32.wrapping_shl(u32::from(slot));
         if dialect.letters().0 & bit == 0 {
-            if !EXTENDED {
-                return Err(ErrorKind::UnknownWord(letter));
-            }
-            let polar = polar(letter).filter(|_| dialect.has_polar()).map(slot_of);
-            let axis = dialect.axes().slot(letter).or(polar);
-            slot = axis.ok_or(ErrorKind::UnknownWord(letter))?;
+            let other = if EXTENDED {
+                other_slot(letter, dialect)
+            } else {
+                None
+            };
+            slot = other.ok_or(ErrorKind::UnknownWord(letter))?;
             bit = 1u32.wrapping_shl(u32::from(slot));
         }
         if self.present & bit != 0 {
@@ -390,6 +390,14 @@ impl Block {
         }
         Ok(())
     }
+}
+
+/// The slot of a word that is not stored under its own letter: an axis, or a polar coordinate.
+#[cold]
+#[inline(never)]
+fn other_slot(letter: u8, dialect: &Dialect) -> Option<u8> {
+    let polar = polar(letter).filter(|_| dialect.has_polar()).map(slot_of);
+    dialect.axes().slot(letter).or(polar)
 }
 
 impl Default for Block {

@@ -6,6 +6,8 @@ use crate::codes::letters::Letters;
 use crate::codes::letters::bit;
 use crate::features::EXTENDED;
 use crate::text::framing::Framing;
+#[cfg(feature = "extended")]
+use crate::values::nm::Nm;
 
 /// A dialect of G-code: plain data that is freely compared and copied.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
@@ -17,6 +19,11 @@ pub struct Dialect {
     /// all bytes of [`Dialect::RS274`] are zero but one, so a modal state needs no constant.
     #[cfg(feature = "extended")]
     words: Words,
+    #[cfg(feature = "extended")]
+    begins_in_rapid: bool,
+    /// In nanometres; 0 is the rule of the dialect.
+    #[cfg(feature = "extended")]
+    arc_tolerance: u32,
 }
 
 /// The axes of a machine, and what follows from them.
@@ -27,6 +34,22 @@ struct Words {
     /// The letters other than G and M that can start a word and are stored under their own letter.
     letters: Letters,
     axes: Axes,
+    /// Neither a wrapped axis nor the extruder of a printer: one look for the two.
+    is_plain: bool,
+}
+
+#[cfg(feature = "extended")]
+impl Words {
+    const fn of(flavour: Flavour, axes: Axes) -> Words {
+        let words = WORDS[flavour as usize];
+        let has_more = words.0 & bit(b'A') != 0;
+        let axes = if has_more { axes } else { Axes::XYZ };
+        Words {
+            letters: axes.words(words),
+            is_plain: !axes.has_wrapped() && !matches!(flavour, Flavour::Printer),
+            axes,
+        }
+    }
 }
 
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
@@ -185,14 +208,12 @@ impl Dialect {
 
     #[cfg(feature = "extended")]
     const fn new(flavour: Flavour, block_delete: bool, axes: Axes) -> Dialect {
-        let words = WORDS[flavour as usize];
-        let has_more = words.0 & bit(b'A') != 0;
-        let axes = if has_more { axes } else { Axes::XYZ };
-        let letters = axes.words(words);
         Dialect {
             flavour,
             block_delete,
-            words: Words { letters, axes },
+            words: Words::of(flavour, axes),
+            begins_in_rapid: matches!(flavour, Flavour::Grbl),
+            arc_tolerance: 0,
         }
     }
 
@@ -223,7 +244,76 @@ impl Dialect {
     /// ```
     #[cfg(feature = "extended")]
     pub const fn with_axes(self, axes: Axes) -> Dialect {
-        Dialect::new(self.flavour, self.block_delete, axes)
+        Dialect {
+            words: Words::of(self.flavour, axes),
+            ..self
+        }
+    }
+
+    /// The same dialect with G0 in effect at the start (`true`, as in [`Dialect::GRBL`]), or no
+    /// motion mode. Without one, axis words before the first motion code are an error (E0206).
+    ///
+    /// # Examples
+    /// ```
+    /// use husillo_gcode::{Block, Dialect, Modal};
+    ///
+    /// let block = Block::parse(b"X1", &Dialect::RS274)?;
+    /// assert!(Modal::<3>::new(Dialect::RS274).plan(&block).is_err());
+    /// let (_, mut commands) = Modal::<3>::new(Dialect::RS274.with_rapid_start(true)).plan(&block)?;
+    /// let text = commands.next().map(|command| command.to_string());
+    /// assert_eq!(text.as_deref(), Some("rapid X1 Y0 Z0"));
+    /// # Ok::<(), husillo_gcode::Error>(())
+    /// ```
+    #[cfg(feature = "extended")]
+    pub const fn with_rapid_start(self, on: bool) -> Dialect {
+        Dialect {
+            begins_in_rapid: on,
+            ..self
+        }
+    }
+
+    /// The same dialect with arcs whose radii differ by up to this length, whatever the rule of the
+    /// dialect says (E0302), or with that rule again (`None`). It never refuses what the rule
+    /// takes: a machine narrows it by its own check of [`Arc::mismatch`](crate::Arc::mismatch).
+    ///
+    /// A negative length is 0, and one above 4 mm is 4.29 mm.
+    ///
+    /// # Examples
+    /// ```
+    /// use husillo_gcode::{Block, Dialect, Modal, Nm};
+    ///
+    /// let block = Block::parse(b"G2 X2.0 I1.1 F9", &Dialect::RS274)?;
+    /// let refused = Modal::<3>::new(Dialect::RS274).plan(&block).map(drop);
+    /// assert_eq!(refused.unwrap_err().kind.code(), 302);
+    /// let wide = Dialect::RS274.with_arc_tolerance(Some(Nm(200_000)));
+    /// assert!(Modal::<3>::new(wide).plan(&block).is_ok());
+    /// # Ok::<(), husillo_gcode::Error>(())
+    /// ```
+    #[cfg(feature = "extended")]
+    pub const fn with_arc_tolerance(self, most: Option<Nm>) -> Dialect {
+        let arc_tolerance = match most {
+            Some(Nm(most)) if most > u32::MAX as i64 => u32::MAX,
+            Some(Nm(most)) if most > 0 => most as u32,
+            _ => 0,
+        };
+        Dialect {
+            arc_tolerance,
+            ..self
+        }
+    }
+
+    /// The length of [`Dialect::with_arc_tolerance`]; zero for the rule of the dialect.
+    #[cfg(feature = "extended")]
+    pub const fn arc_tolerance(&self) -> Nm {
+        Nm(self.arc_tolerance as i64)
+    }
+
+    /// Whether G0 is in effect at the start.
+    pub(crate) const fn begins_in_rapid(&self) -> bool {
+        #[cfg(feature = "extended")]
+        return self.begins_in_rapid;
+        #[cfg(not(feature = "extended"))]
+        return matches!(self.flavour, Flavour::Grbl);
     }
 
     /// The axes of the machine.
@@ -236,6 +326,15 @@ impl Dialect {
     #[cfg(not(feature = "extended"))]
     pub const fn axes(&self) -> &Axes {
         &Axes::XYZABC
+    }
+
+    /// Whether the words of all axes are only added to a zero.
+    #[inline(always)]
+    pub(crate) const fn has_plain_axes(&self) -> bool {
+        #[cfg(feature = "extended")]
+        return self.words.is_plain;
+        #[cfg(not(feature = "extended"))]
+        return true;
     }
 
     /// The letters other than G and M that can start a word in this dialect and are stored under

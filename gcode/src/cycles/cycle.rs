@@ -347,6 +347,7 @@ impl<const N: usize> Holes<N> {
         }
     }
 
+    #[inline(always)]
     /// A rapid move along the axis of the tool, unless it is at this height.
     fn rapid_if_elsewhere(&mut self, height: Nm) -> Option<Command<N>> {
         if self.height() == height {
@@ -356,6 +357,7 @@ impl<const N: usize> Holes<N> {
         }
     }
 
+    #[inline(always)]
     /// Completes a hole: the position of the next one, or the end of the cycle.
     fn next_hole(&mut self, points: &[[Nm; 2]; 4]) {
         self.left = self.left.saturating_sub(1);
@@ -374,6 +376,7 @@ impl<const N: usize> Holes<N> {
         };
     }
 
+    #[inline(always)]
     /// Cuts to this depth, or with the last peck to the bottom.
     fn peck_down(&mut self, depth: Nm, next: u8) -> Option<Command<N>> {
         if depth <= self.bottom {
@@ -385,6 +388,7 @@ impl<const N: usize> Holes<N> {
         }
     }
 
+    #[inline(always)]
     /// Retracts from this depth: out of the hole (G83), or by the length that breaks the chip.
     fn peck_up(&mut self, depth: Nm, next: u8) -> Option<Command<N>> {
         if self.kind == Kind::Peck {

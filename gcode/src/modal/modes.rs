@@ -284,7 +284,7 @@ pub(crate) fn initial(dialect: Dialect) -> [Option<Code>; Group::MODAL] {
         Some(Code::ReturnToInitial),
         Some(Code::Blend),
         Some(Code::PerMinute),
-        Some(if dialect.flavour == Flavour::Grbl {
+        Some(if dialect.begins_in_rapid() {
             Code::Rapid
         } else {
             Code::CancelMotion

@@ -273,9 +273,7 @@ impl<const N: usize> Modal<N> {
     ) -> Result<(), Fault> {
         // Only code system A has increments (U, V, W), and there X is always a diameter.
         // They, and wrapped axes, take the longer way.
-        let is_printer = EXTENDED && self.modes.dialect.flavour == Flavour::Printer;
-        let is_plain = !is_printer && !self.modes.dialect.axes().has_wrapped();
-        if ROOMY && is_plain && !self.is_diameter() {
+        if ROOMY && self.modes.dialect.has_plain_axes() && !self.is_diameter() {
             if N > AXES {
                 commands.arc.to = self.modes.position; // Axes without a letter stay.
             }
@@ -457,6 +455,8 @@ impl<const N: usize> Modal<N> {
                 (Flavour::Grbl, _) | (_, Units::Micrometres) => arc::SLACK_NARROW,
                 (_, units) => arc::slack(units).max(one_and_a_half),
             };
+            #[cfg(feature = "extended")]
+            let slack = slack.max(self.modes.dialect.arc_tolerance().0);
             arc::with_centre(from, &arc.to, &arc.centre, axes, slack, &mut arc.mismatch)?;
         }
         arc.turns = 1;

@@ -207,6 +207,16 @@ impl<const N: usize> Modal<N> {
         Ok(())
     }
 
+    /// The end and the lead of a move that follows the spindle.
+    fn follow_spindle(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Fault> {
+        if block.axes() == 0 {
+            return Err(Fault::at_code(Reason::NoAxisWords, Group::Motion));
+        }
+        commands.lead = self.lead(block)?;
+        self.check_turning()?;
+        self.aim(block, self.terms(), commands)
+    }
+
     /// G33.1: `K` is the lead.
     #[inline(never)]
     pub(crate) fn rigid_tap(
@@ -214,15 +224,9 @@ impl<const N: usize> Modal<N> {
         block: &Block,
         commands: &mut Commands<N>,
     ) -> Result<(), Fault> {
-        if block.axes() == 0 {
-            return Err(Fault::at_code(Reason::NoAxisWords, Group::Motion));
-        }
-        let lead = self.lead(block)?;
-        self.check_turning()?;
-        self.aim(block, self.terms(), commands)?;
+        self.follow_spindle(block, commands)?;
         commands.via = commands.arc.to;
         commands.arc.to = self.modes.position;
-        commands.lead = lead;
         self.go(Code::RigidTap, commands);
         Ok(())
     }
@@ -234,13 +238,7 @@ impl<const N: usize> Modal<N> {
         block: &Block,
         commands: &mut Commands<N>,
     ) -> Result<(), Fault> {
-        if block.axes() == 0 {
-            return Err(Fault::at_code(Reason::NoAxisWords, Group::Motion));
-        }
-        let lead = self.lead(block)?;
-        self.check_turning()?;
-        self.aim(block, self.terms(), commands)?;
-        commands.lead = lead;
+        self.follow_spindle(block, commands)?;
         self.go(Code::Thread, commands);
         Ok(())
     }

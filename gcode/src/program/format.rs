@@ -4,6 +4,7 @@ use crate::blocks::block::Block;
 use crate::codes::dialect::{Dialect, Flavour};
 use crate::error::Error;
 use crate::program::parameters::{extent, is_flow, is_plain, needs_program, program_words};
+use crate::words::comment::comment_length;
 use crate::words::word::words;
 
 /// Returns the pieces of a line in its normal form; concatenated they are the line without a line
@@ -184,11 +185,7 @@ impl<'a> Formatted<'a> {
                 self.heads = [space, letter, &[]];
                 self.word(rest, letter)
             }
-            b'(' => {
-                let end = rest.iter().position(|&byte| byte == b')');
-                // Below the length.
-                end.map_or(rest.len(), |end| end.wrapping_add(1))
-            }
+            b'(' => comment_length(rest).unwrap_or(rest.len()),
             b';' if !self.strings => rest.len(),
             b'#' => {
                 // Checked before: the line has expressions, and there is an end.

@@ -16,6 +16,7 @@ use crate::error::{Error, ErrorKind};
 use crate::modal::Modal;
 use crate::program::format::formatted;
 use crate::values::nm::Nm;
+use crate::words::comment::comment_length;
 
 /// Longest line of Grbl without blanks and comments.
 const GRBL_LINE: usize = 79;
@@ -158,6 +159,9 @@ impl<const N: usize> Translator<N> {
         if is_grbl && (text.contains(&b'%') || length(text) > GRBL_LINE) {
             return None;
         }
+        if has_nested(text) {
+            return None; // Grbl ends a comment at its first `)`, and LinuxCNC refuses this one.
+        }
         let is_iso = to.flavour == Flavour::Iso;
         if is_iso && text.contains(&b';') {
             return None;
@@ -270,8 +274,8 @@ fn length(text: &[u8]) -> usize {
     let (mut depth, mut length) = (0usize, 0usize);
     for byte in text {
         match byte {
-            b'(' => depth = 1,
-            b')' => depth = 0,
+            b'(' => depth = depth.wrapping_add(1), // at most the length
+            b')' => depth = depth.saturating_sub(1),
             b';' if depth == 0 => break,
             b' ' | b'\t' | b'\r' => {}
             _ if depth == 0 => length = length.wrapping_add(1), // at most that of the text
@@ -279,6 +283,21 @@ fn length(text: &[u8]) -> usize {
         }
     }
     length
+}
+
+/// Whether a comment has a parenthesis inside.
+fn has_nested(text: &[u8]) -> bool {
+    let mut is_comment = false;
+    for byte in text {
+        match byte {
+            b'(' if is_comment => return true,
+            b'(' => is_comment = true,
+            b')' => is_comment = false,
+            b';' if !is_comment => return false,
+            _ => {}
+        }
+    }
+    false
 }
 
 /// Whether two commands have the same effect: numbers in tables, and the digits that the words of
@@ -325,10 +344,10 @@ impl<'t> Comments<'t> {
             self.text = &[];
             return Some(inside.trim_ascii());
         }
-        let end = inside.iter().position(|&byte| byte == b')');
-        let end = end.unwrap_or(inside.len());
-        self.text = inside.get(end..).unwrap_or_default();
-        inside.get(..end)
+        let length = comment_length(rest).unwrap_or(rest.len());
+        self.text = rest.get(length..).unwrap_or_default();
+        // Without the parenthesis at its end.
+        inside.get(..length.saturating_sub(2))
     }
 
     /// Writes all comments behind a line. Parentheses within them become brackets.

@@ -138,12 +138,12 @@ impl Receiver {
 /// The position of the last `*` outside brackets and comments, and the exclusive or of the bytes
 /// before it.
 fn last_star(line: &[u8]) -> Option<(usize, u8)> {
-    let (mut sum, mut depth, mut comment, mut found) = (0, 0_u32, false, None);
+    let (mut sum, mut depth, mut comments, mut found) = (0, 0_u32, 0_u32, None);
     for (at, &byte) in (0..line.len()).zip(line) {
         match byte {
-            b')' => comment = false,
-            _ if comment => {}
-            b'(' => comment = true,
+            b')' => comments = comments.saturating_sub(1),
+            b'(' => comments = comments.saturating_add(1),
+            _ if comments > 0 => {}
             b';' => break,
             b'[' => depth = depth.saturating_add(1),
             b']' => depth = depth.saturating_sub(1),

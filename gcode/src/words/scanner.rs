@@ -3,6 +3,7 @@
 use crate::error::{Error, ErrorKind};
 use crate::features::EXTENDED;
 use crate::values::decimal::Decimal;
+use crate::words::comment::comment_length;
 use crate::words::numeral::{
     LINE_FEED, QUICK, WINDOW, alphabet, is_blank, number, short_number, window_at, window_number,
 };
@@ -49,28 +50,32 @@ pub(crate) const fn is_end(byte: u8) -> bool {
 
 /// The position after the comment at the start of the text.
 fn comment(text: &[u8], lines: bool) -> Result<usize, Error> {
-    let mut at = 0_usize;
-    loop {
-        at = at.wrapping_add(1);
-        let kind = match text.get(at) {
-            Some(b')') => return Ok(at.wrapping_add(1)),
-            Some(b'(') => ErrorKind::NestedComment,
-            Some(&byte) if !(lines && is_end(byte)) => continue,
-            _ => ErrorKind::UnclosedComment,
-        };
-        return Err(match kind {
-            ErrorKind::NestedComment => Error {
-                kind,
-                at,
-                end: at.wrapping_add(1),
-            },
-            _ => Error {
-                kind,
-                at: 0,
-                end: at,
-            },
-        });
-    }
+    let end = if lines {
+        text.iter().position(|&byte| is_end(byte))
+    } else {
+        None
+    };
+    let line = end.and_then(|end| text.get(..end)).unwrap_or(text);
+    comment_length(line).ok_or(Error {
+        kind: ErrorKind::UnclosedComment,
+        at: 0,
+        end: line.len(),
+    })
+}
+
+/// The number after the letter at the start of the text, with the positions after it and after the
+/// following text.
+#[inline(always)]
+fn any_number<const LINES: bool>(
+    text: &[u8],
+    letter: u8,
+) -> Result<(Decimal, usize, usize), Error> {
+    let short = if LINES || !QUICK {
+        short_number(text, 1, LINES)
+    } else {
+        None // was tried
+    };
+    short.map_or_else(|| number(text, letter, LINES), Ok)
 }
 
 impl<'a, const LINES: bool> Scanner<'a, LINES> {
@@ -225,10 +230,23 @@ impl<'a, const LINES: bool> Scanner<'a, LINES> {
                 self.skip(1);
                 return ControlFlow::Continue(());
             }
-            _ if is_letter(byte) && self.before < Before::Percent => match self.word(byte) {
-                Ok(word) => return ControlFlow::Break(Some(Ok(Token::Word(word)))),
-                Err(error) => error,
-            },
+            _ if is_letter(byte) && self.before < Before::Percent => {
+                let letter = byte.to_ascii_uppercase();
+                match any_number::<LINES>(rest, letter) {
+                    Ok((value, end, next)) => {
+                        self.enter(letter);
+                        self.skip(next);
+                        let end = at.wrapping_add(end);
+                        return ControlFlow::Break(Some(Ok(Token::Word(Word {
+                            letter,
+                            value,
+                            at,
+                            end,
+                        }))));
+                    }
+                    Err(error) => error,
+                }
+            }
             _ => Error {
                 kind: match byte {
                     b'#' | b'[' => ErrorKind::Expression,
@@ -245,29 +263,6 @@ impl<'a, const LINES: bool> Scanner<'a, LINES> {
             at: at.wrapping_add(fault.at),
             end: at.wrapping_add(fault.end),
         })))
-    }
-
-    /// The word that begins with this letter. After an error, nothing is skipped.
-    #[inline(always)]
-    fn word(&mut self, letter: u8) -> Result<Word, Error> {
-        let (at, letter) = (self.at(), letter.to_ascii_uppercase());
-        let short = if LINES || !QUICK {
-            short_number(self.rest, 1, LINES)
-        } else {
-            None // was tried
-        };
-        let (value, end, next) = match short {
-            Some(found) => found,
-            None => number(self.rest, letter, LINES)?,
-        };
-        self.enter(letter);
-        self.skip(next);
-        Ok(Word {
-            letter,
-            value,
-            at,
-            end: at.wrapping_add(end),
-        })
     }
 
     /// Skips the rest of this line.

@@ -160,7 +160,8 @@ mod tests {
         assert_eq!(show("G1 X Y1"), Err((102, 3, 4)));
         assert_eq!(show("X--5"), Err((102, 2, 4)));
         assert_eq!(show("G1 \u{e9}"), Err((101, 3, 4)));
-        assert_eq!(show("G1 (a (b)"), Err((106, 6, 7)));
+        assert_eq!(show("G1 (a (b)"), Ok("G1".to_string()));
+        assert_eq!(show("G1 (a (b) c) X2 (d (e) f"), Err((105, 16, 24)));
         assert_eq!(show("G1 (a"), Err((105, 3, 5)));
         assert_eq!(show("X#1"), Err((102, 1, 3)));
         assert_eq!(show("%1"), Err((101, 1, 2)));

@@ -123,6 +123,8 @@ enum State {
     Malformed,
     /// After any other fault.
     Wrong,
+    /// Inside `( )`, after a `)` that ends an inner pair, and after blanks behind it.
+    Closing,
     /// Inside `( )`.
     Comment,
     /// After an error or `;`: the rest of this line is ignored.
@@ -168,8 +170,7 @@ impl WordReader {
     /// Takes one byte; returns the word or the error that it completes.
     ///
     /// # Errors
-    /// Those of [`words`](crate::words()): E0101 to E0103, E0105, E0106, E0108, at most one per
-    /// line.
+    /// Those of [`words`](crate::words()): E0101 to E0103, E0105, E0108, at most one per line.
     #[inline]
     pub fn push(&mut self, byte: u8) -> Option<Result<Word, Error>> {
         let room = self.number.room;
@@ -371,14 +372,8 @@ impl WordReader {
     fn between(&mut self, byte: u8) {
         let at = self.at();
         let letter = byte & !0x20;
-        let is_letter = letter.wrapping_sub(b'A') < 26 || EXTENDED && matches!(byte, b'@' | b'^');
-        if is_letter && self.before < Before::Percent {
-            if self.before != Before::Words {
-                self.enter(letter);
-            }
-            (self.letter, self.letter_at) = (letter, at);
-            self.column = at.wrapping_add(1).wrapping_add(ROOM as usize);
-            (self.number, self.state) = (Number::BEGIN, State::Number);
+        if letter.wrapping_sub(b'A') < 26 && self.before < Before::Percent {
+            self.begin(letter, at);
         } else {
             self.column = at.wrapping_add(1);
             (self.number.room, self.state) = (0, State::Between);
@@ -388,6 +383,17 @@ impl WordReader {
                 self.mark_between(byte, at);
             }
         }
+    }
+
+    /// The letter of a word, or a sign of polar coordinates.
+    #[inline(always)]
+    fn begin(&mut self, letter: u8, at: usize) {
+        if self.before != Before::Words {
+            self.enter(letter);
+        }
+        (self.letter, self.letter_at) = (letter, at);
+        self.column = at.wrapping_add(1).wrapping_add(ROOM as usize);
+        (self.number, self.state) = (Number::BEGIN, State::Number);
     }
 
     /// The first word of a line, or the one after its `N` word.
@@ -404,6 +410,10 @@ impl WordReader {
     /// A byte between words that is not a letter.
     #[inline(never)]
     fn mark_between(&mut self, byte: u8, at: usize) {
+        if EXTENDED && matches!(byte, b'@' | b'^') && self.before < Before::Percent {
+            self.begin(byte, at);
+            return;
+        }
         if self.before == Before::Nothing {
             if matches!(byte, 0 | 0x0c) {
                 self.column = 0;
@@ -414,7 +424,7 @@ impl WordReader {
         }
         match byte {
             b' ' | b'\t' => {}
-            b'(' => (self.first, self.state) = (at, State::Comment),
+            b'(' => (self.first, self.number.low, self.state) = (at, 0, State::Comment),
             b';' => self.state = State::Rest,
             b'/' if self.before == Before::Blanks => {
                 (self.before, self.deleted) = (Before::Words, true);
@@ -431,8 +441,16 @@ impl WordReader {
         let at = self.column;
         self.column = at.wrapping_add(1);
         match self.state {
-            State::Comment if byte == b')' => self.state = State::Between,
-            State::Comment if byte == b'(' => self.mark(State::Wrong, ErrorKind::NestedComment, at),
+            // Outside a number `low` counts the inner pairs of a comment that are open.
+            State::Comment | State::Closing if byte == b')' => match self.number.low {
+                0 => self.state = State::Between,
+                inner => (self.number.low, self.state) = (inner.wrapping_sub(1), State::Closing),
+            },
+            State::Comment | State::Closing if byte == b'(' => {
+                (self.number.low, self.state) = (self.number.low.saturating_add(1), State::Comment);
+            }
+            State::Closing if is_end(byte) => self.end_line(),
+            State::Closing if !matches!(byte, b' ' | b'\t') => self.state = State::Comment,
             State::Comment if is_end(byte) => {
                 let kind = ErrorKind::UnclosedComment;
                 let (at, end) = (self.first, at);

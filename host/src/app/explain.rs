@@ -3,11 +3,11 @@
 use super::{Failure, OK};
 use crate::cli::{Explain, Output};
 use crate::console;
+use crate::diagnostics::page::FINDINGS;
 use crate::text::json::write_line;
 use std::collections::BTreeMap;
 use std::io::Write;
 
-const FINDINGS: &str = include_str!("../../docs/findings.md");
 const CODES: &str = include_str!("../../docs/codes.md");
 
 /// A row of a table, with the heads of its columns.

@@ -11,7 +11,7 @@ use crate::microfactory;
 use crate::programs::check::{self, Facts};
 use crate::programs::library::Folders;
 use crate::programs::program::Start;
-use crate::programs::setup::{self, Micromill};
+use crate::programs::setup::{self, MappedEngine};
 use crate::programs::source::Source;
 use crate::programs::zero::{self, Lie};
 use crate::simulation::work_piece::WorkPiece;
@@ -272,7 +272,7 @@ impl Job {
         Ok(Some((facts, findings)))
     }
 
-    pub fn new_machine(&self, compensation: bool) -> Result<Micromill, Failure> {
+    pub fn new_machine(&self, compensation: bool) -> Result<MappedEngine, Failure> {
         let mut machine = setup::with_maps(self.config, setup::maps(&self.machine)?);
         machine.set_compensation(compensation);
         if self.is_placed {

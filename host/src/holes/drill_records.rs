@@ -28,6 +28,18 @@ pub enum Refusal {
     Finding(Box<Finding>),
 }
 
+impl From<String> for Refusal {
+    fn from(message: String) -> Self {
+        Refusal::Usage(message)
+    }
+}
+
+impl From<io::Error> for Refusal {
+    fn from(error: io::Error) -> Self {
+        Refusal::Usage(error.to_string())
+    }
+}
+
 impl Compiler {
     /// Reads the options.
     pub fn new(args: &Layout) -> Self {

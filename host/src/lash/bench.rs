@@ -1,19 +1,19 @@
 //! A machine that drives simulated screws, one block at a time.
 
 use crate::machines::machine_file::MachineFile;
-use crate::programs::setup::{self, Micromill};
+use crate::programs::setup::{self, MappedEngine};
 use husillo_gcode::Dialect;
-use husillo_machine::{Event, Motors, Origin};
+use husillo_machine::{Event, Origin};
 use husillo_metrology::calibration::backlash::{self, Map, Moment};
 use husillo_metrology::originals::micromill::{Screws, Settings, TRUE_STEP};
 use husillo_sim::observers::AXES;
 use husillo_sim::{LashField, Rig};
-use husillo_stepper::Drive;
+use husillo_stepper::{Drive, Motors};
 use std::sync::Arc;
 
 /// A homed machine on screws with play.
 pub struct SimulatedBench {
-    machine: Micromill,
+    machine: MappedEngine,
     motors: Motors<AXES, Drive>,
     rig: Rig<AXES>,
     /// Length of a step as the controller calculates with it, nm.

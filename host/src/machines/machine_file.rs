@@ -160,27 +160,18 @@ impl MachineFile {
         let dialect = root.choice("dialect", &dialects);
         let hz = u32::try_from(timer_hz).unwrap_or(1_000_000);
         let axes = root.table("axis", |axes| {
-            let mut read = |key: &str, letter| {
+            let first = [("x", b'X'), ("y", b'Y'), ("z", b'Z')].map(|(key, letter)| {
                 axes.table(key, |axis| AxisFile::read(axis, letter, hz))
                     .flatten()
-            };
-            let first = (read("x", b'X'), read("y", b'Y'), read("z", b'Z'));
-            (
-                first,
-                MORE.map(|(key, letter)| read_more(axes, key, letter, hz)),
-            )
+            });
+            let more = MORE.map(|(key, letter)| read_more(axes, key, letter, hz));
+            (first, more)
         });
         let motion = root
             .optional_table("motion", Motion::read)
             .unwrap_or_default();
         let view = root.optional_table("view", |view| view.choice("plane", &VIEWS));
-        let spindle_counts = root
-            .optional_table("spindle", |spindle| {
-                spindle
-                    .integer("counts", 1..=1_000_000)
-                    .and_then(|counts| u32::try_from(counts).ok())
-            })
-            .flatten();
+        let spindle_counts = root.optional_table("spindle", spindle_counts).flatten();
         let equipment = root
             .optional_table("equipment", equipment::equipment)
             .unwrap_or(equipment::PLAIN);
@@ -189,19 +180,11 @@ impl MachineFile {
         let idle = root
             .optional_table("idle", Idle::read)
             .unwrap_or(Idle::Hold);
-        // The table is read even if an axis is missing: unread keys would be reported as unknown.
-        let step = |axis: &Option<AxisFile>| {
-            let unknown = Fraction { num: 1, den: 1 };
-            axis.as_ref().map_or(unknown, |axis| axis.step)
-        };
-        let steps = match &axes {
-            Some(((x, y, z), _)) => [step(x), step(y), step(z)],
-            None => [Fraction { num: 1, den: 1 }; 3],
-        };
-        let lash = LashFile::read(&mut root, steps);
+        let first = axes.as_ref().map(|(first, _)| first);
+        let lash = LashFile::read(&mut root, [0, 1, 2].map(|axis| step(first, axis)));
         let bytes = root.optional_table("bytes", bytes_file::read);
-        let axes = axes.and_then(|((x, y, z), more)| {
-            let mut axes = vec![x?, y?, z?];
+        let axes = axes.and_then(|(first, more)| {
+            let mut axes = first.into_iter().collect::<Option<Vec<_>>>()?;
             axes.extend(more.into_iter().flatten());
             Some(axes)
         });
@@ -211,12 +194,7 @@ impl MachineFile {
         });
         root.finish();
         if let (Some(axes), None) = (&axes, letters) {
-            let message = format!("{} axes; a machine has at most six", axes.len());
-            findings.push(Finding::error(
-                "E0802",
-                message,
-                Place::in_text(path, text, 0..0),
-            ));
+            findings.push(too_many_axes(axes.len(), Place::in_text(path, text, 0..0)));
         }
         let view = view.flatten().filter(|view| {
             axes.as_ref()
@@ -328,6 +306,23 @@ const MORE: [(&str, u8); 7] = [
 fn read_more(axes: &mut Table<'_, '_>, key: &str, letter: u8, timer_hz: u32) -> Option<AxisFile> {
     let read = |axis: &mut Table<'_, '_>| AxisFile::read(axis, letter, timer_hz);
     axes.optional_table(key, read).flatten()
+}
+
+/// The step of one of the first axes. The table of the backlash is read even if an axis is missing:
+/// unread keys would be reported as unknown.
+fn step(axes: Option<&[Option<AxisFile>; 3]>, axis: usize) -> Fraction {
+    let axis = axes.and_then(|axes| axes[axis].as_ref());
+    axis.map_or(Fraction { num: 1, den: 1 }, |axis| axis.step)
+}
+
+fn spindle_counts(spindle: &mut Table<'_, '_>) -> Option<u32> {
+    let counts = spindle.integer("counts", 1..=1_000_000)?;
+    u32::try_from(counts).ok()
+}
+
+fn too_many_axes(number: usize, place: Place) -> Finding {
+    let message = format!("{number} axes; a machine has at most six");
+    Finding::error("E0802", message, place)
 }
 
 /// The axes by their letters; `None` for more than six.

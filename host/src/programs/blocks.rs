@@ -5,7 +5,9 @@ use crate::programs::reading::Reading;
 use crate::programs::source::Source;
 use husillo_gcode::contour::{Contours, needs_contours};
 use husillo_gcode::parameters::{Fault, Program, needs_program};
-use husillo_gcode::{Block, Dialect, Error, ErrorKind, FramingError, Receiver, words};
+use husillo_gcode::{
+    Block, Dialect, Error, ErrorKind, Framing, FramingError, Receiver, Rule, words,
+};
 use std::fmt::{self, Debug, Write};
 use std::hash::{DefaultHasher, Hasher};
 use std::io;
@@ -122,12 +124,12 @@ fn fits(text: &[u8], dialect: &Dialect) -> Result<(), Error> {
     if dialect.name() != Dialect::GRBL.name() || text.len() <= usize::from(GRBL_LINE) {
         return Ok(());
     }
-    let (mut is_comment, mut length) = (false, 0);
+    let (mut comments, mut length) = (0_usize, 0);
     for (at, byte) in text.iter().enumerate() {
         match byte {
-            b')' => is_comment = false,
-            _ if is_comment => {}
-            b'(' => is_comment = true,
+            b')' => comments = comments.saturating_sub(1),
+            b'(' => comments += 1,
+            _ if comments > 0 => {}
             b';' => break,
             b'/' | 0..=b' ' => {}
             _ => length += 1,
@@ -143,11 +145,58 @@ fn fits(text: &[u8], dialect: &Dialect) -> Result<(), Error> {
     Ok(())
 }
 
-/// Whether a line is a `$` command of Grbl, as in files of settings. A jog (`$J=`) is none, as it
-/// moves the tool.
+/// Whether lines of a dialect are those of a file, and not the strings of one machine.
+pub fn is_of_files(dialect: &Dialect) -> bool {
+    ![Dialect::MICROMILL, Dialect::DRILL]
+        .iter()
+        .any(|other| other.name() == dialect.name())
+}
+
+/// The text before the checksum of a line such as `N3 G1 X1*98`, for dialects in which lines need
+/// none. `None` for any other line.
+pub fn summed<'a>(line: &'a [u8], dialect: &Dialect) -> Option<Result<&'a [u8], Error>> {
+    let text = line.trim_ascii();
+    let tail = text.iter().rev().skip_while(|byte| byte.is_ascii_digit());
+    let has_sum = tail.clone().next() == Some(&b'*') && text.last().is_some_and(u8::is_ascii_digit);
+    let is_numbered = text
+        .first()
+        .is_some_and(|byte| byte.eq_ignore_ascii_case(&b'N'));
+    // A star in an expression multiplies.
+    let is_plain = !text
+        .iter()
+        .any(|byte| matches!(byte, b'#' | b'[' | b'(' | b';'));
+    if !(has_sum && is_numbered && is_plain) || dialect.framing().is_some() || !is_of_files(dialect)
+    {
+        return None;
+    }
+    let mut receiver = Receiver::new(Framing {
+        checksum: Rule::WhereGiven,
+        number: Rule::Never,
+    });
+    Some(unframed(&mut receiver, line))
+}
+
+/// Whether a line has a checksum. A changed line needs another one.
+pub fn has_sum(line: &[u8], dialect: &Dialect) -> bool {
+    summed(line, dialect).is_some() || dialect.framing().is_some() && line.contains(&b'*')
+}
+
+/// Replaces the checksums of a text by blanks, so that columns stay.
+fn without_sums(text: &mut [u8], dialect: &Dialect) {
+    for line in text.split_mut(|byte| matches!(byte, b'\r' | b'\n')) {
+        let kept = match summed(line, dialect) {
+            Some(Ok(text)) => text.len(),
+            _ => continue,
+        };
+        line[kept..].fill(b' ');
+    }
+}
+
+/// Whether a line is a `$` command of Grbl, as in files of settings, in a dialect of files. A jog
+/// (`$J=`) is none, as it moves the tool.
 pub fn is_grbl_command(text: &[u8], dialect: &Dialect) -> bool {
     let mut bytes = text.iter().filter(|byte| !byte.is_ascii_whitespace());
-    dialect.name() == Dialect::GRBL.name()
+    is_of_files(dialect)
         && bytes.next() == Some(&b'$')
         && !bytes
             .next()
@@ -181,7 +230,8 @@ pub fn each_block<C, const N: usize>(
     let Some(first) = by_lines(source, dialect, &mut percent, &mut give)? else {
         return Ok(());
     };
-    let text = source.rest()?;
+    let mut text = source.rest()?;
+    without_sums(&mut text, &dialect);
     let text = Text {
         bytes: percent.before_all(&text),
         first,
@@ -219,7 +269,16 @@ fn by_lines(
             repeats: false,
         };
         let text = match &mut receiver {
-            None => percent.before(line.bytes),
+            None => match summed(line.bytes, &dialect) {
+                None => percent.before(line.bytes),
+                Some(Ok(text)) => text,
+                Some(Err(error)) => {
+                    if give(&whole, Err(error))?.is_break() {
+                        return Ok(None);
+                    }
+                    continue;
+                }
+            },
             Some(receiver) => match unframed(receiver, line.bytes) {
                 // The receiver has already used the number.
                 Ok(text) if is_numbering(text) => continue,
@@ -310,7 +369,12 @@ fn as_a_whole<C, const N: usize>(
             };
             return each(context, &given, Err(endless)).map(drop);
         }
-        if each(context, &given, line.block)?.is_break() {
+        let block = match summed(line.text, &dialect) {
+            Some(Err(error)) => Err(error),
+            _ if is_grbl_command(line.text, &dialect) => Ok(Block::new()),
+            _ => line.block,
+        };
+        if each(context, &given, block)?.is_break() {
             return Ok(());
         }
     }

@@ -236,10 +236,11 @@ impl Checker<'_> {
                 Finding::error("E0302", message, at.whole())
                     .label("start and end have different distances from the centre")
                     .note(format!(
-                        "tolerance of {} is {}",
+                        "the rule of {}: an error from {} (`motion.arc_tolerance`)",
                         self.machine.name,
                         length(tolerance.0 as f64)
                     ))
+                    .help("check the centre words; a larger `motion.arc_tolerance` takes the arc")
             }
             MoveError::Unsupported(means) => {
                 let name = means.name();
@@ -247,6 +248,10 @@ impl Checker<'_> {
                 Finding::error("E0404", message, at.whole())
                     .label("understood, but this machine cannot do it")
                     .note("`husillo commands` prints its meaning")
+                    .help(
+                        "choose a machine that has it, or add it to the machine file: \
+                         `husillo machines write`",
+                    )
             }
             _ => {
                 let code = if matches!(command, Command::Arc { .. }) {
@@ -306,7 +311,7 @@ impl Checker<'_> {
             .note("the tool follows a spiral between the two radii")
             .note(format!(
                 "no warning up to 2 steps ({}) or 1.5 units of the last digit; \
-                 `motion.arc_tolerance` makes it an error",
+                 `motion.arc_tolerance` sets the limit",
                 length(2.0 * step.num as f64 / step.den as f64)
             ));
         findings.add(finding);

@@ -1,8 +1,10 @@
 //! Explains the errors of a block to the user: labels, notes, help.
 
-use crate::diagnostics::{Finding, Place};
+use crate::diagnostics::{Finding, Place, page};
+use crate::programs::blocks;
 use crate::programs::explain_flow;
-use husillo_gcode::{Block, Dialect, Error, ErrorKind, words};
+use husillo_gcode::{Block, Dialect, Error, ErrorKind, Nm, words};
+use husillo_reports::text::length;
 use std::ops::Range;
 
 /// The block of a program that a finding is about, with its line.
@@ -61,6 +63,12 @@ impl At<'_> {
             .flatten()
             .find(|word| wanted(word.letter))
             .map(|word| word.at..word.end)
+    }
+
+    /// Whether the block has G2 or G3.
+    fn has_arc(&self) -> bool {
+        let mut all = words(self.text()).flatten();
+        all.any(|word| word.letter == b'G' && matches!(word.value.whole(), Some(2 | 3)))
     }
 
     /// Converts a span of the block to a span of the line as it is shown. Bytes that are no text
@@ -123,9 +131,13 @@ impl At<'_> {
 /// the fix would make the checksum wrong.
 pub fn finding(error: &Error, at: &At<'_>) -> Finding {
     let finding = described(error, at);
-    let is_summed = at.dialect.framing().is_some() && at.bytes.contains(&b'*');
+    let is_summed = blocks::has_sum(at.bytes, &at.dialect);
+    let code = format!("E{:04}", error.kind.code());
     Finding {
         fix: finding.fix.filter(|_| !is_summed),
+        help: finding
+            .help
+            .or_else(|| page::remedy(&code).map(str::to_owned)),
         ..finding
     }
 }
@@ -149,17 +161,22 @@ fn described(error: &Error, at: &At<'_>) -> Finding {
     match error.kind {
         // A word that moves an axis cannot be left out.
         ErrorKind::UnknownWord(letter @ (b'A' | b'B' | b'C' | b'E' | b'U' | b'V' | b'W')) => {
-            finding.label(format!("this machine has no {} axis", char::from(letter)))
+            finding
+                .label(format!("this machine has no {} axis", char::from(letter)))
+                .help("run it on a machine with this axis: `husillo machines` lists the axes")
         }
         ErrorKind::UnknownWord(letter) => finding
             .label(format!(
                 "no axis or parameter named `{}` here",
                 char::from(letter)
             ))
-            .note("a grbl controller answers `error:20` here")
+            .note(match letter {
+                b'A'..=b'Z' => "grbl: `error:20`",
+                _ => "grbl: `error:1`",
+            })
             .help("remove the word")
             .fix(at.removal(span), ""),
-        ErrorKind::NotALetter(b'$') if is_of(at, &Dialect::GRBL) => finding
+        ErrorKind::NotALetter(b'$') if blocks::is_of_files(&at.dialect) => finding
             .label("a jog (`$J=`) is for the operator")
             .help("write G1, or send it by a Grbl sender"),
         ErrorKind::NotALetter(byte) => {
@@ -189,9 +206,9 @@ fn described(error: &Error, at: &At<'_>) -> Finding {
         ErrorKind::BlockTooLong(limit) => finding.label(format!(
             "the buffer of the controller ends after {limit} characters"
         )),
-        ErrorKind::UnknownCode(letter, _) => finding
+        ErrorKind::UnknownCode(letter, tenths) => finding
             .label("not in the list of codes")
-            .note(unknown_code(letter)),
+            .note(unknown_code(letter, tenths)),
         ErrorKind::RepeatedWord(_) => finding
             .label("occurs a second time")
             .note("grbl: `error:25`"),
@@ -210,11 +227,17 @@ fn described(error: &Error, at: &At<'_>) -> Finding {
         ErrorKind::NoAxisWords => finding
             .label("needs at least one axis")
             .note("grbl: `error:26`; LinuxCNC: \"All axes missing with motion code\""),
-        ErrorKind::UnusedWord(_) => finding
-            .label("nothing on this line uses it")
-            .note("grbl: `error:36`")
-            .help("remove the word")
-            .fix(at.removal(span), ""),
+        ErrorKind::UnusedWord(_) => {
+            let finding = finding
+                .label("nothing on this line uses it")
+                .help("remove the word")
+                .fix(at.removal(span), "");
+            // Grbl looks at the end and the centre of an arc before.
+            match at.has_arc() {
+                true => finding,
+                false => finding.note("grbl: `error:36`"),
+            }
+        }
         ErrorKind::ZNotAlone => finding
             .label("this machine interpolates X and Y only")
             .help("move Z in a separate string, before or after"),
@@ -238,11 +261,19 @@ fn described(error: &Error, at: &At<'_>) -> Finding {
             .help("add the other centre word, or G91.1 for distances"),
         ErrorKind::EndOffArc(_) => finding
             .label("start and end have different distances from the centre")
-            .note(
-                "LinuxCNC's rule: an error from 28 um (72 um in inches) and 0.1 % of the radius; \
-                 Grbl's, with --dialect grbl: from 5 um and 0.1 %",
-            )
-            .help("check the centre words; absolute centres need G90.1"),
+            .note(match at.dialect.arc_tolerance() {
+                Nm(0) => "LinuxCNC's rule: an error from 28 um (72 um in inches) and 0.1 % of the \
+                          radius; Grbl's, with --dialect grbl: from 5 um and 0.1 %"
+                    .to_owned(),
+                Nm(most) => format!(
+                    "the rule of this machine: an error from {} (`motion.arc_tolerance`)",
+                    length(most as f64)
+                ),
+            })
+            .help(
+                "check the centre words; absolute centres need G90.1; `motion.arc_tolerance` of \
+                 the machine file widens the rule",
+            ),
         ErrorKind::RadiusAndCentre => finding
             .label("only one of them is allowed")
             .note("grbl: `error:36`; LinuxCNC: \"Mixed radius ijk format for arc\""),
@@ -293,7 +324,9 @@ fn described(error: &Error, at: &At<'_>) -> Finding {
         }
         ErrorKind::MissingWord(letter) => {
             let finding = finding.label(format!("needs `{}`", char::from(letter)));
-            match is_of(at, &Dialect::GRBL) {
+            // Grbl looks for the axis words of G10 before.
+            let is_axis = |letter| matches!(letter, b'X' | b'Y' | b'Z');
+            match is_of(at, &Dialect::GRBL) && at.find(is_axis).is_some() {
                 true => finding.note("grbl: `error:28`"),
                 false => finding,
             }
@@ -330,12 +363,16 @@ fn described(error: &Error, at: &At<'_>) -> Finding {
         ErrorKind::UnknownTool => finding
             .label("the radius of this tool is not known")
             .note("LinuxCNC: \"Requested tool not found in the tool table\"")
-            .help("set its radius first: G10 L1 P<tool> R<radius>"),
+            .help(
+                "set its radius first: `G10 L1 P<tool> R<radius>`, or `[[tool]]` of the machine file",
+            ),
         ErrorKind::SpindleStopped => finding
             .label("the spindle does not turn, or turns in the other direction")
             .note("LinuxCNC: \"Spindle not turning\"")
             .help("start it with M3 or M4 before"),
-        ErrorKind::WrongFeedMode => finding.label("needs G94"),
+        ErrorKind::WrongFeedMode => finding
+            .label("needs G94")
+            .help("write G94 and a feed per minute before it"),
         ErrorKind::RetractBelowBottom => finding
             .label("`R` lies below the bottom of the hole")
             .note("LinuxCNC: \"R value less than Z value in canned cycle\""),
@@ -396,9 +433,17 @@ fn described(error: &Error, at: &At<'_>) -> Finding {
 }
 
 /// The messages of other programs for an unknown code.
-fn unknown_code(letter: u8) -> String {
+fn unknown_code(letter: u8, tenths: Option<u16>) -> String {
     let small = char::from(letter.to_ascii_lowercase());
-    format!("grbl: `error:20`; LinuxCNC: \"Unknown {small} code used\"")
+    let linuxcnc = format!("LinuxCNC: \"Unknown {small} code used\"");
+    // What Grbl answers to a fraction depends on the whole number before it; it keeps eight bits of
+    // an M code.
+    match tenths {
+        Some(tenths) if tenths % 10 == 0 && (letter == b'G' || tenths < 2560) => {
+            format!("grbl: `error:20`; {linuxcnc}")
+        }
+        _ => linuxcnc,
+    }
 }
 
 /// The first dialect that has a code. `tenths` is ten times its number.

@@ -62,7 +62,7 @@ pub fn finding(fault: Fault, finding: Finding) -> Finding {
         Fault::TooManyArguments => finding.label("at most 30"),
         Fault::NoSuchSubroutine => finding
             .label("no `sub` with this label in the file")
-            .note("other files are not searched for subroutines"),
+            .note("searched: this file, its folder, and the folders of `--include`"),
         Fault::NotOpened => finding.label("no counterpart with this label before it"),
         Fault::NotClosed => finding.label("no counterpart with this label after it"),
         Fault::NestedSubroutine => finding

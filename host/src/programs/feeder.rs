@@ -2,7 +2,7 @@
 
 use crate::programs::blocks::{self, Given};
 use crate::programs::reading::{Reading, Results, simulated};
-use crate::programs::setup::{ClosedMicromill, Mill};
+use crate::programs::setup::{ClosedEngine, Engine};
 use crate::programs::source::Source;
 use crate::programs::spindle_time::Turning;
 use crate::simulation::work_piece::WorkPiece;
@@ -20,49 +20,27 @@ use std::ops::ControlFlow;
 ///
 /// Reading or writing fails, the machine refuses a line, or a probe finds nothing. It refuses no
 /// line of a program that was checked before, unless a line depends on what a probe has found.
-pub fn feed<L: Lash<AXES>>(
+pub fn feed<L: Lash<AXES> + 'static>(
     source: &mut Source,
-    machine: &mut Mill<L>,
+    machine: &mut Engine<L>,
     piece: &WorkPiece,
-    mut each: impl FnMut(&Mill<L>, &Event<AXES>) -> io::Result<()>,
+    mut each: impl FnMut(&Engine<L>, &Event<AXES>) -> io::Result<()>,
 ) -> io::Result<()> {
     let config = machine.config();
-    let dialect = config.dialect;
     let mut turning = config
         .spindle_counts
         .map(|counts| Turning::new(counts, config.timer_hz));
-    let mut each = |machine: &Mill<L>, event: &Event<AXES>| match &mut turning {
+    let mut each = |machine: &Engine<L>, event: &Event<AXES>| match &mut turning {
         None => each(machine, event),
         Some(turning) => each(machine, &turning.timed(event)?),
     };
-    let mut ended = false;
-    blocks::each_block(
+    if feed_lines(
         source,
-        dialect,
         machine,
-        |machine| reading(machine),
-        |machine, given, block| {
-            take(machine, given, block)?;
-            let has_ended = machine.has_ended();
-            // Takes events until there is room for another line, and the results of this one.
-            while !machine.has_room() {
-                match pull(machine, piece, &mut each)? {
-                    Pulled::End => ended = true,
-                    Pulled::Alarm(alarm) => return Err(at_line(given, &alarm)),
-                    Pulled::Event => continue,
-                    Pulled::Nothing => {}
-                }
-                return Ok(ControlFlow::Break(()));
-            }
-            // Any text may follow the end of a program.
-            Ok(if has_ended {
-                ControlFlow::Break(())
-            } else {
-                ControlFlow::Continue(())
-            })
-        },
-    )?;
-    if ended {
+        |engine| engine,
+        |engine| engine,
+        |machine| pull(machine, piece, &mut each),
+    )? {
         return Ok(());
     }
     finish(machine)?;
@@ -83,17 +61,16 @@ pub fn feed<L: Lash<AXES>>(
 /// As [`feed`].
 pub fn feed_followed(
     source: &mut Source,
-    machine: &mut ClosedMicromill,
+    machine: &mut ClosedEngine,
     piece: &WorkPiece,
     mut counts: [i64; AXES],
-    mut each: impl FnMut(&ClosedMicromill, &Followed<AXES>) -> io::Result<[i64; AXES]>,
+    mut each: impl FnMut(&ClosedEngine, &Followed<AXES>) -> io::Result<[i64; AXES]>,
 ) -> io::Result<()> {
     let config = machine.machine().config();
-    let dialect = config.dialect;
     let mut turning = config
         .spindle_counts
         .map(|counts| Turning::new(counts, config.timer_hz));
-    let mut pull = |machine: &mut ClosedMicromill| -> io::Result<Pulled> {
+    let mut pull = |machine: &mut ClosedEngine| -> io::Result<Pulled> {
         touch(machine.machine_mut(), piece);
         let Some(mut entry) = machine.next_event(&counts) else {
             return Ok(match machine.is_stopped() {
@@ -101,6 +78,11 @@ pub fn feed_followed(
                 false => Pulled::Nothing,
             });
         };
+        if let Followed::Event(event) = &entry {
+            if turned_back(machine.machine_mut(), event) {
+                return Ok(Pulled::Event);
+            }
+        }
         if let (Followed::Event(event), Some(turning)) = (&mut entry, &mut turning) {
             *event = turning.timed(event)?;
         }
@@ -110,32 +92,13 @@ pub fn feed_followed(
             _ => Pulled::Event,
         })
     };
-    let mut ended = false;
-    blocks::each_block(
+    if feed_lines(
         source,
-        dialect,
         machine,
-        |machine| reading(machine.machine()),
-        |machine, given, block| {
-            take(machine.machine_mut(), given, block)?;
-            let has_ended = machine.machine().has_ended();
-            while !machine.machine().has_room() {
-                match pull(machine)? {
-                    Pulled::End => ended = true,
-                    Pulled::Alarm(alarm) => return Err(at_line(given, &alarm)),
-                    Pulled::Event => continue,
-                    Pulled::Nothing => {}
-                }
-                return Ok(ControlFlow::Break(()));
-            }
-            Ok(if has_ended {
-                ControlFlow::Break(())
-            } else {
-                ControlFlow::Continue(())
-            })
-        },
-    )?;
-    if ended {
+        ClosedEngine::machine,
+        ClosedEngine::machine_mut,
+        &mut pull,
+    )? {
         return Ok(());
     }
     finish(machine.machine_mut())?;
@@ -144,9 +107,49 @@ pub fn feed_followed(
     Ok(())
 }
 
+/// Feeds lines to a machine, `M`, until it pauses for good or the text ends. `pull` takes an event.
+/// Returns whether the program has ended.
+fn feed_lines<L: Lash<AXES> + 'static, M>(
+    source: &mut Source,
+    machine: &mut M,
+    engine: impl Fn(&M) -> &Engine<L>,
+    engine_mut: impl Fn(&mut M) -> &mut Engine<L>,
+    mut pull: impl FnMut(&mut M) -> io::Result<Pulled>,
+) -> io::Result<bool> {
+    let dialect = engine(machine).config().dialect;
+    let mut ended = false;
+    blocks::each_block(
+        source,
+        dialect,
+        machine,
+        |machine| reading(engine(machine)),
+        |machine, given, block| {
+            take(engine_mut(machine), given, block)?;
+            let has_ended = engine(machine).has_ended();
+            // Takes events until there is room for another line, and the results of this one.
+            while !engine(machine).has_room() {
+                match pull(machine)? {
+                    Pulled::End => ended = true,
+                    Pulled::Alarm(alarm) => return Err(at_line(given, &alarm)),
+                    Pulled::Event => continue,
+                    Pulled::Nothing => {}
+                }
+                return Ok(ControlFlow::Break(()));
+            }
+            // Any text may follow the end of a program.
+            Ok(if has_ended {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            })
+        },
+    )?;
+    Ok(ended)
+}
+
 /// Gives a block to a machine that has room for it.
 fn take<L: Lash<AXES>>(
-    machine: &mut Mill<L>,
+    machine: &mut Engine<L>,
     given: &Given<'_>,
     block: Result<Block, Error>,
 ) -> io::Result<()> {
@@ -157,7 +160,7 @@ fn take<L: Lash<AXES>>(
 }
 
 /// The moves that still wait for a corner at the end of the text.
-fn finish<L: Lash<AXES>>(machine: &mut Mill<L>) -> io::Result<()> {
+fn finish<L: Lash<AXES>>(machine: &mut Engine<L>) -> io::Result<()> {
     machine
         .finish()
         .map_err(|refused| io::Error::other(refused.to_string()))
@@ -168,7 +171,7 @@ fn at_line(given: &Given<'_>, why: &dyn std::fmt::Display) -> io::Error {
 }
 
 /// What expressions can read of a machine.
-fn reading<L: Lash<AXES>>(machine: &Mill<L>) -> Reading<'_, AXES> {
+fn reading<L: Lash<AXES>>(machine: &Engine<L>) -> Reading<'_, AXES> {
     let probed = machine.probed();
     Reading {
         modal: machine.modal(),
@@ -178,7 +181,7 @@ fn reading<L: Lash<AXES>>(machine: &Mill<L>) -> Reading<'_, AXES> {
 
 /// Sets the input of the probe, if the machine needs it.
 #[inline]
-fn touch<L: Lash<AXES>>(machine: &mut Mill<L>, piece: &WorkPiece) {
+fn touch<L: Lash<AXES>>(machine: &mut Engine<L>, piece: &WorkPiece) {
     if machine.needs_probe() {
         let steps = machine.position_steps();
         let scales = machine.config().axes.each_ref().map(|axis| axis.scale);
@@ -203,7 +206,7 @@ enum Pulled {
 impl Pulled {
     /// The kind of an event. A request for an input is answered.
     #[inline]
-    fn of<L: Lash<AXES>>(machine: &mut Mill<L>, event: &Event<AXES>) -> Self {
+    fn of<L: Lash<AXES>>(machine: &mut Engine<L>, event: &Event<AXES>) -> Self {
         match event {
             Event::Pause(Pause::End { .. }) => Self::End,
             Event::Alarm(alarm) => Self::Alarm(*alarm),
@@ -216,11 +219,21 @@ impl Pulled {
     }
 }
 
+/// The simulated spindle reverses at once, so no step beyond the ends of a tap is made.
+#[inline]
+fn turned_back<L: Lash<AXES>>(machine: &mut Engine<L>, event: &Event<AXES>) -> bool {
+    let turns = matches!(event, Event::Follow(_)) && machine.awaits_reversal();
+    if turns {
+        machine.spindle_reversed(false);
+    }
+    turns
+}
+
 #[inline]
 fn pull<L: Lash<AXES>>(
-    machine: &mut Mill<L>,
+    machine: &mut Engine<L>,
     piece: &WorkPiece,
-    each: &mut impl FnMut(&Mill<L>, &Event<AXES>) -> io::Result<()>,
+    each: &mut impl FnMut(&Engine<L>, &Event<AXES>) -> io::Result<()>,
 ) -> io::Result<Pulled> {
     touch(machine, piece);
     // By reference for speed: a move would read the event as a whole right after it was written in
@@ -228,6 +241,9 @@ fn pull<L: Lash<AXES>>(
     let Some(ref event) = machine.next_event() else {
         return Ok(Pulled::Nothing);
     };
+    if turned_back(machine, event) {
+        return Ok(Pulled::Event);
+    }
     each(machine, event)?;
     Ok(Pulled::of(machine, event))
 }

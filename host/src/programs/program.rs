@@ -9,7 +9,7 @@ use crate::programs::explain::{self, At};
 use crate::programs::reading::{Reading, Results};
 use crate::programs::source::{LONGEST_LINE, Source};
 use husillo_gcode::{
-    Block, Command, Compensated, Compensation, Dialect, Error, Modal, Nm, Tool, words,
+    Block, Command, Compensated, Compensation, Dialect, Error, ErrorKind, Modal, Nm, Tool, words,
 };
 use husillo_sim::observers::AXES;
 use std::collections::VecDeque;
@@ -98,6 +98,8 @@ struct Walker<'a> {
     last_line: usize,
     has_ended: bool,
     progress: Progress,
+    /// The state of a machine that begins without a motion mode, until the first motion code.
+    strict: Option<Modal<AXES>>,
 }
 
 /// The place of a command that waits for the corner after it.
@@ -143,6 +145,7 @@ type Each<'e> =
 impl<'a> Walker<'a> {
     fn new(left: u64, file: &'a str, start: Start) -> Self {
         let modal = start.modal();
+        let starts_in_rapid = modal.motion().is_some();
         Self {
             file,
             dialect: start.dialect,
@@ -155,7 +158,26 @@ impl<'a> Walker<'a> {
             last_line: 1,
             has_ended: false,
             progress: Progress::new("Reading {human_pos} blocks and commands; Ctrl-C ends", None),
+            strict: (starts_in_rapid && start.dialect.name() != Dialect::GRBL.name())
+                .then(|| Modal::new(start.dialect.with_rapid_start(false))),
         }
+    }
+
+    /// Whether this is the first motion, and has no code of its own: it is taken as G0.
+    fn assumes_rapid(&mut self, block: &Block) -> bool {
+        let Some(strict) = &self.strict else {
+            return false;
+        };
+        let planned = strict.plan(block).map(|(next, _)| next);
+        let kind = planned.as_ref().err().map(|error| error.kind);
+        let assumes =
+            kind == Some(ErrorKind::AxisWordsWithoutMotion) && self.modal.motion().is_some();
+        match planned {
+            Ok(next) => self.strict = Some(next).filter(|next| next.motion().is_none()),
+            Err(_) if assumes => self.strict = None,
+            Err(_) => {}
+        }
+        assumes
     }
 
     /// What expressions can read.
@@ -249,8 +271,14 @@ impl<'a> Walker<'a> {
             Ok(block) => self.plan(given, block),
             Err(error) => Err(*error),
         };
+        let assumes_rapid = block.as_ref().is_ok_and(|block| self.assumes_rapid(block));
         let commands = match planned {
-            Ok(commands) => commands,
+            Ok(commands) => {
+                if assumes_rapid {
+                    findings.add(rapid_assumed(&at));
+                }
+                commands
+            }
             Err(error) => {
                 findings.add(explain::finding(&error, &at));
                 if let Some(end) = block.ok().and_then(|block| self.end_of(given, &block)) {
@@ -347,6 +375,14 @@ fn too_many_commands(at: &At<'_>) -> Finding {
 fn grbl_command(at: &At<'_>) -> Finding {
     Finding::warning("W0604", "command of Grbl is left out", at.whole())
         .label("settings and homing are no part of a program")
+}
+
+fn rapid_assumed(at: &At<'_>) -> Finding {
+    let message = "axis words before the first motion code are taken as G0";
+    Finding::warning("W0605", message, at.whole())
+        .label("the first motion of the program")
+        .note("Grbl and grblHAL begin in G0; LinuxCNC refuses this line")
+        .help("write G0 or G1 before the axis words")
 }
 
 fn overlong(at: &At<'_>) -> Finding {

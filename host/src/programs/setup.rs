@@ -4,25 +4,23 @@ use crate::machines::machine_file::{AxisFile, Driver, Idle, MachineFile, StepMod
 use husillo_backlash::{Flank, LashMap, MappedBacklash};
 use husillo_gcode::{Dialect, Nm};
 use husillo_interp::Path;
-use husillo_machine::{
-    Axis, AxisEncoder, AxisRamp, ClosedLoop, Config, Extended, Machine, Motors, Scale,
-};
+use husillo_machine::{Axis, AxisEncoder, AxisRamp, ClosedLoop, Config, Extended, Machine, Scale};
 use husillo_metrology::calibration::backlash::Map;
 use husillo_probe::{PreTravel, Tip, UnitVector};
 use husillo_sim::observers::AXES;
 use husillo_sim::observers::phases;
 use husillo_sim::{AxisModel, LashField, Rig};
-use husillo_stepper::{Drive, Mode, Sequencer, StepDirection, StepToggle};
+use husillo_stepper::{Drive, Mode, Motors, Sequencer, StepDirection, StepToggle};
 use std::sync::Arc;
 
 /// The backlash of an axis. A single value is a map with one position.
 pub type Screw = MappedBacklash<Arc<[i32]>, Arc<[u32]>>;
-/// A machine with all commands, and with this backlash.
-pub type Mill<L> = Machine<AXES, Path<AXES>, L, 16, Extended<AXES>>;
-/// A machine with such screws.
-pub type Micromill = Mill<Screw>;
-/// A machine with such screws and with encoders.
-pub type ClosedMicromill = ClosedLoop<AXES, Path<AXES>, Screw, 16, Extended<AXES>>;
+/// The engine with all commands, and with this backlash.
+pub type Engine<L> = Machine<AXES, Path<AXES>, L, 16, Extended<AXES>>;
+/// The engine with such screws.
+pub type MappedEngine = Engine<Screw>;
+/// The engine with such screws and with encoders.
+pub type ClosedEngine = ClosedLoop<AXES, Path<AXES>, Screw, 16, Extended<AXES>>;
 
 /// The backlash that the controller takes up: the maps of the file, or one value for an axis
 /// without a map.
@@ -76,8 +74,8 @@ fn flat(steps: u32) -> Map {
 }
 
 /// A machine that takes up the backlash of these maps.
-pub fn with_maps(config: Config<AXES>, maps: [Map; AXES]) -> Micromill {
-    Micromill::with_lash(
+pub fn with_maps(config: Config<AXES>, maps: [Map; AXES]) -> MappedEngine {
+    MappedEngine::with_lash(
         config,
         maps.map(|map| MappedBacklash::new(map, Flank::Positive)),
     )
@@ -120,9 +118,22 @@ pub fn encoders(file: &MachineFile) -> [Option<AxisEncoder>; AXES] {
     })
 }
 
-/// The dialect of a program on this machine: with its axes.
+/// The dialect of a program on this machine: with its axes and its tolerance of arcs. Programs of
+/// CAM systems may begin with axis words, which are taken as G0, with a warning.
 pub fn on_axes(dialect: Dialect, file: &MachineFile) -> Dialect {
-    dialect.with_axes(file.letters)
+    let is_of_cam = [
+        Dialect::RS274,
+        Dialect::GRBL,
+        Dialect::ISO,
+        Dialect::LATHE,
+        Dialect::LATHE_A,
+    ]
+    .iter()
+    .any(|other| other.name() == dialect.name());
+    dialect
+        .with_axes(file.letters)
+        .with_arc_tolerance(file.arc_tolerance.map(Nm))
+        .with_rapid_start(is_of_cam)
 }
 
 /// An axis that a machine does not have. It never moves.
@@ -245,11 +256,11 @@ pub fn motors(file: &MachineFile) -> Result<Motors<AXES, Drive>, String> {
     }
     let ticks = |micros: u64| micros.saturating_mul(u64::from(file.timer_hz)) / 1_000_000;
     let idle = match file.idle {
-        Idle::Hold => husillo_machine::Idle::Hold,
-        Idle::Reduced(after) => husillo_machine::Idle::Reduced {
+        Idle::Hold => husillo_stepper::Idle::Hold,
+        Idle::Reduced(after) => husillo_stepper::Idle::Reduced {
             after_ticks: ticks(after),
         },
-        Idle::Off(after) => husillo_machine::Idle::Off {
+        Idle::Off(after) => husillo_stepper::Idle::Off {
             after_ticks: ticks(after),
         },
     };

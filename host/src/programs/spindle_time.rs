@@ -45,6 +45,8 @@ impl Turning {
             Event::Follow(FollowEvent {
                 wait_counts_q16,
                 delta,
+                // The encoder counts up in both directions, so a wait is one in both.
+                turns_back: _,
             }) => {
                 if !self.is_following {
                     self.catch_up();
@@ -153,6 +155,7 @@ mod tests {
             let follow = Event::Follow(FollowEvent {
                 wait_counts_q16: 65_536,
                 delta: [0, 0, 1, 0, 0, 0],
+                turns_back: false,
             });
             let Event::Step(step) = turning.timed(&follow).unwrap() else {
                 panic!("a step")

@@ -1,12 +1,12 @@
 //! `husillo steps`: writes the step events as CSV.
 
 use crate::programs::feeder;
-use crate::programs::setup::Micromill;
+use crate::programs::setup::MappedEngine;
 use crate::programs::source::Source;
 use crate::simulation::work_piece::WorkPiece;
-use husillo_machine::{Event, Motors};
+use husillo_machine::Event;
 use husillo_sim::observers::AXES;
-use husillo_stepper::{Drive, Levels};
+use husillo_stepper::{Drive, Levels, Motors};
 use std::io::{self, Write};
 
 /// Writes `event,wait_ticks,dx,dy,dz`, one row per event, with further axes after Z. Dwells are
@@ -20,7 +20,7 @@ use std::io::{self, Write};
 /// Reading or writing fails.
 pub fn write(
     source: &mut Source,
-    machine: &mut Micromill,
+    machine: &mut MappedEngine,
     piece: &WorkPiece,
     mut motors: Option<Motors<AXES, Drive>>,
     out: &mut impl Write,

@@ -3,11 +3,11 @@
 use crate::machines::encoder_file::Push;
 use crate::machines::machine_file::MachineFile;
 use crate::programs::setup;
-use husillo_machine::{Motors, StepEvent};
+use husillo_machine::StepEvent;
 use husillo_sim::Rig;
 use husillo_sim::observers::AXES;
 use husillo_sim::observers::losses::{FirstLoss, Losses};
-use husillo_stepper::{Drive, Levels};
+use husillo_stepper::{Drive, Levels, Motors};
 
 /// The simulated machine, and its clock.
 pub struct Mechanics {

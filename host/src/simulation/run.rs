@@ -2,7 +2,7 @@
 
 use crate::machines::encoder_file::Push;
 use crate::machines::machine_file::MachineFile;
-use crate::programs::setup::{self, ClosedMicromill, Micromill};
+use crate::programs::setup::{self, ClosedEngine, MappedEngine};
 use crate::simulation::mechanics::Mechanics;
 use husillo_gcode::SpindleDirection;
 use husillo_machine::{Event, Followed, Origin, Output, Probed, StepEvent};
@@ -145,7 +145,7 @@ impl Run {
     /// The trace cannot be written.
     pub fn followed(
         &mut self,
-        machine: &ClosedMicromill,
+        machine: &ClosedEngine,
         entry: &Followed<AXES>,
     ) -> io::Result<[i64; AXES]> {
         match entry {
@@ -167,7 +167,7 @@ impl Run {
     ///
     /// The trace cannot be written.
     #[inline]
-    pub fn event(&mut self, machine: &Micromill, event: &Event<AXES>) -> io::Result<()> {
+    pub fn event(&mut self, machine: &MappedEngine, event: &Event<AXES>) -> io::Result<()> {
         match event {
             Event::Step(step) => self.step(machine, step),
             Event::Dwell { wait_ticks } => {
@@ -195,7 +195,7 @@ impl Run {
     }
 
     #[inline]
-    fn step(&mut self, machine: &Micromill, step: &StepEvent<AXES>) -> io::Result<()> {
+    fn step(&mut self, machine: &MappedEngine, step: &StepEvent<AXES>) -> io::Result<()> {
         self.mechanics.step(step);
         let origin = machine.origin();
         let is_turn = self.moves.is_turn(origin);

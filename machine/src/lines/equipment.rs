@@ -28,6 +28,10 @@ pub struct Equipment {
     /// Highest speed of a spindle whose speed can change during a move, in thousandths of a turn
     /// per minute: G96. `None`: its speed changes between moves only.
     pub surface_milli_rpm: Option<u32>,
+    /// The spindle reverses within this number of turns, and its encoder counts in both directions:
+    /// G33.1. `None`: no rigid tapping. While it reverses, the tap goes this far beyond the bottom
+    /// and the start, so both must be within the travel.
+    pub tapping_overrun_turns: Option<u8>,
     /// Heaters and fans of a printer: M104 to M109, M140, M141, M190, M191.
     pub heaters: bool,
     /// Pallets are changed by hand: M60 waits for the operator.
@@ -45,6 +49,7 @@ impl Equipment {
         analog_inputs: 0,
         spindle_angle: false,
         surface_milli_rpm: None,
+        tapping_overrun_turns: None,
         heaters: false,
         pallets: false,
     };
@@ -92,7 +97,9 @@ impl Equipment {
             {
                 Means::Splines
             }
-            Command::Tap { .. } => Means::RigidTapping,
+            Command::Tap { .. } if !has_encoder || self.tapping_overrun_turns.is_none() => {
+                Means::RigidTapping
+            }
             Command::Orient { .. } if !self.spindle_angle => Means::SpindleAngle,
             Command::Probe { .. } if !self.probe => Means::Probe,
             Command::Compensation { side: Some(_), .. } => Means::RadiusCompensation,

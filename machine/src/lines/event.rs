@@ -18,7 +18,7 @@ pub enum Event<const N: usize> {
     /// Wait for the index pulse of the spindle encoder. The counts of the following events begin
     /// there.
     Index,
-    /// Wait for the spindle to turn, then step: G33, G76, G95.
+    /// Wait for the spindle to turn, then step: G33, G33.1, G76, G95.
     Follow(FollowEvent<N>),
     /// Switch an output, exactly between the preceding and the following move.
     Output(Output),
@@ -54,6 +54,9 @@ pub enum Alarm {
     ContactAtStart,
     /// G38.2, G38.4: the contact did not change.
     NoContact,
+    /// G33.1: the spindle went on for more turns than it may
+    /// ([`Equipment::tapping_overrun_turns`](crate::Equipment::tapping_overrun_turns)).
+    SpindleNotReversed,
 }
 
 impl core::fmt::Display for Alarm {
@@ -61,6 +64,7 @@ impl core::fmt::Display for Alarm {
         f.write_str(match self {
             Alarm::ContactAtStart => "the contact of the probe had changed before the move",
             Alarm::NoContact => "the contact of the probe did not change in the whole move",
+            Alarm::SpindleNotReversed => "the spindle did not reverse within the turns it has",
         })
     }
 }
@@ -77,6 +81,10 @@ pub struct FollowEvent<const N: usize> {
     pub wait_counts_q16: u32,
     /// Motor step of every axis: -1, 0 or +1. All are 0 where the wait does not fit in one event.
     pub delta: [i8; N],
+    /// The sign of the wait: the spindle turns against the direction in which the thread began, as
+    /// a tap comes out of its hole (G33.1). The sum of all waits with their signs is the count at
+    /// which the step is due.
+    pub turns_back: bool,
 }
 
 /// An output of the machine.

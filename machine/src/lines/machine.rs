@@ -4,6 +4,7 @@ mod begin;
 mod direct;
 mod extended;
 mod next_event;
+mod tapping;
 
 use husillo_backlash::{Backlash, Flank, Lash};
 use husillo_gcode::{Block, Command, Commands, Error, Modal, Nm, PathMode};
@@ -290,11 +291,11 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
             mode: self.mode,
             has_ended: false,
         };
-        let mut nurbs = None;
+        let mut points = None;
         for command in commands {
             if E::IS_EXTENDED {
                 self.config.check(&accepted.end, &command)?;
-                self.check_nurbs(&mut nurbs, &accepted.end, &command)?;
+                self.check_nurbs(&mut points, &accepted.end, &command)?;
             } else if P::HAS_ELLIPSES {
                 self.config.check_moves(&accepted.end, &command)?;
             } else {

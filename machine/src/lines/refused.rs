@@ -63,7 +63,7 @@ pub enum Means {
     Splines,
     /// G33, G76, G95: a spindle encoder.
     SpindleFeedback,
-    /// G33.1: a feed axis that follows the spindle while it reverses.
+    /// G33.1: a spindle with an encoder that reverses within some turns.
     RigidTapping,
     /// G96: a spindle whose speed follows a diameter.
     SurfaceSpeed,

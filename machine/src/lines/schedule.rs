@@ -118,6 +118,12 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
         self.is_thread = false;
     }
 
+    /// The next move is a part of the thread before it.
+    #[cfg(feature = "extended")]
+    pub(crate) const fn go_on_with_thread(&mut self) {
+        self.is_thread = true;
+    }
+
     /// End position of the last move in the queue.
     pub(crate) const fn programmed(&self) -> [Nm; N] {
         self.programmed
@@ -226,14 +232,7 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
             self.push_part(Some(path), has_lash);
             return;
         }
-        let mut turns = false;
-        if !is_round {
-            for ((heading, way), has_lash) in self.heading.iter_mut().zip(ways).zip(has_lash) {
-                turns |= way != 0 && way != *heading && has_lash;
-                *heading = if way == 0 { *heading } else { way };
-            }
-        }
-        if turns {
+        if !is_round && self.turns(ways, has_lash) {
             stretch.entry_limit_nm_per_s = 0;
         }
         let work = Work {
@@ -252,6 +251,17 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
         };
         // The caller has checked that there is room.
         let _ = self.moves.push(stretch, work);
+    }
+
+    /// Stores the directions of a straight move. Returns whether an axis with backlash reverses.
+    #[inline]
+    fn turns(&mut self, ways: [i8; N], has_lash: [bool; N]) -> bool {
+        let mut turns = false;
+        for ((heading, way), has_lash) in self.heading.iter_mut().zip(ways).zip(has_lash) {
+            turns |= way != 0 && way != *heading && has_lash;
+            *heading = if way == 0 { *heading } else { way };
+        }
+        turns
     }
 
     /// The move with its junction to the previous one; its end direction replaces the stored one.

@@ -1,10 +1,11 @@
 //! One move command, and its conversion to steps.
 
 use husillo_gcode::{Command, Nm};
-use husillo_interp::{ArcError, ArcMove, GridArc, GridEllipse, Moves};
+use husillo_interp::{ArcError, ArcMove, GridArc, GridEllipse, Moves, length};
 
 use crate::lines::arc::in_plane;
-use crate::lines::chords::Chords;
+use crate::lines::curve::chords_of;
+use crate::lines::duration::mul_div;
 use crate::{Config, MoveError};
 
 /// Largest number of events of one arc: the range of `i32` steps and of the `u32` counts of the
@@ -53,12 +54,12 @@ pub fn extent<const N: usize>(from: &[Nm; N], command: &Command<N>) -> [Option<[
             *extent = Some([to, to]);
         }
     }
-    if let Command::Spline { spline, feed } = command {
+    if let Command::Spline { spline, .. } = command {
         for (extent, at) in extents.iter_mut().zip(spline.to).take(2) {
             *extent = Some([at, at]);
         }
-        for (to, _) in Chords::new(*from, spline, *feed, EXTENT_TOLERANCE) {
-            for (extent, to) in extents.iter_mut().zip(to) {
+        for to in chords_of(spline, EXTENT_TOLERANCE) {
+            for (extent, to) in extents.iter_mut().zip(to.map(Nm)) {
                 if let Some([low, high]) = extent {
                     (*low, *high) = ((*low).min(to), (*high).max(to));
                 }
@@ -107,9 +108,7 @@ impl<const N: usize> Config<N> {
     pub fn check(&self, from: &[Nm; N], command: &Command<N>) -> Result<(), MoveError> {
         self.check_moves(from, command)?;
         match command {
-            Command::Spline { spline, feed } => {
-                self.check_chords(self.chords(*from, spline, *feed))
-            }
+            Command::Spline { spline, feed } => self.check_curve(self.curve(*from, spline, *feed)),
             _ => Ok(()),
         }
     }
@@ -162,6 +161,13 @@ impl<const N: usize> Config<N> {
                 self.check_point(to)?;
                 self.check_length(from, to).map(|_| ())
             }
+            Command::Tap { bottom, to, lead } => {
+                let turns = self.equipment.tapping_overrun_turns.unwrap_or(0);
+                let [below, above] = self.beyond(to, bottom, *lead, turns);
+                self.check_point(&below)?;
+                self.check_point(&above)?;
+                self.check_length(&below, &above).map(|_| ())
+            }
             Command::Arc { arc, .. } => {
                 self.check_point(&arc.to)?;
                 let longest = self.check_length(from, &arc.to)?;
@@ -202,6 +208,37 @@ impl<const N: usize> Config<N> {
             }
             _ => Ok(()),
         }
+    }
+
+    /// The positions this number of turns beyond the bottom and beyond the top of a tap.
+    pub(crate) fn beyond(
+        &self,
+        top: &[Nm; N],
+        bottom: &[Nm; N],
+        lead: Nm,
+        turns: u8,
+    ) -> [[Nm; N]; 2] {
+        let mut ways = [0; N];
+        for (way, (top, bottom)) in ways.iter_mut().zip(top.iter().zip(bottom)) {
+            *way = top.0.abs_diff(bottom.0);
+        }
+        let whole = length(&ways, 0).max(1);
+        let over = lead.0.unsigned_abs().saturating_mul(turns.into());
+        let mut beyond = [*bottom, *top];
+        let [below, above] = &mut beyond;
+        for ((below, above), way) in below.iter_mut().zip(above).zip(ways) {
+            let share = mul_div(way, over, whole);
+            // Beyond the range of coordinates it is beyond that of the axis.
+            let share = i64::try_from(share).unwrap_or(i64::MAX);
+            let share = if *below < *above {
+                share
+            } else {
+                share.wrapping_neg()
+            };
+            below.0 = below.0.saturating_sub(share);
+            above.0 = above.0.saturating_add(share);
+        }
+        beyond
     }
 
     /// The largest number of steps of one axis.

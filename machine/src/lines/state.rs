@@ -4,8 +4,7 @@
 use husillo_gcode::{Nm, SpindleDirection};
 
 use crate::Output;
-use crate::lines::chords::Chords;
-use crate::lines::nurbs::Nurbs;
+use crate::lines::curve::{ControlPoints, Curve};
 
 /// Number of outputs that can wait for the moves before them. Further ones wait for standstill.
 const SYNCHRONISED: usize = 8;
@@ -20,9 +19,12 @@ pub struct State<const N: usize> {
     /// An input was requested, and its answer has not come.
     pub(crate) is_awaited: bool,
     pub(crate) surface: Option<Surface>,
+    /// Direction and speed of the spindle, in thousandths of a turn per minute.
+    pub(crate) spindle: (SpindleDirection, u64),
+    pub(crate) tapping: Option<Tapping<N>>,
     /// Control points of a curve that is not complete.
-    pub(crate) nurbs: Nurbs,
-    pub(crate) chords: Option<Chords<N>>,
+    pub(crate) points: ControlPoints,
+    pub(crate) curve: Option<Curve<N>>,
     outputs: [Option<(Output, usize)>; SYNCHRONISED],
     /// Override of the operator, and whether the program permits it.
     pub(crate) percent: u8,
@@ -40,6 +42,34 @@ pub(crate) struct Probing<const N: usize> {
     pub(crate) contact: Option<[i32; N]>,
     /// The operator held the machine before the contact did.
     pub(crate) was_held: bool,
+}
+
+/// A tap in progress (G33.1).
+#[derive(Copy, Clone, Debug)]
+pub(crate) struct Tapping<const N: usize> {
+    #[cfg(feature = "extended")]
+    pub(crate) top: [Nm; N],
+    /// The farthest positions while the spindle reverses: below the bottom, above the top.
+    pub(crate) beyond: [[Nm; N]; 2],
+    pub(crate) lead: Nm,
+    pub(crate) stage: Stage,
+    /// The last step that follows the spindle.
+    pub(crate) last: [i8; N],
+}
+
+/// The stages of a tap, in their order.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Stage {
+    /// To the bottom.
+    Down,
+    /// Beyond it, until the spindle has reversed.
+    Below,
+    /// To the top.
+    #[cfg(feature = "extended")]
+    Up,
+    /// Beyond it, until the spindle has reversed again. A rapid move to the top follows.
+    #[cfg(feature = "extended")]
+    Above,
 }
 
 /// Result of the last probing move.
@@ -107,8 +137,10 @@ impl<const N: usize> State<N> {
             },
             is_awaited: false,
             surface: None,
-            nurbs: Nurbs::EMPTY,
-            chords: None,
+            spindle: (SpindleDirection::Off, 0),
+            tapping: None,
+            points: ControlPoints::NONE,
+            curve: None,
             outputs: [const { None }; SYNCHRONISED],
             percent: 100,
             permits_override: true,
@@ -120,13 +152,15 @@ impl<const N: usize> State<N> {
         self.probing = None;
         self.is_awaited = false;
         self.surface = None;
-        self.chords = None;
+        self.spindle = (SpindleDirection::Off, 0);
+        self.tapping = None;
+        self.curve = None;
         self.outputs = [const { None }; SYNCHRONISED];
     }
 
     /// Whether something is in progress that a later line has to wait for.
     pub(crate) const fn is_busy(&self) -> bool {
-        self.probing.is_some() || self.is_awaited || self.chords.is_some()
+        self.probing.is_some() || self.tapping.is_some() || self.is_awaited || self.curve.is_some()
     }
 
     /// Adds an output that acts when `moves` moves of the queue have been made and the next one

@@ -4,7 +4,7 @@ use husillo_machine::gcode::{Command, Nm};
 use husillo_machine::{Event, MoveError, Origin, Refused, Scale};
 use proptest::prelude::*;
 
-use crate::{Mill, config, run};
+use crate::{ExtendedMachine, config, run};
 
 type Point = [f64; 2];
 
@@ -54,7 +54,7 @@ fn nearest(points: [Point; 4], point: Point, u: &mut f64) -> f64 {
 
 /// Runs a curve; returns its time in seconds, its largest distance in steps of the coarser axis,
 /// and the fastest change of speed of an axis in steps/s.
-fn curve(mill: &mut Mill, line: &str, points: [Point; 4]) -> (f64, f64) {
+fn curve(mill: &mut ExtendedMachine, line: &str, points: [Point; 4]) -> (f64, f64) {
     let scales = [0, 1].map(|axis: usize| {
         let scale = mill.config().axes[axis].scale;
         f64::from(scale.nm()) / f64::from(scale.steps()) * 1e-6
@@ -80,7 +80,7 @@ fn a_curve_is_followed_within_a_step_at_its_feed() {
         let mut config = config(has_ramps);
         config.axes[1].scale = Scale::new(2500, ratio).unwrap();
         config.axes[1].max_rate_hz *= ratio;
-        let mut mill = Mill::new(config);
+        let mut mill = ExtendedMachine::new(config);
         run(&mut mill, &["G0 X10 Y10"], |_, _| ());
         let (seconds, off) = curve(&mut mill, "G5 X60 Y20 I20 J40 P-20 Q-20 F600", points);
         assert!(off < BOUND, "{off} steps");
@@ -102,7 +102,7 @@ fn a_curve_is_followed_within_a_step_at_its_feed() {
 
 #[test]
 fn a_quadratic_curve_and_a_smooth_join() {
-    let mut mill = Mill::new(config(true));
+    let mut mill = ExtendedMachine::new(config(true));
     let quadratic = [
         [0.0, 0.0],
         [20.0 / 3.0, 0.0],
@@ -128,14 +128,14 @@ fn a_quadratic_curve_and_a_smooth_join() {
 #[test]
 fn inverse_time_counts_once() {
     let points = [[0.0, 0.0], [10.0, 20.0], [20.0, 20.0], [30.0, 0.0]];
-    let mut mill = Mill::new(config(false));
+    let mut mill = ExtendedMachine::new(config(false));
     let (seconds, _) = curve(&mut mill, "G93 G5 X30 Y0 I10 J20 P-10 Q20 F6", points);
     assert!((seconds - 10.0).abs() < 0.01, "{seconds}");
 }
 
 #[test]
 fn the_whole_curve_is_within_the_travel() {
-    let mut mill = Mill::new(config(false));
+    let mut mill = ExtendedMachine::new(config(false));
     run(&mut mill, &["G0 X10 Y0"], |_, _| ());
     // Both ends are inside, and so is the rest at first; the second one dips below Y0.
     mill.line(b"G5 X40 Y0 I10 J20 P-10 Q20 F600").unwrap();
@@ -151,7 +151,7 @@ fn the_whole_curve_is_within_the_travel() {
 /// A quarter circle is a NURBS of order 3 with the weight sqrt(1/2) in its corner.
 #[test]
 fn a_rational_curve_is_a_circle() {
-    let mut mill = Mill::new(config(true));
+    let mut mill = ExtendedMachine::new(config(true));
     run(&mut mill, &["G0 X40 Y10"], |_, _| ());
     let lines = ["G5.2 X40 Y40 P0.70710678 L3 F1200", "X10 Y40 P1", "G5.3"];
     let mut most = 0.0_f64;
@@ -167,7 +167,7 @@ fn a_rational_curve_is_a_circle() {
 #[test]
 fn a_curve_of_four_points_is_that_of_g5() {
     let points = [[10.0, 10.0], [30.0, 50.0], [40.0, 0.0], [60.0, 20.0]];
-    let mut mill = Mill::new(config(false));
+    let mut mill = ExtendedMachine::new(config(false));
     let lines = [
         "G0 X10 Y10",
         "G5.2 X30 Y50 L4 F600",
@@ -189,7 +189,7 @@ fn a_curve_of_four_points_is_that_of_g5() {
 /// A curve of several spans goes on smoothly, and is checked as a whole before it moves.
 #[test]
 fn a_curve_of_many_points_is_checked_before_it_moves() {
-    let mut mill = Mill::new(config(true));
+    let mut mill = ExtendedMachine::new(config(true));
     run(&mut mill, &["G0 X10 Y10"], |_, _| ());
     let mut lines = vec!["G5.2 X20 Y30 L3 F1200".to_string()];
     lines.extend((1..40).map(|n| format!("X{} Y{}", 20 + n, 20 + 10 * (n % 2))));
@@ -206,7 +206,7 @@ fn a_curve_of_many_points_is_checked_before_it_moves() {
         panic!("{refused:?}")
     };
     assert_eq!(mill.next_event(), None);
-    let mut mill = Mill::new(config(true));
+    let mut mill = ExtendedMachine::new(config(true));
     let mut refused = None;
     for line in core::iter::once("G5.2 X60 Y20 L3 F1200").chain(core::iter::repeat_n("X70 Y20", 70))
     {
@@ -232,7 +232,7 @@ proptest! {
         let point = |n: usize| [f64::from(control[n].0) / 100.0, f64::from(control[n].1) / 100.0];
         let points = [0, 1, 2, 3].map(point);
         prop_assume!(points[0] != points[1]);
-        let mut mill = Mill::new(config(has_ramps));
+        let mut mill = ExtendedMachine::new(config(has_ramps));
         let [x, y] = points[0];
         let start = format!("G0 X{x} Y{y}");
         let mode = ["G61", "G61.1", "G64", "G64 P0.01"][mode];

@@ -4,10 +4,10 @@ use husillo_machine::gcode::{Input, WaitFor};
 use husillo_machine::{Event, Output, Pause};
 use proptest::prelude::*;
 
-use crate::{Mill, config, run};
+use crate::{ExtendedMachine, config, run};
 
 /// The events that are no steps, each with the position of X before it, in steps.
-fn others(mill: &mut Mill, lines: &[&str]) -> Vec<(i32, Event<3>)> {
+fn others(mill: &mut ExtendedMachine, lines: &[&str]) -> Vec<(i32, Event<3>)> {
     let mut others = Vec::new();
     run(mill, lines, |mill, event| {
         if !matches!(event, Event::Step(_) | Event::Dwell { .. }) {
@@ -40,7 +40,7 @@ fn outputs_act_with_the_beginning_of_the_next_move() {
         micro: 2_500_000,
     });
     for has_ramps in [false, true] {
-        let seen = others(&mut Mill::new(config(has_ramps)), &lines);
+        let seen = others(&mut ExtendedMachine::new(config(has_ramps)), &lines);
         let expected = [
             (4_000, digital(1, true)),
             (4_000, analog),
@@ -58,11 +58,15 @@ fn an_output_with_a_move_costs_no_stop() {
         let mut ticks = 0;
         let output = format!("{code} P1");
         let lines = ["G1 X10 F3000", &output, "X20"];
-        run(&mut Mill::new(config(true)), &lines, |_, event| {
-            if let Event::Step(step) = event {
-                ticks += u64::from(step.wait_ticks);
-            }
-        });
+        run(
+            &mut ExtendedMachine::new(config(true)),
+            &lines,
+            |_, event| {
+                if let Event::Step(step) = event {
+                    ticks += u64::from(step.wait_ticks);
+                }
+            },
+        );
         ticks
     };
     let (with_motion, at_once) = (time("M62"), time("M64"));
@@ -76,7 +80,7 @@ fn more_outputs_than_fit_keep_their_order() {
     lines.extend((0..20).map(|n| format!("M{} P{}", 62 + n % 2, n % 4)));
     lines.push("X2".into());
     let lines: Vec<&str> = lines.iter().map(String::as_str).collect();
-    let seen = others(&mut Mill::new(config(true)), &lines);
+    let seen = others(&mut ExtendedMachine::new(config(true)), &lines);
     let outputs: Vec<_> = seen.iter().map(|(_, event)| *event).collect();
     let expected: Vec<_> = (0..20)
         .map(|n| digital((n % 4) as u8, n % 2 == 0))
@@ -86,7 +90,7 @@ fn more_outputs_than_fit_keep_their_order() {
 
 #[test]
 fn a_wait_stands_until_it_is_answered() {
-    let mut mill = Mill::new(config(true));
+    let mut mill = ExtendedMachine::new(config(true));
     mill.line(b"G1 X1 F600").unwrap();
     mill.line(b"M66 P3 L3 Q2.5").unwrap();
     while mill.next_event().is_some_and(|event| {
@@ -113,7 +117,10 @@ fn a_wait_stands_until_it_is_answered() {
 
 #[test]
 fn angle_and_pallet_are_given_on() {
-    let seen = others(&mut Mill::new(config(true)), &["M19 R90 P1", "M60"]);
+    let seen = others(
+        &mut ExtendedMachine::new(config(true)),
+        &["M19 R90 P1", "M60"],
+    );
     let orient = Output::Orient {
         micro_degrees: 90_000_000,
         way: 1,
@@ -127,7 +134,7 @@ fn angle_and_pallet_are_given_on() {
 #[test]
 fn an_override_takes_effect_where_the_program_permits_it() {
     let time = |lines: &[&str]| {
-        let mut mill = Mill::new(config(false));
+        let mut mill = ExtendedMachine::new(config(false));
         mill.set_feed_override(50);
         let mut ticks = 0;
         run(&mut mill, lines, |_, event| {
@@ -146,7 +153,7 @@ fn an_override_takes_effect_where_the_program_permits_it() {
 
 #[test]
 fn the_spindle_follows_the_diameter() {
-    let mut mill = Mill::new(config(true));
+    let mut mill = ExtendedMachine::new(config(true));
     let lines = [
         "G0 X50",
         "G96 D3000 S100 M3",
@@ -204,7 +211,7 @@ proptest! {
             }
         }
         let lines: Vec<&str> = lines.iter().map(String::as_str).collect();
-        let mut seen = others(&mut Mill::new(config(has_ramps)), &lines);
+        let mut seen = others(&mut ExtendedMachine::new(config(has_ramps)), &lines);
         // Those without a move after them do not act; more than fit act at standstill.
         let place = |(x, event): &(i32, Event<3>)| (*x, format!("{event:?}"));
         let mut late: Vec<_> = waiting.into_iter().map(|event| (x, event)).collect();

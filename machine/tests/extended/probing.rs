@@ -5,11 +5,11 @@ use husillo_machine::probe::{PreTravel, Tip, UnitVector};
 use husillo_machine::{Alarm, Event, Output};
 use proptest::prelude::*;
 
-use crate::{Mill, config, run};
+use crate::{ExtendedMachine, config, run};
 
 /// Runs lines with a work piece whose top is at this step of Z. Returns the events that are no
 /// steps, and the lowest step of Z.
-fn probed(mill: &mut Mill, lines: &[&str], top: i32) -> (Vec<Event<3>>, i32) {
+fn probed(mill: &mut ExtendedMachine, lines: &[&str], top: i32) -> (Vec<Event<3>>, i32) {
     let (mut others, mut lowest) = (Vec::new(), i32::MAX);
     run(mill, lines, |mill, event| {
         let z = mill.position_steps()[2];
@@ -27,7 +27,7 @@ fn probed(mill: &mut Mill, lines: &[&str], top: i32) -> (Vec<Event<3>>, i32) {
 #[test]
 fn the_position_at_the_contact_is_latched_and_the_axes_brake() {
     for has_ramps in [false, true] {
-        let mut mill = Mill::new(config(has_ramps));
+        let mut mill = ExtendedMachine::new(config(has_ramps));
         let (events, lowest) = probed(&mut mill, &["G0 X10 Z5", "G38.2 Z-20 F600"], -1234);
         assert_eq!(events, [Event::Probed { is_touched: true }]);
         assert_eq!(mill.probed().at[2], Nm(-1234 * 2500));
@@ -52,7 +52,7 @@ fn the_position_at_the_contact_is_latched_and_the_axes_brake() {
 
 #[test]
 fn a_missed_contact_is_an_alarm_or_a_result() {
-    let mut mill = Mill::new(config(true));
+    let mut mill = ExtendedMachine::new(config(true));
     let (events, _) = probed(&mut mill, &["M3 S100", "G38.3 Z-2 F600"], -5000);
     assert_eq!(events.last(), Some(&Event::Probed { is_touched: false }));
     assert!(!mill.probed().is_touched);
@@ -79,7 +79,7 @@ fn a_contact_that_has_changed_before_is_an_alarm() {
         ("G38.4 Z3 F60", false),
         ("G38.5 Z3 F60", false),
     ] {
-        let mut mill = Mill::new(config(true));
+        let mut mill = ExtendedMachine::new(config(true));
         mill.set_probe(is_touching);
         mill.line(line.as_bytes()).unwrap();
         let events: Vec<_> = core::iter::from_fn(|| mill.next_event()).collect();
@@ -97,7 +97,7 @@ fn a_contact_that_has_changed_before_is_an_alarm() {
 
 #[test]
 fn probing_away_ends_where_the_contact_is_lost() {
-    let mut mill = Mill::new(config(false));
+    let mut mill = ExtendedMachine::new(config(false));
     let lines = ["G38.2 Z-10 F600", "G38.4 Z0 F60"];
     let (events, _) = probed(&mut mill, &lines, -1000);
     assert_eq!(events, [Event::Probed { is_touched: true }; 2]);
@@ -106,7 +106,7 @@ fn probing_away_ends_where_the_contact_is_lost() {
 
 #[test]
 fn no_line_is_taken_before_the_result_is_there() {
-    let mut mill = Mill::new(config(true));
+    let mut mill = ExtendedMachine::new(config(true));
     mill.line(b"G1 X10 F600").unwrap();
     mill.line(b"G38.2 X20 F600").unwrap();
     assert!(!mill.has_room());
@@ -121,7 +121,7 @@ fn no_line_is_taken_before_the_result_is_there() {
 
 #[test]
 fn the_operator_may_hold_and_abort() {
-    let mut mill = Mill::new(config(true));
+    let mut mill = ExtendedMachine::new(config(true));
     mill.line(b"G38.2 Z-20 F600").unwrap();
     for _ in 0..1000 {
         mill.next_event().unwrap();
@@ -151,7 +151,7 @@ fn tip_and_pre_travel_are_corrected_on_request() {
         pre_travel: PreTravel::of(&[(UnitVector::X, 5_000), (UnitVector::Z.reversed(), 3_000)])
             .unwrap(),
     };
-    let mut mill = Mill::new(config(true));
+    let mut mill = ExtendedMachine::new(config(true));
     mill.set_tip(Some(tip));
     run(
         &mut mill,
@@ -170,7 +170,7 @@ proptest! {
     /// their acceleration behind it, or the end of the move is a miss.
     #[test]
     fn every_height_is_found(top in -7900_i32..400, end in -20_i64..0, feed in 50_u32..2000) {
-        let mut mill = Mill::new(config(true));
+        let mut mill = ExtendedMachine::new(config(true));
         let probe = format!("G38.3 Z{end} F{feed}");
         let (events, lowest) = probed(&mut mill, &["G0 Z2", &probe], top);
         let end = (end * 400) as i32;

@@ -4,7 +4,7 @@ use husillo_machine::gcode::{Block, Command, Compensation, ErrorKind, Feed, Moda
 use husillo_machine::{Event, Machine, Means, MoveError, Origin, Refused};
 use proptest::prelude::*;
 
-use crate::{Mill, config, run};
+use crate::{ExtendedMachine, config, run};
 
 const CONTOUR: [&str; 8] = [
     "G10 L1 P1 R2",
@@ -27,11 +27,13 @@ fn steps(events: &[Event<3>]) -> Vec<Event<3>> {
 #[test]
 fn compensation_stands_before_the_machine() {
     let mut inside = Vec::new();
-    run(&mut Mill::new(config(true)), &CONTOUR, |_, event| {
-        inside.push(*event)
-    });
+    run(
+        &mut ExtendedMachine::new(config(true)),
+        &CONTOUR,
+        |_, event| inside.push(*event),
+    );
 
-    let mut machine = Mill::new(config(true));
+    let mut machine = ExtendedMachine::new(config(true));
     let dialect = machine.config().dialect;
     let mut modal = Modal::<3>::new(dialect);
     let mut stage = Compensation::new(modal.position());
@@ -50,7 +52,7 @@ fn compensation_stands_before_the_machine() {
     assert_eq!(steps(&inside), steps(&outside));
     assert!(inside.len() > 10_000);
     // 2 mm to the left of X60 to X100 at Y60.
-    let tool = Mill::new(config(false));
+    let tool = ExtendedMachine::new(config(false));
     assert_eq!(tool.modal().tool_data(1), None::<Tool<3>>);
 }
 
@@ -58,7 +60,7 @@ fn compensation_stands_before_the_machine() {
 #[test]
 fn the_tool_is_beside_the_contour() {
     for (code, offset) in [("G41", 2.0), ("G42", -2.0)] {
-        let mut machine = Mill::new(config(false));
+        let mut machine = ExtendedMachine::new(config(false));
         let mut seen = 0;
         let entry = format!("G1 {code} X60 Y60 D1 F600");
         let lines = [
@@ -113,7 +115,7 @@ fn a_plain_machine_refuses_what_it_has_no_means_for() {
 
 #[test]
 fn an_extended_machine_refuses_what_its_equipment_lacks() {
-    let mut machine = Mill::new(config(false));
+    let mut machine = ExtendedMachine::new(config(false));
     for (line, means) in [
         ("M64 P4", Means::InputsAndOutputs),
         ("M68 E2 Q1", Means::InputsAndOutputs),
@@ -136,7 +138,7 @@ fn commands_are_taken_all_or_none() {
     let to = |x: i64| [Nm(x * 1_000_000), Nm(0), Nm(0)];
     let inside = Command::Linear { to: to(10), feed };
     let beyond = Command::Linear { to: to(301), feed };
-    let mut machine = Mill::new(config(false));
+    let mut machine = ExtendedMachine::new(config(false));
     assert!(matches!(
         machine.check([inside, beyond]),
         Err(MoveError::Travel { axis: 0, .. })
@@ -161,7 +163,7 @@ fn commands_are_taken_all_or_none() {
 
 #[test]
 fn an_error_of_the_stage_changes_nothing() {
-    let mut machine = Mill::new(config(false));
+    let mut machine = ExtendedMachine::new(config(false));
     for line in ["G10 L1 P1 R2", "G0 X50 Y50", "G1 G41 X60 D1 F600", "X62"] {
         machine.line(line.as_bytes()).unwrap();
         while machine.next_event().is_some() {}
@@ -187,7 +189,7 @@ proptest! {
         has_ramps: bool,
     ) {
         let mut plain: Machine<3> = Machine::new(config(has_ramps));
-        let mut extended = Mill::new(config(has_ramps));
+        let mut extended = ExtendedMachine::new(config(has_ramps));
         let (mut first, mut second) = (Vec::new(), Vec::new());
         for (x, y, code) in ends {
             let line = format!("G{} X{x}e-3 Y{y}e-3 F600", code.min(1)).replace("e-3", "");

@@ -127,6 +127,11 @@ impl<'a> Feedback<'a> {
     }
 }
 
+fn put_error(text: &mut Text, error: ErrorCode) {
+    text.put(b"error:");
+    text.put_number(error.number().into());
+}
+
 impl<'a> Message<'a> {
     /// Whether the line answers a line of the sender. A sender counts these answers.
     pub const fn is_answer(&self) -> bool {
@@ -138,10 +143,7 @@ impl<'a> Message<'a> {
         let mut text = Text::new();
         match self {
             Message::Ok => text.put(b"ok"),
-            Message::Error(error) => {
-                text.put(b"error:");
-                text.put_number(error.number().into());
-            }
+            Message::Error(error) => put_error(&mut text, *error),
             Message::Alarm(alarm) => {
                 text.put(b"ALARM:");
                 text.put_number(alarm.number().into());
@@ -167,8 +169,10 @@ impl<'a> Message<'a> {
                 text.put(b">");
                 text.put(line);
                 text.put(b":");
-                let answer = error.map_or(Message::Ok, Message::Error);
-                text.put(answer.write(units).bytes());
+                match error {
+                    Some(error) => put_error(&mut text, *error),
+                    None => text.put(b"ok"),
+                }
             }
             Message::Blank => {}
             bracketed => bracketed.put_bracketed(&mut text, units),

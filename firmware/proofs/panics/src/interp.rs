@@ -3,9 +3,9 @@
 use core::hint::black_box;
 
 use husillo_interp::{
-    Arc, ArcDda, Bezier, Conic, DirectSearch, DirectSearchPrinted, Direction, GridEllipse, Helix,
-    Interpolator, Line, LineDda, LineDdaExact, Moves, NarrowArc, Path, ProgrammedArc, Scale,
-    Staircase, Step, TimedDirectSearch, fraction_bits_for, length,
+    Arc, ArcDda, Bezier, Chords, Conic, DirectSearch, DirectSearchPrinted, Direction, GridEllipse,
+    Helix, Interpolator, Line, LineDda, LineDdaExact, Moves, NarrowArc, Nurbs, Path, ProgrammedArc,
+    Scale, Staircase, Step, TimedDirectSearch, fraction_bits_for, length,
 };
 
 /// Keeps every function in the program.
@@ -57,6 +57,14 @@ pub fn keep() {
         NarrowArc::total_sweep as *const (),
         <NarrowArc as Iterator>::next as *const (),
         <NarrowArc as Iterator>::size_hint as *const (),
+        Nurbs::new as *const (),
+        Nurbs::push as *const (),
+        Chords::of_cubic as *const (),
+        Chords::of_nurbs as *const (),
+        Chords::total as *const (),
+        Chords::remaining as *const (),
+        <Chords as Iterator>::next as *const (),
+        <Chords as Iterator>::size_hint as *const (),
         Helix::<3>::new as *const (),
         Helix::<3>::arc as *const (),
         Helix::<3>::events as *const (),

@@ -7,9 +7,8 @@ use husillo_gcode::Command;
 use husillo_interp::{ArcMove, Path};
 use husillo_machine::{
     Axis, Checker, ClosedLoop as AnyClosedLoop, Config, Extended, Machine as AnyMachine, Means,
-    Motors, ServoAxis as AnyServoAxis, StepGuard, extent,
+    ServoAxis as AnyServoAxis, StepGuard, extent,
 };
-use husillo_stepper::{Drive, Levels};
 
 type ServoAxis = AnyServoAxis;
 type Machine = AnyMachine<3, Path<3>, Backlash>;
@@ -74,6 +73,8 @@ pub fn keep() {
         ExtendedMachine::set_probe as *const (),
         ExtendedMachine::is_probing as *const (),
         ExtendedMachine::needs_probe as *const (),
+        ExtendedMachine::awaits_reversal as *const (),
+        ExtendedMachine::spindle_reversed as *const (),
         ExtendedMachine::set_tip as *const (),
         ExtendedMachine::probed as *const (),
         ExtendedMachine::answer as *const (),
@@ -111,13 +112,5 @@ pub fn keep() {
         ServoAxis::home as *const (),
         ServoAxis::inputs as *const (),
         ServoAxis::status as *const (),
-        Motors::<3, Drive>::new as *const (),
-        Motors::<3, Drive>::step::<fn(u32, &[Levels; 3])> as *const (),
-        Motors::<3, Drive>::rest::<fn(u32, &[Levels; 3])> as *const (),
-        Motors::<3, Drive>::end_pulses::<fn(u32, &[Levels; 3])> as *const (),
-        Motors::<3, Drive>::shortest_interval_ticks as *const (),
-        Motors::<3, Drive>::set_enabled as *const (),
-        Motors::<3, Drive>::levels as *const (),
-        Motors::<3, Drive>::was_released as *const (),
     ]);
 }

@@ -6,7 +6,7 @@ use core::hint::black_box;
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::{ErrorType, InputPin, OutputPin};
 use husillo_stepper::{
-    CoilDriver, Drive, Driver, L297, LevelPins, Levels, Microstep, Mode, PulseNanoseconds,
+    CoilDriver, Drive, Driver, L297, LevelPins, Levels, Microstep, Mode, Motors, PulseNanoseconds,
     PulseTiming, Sequencer, StepDirection, StepDirectionPins, StepToggle, Switch, Unwired, sine,
 };
 
@@ -37,6 +37,14 @@ pub fn keep() {
         Microstep::<64>::angle as *const (),
         Mode::steps_per_full as *const (),
         Mode::by_name as *const (),
+        Motors::<3, Drive>::new as *const (),
+        Motors::<3, Drive>::step::<fn(u32, &[Levels; 3])> as *const (),
+        Motors::<3, Drive>::rest::<fn(u32, &[Levels; 3])> as *const (),
+        Motors::<3, Drive>::end_pulses::<fn(u32, &[Levels; 3])> as *const (),
+        Motors::<3, Drive>::shortest_interval_ticks as *const (),
+        Motors::<3, Drive>::set_enabled as *const (),
+        Motors::<3, Drive>::levels as *const (),
+        Motors::<3, Drive>::was_released as *const (),
         Sequencer::new as *const (),
         Sequencer::reversed as *const (),
         Sequencer::set_mode as *const (),

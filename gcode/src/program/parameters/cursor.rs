@@ -1,9 +1,9 @@
 //! A position in a line, and the parts that can be read without knowing any value.
 
-use super::line::pass_comment;
 use super::table::Capitals;
 use crate::error::parameters::Fault;
 use crate::error::{Error, ErrorKind};
+use crate::words::comment::comment_length;
 
 /// Moves over the bytes of a line; blanks are ignored.
 #[derive(Debug)]
@@ -84,9 +84,22 @@ impl<'t> Cursor<'t> {
     pub(super) fn pass_comments(&mut self) -> Result<(), Error> {
         let end = self.end;
         while self.peek() == Some(b'(') {
-            pass_comment(self)?;
+            self.pass_comment()?;
         }
         self.end = end;
+        Ok(())
+    }
+
+    /// Skips the comment that comes next.
+    pub(super) fn pass_comment(&mut self) -> Result<(), Error> {
+        let rest = self.text.get(self.at..).unwrap_or_default();
+        let length = comment_length(rest).ok_or(Error {
+            kind: ErrorKind::UnclosedComment,
+            at: self.at,
+            end: self.text.len(),
+        })?;
+        self.at = self.at.wrapping_add(length); // inside the line
+        self.end = self.at;
         Ok(())
     }
 

@@ -1,7 +1,6 @@
 //! The end of a value, without its value, for code that only copies it.
 
 use super::cursor::Cursor;
-use super::line::pass_comment;
 use crate::error::parameters::Fault;
 use crate::error::{Error, ErrorKind};
 use crate::values::decimal::Decimal;
@@ -116,7 +115,7 @@ fn next_word<'t>(
         let at = reader.at();
         match byte {
             b'(' => {
-                pass_comment(reader)?;
+                reader.pass_comment()?;
                 continue;
             }
             b';' => return Ok(None),

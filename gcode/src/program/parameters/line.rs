@@ -1,6 +1,5 @@
 //! One line with expressions: its words, and the assignments that take effect after it.
 
-use super::cursor::Cursor;
 use super::expression::Reader;
 use super::table::Key;
 use super::value::Value;
@@ -74,7 +73,7 @@ impl<'a, 't, F: Fn(Key<'t>) -> Option<Value>> Evaluated<'a, 't, F> {
             };
             let at = self.reader.at();
             match byte {
-                b'(' => pass_comment(&mut self.reader)?,
+                b'(' => self.reader.pass_comment()?,
                 b';' => return Ok(None),
                 b'/' if self.start => {
                     self.start = false;
@@ -139,30 +138,4 @@ impl<'a, 't, F: Fn(Key<'t>) -> Option<Value>> Evaluated<'a, 't, F> {
             })
             .map_err(|fault| self.reader.error(fault, at))
     }
-}
-
-/// Skips the comment that comes next.
-pub(super) fn pass_comment(reader: &mut Cursor<'_>) -> Result<(), Error> {
-    let from = reader.at();
-    reader.advance();
-    while let Some(byte) = reader.peek() {
-        let at = reader.at();
-        reader.advance();
-        match byte {
-            b')' => return Ok(()),
-            b'(' => {
-                return Err(Error {
-                    kind: ErrorKind::NestedComment,
-                    at,
-                    end: reader.end(),
-                });
-            }
-            _ => {}
-        }
-    }
-    Err(Error {
-        kind: ErrorKind::UnclosedComment,
-        at: from,
-        end: reader.at(),
-    })
 }

@@ -8,6 +8,7 @@ use crate::codes::dialect::Dialect;
 use crate::error::Error;
 use crate::error::parameters::Fault;
 use crate::features::EXTENDED;
+use crate::words::comment::comment_length;
 #[cfg(feature = "extended")]
 use crate::words::word::words;
 
@@ -93,9 +94,9 @@ pub(super) fn place(text: &[u8], passes_delete: bool) -> Option<usize> {
             b'n' | b'N' if !number => number = true,
             b'0'..=b'9' | b'.' if number => {}
             b'(' => {
-                let rest = text.get(at..)?;
-                let (length, _) = (0..rest.len()).zip(rest).find(|&(_, &byte)| byte == b')')?;
+                let length = comment_length(text.get(at..)?)?;
                 at = at.wrapping_add(length);
+                continue;
             }
             _ => return None,
         }
@@ -111,7 +112,7 @@ fn is_program_number(text: &[u8]) -> bool {
     let is_comment = match rest.first() {
         None | Some(b';') => true,
         // A call may follow a comment.
-        Some(b'(') => rest.iter().position(|byte| *byte == b')') == rest.len().checked_sub(1),
+        Some(b'(') => comment_length(rest) == Some(rest.len()),
         Some(_) => false,
     };
     digits > 0 && is_comment
@@ -134,14 +135,15 @@ pub fn needs_program(line: &[u8], dialect: &Dialect) -> bool {
     {
         return true;
     }
-    let mut is_comment = false;
+    let mut depth = 0_usize; // of comments
     for (at, byte) in (1usize..).zip(line) {
         match byte {
-            b'(' => is_comment = true,
-            b')' => is_comment = false,
-            b';' if !is_comment => return false,
-            b'#' | b'[' if !is_comment => return true,
-            b'm' | b'M' if EXTENDED && !is_comment && is_flow_code(line, at) => return true,
+            b'(' => depth = depth.wrapping_add(1), // at most the length of the line
+            b')' => depth = depth.saturating_sub(1),
+            _ if depth > 0 => {}
+            b';' => return false,
+            b'#' | b'[' => return true,
+            b'm' | b'M' if EXTENDED && is_flow_code(line, at) => return true,
             _ => {}
         }
     }

@@ -5,7 +5,7 @@ use super::super::{ERRORS, Failure, OK};
 use crate::console::told::Told;
 use crate::micromill;
 use crate::programs::feeder;
-use crate::programs::setup::{self, Mill};
+use crate::programs::setup::{self, Engine};
 use crate::programs::source::Source;
 use crate::simulation::work_piece::WorkPiece;
 use crate::text::grouped;
@@ -164,7 +164,7 @@ fn expected(job: &Job, text: String, start: Option<State>) -> Result<Expected, F
         Some(axis) => Play::at(axis.lash_steps, axis.ahead_steps, axis.load_steps),
         None => Play::at(0, 0, 0),
     });
-    let mut machine = Mill::<Play>::with_lash(config, plays);
+    let mut machine = Engine::<Play>::with_lash(config, plays);
     let at = client::position(&start, &setup::first_three(&config));
     machine
         .place(setup::padded(client::work_zero(&start)), setup::padded(at))
@@ -172,7 +172,7 @@ fn expected(job: &Job, text: String, start: Option<State>) -> Result<Expected, F
     run(machine, text)
 }
 
-fn run<L: Lash<AXES>>(mut machine: Mill<L>, text: String) -> Result<Expected, Failure> {
+fn run<L: Lash<AXES> + 'static>(mut machine: Engine<L>, text: String) -> Result<Expected, Failure> {
     let mut source = Source::from_reader(Box::new(io::Cursor::new(text.into_bytes())));
     let mut steps = Vec::new();
     feeder::feed(

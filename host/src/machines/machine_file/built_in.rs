@@ -1,7 +1,7 @@
 //! The built-in machines.
 
 /// Name, path and text of each built-in machine.
-pub const BUILT_IN: [(&str, &str, &str); 8] = [
+pub const BUILT_IN: [(&str, &str, &str); 9] = [
     (
         "micromill",
         "machines/micromill.toml",
@@ -11,6 +11,11 @@ pub const BUILT_IN: [(&str, &str, &str); 8] = [
         "free",
         "machines/free.toml",
         include_str!("../../../../machines/free.toml"),
+    ),
+    (
+        "free6",
+        "machines/free6.toml",
+        include_str!("../../../../machines/free6.toml"),
     ),
     (
         "router",

@@ -36,6 +36,9 @@ pub(super) fn equipment(table: &mut Table<'_, '_>) -> Equipment {
         surface_milli_rpm: table
             .integer("surface_speed_rpm", 1..=1_000_000)
             .and_then(|rpm| u32::try_from(rpm * 1000).ok()),
+        tapping_overrun_turns: table
+            .integer("tapping_overrun_turns", 0..=100)
+            .and_then(|turns| u8::try_from(turns).ok()),
         pallets: table.flag("pallets").unwrap_or(false),
         heaters: false,
     }

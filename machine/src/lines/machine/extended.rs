@@ -2,7 +2,7 @@
 //! surface speed.
 
 use husillo_backlash::Lash;
-use husillo_gcode::{Command, Nm, Switch};
+use husillo_gcode::{Command, Nm, SpindleDirection, Switch};
 use husillo_interp::Moves;
 #[cfg(feature = "extended")]
 use husillo_probe::Tip;
@@ -10,8 +10,8 @@ use husillo_probe::Tip;
 use super::Machine;
 #[cfg(feature = "extended")]
 use crate::Extended;
+use crate::lines::curve::ControlPoints;
 use crate::lines::extension::Extension;
-use crate::lines::nurbs::Nurbs;
 use crate::lines::state::{Probed, Probing, Surface};
 use crate::{Alarm, Event, MoveError, Output, Pause};
 
@@ -22,7 +22,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
     pub(super) fn is_busy(&self) -> bool {
         let waits = matches!(
             self.waiting,
-            Some(Command::Probe { .. } | Command::Wait { .. })
+            Some(Command::Probe { .. } | Command::Wait { .. } | Command::Tap { .. })
         );
         // An alarm drops the lines before it, so no line may come before the alarm is given.
         let is_raised = matches!(self.signals.last(), Some(Some(Event::Alarm(_))));
@@ -38,16 +38,16 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
 
     /// Whether the queue takes nothing before a probing move or an input has ended.
     pub(super) fn stands(&self) -> bool {
-        self.extension
-            .state()
-            .is_some_and(|state| state.probing.is_some() || state.is_awaited)
+        self.extension.state().is_some_and(|state| {
+            state.probing.is_some() || state.tapping.is_some() || state.is_awaited
+        })
     }
 
-    /// Checks a curve of several commands. `nurbs` are the control points that these commands add
-    /// to those already taken.
+    /// Checks a curve of several commands. `points` are the control points that these commands
+    /// add to those already taken.
     pub(super) fn check_nurbs(
         &self,
-        nurbs: &mut Option<Nurbs>,
+        points: &mut Option<ControlPoints>,
         from: &[Nm; N],
         command: &Command<N>,
     ) -> Result<(), MoveError> {
@@ -58,9 +58,9 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
         else {
             return Ok(());
         };
-        let nurbs = nurbs.get_or_insert_with(|| state.nurbs.clone());
-        match nurbs.take(&self.config, from, command)? {
-            Some(chords) => self.config.check_chords(chords),
+        let points = points.get_or_insert_with(|| state.points.clone());
+        match points.take(&self.config, from, command)? {
+            Some(curve) => self.config.check_curve(curve),
             None => Ok(()),
         }
     }
@@ -75,17 +75,17 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
         };
         match command {
             Command::Spline { spline, feed } => {
-                state.chords = Some(self.config.chords(from, &spline, feed));
+                state.curve = Some(self.config.curve(from, &spline, feed));
                 None
             }
             Command::NurbsBegin { .. } | Command::NurbsPoint { .. } | Command::NurbsEnd { .. } => {
                 // `accept` has checked it.
-                if let Ok(Some(chords)) = state.nurbs.take(&self.config, &from, &command) {
-                    state.chords = Some(chords);
+                if let Ok(Some(curve)) = state.points.take(&self.config, &from, &command) {
+                    state.curve = Some(curve);
                 }
                 None
             }
-            Command::Probe { .. } => {
+            Command::Probe { .. } | Command::Tap { .. } => {
                 self.waiting = Some(command);
                 None
             }
@@ -115,17 +115,16 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
         let Some(state) = self.extension.state_mut() else {
             return false;
         };
-        let Some(chords) = &mut state.chords else {
+        let Some(curve) = &mut state.curve else {
             return false;
         };
-        let inner = (!chords.is_first()).then_some(chords.tolerance);
-        match chords.next() {
-            None => state.chords = None,
+        let inner = (!curve.is_first()).then_some(curve.tolerance);
+        match curve.next() {
+            None => state.curve = None,
             Some((to, feed)) => {
                 let chord = Command::Linear { to, feed };
-                let curve = &chords.segment;
                 self.schedule
-                    .push_chord(curve, inner, &self.config, chord, has_lash);
+                    .push_chord(&curve.segment, inner, &self.config, chord, has_lash);
             }
         }
         true
@@ -141,6 +140,10 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
                 self.begin_probe(*command, to, away, must);
                 return true;
             }
+            Command::Tap { bottom, to, lead } => {
+                self.begin_tap(bottom, to, lead);
+                return true;
+            }
             Command::Surface {
                 direction,
                 speed,
@@ -154,15 +157,21 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
                     at: None,
                     milli_rpm: 0,
                 });
+                let milli_rpm = self.surface_speed().unwrap_or(0);
+                self.note_spindle(direction, milli_rpm);
                 let output = Output::Spindle {
                     direction,
-                    milli_rpm: self.surface_speed().unwrap_or(0),
+                    milli_rpm,
                 };
                 self.signal([Some(Event::Output(output)), None]);
                 return true;
             }
-            Command::Spindle { .. } => {
+            Command::Spindle {
+                direction,
+                milli_rpm,
+            } => {
                 state.surface = None;
+                state.spindle = (direction, milli_rpm);
                 return false;
             }
             Command::Switch { what, on } => {
@@ -199,6 +208,13 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
         };
         self.signal([Some(event), None]);
         true
+    }
+
+    /// Notes the spindle, which a tap reverses.
+    fn note_spindle(&mut self, direction: SpindleDirection, milli_rpm: u64) {
+        if let Some(state) = self.extension.state_mut() {
+            state.spindle = (direction, milli_rpm);
+        }
     }
 
     /// Begins a probing move; all moves before it have been made.
@@ -290,7 +306,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
     }
 
     /// Drops all lines and stops; the last event is the alarm.
-    fn raise(&mut self, alarm: Alarm) {
+    pub(super) fn raise(&mut self, alarm: Alarm) {
         self.abort();
         if let Some(last) = self.signals.last_mut() {
             *last = Some(Event::Alarm(alarm));
@@ -306,6 +322,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
     pub(super) fn surface_event(&mut self) -> Option<Event<N>> {
         let direction = self.extension.state()?.surface?.direction;
         let milli_rpm = self.surface_speed()?;
+        self.note_spindle(direction, milli_rpm);
         Some(Event::Output(Output::Spindle {
             direction,
             milli_rpm,

@@ -73,10 +73,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
         if wait > u64::from(MAX_WAIT_TICKS) {
             self.held = Some((delta, wait.wrapping_sub(u64::from(MAX_WAIT_TICKS))));
             return if follows {
-                Event::Follow(FollowEvent {
-                    wait_counts_q16: MAX_WAIT_TICKS,
-                    delta: [0; N],
-                })
+                self.followed(MAX_WAIT_TICKS, [0; N])
             } else {
                 self.guard.stepped(MAX_WAIT_TICKS, 0);
                 Event::Dwell {
@@ -146,10 +143,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
         let axes = bits(&delta);
         if follows {
             self.guard.stepped_aside(0, axes);
-            return Event::Follow(FollowEvent {
-                wait_counts_q16: wait as u32,
-                delta,
-            });
+            return self.followed(wait as u32, delta);
         }
         let mut wait_ticks = wait as u32;
         if self.guard.watches(axes) {
@@ -157,6 +151,19 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
         }
         self.guard.stepped(wait_ticks, axes);
         Event::Step(StepEvent { wait_ticks, delta })
+    }
+
+    /// A step that follows the spindle.
+    #[inline]
+    fn followed(&mut self, wait_counts_q16: u32, delta: [i8; N]) -> Event<N> {
+        if E::IS_EXTENDED {
+            self.note_followed(delta);
+        }
+        Event::Follow(FollowEvent {
+            wait_counts_q16,
+            delta,
+            turns_back: E::IS_EXTENDED && self.turns_back(),
+        })
     }
 
     /// Makes one motor step of take-up, while any remains.
@@ -172,8 +179,8 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
     fn next_unhurried(&mut self) -> Option<Event<N>> {
         loop {
             let event = self.next_of_queue();
-            // A probing move has ended where there is no other event.
-            if !E::IS_EXTENDED || event.is_some() || !self.end_probe() {
+            // A probing move, or a stage of a tap, has ended where there is no other event.
+            if !E::IS_EXTENDED || event.is_some() || !(self.end_probe() || self.end_tap()) {
                 return event;
             }
         }
@@ -189,6 +196,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
             let stops_at_once = !self.take_up.is_under_way() || !self.schedule.has_ramps();
             // A move that follows the spindle cannot stop without it.
             let stops_at_once = stops_at_once && !self.is_following() && !self.goes_on_threading();
+            let stops_at_once = stops_at_once && !(E::IS_EXTENDED && self.is_tapping());
             if self.ramp.is_held() && stops_at_once && self.ramp.speed_nm_per_s() == 0 {
                 return None;
             }

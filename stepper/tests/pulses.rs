@@ -1,7 +1,8 @@
 //! Motors with step and direction drivers: the pin levels for any stream of events.
 
-use husillo_machine::{Idle, Motors};
-use husillo_stepper::{Drive, Driver, Levels, Mode, PulseTiming, Sequencer, StepDirection};
+use husillo_stepper::{
+    Drive, Driver, Idle, Levels, Mode, Motors, PulseTiming, Sequencer, StepDirection,
+};
 use proptest::prelude::*;
 
 const AXES: usize = 3;

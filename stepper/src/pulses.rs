@@ -1,6 +1,6 @@
 //! Pulses of several step and direction drivers on one stream of events.
 
-use husillo_stepper::{CoilDriver, Levels, PulseTiming};
+use crate::{CoilDriver, Levels, PulseTiming};
 
 /// State of the pulses of `N` drivers, in timer ticks from the last change of levels.
 ///

@@ -1,8 +1,7 @@
 //! Conversion of events to driver levels: the last stage before the pins.
 
-use husillo_stepper::{CoilDriver, Levels, PulseTiming};
-
 use crate::pulses::Pulses;
+use crate::{CoilDriver, Levels, PulseTiming};
 
 /// State of the motors at rest.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Default)]
@@ -32,8 +31,7 @@ pub enum Idle {
 ///
 /// # Examples
 /// ```
-/// use husillo_machine::{Idle, Motors};
-/// use husillo_stepper::{Levels, PulseNanoseconds, StepDirection};
+/// use husillo_stepper::{Idle, Levels, Motors, PulseNanoseconds, StepDirection};
 ///
 /// let driver = StepDirection::new(PulseNanoseconds::A4988.ticks(10_000_000)); // ticks of 100 ns
 /// let mut motors = Motors::new([driver], Idle::Hold);

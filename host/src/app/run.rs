@@ -17,7 +17,7 @@ use crate::output::{Outputs, Writer};
 use crate::programs::check::Facts;
 use crate::programs::feeder;
 use crate::programs::mirror;
-use crate::programs::setup::{self, ClosedMicromill};
+use crate::programs::setup::{self, ClosedEngine};
 use crate::simulation::run::Run;
 use husillo_gcode::Dialect;
 use husillo_sim::observers::AXES;
@@ -189,7 +189,7 @@ fn feed(job: &Job, args: &RunArgs, run: &mut Run, events: f64) -> Result<End, Fa
     let encoders = setup::encoders(&job.machine);
     let mut has_stopped = false;
     if encoders.iter().any(Option::is_some) {
-        let mut closed = ClosedMicromill::new(machine, encoders);
+        let mut closed = ClosedEngine::new(machine, encoders);
         let counts = run.mechanics.counts();
         feeder::feed_followed(&mut source, &mut closed, &piece, counts, |closed, entry| {
             progress.step();

@@ -1,6 +1,7 @@
 //! `husillo machines new`.
 
-use super::{Failure, OK, write_new};
+use super::super::{Failure, OK};
+use super::write_new;
 use crate::cli::NewMachine;
 use crate::console::typed::typed_line;
 use crate::machines::new_machine::{Axis, Figure, by_axis, checked, text};
