@@ -109,11 +109,18 @@ impl<const N: usize> Config<N> {
         self.check_moves(from, command)?;
         match command {
             Command::Spline { spline, feed } => self.check_curve(self.curve(*from, spline, *feed)),
+            Command::Tap { bottom, to, lead } => {
+                let turns = self.equipment.tapping_overrun_turns.unwrap_or(0);
+                let [below, above] = self.beyond(to, bottom, *lead, turns);
+                self.check_point(&below)?;
+                self.check_point(&above)?;
+                self.check_length(&below, &above).map(|_| ())
+            }
             _ => Ok(()),
         }
     }
 
-    /// Does [`Config::check`] for a machine without curves.
+    /// Does [`Config::check`] for a machine without curves and taps.
     #[inline]
     pub(crate) fn check_moves(
         &self,
@@ -160,13 +167,6 @@ impl<const N: usize> Config<N> {
             | Command::Probe { to, .. } => {
                 self.check_point(to)?;
                 self.check_length(from, to).map(|_| ())
-            }
-            Command::Tap { bottom, to, lead } => {
-                let turns = self.equipment.tapping_overrun_turns.unwrap_or(0);
-                let [below, above] = self.beyond(to, bottom, *lead, turns);
-                self.check_point(&below)?;
-                self.check_point(&above)?;
-                self.check_length(&below, &above).map(|_| ())
             }
             Command::Arc { arc, .. } => {
                 self.check_point(&arc.to)?;
