@@ -55,7 +55,7 @@ pub use translate::translate;
 pub type Target = fn(&[u8]);
 
 /// Every target with its name, which is also that of its program and of its folder in `corpus`.
-pub const TARGETS: [(&str, Target); 22] = [
+pub const TARGETS: [(&str, Target); 23] = [
     ("gcode", gcode),
     ("reader", reader),
     ("format", format),
