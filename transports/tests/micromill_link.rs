@@ -562,6 +562,31 @@ proptest! {
         prop_assert_eq!(Order::read(string), Some(order));
     }
 
+    /// Whatever a line answers to each byte of the host: an order that is no motion ends, after a
+    /// bounded number of bytes and of polls.
+    #[test]
+    fn an_order_ends_on_a_line_of_noise(
+        noise in prop::collection::vec(any::<u8>(), 0..40),
+        order in prop::sample::select(vec![Order::Stop, Order::Report, Order::Lease(250)]),
+    ) {
+        let mut host = Host::new(HostTiming::of(9600));
+        let mut now_us = 0_u32;
+        prop_assert!(host.start(order, now_us));
+        let (mut bytes, mut polls) = (0, 0);
+        while !matches!(host.poll(now_us), Progress::Over(_)) {
+            while host.transmit(now_us).is_some() {
+                bytes += 1;
+                for byte in &noise {
+                    host.push(*byte, now_us);
+                }
+                prop_assert!(bytes < 200, "{} bytes", bytes);
+            }
+            polls += 1;
+            now_us += 10_000;
+            prop_assert!(polls < 1000, "{:?}", host);
+        }
+    }
+
     /// For any bytes: the device echoes them, never sends more than it has heard and one answer per
     /// string, and understands any string after them.
     #[test]

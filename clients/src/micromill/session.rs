@@ -32,6 +32,9 @@ pub struct Session {
     stop: StopRequests,
     /// The stop was carried out.
     is_halted: bool,
+    /// The controller has answered the first order. The report of a reset before it is the greeting
+    /// of a controller that was switched on: nothing is lost.
+    has_begun: bool,
     /// The controller has not answered, or the port has failed.
     is_lost: bool,
     /// Period of the strings that continue a motion, us. `None`: a motion needs no host.
@@ -62,6 +65,7 @@ impl Session {
             waiting: VecDeque::new(),
             stop,
             is_halted: false,
+            has_begun: false,
             is_lost: false,
             renewal_us: None,
             renewed_us: 0,
@@ -80,11 +84,16 @@ impl Session {
     ///
     /// A sentence about the port or the controller.
     pub fn begin(&mut self, lease_ms: u16) -> Result<(), String> {
-        // A program that was killed may have left the beginning of a string, which spoils this one.
-        let is_spoilt = self.outcome(Order::Stop, "stop")? == Outcome::Wrong;
-        if is_spoilt {
+        // The greeting of the controller may come late and end this string in the middle. The
+        // beginning of a string, of this one or of a program that was killed, spoils the next one.
+        let mut first = self.outcome(Order::Stop, "stop")?;
+        if first == Outcome::Restarted {
+            first = self.outcome(Order::Stop, "stop")?;
+        }
+        if first == Outcome::Wrong {
             self.order(Order::Stop, "stop")?;
         }
+        self.has_begun = true;
         self.order(Order::Stream(false), "no streaming")?;
         // 0 ends the lease of an earlier program.
         let leased = self.order(Order::Lease(lease_ms), "lease");
@@ -297,8 +306,10 @@ impl Session {
                 Some(Report::Step { axis, forward }) => self.steps.push((axis as u8, forward)),
                 Some(Report::LineDone) => self.lines += 1,
                 Some(Report::Digit(digit)) => self.digits.push(digit),
-                Some(Report::Restarted) => return Err("the controller was reset".into()),
-                Some(Report::Stopped | Report::Noise(_)) | None => {}
+                Some(Report::Restarted) if self.has_begun => {
+                    return Err("the controller was reset".into());
+                }
+                Some(Report::Restarted | Report::Stopped | Report::Noise(_)) | None => {}
             }
         }
         Ok(())
@@ -360,7 +371,7 @@ mod tests {
     use super::*;
     use crate::micromill::{BAUD, LEASE_MS};
     use husillo_sim::device::Emulation as _;
-    use husillo_transports::micromill::Axis;
+    use husillo_transports::micromill::{Answer, Axis};
 
     /// A killed program leaves part of a string in the controller. The next session begins anyway.
     #[test]
@@ -375,6 +386,20 @@ mod tests {
             assert_eq!(session.begin(LEASE_MS), Ok(()), "{left}");
             assert_eq!(session.order(Order::Every(1), "report"), Ok(()), "{left}");
         }
+    }
+
+    /// A controller that is switched on greets. A greeting that comes after the first bytes of a
+    /// session is no reset in it; a later one is.
+    #[test]
+    fn a_late_greeting_is_no_reset() {
+        let greeting = Answer::Ready.byte();
+        let wire = Wire::simulated(Device::new(BAUD));
+        let mut session = Session::new(wire, BAUD, StopRequests::default());
+        session.waiting.push_back(greeting);
+        assert_eq!(session.begin(LEASE_MS), Ok(()));
+        session.waiting.push_back(greeting);
+        let reset = session.order(Order::Every(1), "report");
+        assert_eq!(reset, Err("the controller was reset".into()));
     }
 
     /// A motion ends with its lease. A session with 0 ends the lease of an earlier one.

@@ -417,8 +417,15 @@ impl Host {
         }
     }
 
-    /// Turns the string into an unknown one.
+    /// Turns the string into an unknown one. After the last try the order ends, whatever the line
+    /// has answered: a line that answers every byte with noise would otherwise never end it.
     fn spoil(&mut self, now_us: u32) {
+        if self.tries == 0 {
+            self.load(Text::new(), now_us);
+            self.phase = Phase::String;
+            self.answer = Some(Outcome::Silent);
+            return;
+        }
         self.tries = self.tries.saturating_sub(1);
         let mut text = Text::new();
         text.push(b'!');
