@@ -7,3 +7,12 @@ mod curve;
 pub mod nurbs;
 pub mod path;
 pub mod turn;
+
+/// Length of the chords through the points 0 to `parts` of a curve.
+fn chords_length(parts: u32, point: impl Fn(u32) -> [f64; 2]) -> f64 {
+    let chord = |part: u32| {
+        let [[a, b], [c, d]] = [point(part), point(part + 1)];
+        (c - a).hypot(d - b)
+    };
+    (0..parts).map(chord).sum()
+}

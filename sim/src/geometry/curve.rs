@@ -1,5 +1,6 @@
 //! The exact path of a cubic curve, and the distance of a point from it.
 
+use super::chords_length;
 use husillo_gcode::{Nm, Spline};
 
 /// A cubic curve in XY; Z stays where the curve ends.
@@ -89,13 +90,7 @@ impl CurvePath {
 
     /// Length of the curve.
     pub fn length(&self) -> f64 {
-        let point = |part: u32| self.at(f64::from(part) / f64::from(PARTS))[0];
-        (0..PARTS)
-            .map(|part| {
-                let [[a, b], [c, d]] = [point(part), point(part + 1)];
-                (c - a).hypot(d - b)
-            })
-            .sum()
+        chords_length(PARTS, |part| self.at(f64::from(part) / f64::from(PARTS))[0])
     }
 }
 

@@ -1,5 +1,6 @@
 //! The exact path of a NURBS, and the distance of a point from it.
 
+use super::chords_length;
 use husillo_gcode::{Command, Nm};
 
 /// A NURBS in XY with the knots of LinuxCNC: the first and the last as often as the order, and
@@ -148,13 +149,7 @@ impl NurbsPath {
     /// Length of the curve.
     pub fn length(&self) -> f64 {
         let parts = (self.spans() * f64::from(PARTS)) as u32;
-        let point = |part: u32| self.at(f64::from(part) / f64::from(PARTS));
-        (0..parts)
-            .map(|part| {
-                let [[a, b], [c, d]] = [point(part), point(part + 1)];
-                (c - a).hypot(d - b)
-            })
-            .sum()
+        chords_length(parts, |part| self.at(f64::from(part) / f64::from(PARTS)))
     }
 }
 
