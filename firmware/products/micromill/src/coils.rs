@@ -19,7 +19,8 @@ const QUARTER: u8 = 1 << 1;
 /// Jumper 2: the drivers are A3988. Without it they are PBL3717A.
 const A3988: u8 = 1 << 2;
 
-/// A motor with this driver and step.
+/// A motor with this driver and step. The tables below call it while they are compiled, so a driver
+/// without this step is an error of the compiler.
 const fn motor(driver: Driver, mode: Mode) -> Sequencer {
     match Sequencer::new(driver, mode) {
         Ok(motor) => motor,
