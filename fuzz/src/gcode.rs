@@ -122,7 +122,11 @@ fn check_words(line: &[u8]) {
                     end <= word.at && word.at < word.end && word.end <= line.len(),
                     "words in order"
                 );
-                assert!(word.letter.is_ascii_uppercase(), "letters are capitals");
+                let is_polar = matches!(word.letter, b'@' | b'^');
+                assert!(
+                    word.letter.is_ascii_uppercase() || is_polar,
+                    "letters are capitals, or signs of polar coordinates"
+                );
                 end = word.end;
                 printed += &format!("{}{}", char::from(word.letter), word.value);
                 values.push((word.letter, word.value));

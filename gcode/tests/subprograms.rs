@@ -216,3 +216,21 @@ fn the_number_of_files_is_bounded() {
     }
     assert_eq!(codes, [(2, 642)]);
 }
+
+/// A call that is refused makes no assignment of its line; one that is made does.
+#[test]
+fn a_refused_call_assigns_nothing() {
+    for (line, value) in [
+        ("M98 P2 #1=2", 2),
+        ("M98 L2 #1=2", 0),
+        ("M98 P7 #1=2", 0),
+        ("#1=2 M98 P2.5", 0),
+    ] {
+        let text = format!("{line}\nM30\nO2\nM99\n");
+        let mut program: Program = Program::new(text.as_bytes(), Dialect::RS274);
+        let read = program.next_line(&Modal::<3>::new(Dialect::RS274));
+        let is_made = read.is_some_and(|line| line.block.is_ok());
+        assert_eq!(is_made, value != 0, "{line}");
+        assert_eq!(program.parameter(1).digits(), value, "{line}");
+    }
+}

@@ -63,10 +63,10 @@ pub(crate) fn rest(letter: u8, number: u16) -> Option<Rest> {
 pub(crate) fn code_at(text: &[u8]) -> Option<(u8, u16)> {
     let (letter, rest) = text.split_first()?;
     let digits = rest.iter().take_while(|byte| byte.is_ascii_digit());
-    let number = digits.take(4).fold(0_u16, |number, digit| {
-        // At most 9999.
+    // Zeros may precede the number. One above 16 bits is no code.
+    let number = digits.fold(0_u16, |number, digit| {
         let digit = u16::from(digit.wrapping_sub(b'0'));
-        number.wrapping_mul(10).wrapping_add(digit)
+        number.saturating_mul(10).saturating_add(digit)
     });
     let mut behind = rest.iter().skip_while(|byte| byte.is_ascii_digit());
     let has_point = behind.next() == Some(&b'.');
@@ -88,6 +88,9 @@ mod tests {
             ("M84 X Y E", Some(Rest::MotorsOff)),
             ("M600", Some(Rest::Pause)),
             ("M1170", None),
+            ("M00117 done", Some(Rest::Ignored)),
+            ("M00200", None),
+            ("M655560117", None),
             ("G12.1 X1", None),
             ("G29.0", Some(Rest::Ignored)),
             ("M3", None),

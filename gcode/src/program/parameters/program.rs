@@ -331,10 +331,11 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize, const FI
                 return Block::from_words([], &self.dialect);
             }
             if statement::needs_program(raw.text, &self.dialect) {
-                let block = self.evaluate(raw, system)?;
+                let (block, assignments) = self.evaluate(raw, system)?;
                 #[cfg(feature = "extended")]
-                return self.follow(raw, block, system);
-                #[cfg(not(feature = "extended"))]
+                let block = self.follow(raw, block, system)?;
+                // A subprogram has the parameters of its caller, so a call may come first.
+                self.assign(&assignments)?;
                 return Ok(block);
             }
         }
@@ -368,8 +369,12 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize, const FI
         })
     }
 
-    /// Evaluates a line of words and assignments.
-    fn evaluate(&mut self, raw: &Raw<'t>, system: &impl System) -> Result<Block, Error> {
+    /// Evaluates a line of words and assignments, which are permitted and not made yet.
+    fn evaluate(
+        &self,
+        raw: &Raw<'t>,
+        system: &impl System,
+    ) -> Result<(Block, Assignments<'t>), Error> {
         let mut assignments = Assignments::NONE;
         let block = {
             let lookup = self.lookup_at(raw.place.number, system);
@@ -387,6 +392,11 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize, const FI
                 return Err(fault(Fault::ReadOnly));
             }
         }
+        Ok((block, assignments))
+    }
+
+    /// Makes the assignments of a line. Without room for one the program ends.
+    fn assign(&mut self, assignments: &Assignments<'t>) -> Result<(), Error> {
         for assignment in assignments.iter() {
             if let Err(fault) = self.table.set(assignment.key, assignment.value) {
                 self.is_over = true;
@@ -397,7 +407,7 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize, const FI
                 });
             }
         }
-        Ok(block)
+        Ok(())
     }
 
     /// [`Program::lookup`] as a function of one type for all readers of values, so that their code
