@@ -428,7 +428,7 @@ fn figures_and_machines_must_match() {
         .args(ports)
         .assert()
         .code(2)
-        .stderr(contains("2 figures for 3 machines"));
+        .stderr(contains("2 figures for 3 machines: give one"));
     husillo()
         .args(["send", square, "-m", "microfactory"])
         .args(&ports[..4])

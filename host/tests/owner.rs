@@ -245,7 +245,7 @@ fn the_drill() {
 
 /// The holes that the panel of the drill counts.
 fn drilled(place: &str) -> i64 {
-    let (before, _) = place.split_once(" holes").unwrap_or_default();
+    let (before, _) = place.split_once(" hole").unwrap_or_default();
     let last = before.rsplit(' ').next();
     last.and_then(|word| word.parse().ok()).unwrap_or(0)
 }

@@ -6,7 +6,7 @@ use super::frame::Frame;
 use crate::calibration::backlash::{Bench, Moment};
 use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
 
-/// Angle from the end of a circle to where the play there is read, radians. The nut has met its
+/// Angle from the end of a circle to where the backlash there is read, radians. The nut has met its
 /// flank by then: 50 um are 10 degrees of a radius of 3 mm.
 const BEHIND: f64 = 20.0 * PI / 180.0;
 
