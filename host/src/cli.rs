@@ -84,7 +84,7 @@ pub enum Command {
         husillo holes board.drl --as drill --only 1 --shift corner -o board.cod")]
     Holes(Holes),
     /// Translate a program or a drill file for a controller without an interpreter: records of the
-    /// circuit-board drill, strings of the micro mill
+    /// circuit-board drill, strings of the micro mill, figures of a microfactory
     #[command(after_help = "Examples:\n  \
         husillo compile board.drl -m drill -o board.cod\n  \
         husillo compile board.drl -m drill --order shortest --shift corner --report board.html\n  \
@@ -254,7 +254,7 @@ pub enum Command {
 /// Machine and language of a program.
 #[derive(Clone, Debug, Args)]
 pub struct Target {
-    /// Machine: micromill, free, router, lathe, drill, microfactory, or a TOML file
+    /// Machine: a name that `husillo machines` lists, or a TOML file
     #[arg(short, long, value_name = "NAME|FILE")]
     pub machine: Option<String>,
     /// Language of the program: rs274, grbl, micromill, lathe, lathe-a, iso, drill, printer

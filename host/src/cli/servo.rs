@@ -133,7 +133,7 @@ pub struct Emulate {
     /// in servo:4,io:2 [default: servo:4 for each of the machine]
     #[arg(long, value_name = "KIND:V,..")]
     pub modules: Option<String>,
-    /// Time in ms after a hard reset in which a module of a measuring machine hears nothing
+    /// Time in ms after a hard reset in which a module of a measuring machine receives nothing
     #[arg(
         long,
         value_name = "MS",

@@ -167,7 +167,7 @@ impl<const CAPACITY: usize> Passes<CAPACITY> {
         }
     }
 
-    /// A state of the last cut, along the contour, and of the way back to the start.
+    /// A state of the last cut, along the contour, and of the path back to the start.
     fn finish(&mut self, begin: i64, entry: Vector) -> Option<Move> {
         match self.state {
             State::Last => {
