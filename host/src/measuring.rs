@@ -225,7 +225,7 @@ fn mishap_of(head: &mut Calibrated<Head<AnyPort>>) -> Option<u8> {
 }
 
 /// Carries out actions as they are typed, one line at a time, until `end` or the end of the input.
-/// A line that is not understood, or fails, is reported, and the session goes on. Returns whether
+/// A line that is not understood, or fails, is reported, and the session continues. Returns whether
 /// there was such a line.
 ///
 /// # Errors

@@ -511,7 +511,7 @@ fn pulled(parts: &[Part], lease_ms: u16, after_s: u64, passes_s: u64) -> (End, C
 }
 
 /// At the rates of the machine: the cable is pulled at different times of a run. The drill does not
-/// go on alone. It comes up and stands, its spindle too; then `--from` goes on without homing.
+/// continue alone. It comes up and stands, its spindle too; then `--from` continues without homing.
 #[test]
 fn a_drill_without_its_host_stops_and_goes_on_without_homing() {
     let parts = [part(1, &[[300, 100], [500, 100], [500, 300], [400, 90]])];
@@ -567,7 +567,7 @@ fn a_drill_without_its_host_stops_and_goes_on_without_homing() {
     assert!(seen.len() > 2, "{seen:?}");
 }
 
-/// Without a lease it goes on to the end of its program.
+/// Without a lease it continues to the end of its program.
 #[test]
 fn a_drill_without_a_lease_goes_on_alone() {
     let parts = [part(1, &[[300, 100], [320, 100]])];

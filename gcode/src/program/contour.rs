@@ -196,7 +196,7 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
     /// before.
     ///
     /// Errors of a contour are those of its own line, and no part of the cycle is made. A caller
-    /// that goes on continues after the contour.
+    /// that reads further lines continues after the contour.
     pub fn next_line<const N: usize>(&mut self, modal: &Modal<N>) -> Option<Line<'t>> {
         if let Some(line) = self.next_of_cycle(modal) {
             return Some(line);

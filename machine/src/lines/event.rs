@@ -39,12 +39,12 @@ pub enum Event<const N: usize> {
         /// Whether the contact changed.
         is_touched: bool,
     },
-    /// The program cannot go on: all lines and events after this one are dropped, and spindle and
-    /// coolant are off.
+    /// The program cannot continue: all lines and events after this one are dropped, and spindle
+    /// and coolant are off.
     Alarm(Alarm),
 }
 
-/// Reason why a program cannot go on.
+/// Reason why a program cannot continue.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]

@@ -146,7 +146,7 @@ fn left_at(around: &[Point], end: f64) -> f64 {
     };
     // Clockwise, the angle falls.
     let change = off(end - BEHIND) - off(end + BEHIND);
-    // At the right and at the top the axis goes on to its negative flank.
+    // At the right and at the top the axis continues to its negative flank.
     if end < 0.75 * PI { change } else { -change }
 }
 
