@@ -87,7 +87,7 @@ impl Steps {
         }
     }
 
-    /// Whether no report says otherwise.
+    /// Whether no report differs.
     fn is_same(&self) -> bool {
         self.every != 1 || (self.different.is_none() && self.reported == self.expected)
     }
