@@ -154,7 +154,7 @@ fn the_micro_mill() {
         &["line 3 begins at X0.7 Y0 mm", "move it there"],
     );
     assert_eq!(mill.device.type_line("where", "lost"), place);
-    mill.ends(2, &["send", part, "--from", "2"], &["needs --no-home"]);
+    mill.ends(2, &["send", part, "--from", "2"], &["add --no-home"]);
     let same = ["Lines      4 made\n", "each as in the simulator\n"];
     mill.ends(0, &from("2"), &same);
 
