@@ -563,7 +563,7 @@ fn a_drill_without_its_host_stops() {
         device.read_until("the host is silent: its lease has expired");
         device.read_until("spindle off");
         let place = device.type_line("where", "lost");
-        let stands = "x 1342 y 535 steps from home, z 0 below its sensor, spindle off; 1 holes";
+        let stands = "x 1342 y 535 steps from home, z 0 below its sensor, spindle off; 1 hole,";
         assert!(place.contains(stands), "{place}");
         device.type_line("plug", "plugged");
         let port = ["jog", "-m", "drill", "--port", device.port(), "where"];
