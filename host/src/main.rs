@@ -21,6 +21,7 @@
 mod console;
 
 mod app;
+mod by_hand;
 mod cli;
 mod diagnostics;
 mod drill;
@@ -86,9 +87,12 @@ fn answered(error: &clap::Error) -> ExitCode {
     let is_hostile = |text: String| {
         text.chars().any(console::is_obeyed) || text.len() != console::cut(&text).len()
     };
-    let is_ours = !std::env::args_os().any(|word| is_hostile(word.to_string_lossy().into_owned()));
     let text = error.render();
-    let drawn = |is_coloured: bool| match is_coloured && is_ours {
+    if std::env::args_os().any(|word| is_hostile(word.to_string_lossy().into_owned())) {
+        eprintln!("{}", text.to_string().trim_end());
+        return ExitCode::from(2);
+    }
+    let drawn = |is_coloured: bool| match is_coloured {
         true => text.ansi().to_string(),
         false => text.to_string(),
     };

@@ -218,7 +218,7 @@ fn the_drill() {
     });
     let next = next.unwrap_or_else(|| panic!("{told}"));
     assert!((3..=6).contains(&next), "{told}");
-    let done = format!("{} of 6 holes are drilled", next - 1);
+    let done = format!("{} of 6 holes drilled", next - 1);
     assert!(told.contains(&done), "{told}");
     // It knows its position and its holes.
     let counted = format!("{} drillings done", next - 1);
