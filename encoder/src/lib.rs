@@ -9,6 +9,7 @@ mod index;
 
 mod extended;
 mod running;
+mod step_watch;
 
 mod velocity_by_count;
 mod velocity_by_period;
@@ -17,5 +18,6 @@ pub use extended::Extended;
 pub use index::{Index, Passage};
 pub use quadrature::{Direction, Quadrature, Scale, Skipped, levels};
 pub use running::{Byte, read_running, running_value};
+pub use step_watch::{AxisEncoder, OnLoss, StepWatch};
 pub use velocity_by_count::VelocityByCount;
 pub use velocity_by_period::VelocityByPeriod;

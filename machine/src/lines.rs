@@ -7,7 +7,6 @@ mod guard;
 mod refused;
 
 mod arc;
-mod duration;
 mod segment;
 mod tangent;
 mod tempo;
@@ -25,7 +24,6 @@ mod take_up;
 mod machine;
 
 mod closed_loop;
-mod step_encoder;
 
 #[cfg(feature = "nb")]
 mod poll;
@@ -39,8 +37,8 @@ pub use event::{Alarm, Event, FollowEvent, Output, Pause};
 pub use extended::Extended;
 pub use extension::Extension;
 pub use guard::StepGuard;
+pub use husillo_encoder::{AxisEncoder, OnLoss};
 pub use machine::{Machine, Origin};
 pub use refused::{Means, MoveError, Refused};
 pub use segment::{Segment, extent};
 pub use state::Probed;
-pub use step_encoder::{AxisEncoder, OnLoss};

@@ -6,6 +6,7 @@
 mod timer;
 
 mod direction;
+mod durations;
 mod junction;
 mod look_ahead;
 mod quotient;
@@ -21,12 +22,14 @@ mod rates;
 mod recurrence;
 mod s_curve;
 mod servo;
+mod surface_speed;
 mod trapezoid;
 mod wide;
 
 pub use axis_timers::AxisTimers;
 pub use bursts::{Burst, Bursts, Replay};
 pub use direction::Direction;
+pub use durations::{mul_div, mul_div_q16, share, times};
 pub use follower::{Due, Follower};
 pub use junction::{Junction, arc_acceleration, arc_speed};
 pub use look_ahead::{Limits, LookAhead};
@@ -36,5 +39,6 @@ pub use recurrence::Recurrence;
 pub use s_curve::SCurve;
 pub use servo::{ServoLine, ServoMotion, ServoProfile, ServoSetPoint};
 pub use stretch::Stretch;
+pub use surface_speed::SurfaceSpeed;
 pub use timer::Timer;
 pub use trapezoid::Trapezoid;

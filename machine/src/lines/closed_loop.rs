@@ -5,7 +5,8 @@ use husillo_interp::{Moves, Path};
 use husillo_planner::Timer;
 
 use crate::lines::extension::Extension;
-use crate::lines::step_encoder::Watch;
+use husillo_encoder::StepWatch;
+
 use crate::{AxisEncoder, Event, MAX_WAIT_TICKS, Machine, OnLoss, StepEvent};
 
 /// One entry of the stream of a machine with encoders.
@@ -77,7 +78,7 @@ pub struct ClosedLoop<
     E: Extension<N> = (),
 > {
     machine: Machine<N, P, L, QUEUE, E>,
-    axes: [Option<Watch>; N],
+    axes: [Option<StepWatch>; N],
     state: State,
     /// Hold by the operator, independent of the hold for braking.
     is_held: bool,
@@ -98,7 +99,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
     pub fn new(machine: Machine<N, P, L, QUEUE, E>, encoders: [Option<AxisEncoder>; N]) -> Self {
         Self {
             machine,
-            axes: encoders.map(|encoder| encoder.map(Watch::new)),
+            axes: encoders.map(|encoder| encoder.map(StepWatch::new)),
             state: State::Path,
             is_held: false,
             is_allowed: false,
@@ -185,7 +186,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
 
     /// Returns an event of the path, unless steps are lost.
     fn path(&mut self, counts: &[i64; N]) -> Option<Followed<N>> {
-        if let Some(lost) = self.find(counts, Watch::is_tolerable) {
+        if let Some(lost) = self.find(counts, StepWatch::is_tolerable) {
             return Some(lost);
         }
         let event = self.pending.take().or_else(|| self.machine.next_event());
@@ -193,7 +194,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
             return Some(self.give(event));
         }
         // At rest, losses below the tolerance count as well.
-        let is_there = |(watch, counts): (&mut Watch, i64)| {
+        let is_there = |(watch, counts): (&mut StepWatch, i64)| {
             let behind = watch.behind(counts);
             watch.is_there(behind)
         };
@@ -204,7 +205,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
     }
 
     /// The axes with encoders, and the counts of these.
-    fn watched(&mut self, counts: &[i64; N]) -> impl Iterator<Item = (&mut Watch, i64)> {
+    fn watched(&mut self, counts: &[i64; N]) -> impl Iterator<Item = (&mut StepWatch, i64)> {
         let axes = self.axes.iter_mut().zip(counts);
         axes.filter_map(|(watch, counts)| Some((watch.as_mut()?, *counts)))
     }
@@ -239,7 +240,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
 
     /// Brakes the path to a stop.
     fn brake(&mut self, counts: &[i64; N]) -> Followed<N> {
-        if let Some(lost) = self.find(counts, Watch::is_tolerable) {
+        if let Some(lost) = self.find(counts, StepWatch::is_tolerable) {
             return lost;
         }
         match self.machine.next_event() {
@@ -262,7 +263,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
     fn find(
         &mut self,
         counts: &[i64; N],
-        is_right: impl Fn(&Watch, i64) -> bool,
+        is_right: impl Fn(&StepWatch, i64) -> bool,
     ) -> Option<Followed<N>> {
         let axes = (0..N).zip(&mut self.axes).zip(counts);
         for ((axis, watch), counts) in axes {
@@ -289,7 +290,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
     /// With the motors at rest: reports losses and corrections, re-emits steps, and then continues
     /// the path.
     fn settled(&mut self, counts: &[i64; N]) -> Option<Followed<N>> {
-        if let Some(lost) = self.find(counts, Watch::is_there) {
+        if let Some(lost) = self.find(counts, StepWatch::is_there) {
             return Some(lost);
         }
         let lost = (0..N).zip(&mut self.axes).zip(counts);
@@ -363,7 +364,7 @@ mod tests {
 
     #[test]
     fn an_axis_takes_64_bytes_at_most() {
-        assert!(size_of::<Option<Watch>>() <= 64);
+        assert!(size_of::<Option<StepWatch>>() <= 64);
         let size = size_of::<ClosedLoop<3>>() - size_of::<Machine<3>>();
         assert!(size <= 3 * 64 + 80, "{size}");
     }

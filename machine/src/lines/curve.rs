@@ -3,8 +3,8 @@
 use husillo_gcode::{Command, Feed, Nm, Spline};
 use husillo_interp::{Chords, Nurbs, length};
 
-use crate::lines::duration::mul_div;
 use crate::{Config, MoveError, Segment};
+use husillo_planner::mul_div;
 
 /// A curve in progress: the ends of its chords, with the feed.
 ///

@@ -1,10 +1,9 @@
 //! Limits of the axes in the units of the planner.
 
 use husillo_gcode::PathMode;
-use husillo_planner::{Direction, Junction, Stretch, arc_acceleration, arc_speed};
+use husillo_planner::{Direction, Junction, Stretch, arc_acceleration, arc_speed, mul_div_q16};
 
 use crate::Config;
-use crate::lines::duration::mul_div_q16;
 use crate::lines::tempo::Tempo;
 
 /// Limits of all axes, with speeds in nm/s.

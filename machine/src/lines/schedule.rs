@@ -2,9 +2,8 @@
 
 use husillo_gcode::{Command, Nm, PathMode};
 use husillo_interp::{Moves, Step};
-use husillo_planner::{Direction, LookAhead, Stretch};
+use husillo_planner::{Direction, LookAhead, Stretch, share};
 
-use crate::lines::duration::mul_div;
 use crate::lines::limits::Limits;
 use crate::lines::tangent::tangents;
 use crate::lines::tempo::Tempo;
@@ -336,17 +335,6 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
             self.arc = Some(arc);
         }
     }
-}
-
-/// The share `part / total` of `whole`, accurate to 2^-31 of it.
-fn share(whole: u64, part: u64, total: u64) -> u64 {
-    // Both are scaled to 32 bits, so the product of a remainder and the part fits in 64.
-    let shift = 32_u32.saturating_sub(total.leading_zeros());
-    mul_div(
-        whole,
-        part.wrapping_shr(shift),
-        total.wrapping_shr(shift).max(1),
-    )
 }
 
 /// Mask of the axes of a line that are no slower than a longest one: two of their steps are at

@@ -5,8 +5,8 @@ use husillo_interp::{ArcError, ArcMove, GridArc, GridEllipse, Moves, length};
 
 use crate::lines::arc::in_plane;
 use crate::lines::curve::chords_of;
-use crate::lines::duration::mul_div;
 use crate::{Config, MoveError};
+use husillo_planner::mul_div;
 
 /// Largest number of events of one arc: the range of `i32` steps and of the `u32` counts of the
 /// interpolator.

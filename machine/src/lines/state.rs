@@ -2,6 +2,7 @@
 //! awaited input, a spindle with a constant surface speed, a curve in progress.
 
 use husillo_gcode::{Nm, SpindleDirection};
+use husillo_planner::SurfaceSpeed;
 
 use crate::Output;
 use crate::lines::curve::{ControlPoints, Curve};
@@ -18,7 +19,7 @@ pub struct State<const N: usize> {
     pub(crate) probed: Probed<N>,
     /// An input was requested, and its answer has not come.
     pub(crate) is_awaited: bool,
-    pub(crate) surface: Option<Surface>,
+    pub(crate) surface: Option<(SpindleDirection, SurfaceSpeed)>,
     /// Direction and speed of the spindle, in thousandths of a turn per minute.
     pub(crate) spindle: (SpindleDirection, u64),
     pub(crate) tapping: Option<Tapping<N>>,
@@ -83,45 +84,6 @@ pub struct Probed<const N: usize> {
     pub in_work: [Nm; N],
     /// Whether the contact changed: #5070.
     pub is_touched: bool,
-}
-
-/// A spindle whose speed follows the diameter.
-#[derive(Copy, Clone, Debug)]
-pub(crate) struct Surface {
-    pub(crate) direction: SpindleDirection,
-    /// Surface speed in nm/min.
-    pub(crate) speed: u64,
-    pub(crate) most_milli_rpm: u64,
-    /// The position of X, in steps, for which the speed was computed last.
-    pub(crate) at: Option<i32>,
-    /// The speed in effect.
-    pub(crate) milli_rpm: u64,
-}
-
-impl Surface {
-    /// The speed in effect is kept while it is off by less than a 128th part.
-    const TOLERANCE_BITS: u32 = 7;
-
-    /// The new speed of the spindle with the tool `radius_nm` from its axis, if it has to change.
-    pub(crate) fn turn(&mut self, radius_nm: u64) -> Option<u64> {
-        let wanted = if self.direction == SpindleDirection::Off {
-            0
-        } else {
-            // speed / (2 pi r), with 355 / 113 for pi (8e-8 off). Speeds are below 2^53 nm/min, so
-            // the product may saturate only beyond the highest speed.
-            let turn = radius_nm.saturating_mul(710);
-            let most = self.speed.saturating_mul(113).saturating_mul(1000);
-            most.checked_div(turn)
-                .map_or(self.most_milli_rpm, |rpm| rpm.min(self.most_milli_rpm))
-        };
-        let is_limit = wanted == self.most_milli_rpm || wanted == 0;
-        let off = wanted.abs_diff(self.milli_rpm);
-        if off == 0 || (!is_limit && off <= self.milli_rpm >> Self::TOLERANCE_BITS) {
-            return None;
-        }
-        self.milli_rpm = wanted;
-        Some(wanted)
-    }
 }
 
 impl<const N: usize> State<N> {

@@ -5,8 +5,8 @@ use husillo_planner::Direction;
 
 use crate::Segment;
 use crate::lines::arc::in_plane;
-use crate::lines::duration::mul_div;
 use crate::lines::tempo::Tempo;
+use husillo_planner::mul_div;
 
 /// The directions of the path at the start and at the end of a move; `None` for a move without
 /// distance.

@@ -4,8 +4,8 @@ use husillo_gcode::{Command, Feed, Nm};
 use husillo_interp::{Moves, length};
 
 use crate::lines::arc::in_plane;
-use crate::lines::duration::{mul_div, mul_div_q16, times};
 use crate::{Axis, Config, Segment};
+use husillo_planner::{mul_div, mul_div_q16, times};
 
 /// Length and time of a move. They are those of the programmed path, not of the rounded steps, so
 /// many moves shorter than a step take the time of their sum.
@@ -13,7 +13,7 @@ use crate::{Axis, Config, Segment};
 /// Where axes other than X, Y and Z move, the length is that of the move in all axes, with a degree
 /// as a millimetre. It has no meaning but that of a common measure for the speeds of the planner.
 /// Feeds and top speeds measure [`Config::fed_length`].
-#[derive(Copy, Clone, Debug)]
+#[derive(Copy, Clone, Debug, Default)]
 pub(crate) struct Tempo {
     /// Length of the whole path.
     pub(crate) length_nm: u64,
@@ -44,13 +44,6 @@ impl Tempo {
         self
     }
 
-    const NONE: Tempo = Tempo {
-        length_nm: 0,
-        round: None,
-        programmed_q16: 0,
-        least_q16: 0,
-    };
-
     /// Ticks at constant speed, rounded to nearest, at `percent` of the programmed feed.
     pub(crate) fn ticks(&self, percent: u8) -> u64 {
         let programmed_q16 = mul_div(self.programmed_q16, 100, percent.into());
@@ -67,7 +60,7 @@ impl<const N: usize> Config<N> {
             Command::Linear { to, feed } | Command::Probe { to, feed, .. } => (Some(feed), to),
             Command::Thread { to, .. } => (None, to),
             Command::Arc { arc, feed } => (Some(feed), &arc.to),
-            _ => return Tempo::NONE,
+            _ => return Tempo::default(),
         };
         // The circle of an arc; an arc that is too small is the line between its ends.
         let round = self.round(segment, path);

@@ -68,11 +68,8 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
         match command {
             Command::Dwell { micros } => {
                 // A dwell of 2^64 us lasts half a million years, so saturating is acceptable.
-                let ticks = crate::lines::duration::mul_div(
-                    micros,
-                    u64::from(self.config.timer_hz),
-                    1_000_000,
-                );
+                let ticks =
+                    husillo_planner::mul_div(micros, u64::from(self.config.timer_hz), 1_000_000);
                 self.carried_ticks = self.carried_ticks.saturating_add(ticks);
                 self.flush_wait();
             }

@@ -4,6 +4,7 @@
 use husillo_backlash::Lash;
 use husillo_gcode::{Command, Nm, SpindleDirection, Switch};
 use husillo_interp::Moves;
+use husillo_planner::SurfaceSpeed;
 #[cfg(feature = "extended")]
 use husillo_probe::Tip;
 
@@ -12,7 +13,7 @@ use super::Machine;
 use crate::Extended;
 use crate::lines::curve::ControlPoints;
 use crate::lines::extension::Extension;
-use crate::lines::state::{Probed, Probing, Surface};
+use crate::lines::state::{Probed, Probing};
 use crate::{Alarm, Event, MoveError, Output, Pause};
 
 impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N>>
@@ -150,13 +151,12 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
                 most_milli_rpm,
             } => {
                 let most = self.config.equipment.surface_milli_rpm.unwrap_or(0).into();
-                state.surface = Some(Surface {
-                    direction,
-                    speed: speed.0.unsigned_abs(),
-                    most_milli_rpm: most_milli_rpm.map_or(most, |milli_rpm| milli_rpm.min(most)),
-                    at: None,
-                    milli_rpm: 0,
-                });
+                let most = most_milli_rpm.map_or(most, |milli_rpm| milli_rpm.min(most));
+                let nm_per_min = match direction {
+                    SpindleDirection::Off => 0,
+                    _ => speed.0.unsigned_abs(),
+                };
+                state.surface = Some((direction, SurfaceSpeed::new(nm_per_min, most)));
                 let milli_rpm = self.surface_speed().unwrap_or(0);
                 self.note_spindle(direction, milli_rpm);
                 let output = Output::Spindle {
@@ -320,7 +320,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
 
     /// The speed of the spindle, if it has to follow the diameter.
     pub(super) fn surface_event(&mut self) -> Option<Event<N>> {
-        let direction = self.extension.state()?.surface?.direction;
+        let (direction, _) = self.extension.state()?.surface?;
         let milli_rpm = self.surface_speed()?;
         self.note_spindle(direction, milli_rpm);
         Some(Event::Output(Output::Spindle {
@@ -332,14 +332,10 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
     /// The speed of the spindle at the present diameter, if it has to change.
     fn surface_speed(&mut self) -> Option<u64> {
         let (x, axis) = (*self.load.first()?, self.config.axes.first()?);
-        let surface = self.extension.state_mut()?.surface.as_mut()?;
-        if surface.at == Some(x) {
-            return None;
-        }
-        surface.at = Some(x);
+        let (_, surface) = self.extension.state_mut()?.surface.as_mut()?;
         let [zero, length] = [self.modal.work_offset(), self.modal.tool_length()];
         let zero = zero.first()?.0.saturating_add(length.first()?.0);
-        surface.turn(axis.scale.position(x).abs_diff(zero))
+        surface.at(x, axis.scale.position(x).abs_diff(zero))
     }
 }
 

@@ -1,11 +1,12 @@
 //! Conversion of lengths to ticks in 64-bit integers.
 
-/// `a * b / c`, rounded to nearest; saturates, and is `u64::MAX` for `c = 0`.
+/// Returns `a * b / c`, rounded to nearest. Saturates, and is `u64::MAX` for `c = 0`.
 ///
 /// Exact while `(a mod c) * b < 2^64`. Beyond that `a mod c` and `c` lose low bits together, with a
 /// relative error below 2^-25 (`b < 2^38` in every use: at most 60 times the frequency of a timer).
 #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
-pub(crate) const fn mul_div(a: u64, b: u64, c: u64) -> u64 {
+#[cfg_attr(target_pointer_width = "64", inline)]
+pub const fn mul_div(a: u64, b: u64, c: u64) -> u64 {
     let (Some(quotient), Some(mut rest)) = (a.checked_div(c), a.checked_rem(c)) else {
         return u64::MAX;
     };
@@ -30,11 +31,12 @@ pub(crate) const fn mul_div(a: u64, b: u64, c: u64) -> u64 {
     }
 }
 
-/// `a * b / c` times 2^16, rounded down; saturates, and is `u64::MAX` for `c = 0`.
+/// Returns `a * b / c` times 2^16, rounded down. Saturates, and is `u64::MAX` for `c = 0`.
 ///
 /// There is no fraction where `a * b` does not fit in 64 bits.
 #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
-pub(crate) const fn mul_div_q16(a: u64, b: u64, c: u64) -> u64 {
+#[cfg_attr(target_pointer_width = "64", inline)]
+pub const fn mul_div_q16(a: u64, b: u64, c: u64) -> u64 {
     let Some(product) = times(a, b) else {
         return mul_div(a, b, c).saturating_mul(1 << 16);
     };
@@ -52,10 +54,21 @@ pub(crate) const fn mul_div_q16(a: u64, b: u64, c: u64) -> u64 {
     quotient.saturating_mul(1 << 16).saturating_add(fraction)
 }
 
-/// [`u64::checked_mul`] as one function: it takes 100 bytes of code on a Cortex-M0.
+/// Multiplies as [`u64::checked_mul`], as one function: that takes 100 bytes of code on a Cortex-M0.
 #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
-pub(crate) const fn times(a: u64, b: u64) -> Option<u64> {
+#[cfg_attr(target_pointer_width = "64", inline)]
+pub const fn times(a: u64, b: u64) -> Option<u64> {
     a.checked_mul(b)
+}
+
+/// Returns the share `part / total` of `whole`, accurate to 2^-31 of it. `part` is at most `total`.
+#[inline]
+pub const fn share(whole: u64, part: u64, total: u64) -> u64 {
+    // Both are scaled to 32 bits, so the product of a remainder and the part fits in 64.
+    let shift = 32_u32.saturating_sub(total.leading_zeros());
+    let total = total.wrapping_shr(shift);
+    let total = if total == 0 { 1 } else { total };
+    mul_div(whole, part.wrapping_shr(shift), total)
 }
 
 #[cfg(test)]

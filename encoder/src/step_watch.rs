@@ -1,4 +1,4 @@
-//! Motor encoder of a stepping axis.
+//! Comparison of motor steps with the counts of an encoder.
 
 /// Largest number of counts or steps in the ratio of an [`AxisEncoder`].
 const MOST: u32 = 1 << 20;
@@ -35,26 +35,51 @@ pub struct AxisEncoder {
     pub attempts: u8,
 }
 
-/// An axis as seen by its encoder. A part is 1/`counts` of a step: steps and encoder counts are
-/// both whole numbers of parts.
+/// A stepping axis as its encoder sees it: how far the motor is behind its steps.
+///
+/// Distances are in parts. A part is 1/`counts` of a step, so steps and encoder counts are both
+/// whole numbers of parts.
+///
+/// # Examples
+///
+/// ```
+/// use husillo_encoder::{AxisEncoder, OnLoss, StepWatch};
+///
+/// let mut watch = StepWatch::new(AxisEncoder {
+///     counts: 10, // per step
+///     steps: 1,
+///     tolerance_steps: 2,
+///     on_loss: OnLoss::Correct,
+///     correction_rate_hz: 200,
+///     settle_ticks: 50_000,
+///     attempts: 3,
+/// });
+/// assert_eq!(watch.behind(0), 0); // the first counts are the origin
+/// (0..8).for_each(|_| watch.step(1));
+/// let behind = watch.behind(40); // the motor has made 4 steps
+/// assert!(!watch.is_tolerable(behind));
+/// assert_eq!(watch.steps(behind), 4);
+/// ```
 #[derive(Copy, Clone, Debug)]
-pub(crate) struct Watch {
-    pub(crate) encoder: AxisEncoder,
+pub struct StepWatch {
+    /// The encoder, with its numbers in their ranges.
+    pub encoder: AxisEncoder,
     /// Motor steps emitted for the path and its take-up.
     given: i64,
     /// Offset in parts: counts at the first check minus `given` at that time, plus the losses that
     /// were reported and accepted since.
     origin: Option<i64>,
-    /// Direction of the last step.
-    pub(crate) heading: i8,
+    /// Direction of the last step: -1, 1, or 0 before the first one.
+    pub heading: i8,
     /// Reported as lost, and not yet as corrected.
-    pub(crate) is_lost: bool,
+    pub is_lost: bool,
     /// Number of corrections since the axis was last at its expected position.
-    pub(crate) attempts: u8,
+    pub attempts: u8,
 }
 
-impl Watch {
-    pub(crate) fn new(encoder: AxisEncoder) -> Self {
+impl StepWatch {
+    /// Creates the watch of an axis before its first step. The first counts are its origin.
+    pub fn new(encoder: AxisEncoder) -> Self {
         Self {
             encoder: AxisEncoder {
                 counts: encoder.counts.clamp(1, MOST),
@@ -71,14 +96,15 @@ impl Watch {
     }
 
     /// Records a step of the path or of its take-up.
-    pub(crate) fn step(&mut self, delta: i8) {
+    #[inline]
+    pub fn step(&mut self, delta: i8) {
         // 2^42 steps take half a year at 300 kHz; the products below wrap far beyond that.
         self.given = self.given.wrapping_add(delta.into());
         self.heading = if delta == 0 { self.heading } else { delta };
     }
 
-    /// Distance by which the motor is behind, in parts.
-    pub(crate) fn behind(&mut self, counts: i64) -> i64 {
+    /// Returns the distance by which the motor is behind at these counts, in parts.
+    pub fn behind(&mut self, counts: i64) -> i64 {
         // Each is below 2^(42 + 20).
         let should = self.given.wrapping_mul(self.encoder.counts.into());
         let is = counts.wrapping_mul(self.encoder.steps.into());
@@ -88,7 +114,7 @@ impl Watch {
     }
 
     /// Whether a moving motor may be this far behind.
-    pub(crate) const fn is_tolerable(&self, behind: i64) -> bool {
+    pub const fn is_tolerable(&self, behind: i64) -> bool {
         let most = (self.encoder.tolerance_steps as u64).wrapping_mul(self.encoder.counts as u64);
         // A motor that is right at rest has no loss, however small the tolerance is. Otherwise it
         // would be reported again and again.
@@ -96,7 +122,7 @@ impl Watch {
     }
 
     /// Whether a motor at rest is at its expected position: within half a step, or within a count.
-    pub(crate) const fn is_there(&self, behind: i64) -> bool {
+    pub const fn is_there(&self, behind: i64) -> bool {
         let half = self.encoder.counts.div_ceil(2);
         let least = if half > self.encoder.steps {
             half
@@ -107,7 +133,7 @@ impl Watch {
     }
 
     /// Converts parts to steps, rounded to nearest and at least one, for a motor that is off.
-    pub(crate) fn steps(&self, behind: i64) -> i32 {
+    pub fn steps(&self, behind: i64) -> i32 {
         let counts = i64::from(self.encoder.counts);
         let half = counts / 2;
         let rounded = behind.saturating_add(if behind < 0 {
@@ -121,10 +147,10 @@ impl Watch {
         i32::try_from(steps).unwrap_or(if steps < 0 { i32::MIN } else { i32::MAX })
     }
 
-    /// The legs that correct being behind. The axis last moved in the direction of `heading` and
-    /// has this backlash in steps. A correction against the heading also crosses the backlash and
-    /// returns.
-    pub(crate) fn legs(&self, behind: i64, heading: i8, lash_steps: u32) -> [i32; 2] {
+    /// Returns the two moves in steps that correct a distance in parts. The axis last moved in the
+    /// direction of `heading` and has this backlash in steps. A correction against the heading also
+    /// crosses the backlash and returns.
+    pub fn legs(&self, behind: i64, heading: i8, lash_steps: u32) -> [i32; 2] {
         let steps = self.steps(behind);
         if steps.signum() == i32::from(heading) || heading == 0 {
             return [steps, 0];
@@ -135,7 +161,7 @@ impl Watch {
     }
 
     /// Accepts a loss of these steps: the motor is at its expected position without them.
-    pub(crate) fn accept(&mut self, steps: i32) {
+    pub fn accept(&mut self, steps: i32) {
         let parts = i64::from(steps).wrapping_mul(self.encoder.counts.into());
         if let Some(origin) = &mut self.origin {
             *origin = origin.wrapping_add(parts);
