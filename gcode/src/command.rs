@@ -24,6 +24,41 @@ pub enum Feed {
     PerRevolution(Nm),
 }
 
+/// Direction in which a spindle turns to an angle (M19).
+#[derive(Copy, Clone, Eq, PartialEq, Debug, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum OrientDirection {
+    /// That of the shorter turn: `P0`.
+    #[default]
+    Shorter,
+    /// `P1`.
+    Clockwise,
+    /// `P2`.
+    CounterClockwise,
+}
+
+impl OrientDirection {
+    /// The direction of a `P` word. `None` for another number.
+    #[cfg(feature = "extended")]
+    pub(crate) const fn of(number: u8) -> Option<Self> {
+        match number {
+            0 => Some(OrientDirection::Shorter),
+            1 => Some(OrientDirection::Clockwise),
+            2 => Some(OrientDirection::CounterClockwise),
+            _ => None,
+        }
+    }
+
+    /// `shorter`, `cw` or `ccw`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            OrientDirection::Shorter => "shorter",
+            OrientDirection::Clockwise => "cw",
+            OrientDirection::CounterClockwise => "ccw",
+        }
+    }
+}
+
 /// Direction of the spindle.
 #[derive(Copy, Clone, Eq, PartialEq, Debug, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -272,8 +307,8 @@ pub enum Command<const N: usize> {
     Orient {
         /// Millionths of a degree, below 360 degrees.
         micro_degrees: u64,
-        /// Direction of rotation: 0 the shorter one, 1 clockwise, 2 counter-clockwise (`P`).
-        way: u8,
+        /// Direction of rotation (`P`).
+        direction: OrientDirection,
     },
     /// Coolant: both states after the command.
     Coolant {
@@ -529,8 +564,16 @@ impl<const N: usize> fmt::Display for Shown<'_, N> {
                     None => Ok(()),
                 }
             }
-            Command::Orient { micro_degrees, way } => {
-                write!(f, "orient {} way {way}", Millionths(*micro_degrees))
+            Command::Orient {
+                micro_degrees,
+                direction,
+            } => {
+                write!(
+                    f,
+                    "orient {} {}",
+                    Millionths(*micro_degrees),
+                    direction.name()
+                )
             }
             Command::ToolIs { number } => write!(f, "tool is {number}"),
             Command::ToolLength { number, offset } => {

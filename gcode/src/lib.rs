@@ -62,8 +62,8 @@ pub use codes::dialect::{Blocks, Dialect};
 pub use codes::kind::Kind as Cycle;
 pub use command::arc::{Arc, Direction, Plane};
 pub use command::{
-    Command, Feed, HeatWait, Heater, Input, PathMode, Shown, SpindleDirection, Spline, Switch,
-    WaitFor,
+    Command, Feed, HeatWait, Heater, Input, OrientDirection, PathMode, Shown, SpindleDirection,
+    Spline, Switch, WaitFor,
 };
 #[cfg(feature = "extended")]
 pub use compensation::{Compensated, Compensation};

@@ -2,7 +2,7 @@
 
 use crate::codes::kind::Kind;
 use crate::command::arc::Plane;
-use crate::command::{Command, Feed, PathMode, SpindleDirection};
+use crate::command::{Command, Feed, OrientDirection, PathMode, SpindleDirection};
 use crate::cycles::thread::Passes;
 use crate::values::nm::Nm;
 
@@ -277,7 +277,7 @@ impl<const N: usize> Holes<N> {
             Step::Reversed => self.spindle(self.spindle.0.reversed()),
             Step::Oriented => Some(Command::Orient {
                 micro_degrees: 0,
-                way: 0,
+                direction: OrientDirection::Shorter,
             }),
             Step::Manual => Some(Command::Stop { optional: false }),
             Step::Shift(true) => self.over(self.offset),

@@ -6,7 +6,7 @@ use crate::codes::code::Side;
 use crate::command::arc::{Arc, Direction, Plane};
 use crate::command::{Command, Feed, PathMode, SpindleDirection};
 #[cfg(feature = "extended")]
-use crate::command::{HeatWait, Heater, Input, Spline, Switch, WaitFor};
+use crate::command::{HeatWait, Heater, Input, OrientDirection, Spline, Switch, WaitFor};
 #[cfg(feature = "extended")]
 use crate::cycles::cycle::{Cycle, Holes};
 use crate::modal::modes::Modes;
@@ -78,7 +78,7 @@ struct More<const N: usize> {
 #[derive(Copy, Clone, Debug)]
 pub(crate) enum Plain {
     Surface(SpindleDirection, Nm, Option<u64>),
-    Orient(u64, u8),
+    Orient(u64, OrientDirection),
     Switch(Switch, bool),
     Output(u8, bool, bool),
     Analog(u8, i64, bool),
@@ -97,7 +97,10 @@ impl Plain {
                 speed,
                 most_milli_rpm,
             },
-            Plain::Orient(micro_degrees, way) => Command::Orient { micro_degrees, way },
+            Plain::Orient(micro_degrees, direction) => Command::Orient {
+                micro_degrees,
+                direction,
+            },
             Plain::Switch(what, on) => Command::Switch { what, on },
             Plain::Output(number, on, with_motion) => Command::Output {
                 number,
@@ -188,9 +191,9 @@ impl<const N: usize> Commands<N> {
             begins_nurbs: false,
             order: 0,
             compensation: (None, Nm(0), Plane::Xy),
-            switch: Plain::Orient(0, 0),
-            io: Plain::Orient(0, 0),
-            turn: Plain::Orient(0, 0),
+            switch: Plain::Orient(0, OrientDirection::Shorter),
+            io: Plain::Orient(0, OrientDirection::Shorter),
+            turn: Plain::Orient(0, OrientDirection::Shorter),
             cycle: None,
         },
     };

@@ -6,7 +6,7 @@ use crate::codes::code::{Code, Group};
 use crate::codes::dialect::Flavour;
 use crate::command::SpindleDirection;
 #[cfg(feature = "extended")]
-use crate::command::{Input, Switch, WaitFor};
+use crate::command::{Input, OrientDirection, Switch, WaitFor};
 use crate::features::EXTENDED;
 use crate::modal::Modal;
 use crate::modal::commands::Commands;
@@ -208,12 +208,11 @@ impl<const N: usize> Modal<N> {
         let angle = block.word(b'R').map_or(Some(0), |value| unsigned(value, 6));
         let angle = angle.filter(|&angle| angle < 360_000_000);
         let angle = angle.ok_or_else(|| Fault::at(Reason::OutOfRange, b'R'))?;
-        let way = whole(block, b'P', u8::MAX)?.unwrap_or(0);
-        if way > 2 {
-            return Err(Fault::at(Reason::OutOfRange, b'P'));
-        }
+        let number = whole(block, b'P', u8::MAX)?.unwrap_or(0);
+        let direction = OrientDirection::of(number);
+        let direction = direction.ok_or_else(|| Fault::at(Reason::OutOfRange, b'P'))?;
         self.set_active(Group::Spindle, Code::SpindleOff);
-        commands.turn(Plain::Orient(angle, way));
+        commands.turn(Plain::Orient(angle, direction));
         Ok(())
     }
 

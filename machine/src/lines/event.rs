@@ -1,6 +1,6 @@
 //! The event stream of the machine.
 
-use husillo_gcode::{HeatWait, Heater, Input, SpindleDirection, WaitFor};
+use husillo_gcode::{HeatWait, Heater, Input, OrientDirection, SpindleDirection, WaitFor};
 
 use crate::StepEvent;
 
@@ -126,8 +126,8 @@ pub enum Output {
     Orient {
         /// Millionths of a degree, below 360 degrees.
         micro_degrees: u64,
-        /// Direction of rotation: 0 the shorter one, 1 clockwise, 2 counter-clockwise.
-        way: u8,
+        /// Direction of rotation.
+        direction: OrientDirection,
     },
     /// A heater of a printer gets a target (M104, M109, M140, M190). Where `wait` says so, the next
     /// event follows when the target is reached.

@@ -1,6 +1,6 @@
 //! Inputs, outputs and the spindle.
 
-use husillo_machine::gcode::{Input, WaitFor};
+use husillo_machine::gcode::{Input, OrientDirection, WaitFor};
 use husillo_machine::{Event, Output, Pause};
 use proptest::prelude::*;
 
@@ -123,7 +123,7 @@ fn angle_and_pallet_are_given_on() {
     );
     let orient = Output::Orient {
         micro_degrees: 90_000_000,
-        way: 1,
+        direction: OrientDirection::Clockwise,
     };
     assert_eq!(
         seen,

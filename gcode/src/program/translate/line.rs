@@ -336,8 +336,13 @@ impl<const N: usize> Lines<'_, N> {
                 speed,
                 most_milli_rpm,
             } => surface(direction, speed, most_milli_rpm, text),
-            Command::Orient { micro_degrees, way } => {
-                write!(text, "M19 R{} P{way}", millionths(micro_degrees)?)
+            Command::Orient {
+                micro_degrees,
+                direction,
+            } => {
+                // The numbers of `P`, in their order.
+                let number = direction as u8;
+                write!(text, "M19 R{} P{number}", millionths(micro_degrees)?)
             }
             Command::Tool { number } => write!(text, "T{number} M6"),
             Command::ToolIs { number } => write!(text, "M61 Q{number}"),

@@ -200,9 +200,13 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
             Command::Analog { number, micro, .. } => {
                 Event::Output(Output::Analog { number, micro })
             }
-            Command::Orient { micro_degrees, way } => {
-                Event::Output(Output::Orient { micro_degrees, way })
-            }
+            Command::Orient {
+                micro_degrees,
+                direction,
+            } => Event::Output(Output::Orient {
+                micro_degrees,
+                direction,
+            }),
             Command::Pallet => Event::Pause(Pause::Pallet),
             _ => return false,
         };
