@@ -25,29 +25,9 @@ pub(super) fn is_grbl(machine: Option<&str>) -> bool {
 pub(super) fn send(args: &Send, out: &mut Told<'_>) -> Result<u8, Failure> {
     let (file, port) = args.alone()?;
     expect_options_of_grbl(args)?;
-    let target = Target {
-        machine: Some("free".into()),
-        dialect: args.target.dialect.clone().or(Some("grbl".into())),
-        include: args.target.include.clone(),
+    let Some((job, lines)) = checked(args, file, out)? else {
+        return Ok(ERRORS);
     };
-    let mut job = Job::new(file, &target, "free")?;
-    job.keep_input()?;
-    let (_, findings) =
-        with_some_findings(MOST_PRINTED, out.format(), |findings| job.check(findings))?;
-    out.findings(job.name(), &findings);
-    if findings.errors > 0 {
-        if !out.is_json() {
-            let verdict = verdict(findings.errors, findings.warnings);
-            eprintln!("{}: {verdict}; nothing is sent", job.name());
-        }
-        return Ok(ERRORS);
-    }
-    let lines = lines(&job)?;
-    if let Some(number) = too_long(&lines) {
-        let why = format!("line {number} has more characters than Grbl takes: shorten it");
-        out.failed(job.name(), &why);
-        return Ok(ERRORS);
-    }
     let baud = args.baud.unwrap_or(BAUD);
     let stop = stop_requests()?;
     let wire = open(port, baud)?;
@@ -102,6 +82,38 @@ pub(super) fn send(args: &Send, out: &mut Told<'_>) -> Result<u8, Failure> {
             Ok(failed())
         }
     }
+}
+
+/// The program, and the lines of it that the controller gets. `None`: it has errors.
+fn checked(
+    args: &Send,
+    file: &str,
+    out: &mut Told<'_>,
+) -> Result<Option<(Job, Vec<(usize, String)>)>, Failure> {
+    let target = Target {
+        machine: Some("free".into()),
+        dialect: args.target.dialect.clone().or(Some("grbl".into())),
+        include: args.target.include.clone(),
+    };
+    let mut job = Job::new(file, &target, "free")?;
+    job.keep_input()?;
+    let (_, findings) =
+        with_some_findings(MOST_PRINTED, out.format(), |findings| job.check(findings))?;
+    out.findings(job.name(), &findings);
+    if findings.errors > 0 {
+        if !out.is_json() {
+            let verdict = verdict(findings.errors, findings.warnings);
+            eprintln!("{}: {verdict}; nothing is sent", job.name());
+        }
+        return Ok(None);
+    }
+    let lines = lines(&job)?;
+    if let Some(number) = too_long(&lines) {
+        let why = format!("line {number} has more characters than Grbl takes: shorten it");
+        out.failed(job.name(), &why);
+        return Ok(None);
+    }
+    Ok(Some((job, lines)))
 }
 
 fn counted_lines(count: usize) -> String {

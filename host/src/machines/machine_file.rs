@@ -153,20 +153,12 @@ impl MachineFile {
         root.integer("schema", 1..=1);
         let name = root.name();
         let title = root.string("title").unwrap_or_else(|| name.clone());
-        let timer_hz = root
-            .integer("timer_hz", 1_000..=1_000_000_000)
-            .unwrap_or(1_000_000);
+        let timer_hz = root.integer("timer_hz", 1_000..=1_000_000_000);
+        let timer_hz = timer_hz.and_then(|hz| u32::try_from(hz).ok());
+        let hz = timer_hz.unwrap_or(1_000_000);
         let dialects = Dialect::ALL.map(|dialect| (dialect.name(), dialect));
         let dialect = root.choice("dialect", &dialects);
-        let hz = u32::try_from(timer_hz).unwrap_or(1_000_000);
-        let axes = root.table("axis", |axes| {
-            let first = [("x", b'X'), ("y", b'Y'), ("z", b'Z')].map(|(key, letter)| {
-                axes.table(key, |axis| AxisFile::read(axis, letter, hz))
-                    .flatten()
-            });
-            let more = MORE.map(|(key, letter)| read_more(axes, key, letter, hz));
-            (first, more)
-        });
+        let axes = root.table("axis", |axes| read_axes(axes, hz));
         let motion = root
             .optional_table("motion", Motion::read)
             .unwrap_or_default();
@@ -183,11 +175,7 @@ impl MachineFile {
         let first = axes.as_ref().map(|(first, _)| first);
         let lash = LashFile::read(&mut root, [0, 1, 2].map(|axis| step(first, axis)));
         let bytes = root.optional_table("bytes", bytes_file::read);
-        let axes = axes.and_then(|(first, more)| {
-            let mut axes = first.into_iter().collect::<Option<Vec<_>>>()?;
-            axes.extend(more.into_iter().flatten());
-            Some(axes)
-        });
+        let axes = axes.and_then(all_axes);
         let letters = axes.as_deref().and_then(letters_of);
         let work = root.optional_table("work", |table| {
             work::read(table, &letters.unwrap_or(Axes::XYZABC))
@@ -196,17 +184,16 @@ impl MachineFile {
         if let (Some(axes), None) = (&axes, letters) {
             findings.push(too_many_axes(axes.len(), Place::in_text(path, text, 0..0)));
         }
-        let view = view.flatten().filter(|view| {
-            axes.as_ref()
-                .is_some_and(|axes| view.iter().all(|axis| *axis < axes.len()))
-        });
+        let count = axes.as_ref().map_or(0, Vec::len);
+        let has_axes = |view: &[usize; 2]| view.iter().all(|axis| *axis < count);
+        let view = view.flatten().filter(has_axes);
         match axes.zip(letters) {
             Some((axes, letters)) if findings.is_empty() => Ok(Self {
                 path: path.to_owned(),
                 name,
                 title,
                 dialect,
-                timer_hz: u32::try_from(timer_hz).unwrap_or(1_000_000),
+                timer_hz: hz,
                 simultaneous_axes: motion.simultaneous_axes.unwrap_or(axes.len() as u32),
                 axes,
                 letters,
@@ -302,6 +289,25 @@ const MORE: [(&str, u8); 7] = [
     ("w", b'W'),
     ("e", b'E'),
 ];
+
+/// X, Y and Z, and the further axes that the file has. `None`: an axis is missing or wrong.
+type AxisTables = ([Option<AxisFile>; 3], [Option<AxisFile>; MORE.len()]);
+
+fn read_axes(axes: &mut Table<'_, '_>, timer_hz: u32) -> AxisTables {
+    let first = [("x", b'X'), ("y", b'Y'), ("z", b'Z')].map(|(key, letter)| {
+        axes.table(key, |axis| AxisFile::read(axis, letter, timer_hz))
+            .flatten()
+    });
+    let more = MORE.map(|(key, letter)| read_more(axes, key, letter, timer_hz));
+    (first, more)
+}
+
+/// The axes in the order of their coordinates. `None`: X, Y or Z is missing.
+fn all_axes((first, more): AxisTables) -> Option<Vec<AxisFile>> {
+    let mut axes = first.into_iter().collect::<Option<Vec<_>>>()?;
+    axes.extend(more.into_iter().flatten());
+    Some(axes)
+}
 
 fn read_more(axes: &mut Table<'_, '_>, key: &str, letter: u8, timer_hz: u32) -> Option<AxisFile> {
     let read = |axis: &mut Table<'_, '_>| AxisFile::read(axis, letter, timer_hz);

@@ -90,10 +90,19 @@ pub fn write(
             })
         },
     )?;
+    finish(work.translator, from, form, findings, out)
+}
+
+/// Writes what the end of the program adds.
+fn finish(
+    mut translator: Translator<AXES>,
+    from: Dialect,
+    form: &Form,
+    findings: &mut Findings,
+    out: &mut dyn Write,
+) -> io::Result<()> {
     let mut last = Vec::new();
-    let done = work
-        .translator
-        .finish(&mut |piece: &[u8]| last.extend_from_slice(piece));
+    let done = translator.finish(&mut |piece: &[u8]| last.extend_from_slice(piece));
     if let Err(Untranslated::Command(command)) = done {
         let message = format!(
             "{} cannot do this: {}",

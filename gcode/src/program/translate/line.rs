@@ -324,13 +324,7 @@ impl<const N: usize> Lines<'_, N> {
             Command::Spindle {
                 direction,
                 milli_rpm,
-            } => match direction {
-                SpindleDirection::Off => text.write_str("M5"),
-                turns => {
-                    let speed = millionths(milli_rpm.saturating_mul(1000))?;
-                    write!(text, "{} S{speed}", turning(turns))
-                }
-            },
+            } => spindle(direction, milli_rpm, text),
             Command::Surface {
                 direction,
                 speed,
@@ -409,6 +403,17 @@ impl<const N: usize> Lines<'_, N> {
             Switch::FeedHold => 53,
         };
         write!(text, "M{code} P{}", u8::from(on))
+    }
+}
+
+/// M3 to M5.
+fn spindle(direction: SpindleDirection, milli_rpm: u64, text: &mut Text) -> fmt::Result {
+    match direction {
+        SpindleDirection::Off => text.write_str("M5"),
+        turns => {
+            let speed = millionths(milli_rpm.saturating_mul(1000))?;
+            write!(text, "{} S{speed}", turning(turns))
+        }
     }
 }
 

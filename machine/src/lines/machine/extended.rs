@@ -152,10 +152,8 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
             } => {
                 let most = self.config.equipment.surface_milli_rpm.unwrap_or(0).into();
                 let most = most_milli_rpm.map_or(most, |milli_rpm| milli_rpm.min(most));
-                let nm_per_min = match direction {
-                    SpindleDirection::Off => 0,
-                    _ => speed.0.unsigned_abs(),
-                };
+                let turns = u64::from(direction != SpindleDirection::Off);
+                let nm_per_min = speed.0.unsigned_abs().wrapping_mul(turns);
                 state.surface = Some((direction, SurfaceSpeed::new(nm_per_min, most)));
                 let milli_rpm = self.surface_speed().unwrap_or(0);
                 self.note_spindle(direction, milli_rpm);
