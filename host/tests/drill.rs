@@ -573,7 +573,7 @@ fn a_drill_without_its_host_stops() {
                 .and(contains("y        535 steps, 5.000 mm, 0.1969 in"))
                 .and(contains("z        up, at its sensor"))
                 .and(contains("spindle  off"))
-                .and(contains("1 drillings done since")),
+                .and(contains("1 drilling done since")),
         );
         assert_eq!(device.type_line("where", "lost"), place, "it goes on");
         let rest = ["--from", "2", "--no-home"];

@@ -187,6 +187,6 @@ fn a_terminal_with_single_block() {
     writeln!(typed, "X0.014").unwrap();
     told("G00X00028.00Y00007.00; Enter sends it");
     writeln!(typed, "q").unwrap();
-    told("line 3: stopped before G00X00028.00Y00007.00;; 1 lines made; motors at x 100 y 50");
+    told("line 3: stopped before G00X00028.00Y00007.00;; 1 line made; motors at x 100 y 50");
     assert_eq!(child.wait().unwrap().code(), Some(1));
 }
