@@ -132,7 +132,8 @@ pub struct TouchFigures {
     /// Touches averaged.
     pub touches: u8,
     /// Distance between the nearest and the farthest touch.
-    pub spread: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spread: Option<f64>,
     /// The longest distance beyond the contact.
     pub over_travel: f64,
     /// The new table, if a calibration changed a table of pre-travel by direction.
@@ -228,7 +229,9 @@ impl ResultRow {
                 t.corrected,
                 t.pre_travel,
                 t.touches,
-                t.spread,
+                t.spread
+                    .map(|spread| spread.to_string())
+                    .unwrap_or_default(),
                 t.over_travel
             ),
             None => ",,,,,,".to_owned(),
@@ -274,15 +277,16 @@ impl ResultRow {
             } else {
                 format!("\n    pre-travel {}", of(t.pre_travel))
             };
+            let spread = t.spread.map(|spread| format!(", spread {}", of(spread)));
+            let spread = spread.unwrap_or_default();
             let times = if t.touches == 1 { "touch" } else { "touches" };
             return format!(
-                "{head} {}\n    trigger    {}\n    corrected  {}{found}\n    {} {times}, spread \
-                 {}, over-travel {} at most",
+                "{head} {}\n    trigger    {}\n    corrected  {}{found}\n    {} \
+                 {times}{spread}, over-travel {} at most",
                 t.direction,
                 all(&t.trigger),
                 all(&t.corrected),
                 t.touches,
-                of(t.spread),
                 of(t.over_travel)
             );
         }
