@@ -207,9 +207,17 @@ fn keep(path: &Path, metadata: &Metadata) {
     }
 }
 
-/// The name under which a file was read. `None` if it was not read.
+/// The name under which a file was read. `None` if it was not read, or is gone: the system then
+/// gives its number to another file.
 pub fn name_of(identity: &Identity) -> Option<PathBuf> {
     let read = READ.lock().unwrap_or_else(PoisonError::into_inner);
     let known = read.iter().find(|(known, _)| known == identity);
-    known.map(|(_, path)| path.clone())
+    let is_there = |path: &PathBuf| {
+        let metadata = std::fs::metadata(path).ok();
+        metadata
+            .and_then(|metadata| Identity::of(path, &metadata))
+            .as_ref()
+            == Some(identity)
+    };
+    known.map(|(_, path)| path.clone()).filter(is_there)
 }
