@@ -3,6 +3,7 @@
 //! Names, cells, comments and answers of devices come from others. A control character in them is
 //! shown as its JSON escape, so a line of JSON stays one line.
 
+pub mod keys;
 pub mod progress;
 pub mod sharing;
 pub mod stop;

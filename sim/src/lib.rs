@@ -45,6 +45,7 @@ mod loss;
 mod microfactory_rig;
 mod micromill_rig;
 mod model;
+mod noisy_line;
 pub mod observers;
 mod place;
 mod random;
@@ -53,7 +54,7 @@ mod servo_chain;
 mod spindle;
 mod touch_probe;
 mod winding;
-mod wire;
+
 mod work_piece;
 
 pub use dc_motor::{DcMotor, DcMotorModel};
@@ -65,6 +66,7 @@ pub use loss::{Cause, Loss};
 pub use microfactory_rig::MicrofactoryRig;
 pub use micromill_rig::MicromillRig;
 pub use model::AxisModel;
+pub use noisy_line::{Noise, NoisyLine};
 pub use place::Place;
 pub use random::Random;
 pub use rig::Rig;
@@ -74,7 +76,7 @@ pub use servo_chain::{
 pub use spindle::Spindle;
 pub use touch_probe::{TouchProbe, TouchProbeModel};
 pub use winding::{Chopper, Current, Rotor, Winding};
-pub use wire::{Noise, Wire};
+
 pub use work_piece::{Bore, PointMm, Shape, Solid, WorkPiece};
 
 /// The example of the README as a doctest.

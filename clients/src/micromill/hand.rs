@@ -3,7 +3,7 @@
 use super::action::{Action, Leg, Pace};
 use super::position::{self, Frame};
 use super::session::{Session, why};
-use crate::{StopRequests, Wire};
+use crate::{ByHand, StopRequests, Wire};
 use husillo_sim::device::micromill::Device;
 use husillo_transports::micromill::{Axis, Order, Outcome, State};
 use std::time::Duration;
@@ -51,62 +51,6 @@ impl Hand {
         })
     }
 
-    /// Carries out an action. Returns a text about the result, with the position that the
-    /// controller reports after it.
-    ///
-    /// # Errors
-    ///
-    /// A sentence about the failure. If the controller has stopped, it has the position.
-    pub fn carry_out(&mut self, action: &Action) -> Result<String, String> {
-        let made = self.made(action);
-        let (steps, net) = (self.session.steps.len(), self.session.net_steps());
-        self.session.steps.clear();
-        let before = self.state;
-        let asked = match &made {
-            Ok(()) if before.is_some() => self.session.state(),
-            // After each failure the position may be another one.
-            Err(_) if before.is_some() => Ok(self.session.state_after()),
-            _ => Ok(None),
-        };
-        let (made, state) = match (made, asked) {
-            (made, Ok(state)) => (made, state),
-            (Ok(()), Err(sentence)) => (Err(sentence), self.session.state_after()),
-            (made, Err(_)) => (made, None),
-        };
-        self.state = state;
-        // Homing and another backlash count from elsewhere.
-        let is_same = !matches!(action, Action::Home | Action::Backlash(..));
-        let uncounted = before
-            .zip(state)
-            .filter(|(before, now)| is_same && before.is_homed == now.is_homed)
-            .and_then(|(before, now)| position::uncounted(&before, &net, &now));
-        let stands = match (&state, before) {
-            (Some(state), _) => position::motors(state),
-            (None, Some(_)) => "the position is unknown".into(),
-            (None, None) => {
-                let [x, y, z] = net;
-                format!("motors moved by x {x} y {y} z {z}, {UNREPORTED}")
-            }
-        };
-        match (made, uncounted) {
-            (Err(sentence), None) => Err(format!("{sentence}; {steps} steps; {stands}")),
-            (Err(sentence), Some(other)) => {
-                Err(format!("{sentence}; {steps} steps; {stands}; {other}"))
-            }
-            (Ok(()), Some(other)) => Err(format!("{steps} steps; {stands}; {other}")),
-            (Ok(()), None) => {
-                let done = self.done(action, steps, &stands);
-                let homed = before.zip(state).filter(|_| *action == Action::Home);
-                Ok(
-                    match homed.and_then(|(before, now)| position::lost(&before, &net, &now)) {
-                        Some(lost) => format!("{done}; {lost}"),
-                        None => done,
-                    },
-                )
-            }
-        }
-    }
-
     fn made(&mut self, action: &Action) -> Result<(), String> {
         match action {
             Action::Home => self.ordered(Order::Home),
@@ -152,16 +96,6 @@ impl Hand {
     #[cfg(test)]
     pub const fn state(&self) -> Option<State> {
         self.state
-    }
-
-    /// Time since the port was opened.
-    pub fn elapsed(&self) -> Duration {
-        self.session.elapsed()
-    }
-
-    /// What a simulated mill has reported on its panel.
-    pub fn panel(&mut self) -> Vec<String> {
-        self.session.panel()
     }
 
     fn ordered(&mut self, order: Order) -> Result<(), String> {
@@ -223,6 +157,69 @@ impl Hand {
             over(self.session.turn(TURN_US)?)?;
         }
         Ok(())
+    }
+}
+
+impl ByHand for Hand {
+    type Action = Action;
+
+    /// If the controller has stopped, the text about a failure has the position.
+    fn carry_out(&mut self, action: &Action) -> Result<String, String> {
+        let made = self.made(action);
+        let (steps, net) = (self.session.steps.len(), self.session.net_steps());
+        self.session.steps.clear();
+        let before = self.state;
+        let asked = match &made {
+            Ok(()) if before.is_some() => self.session.state(),
+            // After each failure the position may be another one.
+            Err(_) if before.is_some() => Ok(self.session.state_after()),
+            _ => Ok(None),
+        };
+        let (made, state) = match (made, asked) {
+            (made, Ok(state)) => (made, state),
+            (Ok(()), Err(sentence)) => (Err(sentence), self.session.state_after()),
+            (made, Err(_)) => (made, None),
+        };
+        self.state = state;
+        // Homing and another backlash count from elsewhere.
+        let is_same = !matches!(action, Action::Home | Action::Backlash(..));
+        let uncounted = before
+            .zip(state)
+            .filter(|(before, now)| is_same && before.is_homed == now.is_homed)
+            .and_then(|(before, now)| position::uncounted(&before, &net, &now));
+        let stands = match (&state, before) {
+            (Some(state), _) => position::motors(state),
+            (None, Some(_)) => "the position is unknown".into(),
+            (None, None) => {
+                let [x, y, z] = net;
+                format!("motors moved by x {x} y {y} z {z}, {UNREPORTED}")
+            }
+        };
+        match (made, uncounted) {
+            (Err(sentence), None) => Err(format!("{sentence}; {steps} steps; {stands}")),
+            (Err(sentence), Some(other)) => {
+                Err(format!("{sentence}; {steps} steps; {stands}; {other}"))
+            }
+            (Ok(()), Some(other)) => Err(format!("{steps} steps; {stands}; {other}")),
+            (Ok(()), None) => {
+                let done = self.done(action, steps, &stands);
+                let homed = before.zip(state).filter(|_| *action == Action::Home);
+                Ok(
+                    match homed.and_then(|(before, now)| position::lost(&before, &net, &now)) {
+                        Some(lost) => format!("{done}; {lost}"),
+                        None => done,
+                    },
+                )
+            }
+        }
+    }
+
+    fn elapsed(&self) -> Duration {
+        self.session.elapsed()
+    }
+
+    fn panel(&mut self) -> Vec<String> {
+        self.session.panel()
     }
 }
 

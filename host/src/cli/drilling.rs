@@ -140,8 +140,8 @@ pub struct Send {
     /// at once, and PORT#2 for the second machine of a controller
     #[arg(short, long, value_name = "PORT", default_value = "sim")]
     pub port: Vec<String>,
-    /// Bits per second of the link [default: 2400 for a drill, otherwise 9600]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(300..=115_200))]
+    /// Bits per second of the link [default: 2400 for a drill, 115200 for Grbl, otherwise 9600]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(300..=4_000_000))]
     pub baud: Option<u32>,
     /// How to print what the machine does
     #[arg(long, value_enum, default_value = "text")]
@@ -160,7 +160,7 @@ pub struct Send {
     /// Micro mill: send lines ahead of the motion, without a stop between them
     #[arg(long)]
     pub stream: bool,
-    /// Micro mill: wait for Enter before each line; q ends the program there
+    /// Micro mill and Grbl: wait for Enter before each line; q ends the program there
     #[arg(long, conflicts_with = "stream")]
     pub single_block: bool,
     /// Micro mill: one step in N is reported; 0 for none
