@@ -207,17 +207,9 @@ fn keep(path: &Path, metadata: &Metadata) {
     }
 }
 
-/// The name under which a file was read. `None` if it was not read, or is gone: the system then
-/// gives its number to another file.
+/// The name under which a file was read. `None` if it was not read.
 pub fn name_of(identity: &Identity) -> Option<PathBuf> {
     let read = READ.lock().unwrap_or_else(PoisonError::into_inner);
     let known = read.iter().find(|(known, _)| known == identity);
-    let is_there = |path: &PathBuf| {
-        let metadata = std::fs::metadata(path).ok();
-        metadata
-            .and_then(|metadata| Identity::of(path, &metadata))
-            .as_ref()
-            == Some(identity)
-    };
-    known.map(|(_, path)| path.clone()).filter(is_there)
+    known.map(|(_, path)| path.clone())
 }
