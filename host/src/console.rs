@@ -33,8 +33,8 @@ pub fn stdout() -> Shown<StdoutLock<'static>> {
     Shown::new(io::stdout().lock())
 }
 
-/// Standard output for commands that go on when it fails: a machine completes its work, and files
-/// are still written.
+/// Standard output for commands that continue when it fails: a machine completes its work, and
+/// files are still written.
 pub fn lasting_stdout() -> Lasting<Shown<StdoutLock<'static>>> {
     Lasting {
         out: stdout(),

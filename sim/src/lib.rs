@@ -52,6 +52,7 @@ mod random;
 mod rig;
 mod servo_chain;
 mod spindle;
+pub mod text;
 mod touch_probe;
 mod winding;
 

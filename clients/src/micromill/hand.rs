@@ -5,6 +5,7 @@ use super::position::{self, Frame};
 use super::session::{Session, why};
 use crate::{ByHand, StopRequests, Wire};
 use husillo_sim::device::micromill::Device;
+use husillo_sim::text::counted;
 use husillo_transports::micromill::{Axis, Order, Outcome, State};
 use std::time::Duration;
 
@@ -82,7 +83,7 @@ impl Hand {
             (Action::Where, None) => {
                 format!("position, work zero and backlash are unknown: {UNREPORTED}")
             }
-            _ => format!("{steps} steps; {stands}"),
+            _ => format!("{}; {stands}", counted(steps, "step")),
         }
     }
 
@@ -195,12 +196,11 @@ impl ByHand for Hand {
                 format!("motors moved by x {x} y {y} z {z}, {UNREPORTED}")
             }
         };
+        let moved = counted(steps, "step");
         match (made, uncounted) {
-            (Err(sentence), None) => Err(format!("{sentence}; {steps} steps; {stands}")),
-            (Err(sentence), Some(other)) => {
-                Err(format!("{sentence}; {steps} steps; {stands}; {other}"))
-            }
-            (Ok(()), Some(other)) => Err(format!("{steps} steps; {stands}; {other}")),
+            (Err(sentence), None) => Err(format!("{sentence}; {moved}; {stands}")),
+            (Err(sentence), Some(other)) => Err(format!("{sentence}; {moved}; {stands}; {other}")),
+            (Ok(()), Some(other)) => Err(format!("{moved}; {stands}; {other}")),
             (Ok(()), None) => {
                 let done = self.done(action, steps, &stands);
                 let homed = before.zip(state).filter(|_| *action == Action::Home);

@@ -105,7 +105,7 @@ pub struct Layout {
 /// `husillo compile`.
 #[derive(Debug, Args)]
 pub struct Compile {
-    /// Program in the drill's language, drill file (Excellon, TANGO), or figure of a microfactory
+    /// Program, drill file (Excellon, TANGO), or figure of a microfactory
     pub file: String,
     /// Machine and language.
     #[command(flatten)]
@@ -146,8 +146,8 @@ pub struct Send {
     /// How to print what the machine does
     #[arg(long, value_enum, default_value = "text")]
     pub format: Output,
-    /// Drill: first hole to be drilled, counted over all tools. Micro mill: line of the program to
-    /// go on with after a stop, where the mill stands on its path or at its start
+    /// Drill: first hole to be drilled, counted over all tools. Micro mill: line of the program at
+    /// which to continue after a stop; the mill is at the start of that line or on its path
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub from: Option<u32>,
     /// End when the start is confirmed, and let the drill continue alone, without a lease: one
@@ -163,7 +163,7 @@ pub struct Send {
     /// Micro mill and Grbl: wait for Enter before each line; q ends the program there
     #[arg(long, conflicts_with = "stream")]
     pub single_block: bool,
-    /// Micro mill: one step in N is reported; 0 for none
+    /// Micro mill: report one step in N; 0 reports none
     #[arg(
         long,
         value_name = "N",
