@@ -50,6 +50,21 @@ pub(crate) const fn is_end(byte: u8) -> bool {
 
 /// The position after the comment at the start of the text.
 fn comment(text: &[u8], lines: bool) -> Result<usize, Error> {
+    // Most comments have no other parenthesis inside.
+    let mut at = 0_usize;
+    loop {
+        at = at.wrapping_add(1);
+        match text.get(at) {
+            Some(b')') => return Ok(at.wrapping_add(1)),
+            Some(&byte) if byte != b'(' && !(lines && is_end(byte)) => {}
+            _ => return nested_comment(text, lines),
+        }
+    }
+}
+
+/// [`comment`], for all comments.
+#[cold]
+fn nested_comment(text: &[u8], lines: bool) -> Result<usize, Error> {
     let end = if lines {
         text.iter().position(|&byte| is_end(byte))
     } else {
