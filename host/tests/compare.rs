@@ -166,7 +166,7 @@ fn a_program() {
 fn a_program_of_four_axes() {
     let program = concat!(env!("CARGO_TARGET_TMPDIR"), "/four-axes.nc");
     std::fs::write(
-        &program,
+        program,
         "G21 G90 G94\nG1 X10 Y3 Z-2 A90 F100\nX0 Y0 Z0 A0\nM2\n",
     )
     .unwrap();
