@@ -3,7 +3,7 @@
 use crate::error::{Error, ErrorKind};
 use crate::features::EXTENDED;
 use crate::values::decimal::Decimal;
-use crate::words::comment::comment_length;
+use crate::words::comment::comment_within;
 use crate::words::numeral::{
     LINE_FEED, QUICK, WINDOW, alphabet, is_blank, number, short_number, window_at, window_number,
 };
@@ -50,31 +50,10 @@ pub(crate) const fn is_end(byte: u8) -> bool {
 
 /// The position after the comment at the start of the text.
 fn comment(text: &[u8], lines: bool) -> Result<usize, Error> {
-    // Most comments have no other parenthesis inside.
-    let mut at = 0_usize;
-    loop {
-        at = at.wrapping_add(1);
-        match text.get(at) {
-            Some(b')') => return Ok(at.wrapping_add(1)),
-            Some(&byte) if byte != b'(' && !(lines && is_end(byte)) => {}
-            _ => return nested_comment(text, lines),
-        }
-    }
-}
-
-/// [`comment`], for all comments.
-#[cold]
-fn nested_comment(text: &[u8], lines: bool) -> Result<usize, Error> {
-    let end = if lines {
-        text.iter().position(|&byte| is_end(byte))
-    } else {
-        None
-    };
-    let line = end.and_then(|end| text.get(..end)).unwrap_or(text);
-    comment_length(line).ok_or(Error {
+    comment_within(text, lines).map_err(|end| Error {
         kind: ErrorKind::UnclosedComment,
         at: 0,
-        end: line.len(),
+        end,
     })
 }
 
