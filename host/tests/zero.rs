@@ -244,7 +244,10 @@ fn other_errors_stay() {
         codes(&part, &["--zero", "X0"]),
         r#""E0201" "E0102" "E0401""#
     );
-    let long = file("zero-long.nc", &text.replace("G1 X-19 U2", "G1 X-600 U2"));
+    let long = file(
+        "zero-long.nc",
+        &text.replace("G0 Z5\nM2", "G0 Z5\nG0 X600\nM2"),
+    );
     assert_eq!(codes(&long, &[]), r#""E0201" "E0102" "E0401""#);
 }
 
