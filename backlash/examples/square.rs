@@ -1,4 +1,4 @@
-//! A square of four steps with lash: the motor's steps, take-up in capitals.
+//! A square of four steps with backlash: the motor's steps, take-up in capitals.
 
 use husillo_backlash::{Backlash, Compensator, Flank};
 

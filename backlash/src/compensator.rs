@@ -6,7 +6,8 @@ use crate::Lash;
 /// eight axes at most. Further axes have no take-up.
 ///
 /// # Cost
-/// While no axis reverses, an event costs a few operations on masks and no call of the lash model.
+/// While no axis reverses, an event costs a few operations on masks and no call of the backlash
+/// model.
 ///
 /// # Examples
 /// ```
@@ -30,7 +31,7 @@ pub struct Compensator<const N: usize, L: Lash<N>> {
 }
 
 impl<const N: usize, L: Lash<N>> Compensator<N, L> {
-    /// Creates it with one lash model per axis. Each model knows its flank.
+    /// Creates it with one backlash model per axis. Each model knows its flank.
     pub const fn new(lash: [L; N]) -> Self {
         Compensator {
             lash,
@@ -71,7 +72,7 @@ impl<const N: usize, L: Lash<N>> Compensator<N, L> {
         owed
     }
 
-    /// Returns the signed motor steps of each axis that are due because the lash at `load` has
+    /// Returns the signed motor steps of each axis that are due because the backlash at `load` has
     /// changed. `load` is the position after the next event: see [`Lash::follow`]. `None` if there
     /// are none. Call it after [`Compensator::before`].
     #[inline]
@@ -91,8 +92,8 @@ impl<const N: usize, L: Lash<N>> Compensator<N, L> {
     /// Returns the direction of the last event of an axis, and the take-up in motor steps if it
     /// reversed now, with the load at `load`. Returns `None` before its first event.
     ///
-    /// It is for a caller that moves a motor off the path and back, through the lash. The model is
-    /// called for a reversal and for the return at the same position, which leaves it unchanged.
+    /// It is for a caller that moves a motor off the path and back, through the backlash. The model
+    /// is called for a reversal and for the return at the same position, which leaves it unchanged.
     pub fn play(&mut self, axis: usize, load: &[i32; N]) -> Option<(i8, u32)> {
         let bit = 1_u8.checked_shl(u32::try_from(axis).ok()?)?;
         let direction = if self.positive & bit != 0 {
@@ -118,12 +119,12 @@ impl<const N: usize, L: Lash<N>> Compensator<N, L> {
         (forwards & !self.positive) | (backwards & !self.negative) == 0
     }
 
-    /// Returns the lash models, the first axis first.
+    /// Returns the backlash models, the first axis first.
     pub const fn lash(&self) -> &[L; N] {
         &self.lash
     }
 
-    /// Returns the lash models for changes: after homing, or for another map.
+    /// Returns the backlash models for changes: after homing, or for another map.
     pub fn lash_mut(&mut self) -> &mut [L; N] {
         // The models have the directions, so they are called again.
         self.positive = 0;

@@ -79,7 +79,7 @@ impl core::error::Error for TableError {}
 /// ```
 /// use husillo_backlash::{ErrorTable, Flank, Knot};
 ///
-/// // 50 um/m too short, 2 um of play in the middle.
+/// // 50 um/m too short, 2 um of backlash in the middle.
 /// let knot = |reading_nm, positive_nm, negative_nm| Knot { reading_nm, positive_nm, negative_nm };
 /// let x = ErrorTable::new(
 ///     50_000,

@@ -1,4 +1,4 @@
-//! The interface of lash models: the play of an axis, and its engaged flank.
+//! The interface of backlash models: the backlash of an axis, and its engaged flank.
 
 /// The flank of the screw's thread that carries the nut: the direction of the last motion.
 #[derive(Copy, Clone, Eq, PartialEq, Hash, Debug, Default)]
@@ -25,7 +25,7 @@ impl Flank {
     }
 }
 
-/// The lash (backlash) of one axis of a machine with `N` axes, and the direction of its last
+/// The backlash of one axis of a machine with `N` axes, and the direction of its last
 /// motion.
 ///
 /// [`Backlash`](crate::Backlash) has one value, [`MappedBacklash`](crate::MappedBacklash) a map.
@@ -35,7 +35,7 @@ impl Flank {
 /// ```
 /// use husillo_backlash::{Flank, Lash};
 ///
-/// /// X has more play in the second half of the travel of Y.
+/// /// X has more backlash in the second half of the travel of Y.
 /// struct Worn { flank: Flank }
 ///
 /// impl Lash<2> for Worn {
@@ -58,8 +58,8 @@ impl Flank {
 /// assert_eq!(owed, [0, 14, 0]);
 /// ```
 pub trait Lash<const N: usize> {
-    /// Whether the lash may change while the axis does not reverse. Then [`Lash::follow`] is called
-    /// after every event. Otherwise there is no cost.
+    /// Whether the backlash may change while the axis does not reverse. Then [`Lash::follow`] is
+    /// called after every event. Otherwise there is no cost.
     const VARIES: bool = false;
 
     /// Returns the take-up in motor steps before a step with the sign of `direction`. `load` has
@@ -70,8 +70,8 @@ pub trait Lash<const N: usize> {
     /// direction.
     fn take_up(&mut self, axis: usize, direction: i8, load: &[i32; N]) -> u32;
 
-    /// Returns the signed motor steps that are due because the lash at `load` differs from that at
-    /// the last call, or at the last reversal. The load does not move in them.
+    /// Returns the signed motor steps that are due because the backlash at `load` differs from that
+    /// at the last call, or at the last reversal. The load does not move in them.
     ///
     /// An event of a machine moves every axis by at most one step. A model that returns more than
     /// one step for such a move stops the path for them.

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-/// Largest lash of an entry, in motor steps.
+/// Largest backlash of an entry, in motor steps.
 const MOST_STEPS: u32 = (1 << 20) - 1;
 
 /// Largest number of steps from one grid position to the next.
@@ -10,13 +10,13 @@ const MOST_WAY: u32 = 1 << 22;
 
 /// Lash of one axis over a machine's work area, in motor steps.
 ///
-/// Between grid positions the lash is interpolated bilinearly and rounded to the nearest step.
-/// Outside the grid it is that of the nearest edge. If an axis has one position only, the lash does
-/// not depend on this axis. So bands across X are a grid with one position in Y, and the table of a
-/// lead screw is a grid along its own axis.
+/// Between grid positions the backlash is interpolated bilinearly and rounded to the nearest step.
+/// Outside the grid it is that of the nearest edge. If an axis has one position only, the backlash
+/// does not depend on this axis. So bands across X are a grid with one position in Y, and the table
+/// of a lead screw is a grid along its own axis.
 ///
-/// From one grid position to the next the lash changes by at most a quarter of the distance. So an
-/// event changes it by at most one step.
+/// From one grid position to the next the backlash changes by at most a quarter of the distance. So
+/// an event changes it by at most one step.
 ///
 /// # Cost
 /// Two binary searches, two 64-bit divisions and a few products per look-up. The 64-bit arithmetic
@@ -57,7 +57,7 @@ pub enum MapError {
     },
     /// This entry, counted from 0, is 2^20 steps or more.
     Range(usize),
-    /// From a neighbour to this entry the lash changes by more than a quarter of the distance.
+    /// From a neighbour to this entry the backlash changes by more than a quarter of the distance.
     Steep(usize),
 }
 
@@ -76,8 +76,8 @@ impl core::error::Error for MapError {}
 
 impl<K: AsRef<[i32]>, V: AsRef<[u32]>> LashMap<K, V> {
     /// Creates a map over two `axes` of the machine, given by their numbers. `places` are rising
-    /// positions along each of them in load steps. `steps` are the lash values in motor steps: all
-    /// positions of the first axis at the first position of the second, and so on.
+    /// positions along each of them in load steps. `steps` are the backlash values in motor steps:
+    /// all positions of the first axis at the first position of the second, and so on.
     ///
     /// # Errors
     /// [`MapError`], in the order of its variants.
@@ -98,7 +98,7 @@ impl<K: AsRef<[i32]>, V: AsRef<[u32]>> LashMap<K, V> {
         Ok(map)
     }
 
-    /// Returns the lash at a position along the two axes of the map.
+    /// Returns the backlash at a position along the two axes of the map.
     #[must_use]
     pub fn steps(&self, at: [i32; 2]) -> u32 {
         self.look_up(at).0
@@ -114,13 +114,13 @@ impl<K: AsRef<[i32]>, V: AsRef<[u32]>> LashMap<K, V> {
         self.places.each_ref().map(|places| places.as_ref())
     }
 
-    /// Returns the lash at all of them: those along the first axis at the first position of the
+    /// Returns the backlash at all of them: those along the first axis at the first position of the
     /// second, and so on.
     pub fn entries(&self) -> &[u32] {
         self.steps.as_ref()
     }
 
-    /// Whether there is no lash anywhere.
+    /// Whether there is no backlash anywhere.
     pub fn is_free(&self) -> bool {
         self.steps.as_ref().iter().all(|steps| *steps == 0)
     }
@@ -132,8 +132,8 @@ impl<K: AsRef<[i32]>, V: AsRef<[u32]>> LashMap<K, V> {
             .map(|axis| load.get(axis).copied().unwrap_or_default())
     }
 
-    /// Returns the lash at a position, and a lower bound of the distance that each of the two axes
-    /// may move while the lash stays the same.
+    /// Returns the backlash at a position, and a lower bound of the distance that each of the two
+    /// axes may move while the backlash stays the same.
     pub(crate) fn look_up(&self, at: [i32; 2]) -> (u32, u32) {
         let [x, y] = self.places.each_ref().map(|places| places.as_ref());
         let [at_x, at_y] = at;

@@ -28,7 +28,7 @@
 //!
 //! let mut x = Backlash::new(1457, Flank::Positive);
 //! assert_eq!(x.motor_target(100), 100);
-//! assert_eq!(x.motor_target(90), 90 - 1457); // reversed: the play first
+//! assert_eq!(x.motor_target(90), 90 - 1457); // reversed: the backlash first
 //! assert_eq!(x.load_position(90 - 1457), 90);
 //! ```
 

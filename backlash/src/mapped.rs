@@ -2,18 +2,18 @@
 
 use crate::{Flank, Lash, LashMap};
 
-/// An axis whose lash is looked up in a [`LashMap`] as the tool moves.
+/// An axis whose backlash is looked up in a [`LashMap`] as the tool moves.
 ///
 /// On the positive flank the motor is at the position of the load. On the negative flank it is
-/// ahead of the load, in the negative direction, by the lash at that position. So there is a
-/// take-up when the axis reverses. On the negative flank there is also a step whenever the lash at
-/// the nut changes, even while this axis stands still and others move.
+/// ahead of the load, in the negative direction, by the backlash at that position. So there is a
+/// take-up when the axis reverses. On the negative flank there is also a step whenever the backlash
+/// at the nut changes, even while this axis stands still and others move.
 ///
 /// # Examples
 /// ```
 /// use husillo_backlash::{Compensator, Flank, LashMap, MappedBacklash};
 ///
-/// // X has 10 steps of play at Y 0 and 14 at Y 40; Y has none.
+/// // X has 10 steps of backlash at Y 0 and 14 at Y 40; Y has none.
 /// let x = LashMap::new([0, 1], [&[0][..], &[0, 40]], &[10, 14][..])?;
 /// let y = LashMap::new([0, 1], [&[0][..], &[0]], &[0][..])?;
 /// let mut stage = Compensator::new([x, y].map(|map| MappedBacklash::new(map, Flank::Positive)));
@@ -34,7 +34,7 @@ pub struct MappedBacklash<K, V> {
     held_steps: u32,
     /// Motor position less load position on the positive flank.
     origin: i32,
-    /// The position of the last look-up, and the distance within which the lash stays the same.
+    /// The position of the last look-up, and the distance within which the backlash stays the same.
     looked_up_at: [i32; 2],
     quiet_steps: u32,
 }
@@ -59,7 +59,7 @@ impl<K: AsRef<[i32]>, V: AsRef<[u32]>> MappedBacklash<K, V> {
     }
 
     /// Returns the load position with the motor at `motor`, for the engaged flank and the last
-    /// lash.
+    /// backlash.
     #[must_use]
     pub const fn load_position(&self, motor: i32) -> i32 {
         let offset = match self.flank {
@@ -80,7 +80,7 @@ impl<K: AsRef<[i32]>, V: AsRef<[u32]>> MappedBacklash<K, V> {
         &self.map
     }
 
-    /// Returns the lash at a position.
+    /// Returns the backlash at a position.
     fn look_up(&mut self, at: [i32; 2]) -> u32 {
         let (steps, quiet_steps) = self.map.look_up(at);
         self.looked_up_at = at;
@@ -105,7 +105,7 @@ impl<const N: usize, K: AsRef<[i32]>, V: AsRef<[u32]>> Lash<N> for MappedBacklas
             // The distance between motor and load does not change while the axis stands.
             (Flank::Negative, Flank::Positive) => self.held_steps,
             (Flank::Unknown, Flank::Negative) => {
-                // The motor has not moved, so the play is on its other side.
+                // The motor has not moved, so the backlash is on its other side.
                 self.held_steps = self.look_up(self.map.place(load));
                 self.origin = self.held_steps.cast_signed();
                 0
@@ -129,7 +129,7 @@ impl<const N: usize, K: AsRef<[i32]>, V: AsRef<[u32]>> Lash<N> for MappedBacklas
         }
         let steps = self.look_up(at);
         let before = core::mem::replace(&mut self.held_steps, steps);
-        // Both are below 2^20. With more lash the motor moves back, away from the load.
+        // Both are below 2^20. With more backlash the motor moves back, away from the load.
         before.cast_signed().wrapping_sub(steps.cast_signed())
     }
 

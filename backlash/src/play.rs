@@ -1,4 +1,4 @@
-//! An axis whose nut has play on its screw.
+//! An axis whose nut has backlash on its screw.
 
 use crate::Lash;
 
@@ -57,7 +57,7 @@ impl Play {
             // 2^32 steps at 100 per second take more than a year.
             (true, true) => self.load = self.load.wrapping_add(1),
             (true, false) => self.load = self.load.wrapping_sub(1),
-            // Below the lash, or above zero.
+            // Below the backlash, or above zero.
             (false, true) => self.ahead = self.ahead.wrapping_add(1),
             (false, false) => self.ahead = self.ahead.wrapping_sub(1),
         }
@@ -98,7 +98,7 @@ impl Play {
         self.shift(!is_forward, moved);
     }
 
-    /// Changes the lash. The engaged flank stays engaged.
+    /// Changes the backlash. The engaged flank stays engaged.
     pub const fn set_lash(&mut self, lash: u16) {
         let is_positive = self.ahead == self.lash;
         self.lash = lash;
@@ -108,8 +108,8 @@ impl Play {
     }
 }
 
-/// The same lash everywhere, also if the axis begins within its play. The position of the load is
-/// that of the machine.
+/// The same backlash everywhere, also if the axis begins within its backlash. The position of the
+/// load is that of the machine.
 impl<const N: usize> Lash<N> for Play {
     fn take_up(&mut self, _: usize, direction: i8, _: &[i32; N]) -> u32 {
         if direction == 0 {

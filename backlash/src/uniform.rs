@@ -1,8 +1,8 @@
-//! One value of lash for the whole travel.
+//! One value of backlash for the whole travel.
 
 use crate::{Flank, Lash};
 
-/// An axis with the same lash everywhere.
+/// An axis with the same backlash everywhere.
 ///
 /// On the positive flank the motor is at the position of the load. On the negative flank it is
 /// `lash_steps` ahead of it in the negative direction. Arithmetic wraps at the ends of `i32` and
@@ -20,8 +20,8 @@ pub struct Backlash {
 }
 
 impl Backlash {
-    /// Creates an axis with its lash in motor steps and its engaged flank. Load and motor are at
-    /// zero on the positive flank.
+    /// Creates an axis with its backlash in motor steps and its engaged flank. Load and motor are
+    /// at zero on the positive flank.
     ///
     /// With [`Flank::Unknown`] the first motion is not compensated, because it determines the
     /// flank.
@@ -63,7 +63,7 @@ impl Backlash {
         self.flank
     }
 
-    /// Returns the lash in motor steps.
+    /// Returns the backlash in motor steps.
     #[must_use]
     pub const fn lash_steps(&self) -> u32 {
         self.lash_steps
@@ -88,7 +88,7 @@ impl Backlash {
                 self.lash_steps
             }
             (Flank::Unknown, Flank::Negative) => {
-                // The motor is where it was, so the play lies on the other side of it.
+                // The motor is where it was, so the backlash lies on the other side of it.
                 self.origin = self.lash_steps.cast_signed();
                 0
             }

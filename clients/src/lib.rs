@@ -2,9 +2,11 @@
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
 
+mod by_hand;
 pub mod drill;
 #[cfg(test)]
 mod faults;
+pub mod grbl;
 #[cfg(unix)]
 pub mod holder;
 pub mod microfactory;
@@ -13,6 +15,7 @@ mod port;
 mod stop_requests;
 mod wire;
 
+pub use by_hand::ByHand;
 pub use port::{Port, read};
 pub use stop_requests::StopRequests;
 pub use wire::Wire;

@@ -155,6 +155,10 @@ fn check_printed(text: &[u8], parsed: &Result<Block, Error>, modal: &Modal<3>) {
         return;
     };
     let dialect = modal.dialect();
+    // For a printer a blank ends the number of some codes. Elsewhere it stands within a number.
+    if *dialect == Dialect::PRINTER && has_blank_in_number(text) {
+        return;
+    }
     // The printed form may be longer than the original, and then too long for the buffer of a link.
     if dialect
         .buffer()
@@ -181,6 +185,17 @@ fn check_printed(text: &[u8], parsed: &Result<Block, Error>, modal: &Modal<3>) {
         (Err(error), Err(other)) => assert_eq!(error.kind, other.kind, "{printed}"),
         (planned, other) => panic!("{planned:?} printed as {printed} is {other:?}"),
     }
+}
+
+fn has_blank_in_number(text: &[u8]) -> bool {
+    let is_digit = |byte: &u8| byte.is_ascii_digit() || *byte == b'.';
+    let mut words = text.split(|byte| matches!(byte, b' ' | b'\t'));
+    let mut before = words.next().unwrap_or_default();
+    words.filter(|word| !word.is_empty()).any(|word| {
+        let is_split = before.last().is_some_and(is_digit) && word.first().is_some_and(is_digit);
+        before = word;
+        is_split
+    })
 }
 
 fn check_place(error: &Error, text: &[u8]) {

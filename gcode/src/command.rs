@@ -130,7 +130,7 @@ pub enum Heater {
     Chamber,
 }
 
-/// When the program goes on after a heater got a target.
+/// When the program continues after a heater got a target.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum HeatWait {

@@ -41,9 +41,10 @@ const SYSTEMS: usize = if EXTENDED { 9 } else { 6 };
 /// The state that one block leaves to the next: modes, frames, eight tools and the programmed
 /// position. Cheap to clone.
 ///
-/// Initially: machine zero, all offsets zero, G54, G17, G21, G90, G91.1, G94, G61, G40, G49, G98,
-/// G97, G8, no motion mode (axis words before the first motion code are an error), no feed, spindle
-/// and coolant off. Micromill: micrometres, absolute centres. Grbl: G0. Lathes: G18 and G7.
+/// The initial state is machine zero with all offsets zero, and G54, G17, G21, G90, G91.1, G94,
+/// G64, G40, G49, G98, G97 and G8. There is no motion mode, so axis words before the first motion
+/// code are an error. There is no feed, and spindle and coolant are off. Micro mill: micrometres
+/// and absolute centres. Grbl: G0. Lathes: G18 and G7.
 ///
 /// A, B and C are in degrees in any unit: a millionth of a degree is one [`Nm`].
 ///

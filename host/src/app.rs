@@ -7,6 +7,7 @@ mod compare;
 mod drilling;
 mod explain;
 mod format;
+mod grbl;
 mod holes;
 mod job;
 mod machines;
@@ -129,6 +130,10 @@ fn driven(drive: impl FnOnce(&mut dyn Write) -> Result<u8, Failure>) -> Result<u
 fn jog(args: &Jog, out: &mut Told<'_>) -> Result<u8, Failure> {
     let is_well = match args.machine.as_str() {
         "drill" => drill::jog(args, out)?,
+        machine if grbl::is_grbl(Some(machine)) => {
+            let is_well = crate::grbl::jog(args, out)?;
+            return Ok(if is_well { OK } else { milling::failed() });
+        }
         machine if milling::is_mill(machine) => {
             let file = load(machine)?;
             let config = setup::first_three(&setup::config(&file, Dialect::MICROMILL)?);
@@ -141,8 +146,8 @@ fn jog(args: &Jog, out: &mut Told<'_>) -> Result<u8, Failure> {
         machine => {
             let settings = microfactory(machine)?.ok_or_else(|| {
                 format!(
-                    "{machine} cannot be moved by hand: name microfactory, drill, micromill, or \
-                     the file of one of them"
+                    "{machine} cannot be moved by hand: name microfactory, drill, micromill, the \
+                     file of one of them, or grbl"
                 )
             })?;
             microfactory::jog(args, &settings, out)?
@@ -154,7 +159,7 @@ fn jog(args: &Jog, out: &mut Told<'_>) -> Result<u8, Failure> {
 fn expect_no_single_block(args: &Send, machine: &str) -> Result<(), String> {
     match args.single_block {
         true => Err(format!(
-            "--single-block is for the micro mill, not for the {machine}"
+            "--single-block is for the micro mill and Grbl, not for the {machine}"
         )),
         false => Ok(()),
     }
@@ -195,6 +200,9 @@ fn own_output(output: Option<&str>, format: Output) -> Result<&str, Failure> {
 }
 
 fn send(args: &Send, out: &mut Told<'_>) -> Result<u8, Failure> {
+    if grbl::is_grbl(args.target.machine.as_deref()) {
+        return grbl::send(args, out);
+    }
     let first = args.files.first().map_or("", String::as_str);
     if let Some(settings) = figures(&args.target, first)? {
         expect_no_single_block(args, "microfactory")?;

@@ -1,31 +1,37 @@
 //! The command line: commands, options and their help texts.
 
 mod calibrate;
+mod compare;
 mod drilling;
+mod emulate;
+mod exit_status;
+mod interpolate;
 mod jog;
-mod moves;
+mod measure;
 mod reproduce;
-mod servo;
-mod status;
 mod stop;
+mod tune;
 mod zero;
 
 use crate::diagnostics::Format;
 pub use calibrate::{AxisArgs, BacklashArgs, Calibrate, CirclesArgs, SquarenessArgs, What};
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use compare::COMPARE_HELP;
+pub use compare::Compare;
 pub use drilling::{
     Compile, DrillOrder, DrillOutput, DrillProfile, DrillUnits, DrillZeros, Drilling, Holes,
     Layout, Send,
 };
+pub use emulate::Emulate;
+pub use exit_status::command;
+pub use interpolate::{ArcShape, Interpolate, LineShape, Shape};
 pub use jog::Jog;
-use moves::COMPARE_HELP;
-pub use moves::{ArcShape, Compare, Interpolate, LineShape, Shape};
+pub use measure::{Measure, words};
 use reproduce::REPRODUCE_HELP;
 pub use reproduce::{Original, Reproduce};
-use servo::TUNE_HELP;
-pub use servo::{Emulate, Measure, Tune, TuneMethod, TuneRule, words};
-pub use status::command;
 pub use stop::Stop;
+use tune::TUNE_HELP;
+pub use tune::{Tune, TuneMethod, TuneRule};
 pub use zero::{LETTERS, Zero};
 
 /// Check, simulate and draw programs for small machines
@@ -84,7 +90,7 @@ pub enum Command {
         husillo holes board.drl --as drill --only 1 --shift corner -o board.cod")]
     Holes(Holes),
     /// Translate a program or a drill file for a controller without an interpreter: records of the
-    /// circuit-board drill, strings of the micro mill
+    /// circuit-board drill, strings of the micro mill, figures of a microfactory
     #[command(after_help = "Examples:\n  \
         husillo compile board.drl -m drill -o board.cod\n  \
         husillo compile board.drl -m drill --order shortest --shift corner --report board.html\n  \
@@ -254,7 +260,7 @@ pub enum Command {
 /// Machine and language of a program.
 #[derive(Clone, Debug, Args)]
 pub struct Target {
-    /// Machine: micromill, free, router, lathe, drill, microfactory, or a TOML file
+    /// Machine: a name that `husillo machines` lists, or a TOML file
     #[arg(short, long, value_name = "NAME|FILE")]
     pub machine: Option<String>,
     /// Language of the program: rs274, grbl, micromill, lathe, lathe-a, iso, drill, printer
@@ -286,7 +292,7 @@ pub struct Run {
     /// Machine and language.
     #[command(flatten)]
     pub target: Target,
-    /// Where it lies on the machine.
+    /// Position on the machine.
     #[command(flatten)]
     pub place: Place,
     /// Report to write [default: out/NAME.html; none with --format json]
@@ -339,7 +345,7 @@ pub struct Check {
     /// Machine and language.
     #[command(flatten)]
     pub target: Target,
-    /// Where it lies on the machine.
+    /// Position on the machine.
     #[command(flatten)]
     pub place: Place,
     /// How to print findings
@@ -490,7 +496,7 @@ pub struct Commands {
     /// Machine and language.
     #[command(flatten)]
     pub target: Target,
-    /// Where it lies on the machine.
+    /// Position on the machine.
     #[command(flatten)]
     pub place: Place,
     /// How to print the commands; gcode is for records of the drill
@@ -509,7 +515,7 @@ pub struct Steps {
     /// Machine and language.
     #[command(flatten)]
     pub target: Target,
-    /// Where it lies on the machine.
+    /// Position on the machine.
     #[command(flatten)]
     pub place: Place,
     /// CSV file to write; - is standard output

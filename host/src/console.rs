@@ -3,6 +3,7 @@
 //! Names, cells, comments and answers of devices come from others. A control character in them is
 //! shown as its JSON escape, so a line of JSON stays one line.
 
+pub mod keys;
 pub mod progress;
 pub mod sharing;
 pub mod stop;
@@ -32,8 +33,8 @@ pub fn stdout() -> Shown<StdoutLock<'static>> {
     Shown::new(io::stdout().lock())
 }
 
-/// Standard output for commands that go on when it fails: a machine completes its work, and files
-/// are still written.
+/// Standard output for commands that continue when it fails: a machine completes its work, and
+/// files are still written.
 pub fn lasting_stdout() -> Lasting<Shown<StdoutLock<'static>>> {
     Lasting {
         out: stdout(),

@@ -1,15 +1,17 @@
-//! `husillo emulate grbl`: a Grbl controller on a simulated mill.
+//! `emulate grbl`, a Grbl controller on a simulated mill, and `jog -m grbl`.
 
-use crate::cli::Emulate;
+use crate::by_hand;
+use crate::cli::{Emulate, Jog};
+use crate::console::sharing::share;
+use crate::console::stop::stop_requests;
+use crate::console::told::Told;
 use crate::machines::machine_file::MachineFile;
 use crate::programs::setup;
+use husillo_clients::grbl::{Action, BAUD, Hand, open};
 use husillo_gcode::Dialect;
 use husillo_sim::device::grbl::Device;
 use husillo_transports::grbl::Settings;
 use std::io;
-
-/// Rate of Grbl's line, bits/s.
-const BAUD: u32 = 115_200;
 
 /// Runs the device; its events go to `steps`, if it is given. `machine` is the mill whose axes it
 /// has, by default those of Grbl's generic settings.
@@ -73,4 +75,31 @@ pub fn settings(file: &MachineFile) -> Result<Settings, String> {
         }
     }
     Ok(settings)
+}
+
+/// `husillo jog`. Returns whether all actions succeeded.
+///
+/// # Errors
+///
+/// A sentence about a wrong action, before anything moves.
+pub fn jog(args: &Jog, out: &mut Told<'_>) -> Result<bool, String> {
+    let actions = Action::parse(&args.actions)?;
+    let [name] = &args.port[..] else {
+        return Err("a Grbl controller is driven alone: one --port".into());
+    };
+    if args.figure.is_some() || args.without_answers {
+        return Err("--figure and --without-answers are for the microfactory".into());
+    }
+    let baud = args.baud.unwrap_or(BAUD);
+    let stop = stop_requests()?;
+    let wire = open(name, baud)?;
+    share("grbl", name, baud);
+    let mut hand = match Hand::new(wire, stop) {
+        Ok(hand) => hand,
+        Err(sentence) => {
+            out.failed(name, &sentence);
+            return Ok(false);
+        }
+    };
+    Ok(by_hand::carry_out(name, &actions, &mut hand, out))
 }

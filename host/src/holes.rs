@@ -11,6 +11,7 @@ use crate::machines::machine_file::{MachineFile, Travel};
 use husillo_excellon::Slot;
 use husillo_gcode::Nm;
 use husillo_holes::{Board, Fit, SlotError};
+use husillo_sim::text::counted;
 
 pub use options::{Options, length, work};
 
@@ -77,9 +78,9 @@ pub fn check_travel(board: &Board, file: &str, machine: &MachineFile, findings: 
         let slots = board.slots.iter().filter(ends).count();
         let off = match (holes, slots) {
             (0, 0) => continue,
-            (_, 0) => count(holes, "hole"),
-            (0, _) => count(slots, "slot"),
-            _ => format!("{} and {}", count(holes, "hole"), count(slots, "slot")),
+            (_, 0) => counted(holes, "hole"),
+            (0, _) => counted(slots, "slot"),
+            _ => format!("{} and {}", counted(holes, "hole"), counted(slots, "slot")),
         };
         let message = format!("{off} of {file} beyond the travel of {name}");
         let note = format!(
@@ -97,13 +98,5 @@ pub fn check_travel(board: &Board, file: &str, machine: &MachineFile, findings: 
         } else {
             "it is too large for a shift to help"
         }));
-    }
-}
-
-/// `1 hole`, `2 holes`.
-pub fn count(number: usize, name: &str) -> String {
-    match number {
-        1 => format!("1 {name}"),
-        _ => format!("{number} {name}s"),
     }
 }

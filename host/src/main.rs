@@ -21,6 +21,7 @@
 mod console;
 
 mod app;
+mod by_hand;
 mod cli;
 mod diagnostics;
 mod drill;
@@ -44,6 +45,7 @@ mod tuning;
 
 use clap::FromArgMatches;
 use std::ffi::OsString;
+use std::io::{self, Write as _};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -85,11 +87,22 @@ fn answered(error: &clap::Error) -> ExitCode {
     let is_hostile = |text: String| {
         text.chars().any(console::is_obeyed) || text.len() != console::cut(&text).len()
     };
+    let text = error.render();
     if std::env::args_os().any(|word| is_hostile(word.to_string_lossy().into_owned())) {
-        eprintln!("{}", error.render().to_string().trim_end());
-    } else {
-        // Nobody to tell that it cannot be told.
-        let _ = error.print();
+        eprintln!("{}", text.to_string().trim_end());
+        return ExitCode::from(2);
     }
+    let drawn = |is_coloured: bool| match is_coloured {
+        true => text.ansi().to_string(),
+        false => text.to_string(),
+    };
+    // Nobody to tell that it cannot be told.
+    let _ = if error.use_stderr() {
+        let mut out = io::stderr();
+        writeln!(out, "{}", drawn(console::is_coloured(&out)).trim_end())
+    } else {
+        let mut out = io::stdout();
+        writeln!(out, "{}", drawn(console::is_coloured(&out)).trim_end())
+    };
     ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2))
 }

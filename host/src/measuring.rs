@@ -35,6 +35,7 @@ use husillo_metrology::Trouble;
 use husillo_metrology::calibration::Calibrated;
 use husillo_metrology::heads::{Head, Machine, Prober as _, Stylus};
 use husillo_metrology::simulated::{ChainModule, IO_PANEL, Mounted, PANEL, SimulatedChain};
+use husillo_sim::text::counted;
 use interrupt::{Interrupt, User};
 use result_row::{CSV_HEAD, ResultRow};
 use routine::{Ending, Routine};
@@ -224,7 +225,7 @@ fn mishap_of(head: &mut Calibrated<Head<AnyPort>>) -> Option<u8> {
 }
 
 /// Carries out actions as they are typed, one line at a time, until `end` or the end of the input.
-/// A line that is not understood, or fails, is reported, and the session goes on. Returns whether
+/// A line that is not understood, or fails, is reported, and the session continues. Returns whether
 /// there was such a line.
 ///
 /// # Errors
@@ -406,8 +407,8 @@ pub fn emulate(args: &Emulate, out: &mut dyn Write) -> Result<(), Stopped> {
         emulated = emulated.without_byte_times();
     }
     let count = modules.as_ref().map_or(machine.modules().into(), Vec::len);
-    let noun = if count == 1 { "module" } else { "modules" };
-    let name = format!("{}: {count} {noun}", machine.title);
+    let modules_text = counted(count, "module");
+    let name = format!("{}: {modules_text}", machine.title);
     let hint = format!("husillo measure -m {} --port {{port}} status", args.machine);
     let is_io = |module: &ChainModule| matches!(module, ChainModule::Io { .. });
     let has_io = modules.iter().flatten().any(is_io);

@@ -19,6 +19,7 @@ use husillo_clients::microfactory::crew::{self, What};
 use husillo_clients::microfactory::{Action, BAUD, LEASE, Links, Settings, shares};
 use husillo_controllers::MicrofactoryConfig;
 use husillo_sim::device::microfactory::Device;
+use husillo_sim::text::counted;
 use std::io::{self, Write};
 
 /// The figure of a device without another one: the original's square with its diagonal, 1000 steps
@@ -116,9 +117,9 @@ pub fn send(
     let (files, ports) = (&args.files, &args.port);
     if files.len() != 1 && files.len() != ports.len() {
         return Err(format!(
-            "{} figures for {} machines: one for all, or one for each --port",
-            files.len(),
-            ports.len()
+            "{} for {}: give one for all, or one for each --port",
+            counted(files.len(), "figure"),
+            counted(ports.len(), "machine")
         ));
     }
     let actions_of = |file: &String| {

@@ -8,10 +8,11 @@
 //! actions ─► hand ─► port ─► controller
 //! ```
 
+use crate::by_hand;
 use crate::cli::Jog;
 use crate::console::sharing::share;
 use crate::console::stop::stop_requests;
-use crate::console::told::{Told, action as action_object, report};
+use crate::console::told::Told;
 use husillo_clients::micromill::{Action, BAUD, Frame, Hand, LEASE_MS, LengthUnit, open};
 use husillo_machine::Config;
 use husillo_sim::device::micromill::Device;
@@ -87,24 +88,5 @@ pub fn jog(args: &Jog, config: Config<3>, out: &mut Told<'_>) -> Result<bool, St
             return Ok(false);
         }
     };
-    for action in &actions {
-        let start = hand.elapsed();
-        let made = hand.carry_out(action);
-        for line in hand.panel() {
-            out.tell(format_args!("  {line}"), || report(1, name, &line));
-        }
-        let seconds = (hand.elapsed() - start).as_secs_f64();
-        let end = made.as_deref().map_err(String::as_str);
-        out.object(&action_object(1, name, action, seconds, end));
-        match end {
-            Ok(how) => out.text(format_args!("{action}: {seconds:.1} s, {how}")),
-            Err(sentence) => {
-                if !out.is_json() {
-                    eprintln!("error: {name}: {action}: {sentence}");
-                }
-                return Ok(false);
-            }
-        }
-    }
-    Ok(true)
+    Ok(by_hand::carry_out(name, &actions, &mut hand, out))
 }

@@ -17,6 +17,7 @@ use husillo_metrology::tuning::{
 };
 use husillo_pid::tuning::Rule;
 use husillo_reports::tuning;
+use husillo_sim::text::counted;
 use husillo_transports::nmc::Gains;
 use std::io::Write;
 
@@ -195,13 +196,15 @@ fn verdict(outcome: &Outcome) -> Option<String> {
     let check = outcome.check.filter(|check| !check.is_good())?;
     Some(if check.within_1_count < check.moves {
         format!(
-            "only {} of {} moves ended within 1 count, the farthest {} counts from its goal",
-            check.within_1_count, check.moves, check.largest_error
+            "only {} of {} moves ended within 1 count, the farthest {} from its goal",
+            check.within_1_count,
+            check.moves,
+            counted(check.largest_error, "count")
         )
     } else {
         format!(
-            "the axis hunts: while it is held, it moves up to {} counts away from its goal",
-            check.rest_error
+            "the axis hunts: while it is held, it moves up to {} away from its goal",
+            counted(check.rest_error, "count")
         )
     })
 }

@@ -390,6 +390,12 @@ mod terminals {
             ),
             (&["run", "--nonsense"], &[("TERM", "dumb")], false),
             (&["run", "--nonsense"], &[("NO_COLOR", "1")], false),
+            (
+                &["run", "--nonsense"],
+                &[("TERM", "dumb"), ("CI", "1")],
+                false,
+            ),
+            (&["--help"], &[("TERM", "dumb"), ("CI", "1")], false),
         ] {
             let Some(text) = on_terminal(args, variables, "") else {
                 return eprintln!("skipped: no pseudo-terminal here");

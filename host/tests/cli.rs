@@ -205,17 +205,18 @@ fn the_machine_is_found() {
         told.concat()
     };
     let told = found("found-small.nc", "G21 G90\nG1 X4 Y3 F1\nM2\n", 0);
-    assert!(told.contains("for micromill, the first of"), "{told}");
+    assert!(told.contains("micromill is the first machine of"), "{told}");
     let told = found(
         "found-large.nc",
         "G21 G90\nG0 X1\nG1 X90 Y-30 F600\nM2\n",
         0,
     );
-    assert!(told.contains("for router, the first of"), "{told}");
+    assert!(told.contains("router is the first machine of"), "{told}");
     assert!(told.contains("placed in the middle of router"), "{told}");
     let told = found("found-huge.nc", "G21 G90\nG0 X1\nG1 X900 F600\nM2\n", 0);
     assert!(
-        told.contains("none of micromill, router, lathe") && told.contains("accepts it; for free"),
+        told.contains("no machine of micromill, router, lathe")
+            && told.contains("it is checked for free"),
         "{told}"
     );
     let told = found(

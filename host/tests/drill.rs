@@ -71,7 +71,7 @@ fn the_same_over_a_pseudo_terminal() {
         "{place}"
     );
     assert!(
-        place.contains("1 holes") && place.contains("; 0 steps lost"),
+        place.contains("1 hole,") && place.contains("; 0 steps lost"),
         "{place}"
     );
 }
@@ -258,7 +258,7 @@ fn programs_are_compiled_and_listed() {
         .args(["compile", &file, "-m", "router"])
         .assert()
         .code(2)
-        .stderr(contains("only -m drill takes records"));
+        .stderr(contains("name micromill, drill or microfactory"));
     for file in [file.as_ref(), again.as_ref(), &*records, &*second] {
         let _ = std::fs::remove_file::<&std::path::Path>(file);
     }
@@ -468,13 +468,10 @@ fn a_run_is_stopped() {
     let told = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{told}");
     assert!(told.contains("stopped\n"), "{told}");
-    assert!(
-        told.contains("of 3 holes are drilled; go on with"),
-        "{told}"
-    );
+    assert!(told.contains("of 3 holes drilled; go on with"), "{told}");
     let where_ = device.type_line("where", "lost");
     assert!(where_.contains("spindle off"), "{where_}");
-    let count = where_.split(" holes").next().unwrap();
+    let count = where_.split(" hole").next().unwrap();
     let count = count.rsplit(' ').next().unwrap().to_owned();
     assert!(
         told.contains(&format!("\n{count} of 3")),
@@ -514,7 +511,7 @@ fn a_tool_change_is_interrupted() {
     assert_eq!(output.status.code(), Some(1), "{told}");
     assert!(told.contains("T1 (0.8 mm) was not put in"), "{told}");
     assert!(
-        told.contains("0 of 29 holes are drilled; begin again with"),
+        told.contains("0 of 29 holes drilled; begin again with"),
         "{told}"
     );
 }
@@ -566,7 +563,7 @@ fn a_drill_without_its_host_stops() {
         device.read_until("the host is silent: its lease has expired");
         device.read_until("spindle off");
         let place = device.type_line("where", "lost");
-        let stands = "x 1342 y 535 steps from home, z 0 below its sensor, spindle off; 1 holes";
+        let stands = "x 1342 y 535 steps from home, z 0 below its sensor, spindle off; 1 hole,";
         assert!(place.contains(stands), "{place}");
         device.type_line("plug", "plugged");
         let port = ["jog", "-m", "drill", "--port", device.port(), "where"];
@@ -616,7 +613,7 @@ fn a_drill_that_worked_alone_is_asked_for_its_holes() {
     device.read_until("spindle off");
     send(&device, &file, &["--from", "2"])
         .code(1)
-        .stderr(contains("by its own count").and(contains("30 of 30 holes are drilled")));
+        .stderr(contains("by its own count").and(contains("30 of 30 holes drilled")));
     device.type_line("holes", "30 holes");
     // Stopped during the program: it goes on with the number that is reported.
     jog(&device, &["clear"]).success();
@@ -627,7 +624,7 @@ fn a_drill_that_worked_alone_is_asked_for_its_holes() {
     jog(&device, &["stop"]).success();
     let place = device.type_line("where", "lost");
     let drilled = place
-        .split(" holes")
+        .split(" hole")
         .next()
         .unwrap()
         .rsplit(' ')
@@ -638,7 +635,7 @@ fn a_drill_that_worked_alone_is_asked_for_its_holes() {
     send(&device, &file, &["--from", "2"])
         .code(1)
         .stderr(contains(format!(
-            "{drilled} of 30 holes are drilled; go on with"
+            "{drilled} of 30 holes drilled; go on with"
         )))
         .stderr(contains(format!("--from {next}")));
     send(&device, &file, &["--from", &next]).success();
@@ -692,7 +689,7 @@ fn where_is_answered_in_every_state() {
     };
     jog(&original, &["where"])
         .success()
-        .stdout(contains("an original drill, which says nothing else").and(contains(unknown)));
+        .stdout(contains("an original drill, which reports nothing else").and(contains(unknown)));
     // A drill that is asked for a lease which it does not have is not driven.
     let port = [
         "jog",

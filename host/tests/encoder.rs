@@ -49,7 +49,7 @@ fn lost_steps_are_reported_and_re_emitted() {
         report["encoders"][0]
             .as_str()
             .unwrap()
-            .starts_with("X is 8 steps behind, after 2000"),
+            .starts_with("X is 8 steps behind, after 20,00"),
         "{report}"
     );
     // Beside the path by what was lost.

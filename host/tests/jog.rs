@@ -104,8 +104,8 @@ fn two_machines_at_once() {
     first.type_line("unplug", "unplugged");
     jog_both(&first, &second, &["c", "9"])
         .code(1)
-        .stdout(contains("0 of 1 actions").and(contains("then no answer")))
-        .stdout(contains("1 of 1 actions").and(contains("1 of 2 machines")));
+        .stdout(contains("0 of 1 action,").and(contains("then no answer")))
+        .stdout(contains("1 of 1 action,").and(contains("1 of 2 machines")));
     let place = second.type_line("where", "lost");
     assert!(
         place.contains("x -7 ") && place.contains("spindle 12 "),
@@ -428,7 +428,7 @@ fn figures_and_machines_must_match() {
         .args(ports)
         .assert()
         .code(2)
-        .stderr(contains("2 figures for 3 machines"));
+        .stderr(contains("2 figures for 3 machines: give one"));
     husillo()
         .args(["send", square, "-m", "microfactory"])
         .args(&ports[..4])

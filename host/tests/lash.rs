@@ -290,7 +290,7 @@ fn maps_are_shown_and_counted() {
         shown.contains("backlash by position: 140.0 to 280.0 um, 2 positions along X"),
         "{shown}"
     );
-    assert!(shown.contains("lash 1271 steps (177.9 um)"), "{shown}");
+    assert!(shown.contains("lash 1,271 steps (177.9 um)"), "{shown}");
     let shown = printed(&["machines", "show", machine, "--format", "json"]);
     let shown: Value = serde_json::from_str(&shown).unwrap();
     assert_eq!(shown["axes"][0]["lash_map"]["most_um"], 280.0);

@@ -154,7 +154,7 @@ fn the_micro_mill() {
         &["line 3 begins at X0.7 Y0 mm", "move it there"],
     );
     assert_eq!(mill.device.type_line("where", "lost"), place);
-    mill.ends(2, &["send", part, "--from", "2"], &["needs --no-home"]);
+    mill.ends(2, &["send", part, "--from", "2"], &["add --no-home"]);
     let same = ["Lines      4 made\n", "each as in the simulator\n"];
     mill.ends(0, &from("2"), &same);
 
@@ -218,7 +218,7 @@ fn the_drill() {
     });
     let next = next.unwrap_or_else(|| panic!("{told}"));
     assert!((3..=6).contains(&next), "{told}");
-    let done = format!("{} of 6 holes are drilled", next - 1);
+    let done = format!("{} of 6 holes drilled", next - 1);
     assert!(told.contains(&done), "{told}");
     // It knows its position and its holes.
     let counted = format!("{} drillings done", next - 1);
@@ -245,7 +245,7 @@ fn the_drill() {
 
 /// The holes that the panel of the drill counts.
 fn drilled(place: &str) -> i64 {
-    let (before, _) = place.split_once(" holes").unwrap_or_default();
+    let (before, _) = place.split_once(" hole").unwrap_or_default();
     let last = before.rsplit(' ').next();
     last.and_then(|word| word.parse().ok()).unwrap_or(0)
 }

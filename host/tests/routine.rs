@@ -192,7 +192,7 @@ fn a_collision_is_exit_status_4_and_nothing_is_good() {
         .and(contains("Y moved at about 1.5").or(contains("YZ moved at about 1.5")))
         .and(contains("mm beyond it"));
     run("text", &page).stderr(told).stdout(
-        contains("1 feature, spoiled by a collision: none of 1 tolerances counts as kept")
+        contains("1 feature, spoiled by a collision: no tolerance counts as kept")
             .and(contains("tolerances kept").not()),
     );
     let page = fs::read_to_string(page).unwrap();

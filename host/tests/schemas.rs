@@ -7,7 +7,7 @@ use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Commands that together print everything that the schemas have.
-const COMMANDS: [&str; 78] = [
+const COMMANDS: [&str; 79] = [
     "check tests/data/errors.nc",
     "check ../examples/circles.nc -m micromill",
     "check ../examples/thread.nc ../examples/gear.nc -m lathe",
@@ -76,6 +76,7 @@ const COMMANDS: [&str; 78] = [
     "send ../examples/board.drl -m drill --shift corner",
     "send ../examples/microfactory/square.nc -m microfactory",
     "send tests/data/errors.nc -m micromill",
+    "send ../examples/circles.nc -m grbl",
     "jog home x 400",
     "jog -m micromill home where x 99999999",
     "jog -m drill home x 300 where",

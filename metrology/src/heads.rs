@@ -22,7 +22,7 @@ mod port;
 mod prober;
 mod search;
 mod servo;
-mod standing;
+mod settling;
 mod straight_move;
 mod switches;
 mod touching;

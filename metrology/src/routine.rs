@@ -4,7 +4,7 @@
 //! ```text
 //! text ─► words ─► line_reader ─► clauses, jobs ─► parser ─► statement ─► runner ─► feature
 //! G-code ─► program ─► called_cycle ───────────────────────────────┘  │
-//!                               Prober ◄── site ◄── cycle ◄───────────┤ moves and touches
+//!                               Prober ◄── site ◄── touches ◄─────────┤ moves and touches
 //!                                          frame ◄── alignment ◄──────┤
 //!                                                    fits ◄───────────┘ husillo-probe
 //! ```
@@ -12,7 +12,7 @@
 mod alignment;
 mod called_cycle;
 mod clauses;
-mod cycle;
+
 mod dimension;
 mod failure;
 mod feature;
@@ -29,6 +29,7 @@ mod site;
 #[cfg(test)]
 mod solid;
 mod statement;
+mod touches;
 #[cfg(test)]
 mod trials;
 pub mod vector;

@@ -1,6 +1,7 @@
 //! The length of a count of an encoder.
 
 use crate::quantity::{self, Fraction, Quantity};
+use husillo_sim::text::position;
 
 /// The length of a count, if it is known. Amounts are in nanometres if it is known, else in counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -129,8 +130,7 @@ impl Scale {
     pub fn text(self, amount: i64) -> String {
         match self.count {
             Some(_) => format!("{:.4} mm", self.number(amount)),
-            None if amount.abs() == 1 => format!("{amount} count"),
-            None => format!("{amount} counts"),
+            None => position(amount, "count"),
         }
     }
 }

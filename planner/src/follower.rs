@@ -161,7 +161,7 @@ impl Follower {
         }
     }
 
-    /// Confirms that the event was made and goes on to the next one.
+    /// Confirms that the event was made and continues to the next one.
     pub fn advance(&mut self) {
         self.ahead = self.ahead.wrapping_add(self.whole.into());
         // Both are below unit < 2^31.

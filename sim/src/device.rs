@@ -12,6 +12,7 @@ pub use emulation::Emulation;
 pub use serial_line::{Line, LineFault};
 pub use step_rows::StepRows;
 
+use crate::text::counted;
 use crate::{Emulated, Plant};
 use husillo_controllers::{Controller, Timed};
 use std::fmt;
@@ -348,7 +349,7 @@ pub fn push(
     };
     let axis = names.iter().position(|name| *name == axis);
     Some(match (axis, steps.parse()) {
-        (Some(axis), Ok(steps)) => format!("pushed by {} steps", push(axis, steps)),
+        (Some(axis), Ok(steps)) => format!("pushed by {}", counted(push(axis, steps), "step")),
         _ => format!(
             "push {} by how many steps? As in `push x -40`",
             names.join("|")

@@ -45,15 +45,17 @@ mod loss;
 mod microfactory_rig;
 mod micromill_rig;
 mod model;
+mod noisy_line;
 pub mod observers;
 mod place;
 mod random;
 mod rig;
 mod servo_chain;
 mod spindle;
+pub mod text;
 mod touch_probe;
 mod winding;
-mod wire;
+
 mod work_piece;
 
 pub use dc_motor::{DcMotor, DcMotorModel};
@@ -65,6 +67,7 @@ pub use loss::{Cause, Loss};
 pub use microfactory_rig::MicrofactoryRig;
 pub use micromill_rig::MicromillRig;
 pub use model::AxisModel;
+pub use noisy_line::{Noise, NoisyLine};
 pub use place::Place;
 pub use random::Random;
 pub use rig::Rig;
@@ -74,7 +77,7 @@ pub use servo_chain::{
 pub use spindle::Spindle;
 pub use touch_probe::{TouchProbe, TouchProbeModel};
 pub use winding::{Chopper, Current, Rotor, Winding};
-pub use wire::{Noise, Wire};
+
 pub use work_piece::{Bore, PointMm, Shape, Solid, WorkPiece};
 
 /// The example of the README as a doctest.

@@ -80,7 +80,7 @@ pub struct ServoChain {
     to_modules: VecDeque<(Byte, Option<u32>)>,
     /// The transfer of a byte takes no time.
     is_fast: bool,
-    /// Time after a reset in which a module hears nothing.
+    /// Time after a reset in which a module receives nothing.
     reset_ns: u64,
     /// Wires to the modules, and wires from them.
     there: Pair,
@@ -124,7 +124,7 @@ impl ServoChain {
         self
     }
 
-    /// Lets a module hear nothing for this time after a reset or when its supply returns.
+    /// Lets a module receive nothing for this time after a reset or when its supply returns.
     pub fn with_reset_ms(mut self, reset_ms: u32) -> ServoChain {
         self.reset_ns = u64::from(reset_ms) * 1_000_000;
         self

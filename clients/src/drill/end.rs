@@ -1,6 +1,7 @@
 //! The end of a job as text.
 
 use super::duration::spoken;
+use husillo_sim::text::counted;
 
 /// End of a job.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,16 +28,10 @@ pub struct Failed {
     pub begun: usize,
 }
 
-/// A number of things: `1 hole`, `2 holes`.
-pub(super) fn count(number: usize, name: &str) -> String {
-    let plural = if number == 1 { "" } else { "s" };
-    format!("{number} {name}{plural}")
-}
-
 /// The message about an end, and how to continue. `again` is the command line without --from.
 pub fn sentence(end: &End, again: &str, all: usize) -> String {
     match end {
-        End::Drilled => format!("{} drilled", count(all, "hole")),
+        End::Drilled => format!("{} drilled", counted(all, "hole")),
         End::Detached => "the drill has started, and runs the program alone from here: it has no \
             lease, and does not stop when the cable is pulled"
             .into(),
@@ -48,11 +43,11 @@ pub fn sentence(end: &End, again: &str, all: usize) -> String {
         End::Failed(Failed { why, done, begun }) => {
             let next = done + 1;
             let known = if done == begun {
-                format!("{done} of {all} holes are drilled")
+                format!("{done} of {} drilled", counted(all, "hole"))
             } else {
                 format!(
-                    "{done} of {all} holes are drilled for certain, up to {begun} may be: look at \
-                     the board"
+                    "{done} of {} drilled for certain, {begun} at most: look at the board",
+                    counted(all, "hole")
                 )
             };
             let go_on = if *done == all {

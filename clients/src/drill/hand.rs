@@ -5,6 +5,7 @@ use super::client::{Client, Trouble};
 use super::place::Place;
 use husillo_controllers::DrillConfig;
 use husillo_sim::device::drill::STROKE_STEPS;
+use husillo_sim::text::counted;
 use husillo_transports::drill::{Failure, Record, Step, record_bytes};
 use std::time::Duration;
 
@@ -178,7 +179,10 @@ impl Hand {
         self.client.run_for(Step::Execute, LONGEST, |_| {})?;
         self.client.run(Step::Spindle(false))?;
         self.spindle = false;
-        Ok(format!("{holes} drillings, with the spindle on"))
+        Ok(format!(
+            "{}, with the spindle on",
+            counted(holes, "drilling")
+        ))
     }
 
     /// Returns `false` if the axis reached its end first.
@@ -225,7 +229,7 @@ impl Hand {
         let count = records.len();
         let all: Vec<u8> = record_bytes(records).collect();
         (self.keep)(file, &all).map_err(Failed::Other)?;
-        Ok(format!("{file}: {count} records"))
+        Ok(format!("{file}: {}", counted(count, "record")))
     }
 
     fn key(&mut self, key: u8) -> Result<(), Failed> {

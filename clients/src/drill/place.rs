@@ -2,6 +2,7 @@
 
 use super::client::{Client, Trouble};
 use super::part::millimetres;
+use husillo_sim::text::{self, counted};
 use husillo_transports::drill::{Failure, MachineState, Reading, STEPS_PER_MM};
 use std::fmt;
 
@@ -51,9 +52,9 @@ impl Place {
     /// The lines about a drill that cannot be asked, for this reason.
     pub fn unknown(trouble: &Trouble) -> String {
         let state = match trouble {
-            Trouble::AtWork => "runs a program alone, and does not say where it is meanwhile",
+            Trouble::AtWork => "runs a program alone, and does not report its position meanwhile",
             Trouble::Link(Failure::Fault) => {
-                "has stopped with a fault: the spindle stands, nothing moves until its reset"
+                "has stopped with a fault: the spindle is off, and nothing moves until its reset"
             }
             _ => "does not answer: it is off, unplugged, homing, or an original at work",
         };
@@ -62,7 +63,7 @@ impl Place {
 
     /// The lines about an original, which rests, as it answers.
     pub fn of_original() -> String {
-        format!("state    at rest; an original drill, which says nothing else\n{UNKNOWN}")
+        format!("state    at rest; an original drill, which reports nothing else\n{UNKNOWN}")
     }
 }
 
@@ -76,7 +77,10 @@ const UNKNOWN: &str = "x        unknown\n\
 fn position(steps: u16) -> String {
     let inches = f64::from(steps) / f64::from(STEPS_PER_MM) / 25.4;
     let mm = millimetres(steps).0 as f64 / 1e6;
-    format!("{steps} steps, {mm:.3} mm, {inches:.4} in")
+    format!(
+        "{}, {mm:.3} mm, {inches:.4} in",
+        text::position(steps, "step")
+    )
 }
 
 impl fmt::Display for Place {
@@ -103,11 +107,14 @@ impl fmt::Display for Place {
         writeln!(f, "spindle  {spindle}")?;
         match self.records {
             Some(0) => write!(f, "program  none")?,
-            Some(records) => write!(f, "program  {records} records")?,
+            Some(records) => write!(f, "program  {}", counted(records, "record"))?,
             None => write!(f, "program  the end of a longer one")?,
         }
         match self.drillings {
-            Some(drillings) => write!(f, "; {drillings} drillings done since it was cleared"),
+            Some(drillings) => {
+                let done = counted(drillings, "drilling");
+                write!(f, "; {done} done since it was cleared")
+            }
             None => write!(f, "; drillings done are unknown since the reset"),
         }
     }

@@ -1,12 +1,13 @@
 //! A board over the link, tool by tool.
 
 use super::client::{Client, Trouble};
-use super::end::{End, Failed, count};
+use super::end::{End, Failed};
 use super::held::holes_done;
 use super::load::{Estimate, Load, MEMORY_RECORDS, loads_from};
 use super::part::Part;
 use super::place::Place;
 use husillo_gcode::Nm;
+use husillo_sim::text::counted;
 use husillo_transports::drill::{Failure, MEMORY_BYTES, Record, Step};
 use std::time::Duration;
 
@@ -141,7 +142,7 @@ impl<O: Operator> Sender<'_, O> {
                 let first = loads.iter().find(|first| first.part == load.part);
                 let before = first.map_or(0, |first| first.before);
                 let [holes, _] = load.holes([load.seconds.len(); 2]);
-                let holes = count(load.before + holes - before, "hole");
+                let holes = counted(load.before + holes - before, "hole");
                 self.operator
                     .show(&format!("{}: {holes} drilled", part.name()));
             }
@@ -161,7 +162,7 @@ impl<O: Operator> Sender<'_, O> {
                 Err("the drill is not homed, or its zero is elsewhere: leave --no-home out".into())
             }
             Err(trouble) => Err(format!(
-                "the drill does not say that it is homed: leave --no-home out ({})",
+                "the drill does not report that it is homed: leave --no-home out ({})",
                 trouble.text()
             )),
         }
@@ -181,7 +182,7 @@ impl<O: Operator> Sender<'_, O> {
     fn loads(&self, most_records: usize) -> Result<Vec<Load>, String> {
         let all: usize = self.parts.iter().map(Part::holes).sum();
         if self.from >= all {
-            let all = count(all, "hole");
+            let all = counted(all, "hole");
             return Err(format!("--from {}: the program has {all}", self.from + 1));
         }
         Ok(loads_from(self.parts, self.from, most_records))
@@ -344,7 +345,7 @@ impl<O: Operator> Sender<'_, O> {
             // The device stands. Its answer here is not the reason of the failure.
             let _ = self.spindle(false);
             if is_expired && self.expect_homed().is_ok() {
-                why.push_str(". Its position is known: --no-home goes on without homing");
+                why.push_str(". Its position is known: --no-home continues without homing");
             }
         } else if !stands && !is_reset {
             self.operator.show(if self.client.has_lease() {

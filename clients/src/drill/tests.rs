@@ -511,7 +511,7 @@ fn pulled(parts: &[Part], lease_ms: u16, after_s: u64, passes_s: u64) -> (End, C
 }
 
 /// At the rates of the machine: the cable is pulled at different times of a run. The drill does not
-/// go on alone. It comes up and stands, its spindle too; then `--from` goes on without homing.
+/// continue alone. It comes up and stands, its spindle too; then `--from` continues without homing.
 #[test]
 fn a_drill_without_its_host_stops_and_goes_on_without_homing() {
     let parts = [part(1, &[[300, 100], [500, 100], [500, 300], [400, 90]])];
@@ -567,7 +567,7 @@ fn a_drill_without_its_host_stops_and_goes_on_without_homing() {
     assert!(seen.len() > 2, "{seen:?}");
 }
 
-/// Without a lease it goes on to the end of its program.
+/// Without a lease it continues to the end of its program.
 #[test]
 fn a_drill_without_a_lease_goes_on_alone() {
     let parts = [part(1, &[[300, 100], [320, 100]])];
@@ -610,7 +610,7 @@ fn a_late_host_is_told_and_knows_the_holes() {
             panic!("{end:?}")
         };
         assert!(why.contains("for the time of its lease"), "{why}");
-        assert!(why.contains("--no-home goes on"), "{why}");
+        assert!(why.contains("--no-home continues"), "{why}");
         let holes = device(&mut client).rig(0).unwrap().holes().iter();
         let whole = holes.filter(|hole| hole.depth == 3745).count();
         assert_eq!((done, begun), (whole, whole), "{after_s} s");
@@ -650,7 +650,7 @@ fn a_hole_that_was_drilled_alone_is_not_drilled_again() {
     let (told, _, mut second) = again(second, 2);
     assert!(told.contains("by its own count"), "{told}");
     assert!(
-        told.contains("5 of 5 holes are drilled; nothing is left to do"),
+        told.contains("5 of 5 holes drilled; nothing is left to do"),
         "{told}"
     );
     assert_eq!(drilled(&mut second).len(), 3, "nothing was drilled again");
@@ -682,7 +682,7 @@ fn an_original_at_work_is_left_alone() {
     assert!(told.contains("Is it still at work?"), "{told}");
     assert!(told.contains("count the holes in the board"), "{told}");
     assert!(
-        !told.contains("--from 3") && !told.contains("holes are drilled;"),
+        !told.contains("--from 3") && !told.contains("holes drilled;"),
         "{told}"
     );
     rest(&mut second);

@@ -2,7 +2,7 @@
 
 use super::{Bench, Fault, State, Subject};
 use crate::micromill::{Action, BAUD, Frame, Hand, LEASE_MS, LengthUnit, Sender, Sending, Session};
-use crate::{StopRequests, Wire};
+use crate::{ByHand as _, StopRequests, Wire};
 use husillo_controllers::MicromillConfig;
 use husillo_sim::device::micromill::Device;
 use husillo_transports::micromill::{Axis, Line, Point};

@@ -5,6 +5,7 @@ use super::settings::{Settings, length};
 use crate::{StopRequests, Wire};
 use husillo_gcode::Nm;
 use husillo_sim::device::microfactory::{self as device, Device};
+use husillo_sim::text::counted;
 use husillo_transports::microfactory::{
     ByteTable, REJECTED, Report, STATUS_BYTES, Status, figure_check, move_bytes,
 };
@@ -436,8 +437,8 @@ impl Client {
     fn load(&mut self, moves: &[[i16; 2]]) -> Result<String, String> {
         if moves.len() > usize::from(device::ROOM) {
             return Err(format!(
-                "a figure of {} moves: the device has room for {}",
-                moves.len(),
+                "a figure of {}: the device has room for {}",
+                counted(moves.len(), "move"),
                 device::ROOM
             ));
         }
@@ -454,7 +455,7 @@ impl Client {
                     } else {
                         String::new()
                     };
-                    return Ok(format!("{} moves{again}", moves.len()));
+                    return Ok(format!("{}{again}", counted(moves.len(), "move")));
                 }
                 Err(error) => trouble = error,
             }
@@ -543,7 +544,10 @@ impl Client {
                     place(to).wrapping_sub(place(from))
                 };
                 if moved(motor) != way {
-                    return Err(format!("{} steps were made instead of {way}", moved(motor)));
+                    return Err(format!(
+                        "the motor made {} instead of {way}",
+                        counted(moved(motor), "step")
+                    ));
                 }
             }
             left -= way;

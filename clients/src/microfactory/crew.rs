@@ -2,6 +2,7 @@
 
 use super::action::Action;
 use super::client::Client;
+use husillo_sim::text::counted;
 use std::fmt;
 use std::io::{self, Write};
 use std::sync::mpsc;
@@ -186,8 +187,9 @@ pub fn report(shares: &[Share], out: &mut dyn Write) -> io::Result<bool> {
             .map_or(0.0, |row| row.began_s + row.took_s);
         write!(
             out,
-            "{number}: {}: {done} of {} actions, {last:.1} s",
-            share.port, share.asked
+            "{number}: {}: {done} of {}, {last:.1} s",
+            share.port,
+            counted(share.asked, "action")
         )?;
         match share.trouble() {
             None => writeln!(out)?,

@@ -3,8 +3,9 @@
 use super::action::{Action, Leg, Pace};
 use super::position::{self, Frame};
 use super::session::{Session, why};
-use crate::{StopRequests, Wire};
+use crate::{ByHand, StopRequests, Wire};
 use husillo_sim::device::micromill::Device;
+use husillo_sim::text::counted;
 use husillo_transports::micromill::{Axis, Order, Outcome, State};
 use std::time::Duration;
 
@@ -51,53 +52,6 @@ impl Hand {
         })
     }
 
-    /// Carries out an action. Returns a text about the result, with the position that the
-    /// controller reports after it.
-    ///
-    /// # Errors
-    ///
-    /// A sentence about the failure. If the controller has stopped, it has the position.
-    pub fn carry_out(&mut self, action: &Action) -> Result<String, String> {
-        let made = self.made(action);
-        let (steps, net) = (self.session.steps.len(), self.session.net_steps());
-        self.session.steps.clear();
-        let before = self.state;
-        let asked = match &made {
-            Ok(()) if before.is_some() => self.session.state(),
-            // After each failure the position may be another one.
-            Err(_) if before.is_some() => Ok(self.session.state_after()),
-            _ => Ok(None),
-        };
-        let (made, state) = match (made, asked) {
-            (made, Ok(state)) => (made, state),
-            (Ok(()), Err(sentence)) => (Err(sentence), self.session.state_after()),
-            (made, Err(_)) => (made, None),
-        };
-        self.state = state;
-        // Homing and another backlash count from elsewhere.
-        let is_same = !matches!(action, Action::Home | Action::Backlash(..));
-        let uncounted = before
-            .zip(state)
-            .filter(|(before, now)| is_same && before.is_homed == now.is_homed)
-            .and_then(|(before, now)| position::uncounted(&before, &net, &now));
-        let stands = match (&state, before) {
-            (Some(state), _) => position::motors(state),
-            (None, Some(_)) => "the position is unknown".into(),
-            (None, None) => {
-                let [x, y, z] = net;
-                format!("motors moved by x {x} y {y} z {z}, {UNREPORTED}")
-            }
-        };
-        match (made, uncounted) {
-            (Err(sentence), None) => Err(format!("{sentence}; {steps} steps; {stands}")),
-            (Err(sentence), Some(other)) => {
-                Err(format!("{sentence}; {steps} steps; {stands}; {other}"))
-            }
-            (Ok(()), Some(other)) => Err(format!("{steps} steps; {stands}; {other}")),
-            (Ok(()), None) => Ok(self.done(action, steps, &stands)),
-        }
-    }
-
     fn made(&mut self, action: &Action) -> Result<(), String> {
         match action {
             Action::Home => self.ordered(Order::Home),
@@ -129,7 +83,7 @@ impl Hand {
             (Action::Where, None) => {
                 format!("position, work zero and backlash are unknown: {UNREPORTED}")
             }
-            _ => format!("{steps} steps; {stands}"),
+            _ => format!("{}; {stands}", counted(steps, "step")),
         }
     }
 
@@ -143,16 +97,6 @@ impl Hand {
     #[cfg(test)]
     pub const fn state(&self) -> Option<State> {
         self.state
-    }
-
-    /// Time since the port was opened.
-    pub fn elapsed(&self) -> Duration {
-        self.session.elapsed()
-    }
-
-    /// What a simulated mill has reported on its panel.
-    pub fn panel(&mut self) -> Vec<String> {
-        self.session.panel()
     }
 
     fn ordered(&mut self, order: Order) -> Result<(), String> {
@@ -214,6 +158,59 @@ impl Hand {
             over(self.session.turn(TURN_US)?)?;
         }
         Ok(())
+    }
+}
+
+impl ByHand for Hand {
+    type Action = Action;
+
+    /// If the controller has stopped, the text about a failure has the position.
+    fn carry_out(&mut self, action: &Action) -> Result<String, String> {
+        let made = self.made(action);
+        let (steps, net) = (self.session.steps.len(), self.session.net_steps());
+        self.session.steps.clear();
+        let before = self.state;
+        let asked = match &made {
+            Ok(()) if before.is_some() => self.session.state(),
+            // After each failure the position may be another one.
+            Err(_) if before.is_some() => Ok(self.session.state_after()),
+            _ => Ok(None),
+        };
+        let (made, state) = match (made, asked) {
+            (made, Ok(state)) => (made, state),
+            (Ok(()), Err(sentence)) => (Err(sentence), self.session.state_after()),
+            (made, Err(_)) => (made, None),
+        };
+        self.state = state;
+        // Homing and another backlash count from elsewhere.
+        let is_same = !matches!(action, Action::Home | Action::Backlash(..));
+        let uncounted = before
+            .zip(state)
+            .filter(|(before, now)| is_same && before.is_homed == now.is_homed)
+            .and_then(|(before, now)| position::uncounted(&before, &net, &now));
+        let stands = match (&state, before) {
+            (Some(state), _) => position::motors(state),
+            (None, Some(_)) => "the position is unknown".into(),
+            (None, None) => {
+                let [x, y, z] = net;
+                format!("motors moved by x {x} y {y} z {z}, {UNREPORTED}")
+            }
+        };
+        let moved = counted(steps, "step");
+        match (made, uncounted) {
+            (Err(sentence), None) => Err(format!("{sentence}; {moved}; {stands}")),
+            (Err(sentence), Some(other)) => Err(format!("{sentence}; {moved}; {stands}; {other}")),
+            (Ok(()), Some(other)) => Err(format!("{moved}; {stands}; {other}")),
+            (Ok(()), None) => Ok(self.done(action, steps, &stands)),
+        }
+    }
+
+    fn elapsed(&self) -> Duration {
+        self.session.elapsed()
+    }
+
+    fn panel(&mut self) -> Vec<String> {
+        self.session.panel()
     }
 }
 

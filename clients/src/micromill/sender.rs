@@ -4,6 +4,7 @@ use super::position;
 use super::session::Session;
 use crate::{StopRequests, Wire};
 use husillo_sim::device::micromill::Device;
+use husillo_sim::text::counted;
 use husillo_transports::micromill::{Line, Order, State};
 
 /// Settings of a transmission.
@@ -200,17 +201,17 @@ impl Sender {
         if !self.is_counted || self.start.is_none() {
             return sentence;
         }
-        let lines = self.session.lines;
+        let lines = counted(self.session.lines, "line");
         // Whoever does not answer is not asked again.
         let Some(state) = self.session.state_after() else {
-            return format!("{sentence}; {lines} lines made; the position is unknown");
+            return format!("{sentence}; {lines} made; the position is unknown");
         };
         let motors = position::motors(&state);
         let uncounted = match self.uncounted(&state) {
             Some(uncounted) => format!("; {uncounted}"),
             None => String::new(),
         };
-        format!("{sentence}; {lines} lines made; {motors}{uncounted}")
+        format!("{sentence}; {lines} made; {motors}{uncounted}")
     }
 
     /// What the controller counts beyond the steps that it reported.

@@ -66,7 +66,7 @@ class Jogged:
             for before, after in pairwise(steps)
             if before.due is not None and after.due is not None
         ]
-        counts = [int(count) for count in re.findall(r"s, (\d+) steps", said)]
+        counts = [int(count.replace(",", "")) for count in re.findall(r"s, ([\d,]+) steps?", said)]
         jogged, run = counts[0] // 3, counts[1]
         is_all = counts[0] % 3 == 0 and counts[2] == 30 and len(steps) == jogged + run + 30
         require(is_all and len(waits) == len(steps) - 1, (counts, len(steps), len(waits)))

@@ -145,7 +145,7 @@ impl Block {
             .map_err(|fault| self.error(fault, Measure::of(Nm(0))))
     }
 
-    /// The rest of a line of a printer from the code at this place on, if the code is alone before
+    /// The rest of a line of a printer from the code at this offset on, if the code is alone before
     /// it and takes such words: axes without values, settings, messages.
     #[cfg(feature = "extended")]
     #[cold]

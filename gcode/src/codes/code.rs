@@ -237,7 +237,7 @@ const LATHES: u8 = 1 << Flavour::Lathe as u8 | 1 << Flavour::LatheA as u8;
 const MILLS: u8 = 1 << Flavour::Rs274 as u8 | 1 << Flavour::Iso as u8 | 1 << Flavour::Printer as u8;
 const BOTH: u8 = MILLS | LATHES;
 const MOST: u8 = BOTH | GRBL;
-/// Codes that 3D printers use in another way, or not at all.
+/// Codes that 3D printers use differently, or not at all.
 const NO_PRINTER: u8 = BOTH & !(1 << Flavour::Printer as u8);
 /// Codes that the micro mill has as well.
 const LINK: u8 = MOST | MICROMILL;

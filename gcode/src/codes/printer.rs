@@ -23,7 +23,7 @@ const IGNORED: [u16; 49] = [
     486, 500, 501, 503, 555, 569, 572, 593, 862, 900,
 ];
 
-/// The code of a letter (`G` or `M`) and a number in tenths that a printer reads in its own way.
+/// The code of a letter (`G` or `M`) and a number in tenths that a printer reads differently.
 pub(crate) const fn of_printer(letter: u8, tenths: u16) -> Option<Code> {
     Some(match (letter, tenths) {
         (b'G', 100) => Code::Retract,

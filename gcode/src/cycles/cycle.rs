@@ -292,8 +292,8 @@ impl<const N: usize> Holes<N> {
     }
 
     fn next(&mut self, points: &[[Nm; 2]; 4]) -> Option<Command<N>> {
-        // Each state either returns a command or goes on to another; there are at most a few states
-        // without a command.
+        // Each state either returns a command or continues to another; there are at most a few
+        // states without a command.
         loop {
             let made = match self.state {
                 State::Begin => {

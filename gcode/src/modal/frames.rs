@@ -546,8 +546,8 @@ fn wrapped(word: Nm, has_minus: bool, here: Nm) -> Option<Nm> {
 
 #[cfg(feature = "extended")]
 impl<const N: usize> Modal<N> {
-    /// The home of a wrapped axis is the same angle in any turn: the axis goes there by the shorter
-    /// way, however many turns it has made.
+    /// The home of a wrapped axis is the same angle in any turn: the axis goes there in the shorter
+    /// direction, however many turns it has made.
     fn unwind(&self, block: &Block, commands: &mut Commands<N>) {
         let goes_via = block.axes() != 0;
         let before = if goes_via {

@@ -272,7 +272,7 @@ impl<const N: usize> Modal<N> {
         commands: &mut Commands<N>,
     ) -> Result<(), Fault> {
         // Only code system A has increments (U, V, W), and there X is always a diameter.
-        // They, and wrapped axes, take the longer way.
+        // They, and wrapped axes, take the longer path.
         if ROOMY && self.modes.dialect.has_plain_axes() && !self.is_diameter() {
             if N > AXES {
                 commands.arc.to = self.modes.position; // Axes without a letter stay.

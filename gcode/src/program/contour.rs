@@ -100,8 +100,6 @@ pub fn needs_contours(line: &[u8], dialect: &Dialect) -> bool {
 ///
 /// # Threading
 /// In code system A G76 is given in two lines.
-/// # Threading
-/// In code system A G76 is given in two lines.
 ///
 /// - The first has `P` with two digits each for the passes at full depth, the run-out at 45 degrees
 ///   in tenths of the lead, and the angle of the thread; `Q`, the least step; and `R`, the
@@ -198,7 +196,7 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
     /// before.
     ///
     /// Errors of a contour are those of its own line, and no part of the cycle is made. A caller
-    /// that goes on continues after the contour.
+    /// that reads further lines continues after the contour.
     pub fn next_line<const N: usize>(&mut self, modal: &Modal<N>) -> Option<Line<'t>> {
         if let Some(line) = self.next_of_cycle(modal) {
             return Some(line);
@@ -468,8 +466,8 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
             approach = approach.or(Some(read));
             Ok(())
         })?;
-        // Where the first move is along one axis, it is the way in, and its opposite is the way
-        // out.
+        // Where the first move is along one axis, the tool enters in its direction, and leaves in
+        // the opposite one.
         let ways = approach.and_then(|read: Read| {
             let [x, z] = minus(read.segment.to, read.from);
             ((x == 0) != (z == 0)).then_some(Ways {

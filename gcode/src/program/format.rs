@@ -28,6 +28,7 @@ use crate::words::word::words;
 ///
 /// # Cost
 /// Two passes over the line and one block.
+///
 /// # Examples
 /// ```
 /// use husillo_gcode::{Dialect, formatted};

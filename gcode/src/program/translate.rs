@@ -221,7 +221,7 @@ impl<const N: usize> Translator<N> {
         match command {
             Command::Rapid { to } | Command::Linear { to, .. } => *to == self.target.position(),
             Command::ToolLength { offset, .. } => *offset == self.target.tool_length(),
-            // Grbl passes all corners in the same way.
+            // Grbl passes all corners alike.
             Command::Path { .. } => self.target.dialect().flavour == Flavour::Grbl,
             // The moves are those of the tool already.
             Command::Compensation { .. } => self.stage.is_some(),

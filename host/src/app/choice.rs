@@ -35,7 +35,10 @@ pub fn job(file: &str, target: &Target, zero: Option<Zero>, limit: u64) -> Resul
                 }
                 let tried = TRIED.join(", ");
                 let name = job.name();
-                eprintln!("{name}: none of {tried} accepts it; for {NONE}, which has no limits");
+                eprintln!(
+                    "{name}: no machine of {tried} accepts this program; it is checked for \
+                     {NONE}, which has no limits"
+                );
                 NONE
             }
         };
@@ -54,7 +57,8 @@ impl Job {
         };
         let (name, machine, tried) = (self.name(), &self.machine.name, TRIED.join(", "));
         eprintln!(
-            "{name}: for {machine}, the first of {tried} that accepts it; -m NAME selects another"
+            "{name}: {machine} is the first machine of {tried} that accepts this program; -m NAME \
+             selects another"
         );
         for note in self.notes.drain(..) {
             eprintln!("{note}");

@@ -180,7 +180,8 @@ pub(super) fn expect_drill(machine: Option<&str>) -> Result<(), Failure> {
     match machine {
         None | Some("drill") => Ok(()),
         Some(other) => Err(Failure::Usage(format!(
-            "{other} takes programs; only -m drill takes records"
+            "{other} has no controller that this command knows: name micromill, drill or \
+             microfactory with -m"
         ))),
     }
 }

@@ -206,7 +206,7 @@ impl Job {
         Ok(source.with_folders(Folders::of(&self.file, &self.include)))
     }
 
-    /// How the file is called in messages.
+    /// Name of the file in messages.
     pub fn name(&self) -> &str {
         displayed(&self.file)
     }
@@ -325,7 +325,7 @@ fn of_letters(
     Ok(wanted)
 }
 
-/// How a file is called in messages.
+/// Name of a file in messages.
 pub fn displayed(file: &str) -> &str {
     if file == "-" { "<input>" } else { file }
 }

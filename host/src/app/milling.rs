@@ -4,7 +4,7 @@ mod by_line;
 mod comparison;
 
 use super::job::Job;
-use super::reporting::{MOST_PRINTED, count as counted, verdict, with_some_findings};
+use super::reporting::{MOST_PRINTED, verdict, with_some_findings};
 use super::{ERRORS, Failure, OK, made_at, write};
 use crate::cli::{Compile, Send, Target};
 use crate::console;
@@ -21,6 +21,7 @@ use comparison::compared;
 use husillo_clients::micromill::{self as client, Sender, Translated, Translator};
 use husillo_controllers::MicromillConfig;
 use husillo_machine::Config;
+use husillo_sim::text::{counted, grouped};
 use husillo_transports::micromill::{Line, State};
 use serde_json::json;
 
@@ -92,7 +93,7 @@ pub(super) fn send(args: &Send, out: &mut Told<'_>) -> Result<u8, Failure> {
         };
     }
     if args.from.is_some() && !args.no_home {
-        let message = "--from goes on where the mill stands: it needs --no-home";
+        let message = "--from continues at the present position of the mill: add --no-home";
         return Err(message.to_owned().into());
     }
     let mut job = Job::new(file, &args.target, "micromill")?;
@@ -210,7 +211,7 @@ fn all(
         })?;
         let done = done + 1;
         if done == count || done.is_multiple_of(100) {
-            eprintln!("{done} of {count} lines");
+            eprintln!("{} of {}", grouped(done), counted(count as u64, "line"));
             out.object(&json!({"kind": "progress", "lines": done, "of": count}));
         }
     }

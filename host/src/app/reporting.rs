@@ -4,7 +4,7 @@ use super::Failure;
 use crate::cli::Output;
 use crate::console::is_coloured;
 use crate::diagnostics::{Finding, Findings, Format};
-use crate::text::grouped;
+use husillo_sim::text::counted;
 use std::io;
 
 /// Number of findings of a file that are printed, without an option.
@@ -54,8 +54,7 @@ pub fn left_out(findings: &Findings) -> Option<String> {
 pub fn count(number: u64, name: &str) -> String {
     match number {
         0 => format!("no {name}s"),
-        1 => format!("1 {name}"),
-        _ => format!("{} {name}s", grouped(number)),
+        _ => counted(number, name),
     }
 }
 

@@ -52,7 +52,9 @@ fn confirm(place: Place, args: &Stop, out: &mut Told<'_>) -> Result<bool, Failur
     let Some(machine) = args.machine.clone().or(place.machine) else {
         return Ok(true);
     };
-    let is_by_hand = machine == "drill" || super::milling::is_mill(&machine);
+    let is_by_hand = machine == "drill"
+        || super::grbl::is_grbl(Some(&machine))
+        || super::milling::is_mill(&machine);
     if !is_by_hand && microfactory(&machine)?.is_none() {
         return match measuring::halt(&machine, &port, out) {
             Err(Stopped::Machine(message)) if out.is_json() => {

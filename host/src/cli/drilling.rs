@@ -105,7 +105,7 @@ pub struct Layout {
 /// `husillo compile`.
 #[derive(Debug, Args)]
 pub struct Compile {
-    /// Program in the drill's language, drill file (Excellon, TANGO), or figure of a microfactory
+    /// Program, drill file (Excellon, TANGO), or figure of a microfactory
     pub file: String,
     /// Machine and language.
     #[command(flatten)]
@@ -140,14 +140,14 @@ pub struct Send {
     /// at once, and PORT#2 for the second machine of a controller
     #[arg(short, long, value_name = "PORT", default_value = "sim")]
     pub port: Vec<String>,
-    /// Bits per second of the link [default: 2400 for a drill, otherwise 9600]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(300..=115_200))]
+    /// Bits per second of the link [default: 2400 for a drill, 115200 for Grbl, otherwise 9600]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(300..=4_000_000))]
     pub baud: Option<u32>,
     /// How to print what the machine does
     #[arg(long, value_enum, default_value = "text")]
     pub format: Output,
-    /// Drill: first hole to be drilled, counted over all tools. Micro mill: line of the program to
-    /// go on with after a stop, where the mill stands on its path or at its start
+    /// Drill: first hole to be drilled, counted over all tools. Micro mill: line of the program at
+    /// which to continue after a stop; the mill is at the start of that line or on its path
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub from: Option<u32>,
     /// End when the start is confirmed, and let the drill continue alone, without a lease: one
@@ -160,10 +160,10 @@ pub struct Send {
     /// Micro mill: send lines ahead of the motion, without a stop between them
     #[arg(long)]
     pub stream: bool,
-    /// Micro mill: wait for Enter before each line; q ends the program there
+    /// Micro mill and Grbl: wait for Enter before each line; q ends the program there
     #[arg(long, conflicts_with = "stream")]
     pub single_block: bool,
-    /// Micro mill: one step in N is reported; 0 for none
+    /// Micro mill: report one step in N; 0 reports none
     #[arg(
         long,
         value_name = "N",

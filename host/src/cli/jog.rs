@@ -9,7 +9,8 @@ pub struct Jog {
     /// Actions, done in turn
     #[arg(required = true, value_name = "ACTION", allow_negative_numbers = true)]
     pub actions: Vec<String>,
-    /// Machine: drill, micromill, microfactory, or a TOML file of such a machine
+    /// Machine: drill, micromill, microfactory, a TOML file of such a machine, or grbl for any
+    /// controller with the protocol of Grbl
     #[arg(short, long, value_name = "NAME|FILE", default_value = "microfactory")]
     pub machine: String,
     /// Port: sim, a serial device, or tcp:HOST:PORT; repeated, for several machines at once; PORT#2
@@ -20,8 +21,8 @@ pub struct Jog {
     /// them (NAME.fig)
     #[arg(long, value_name = "FILE")]
     pub figure: Option<String>,
-    /// Bits per second of the link [default: 2400 for a drill, otherwise 9600]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(300..=115_200))]
+    /// Bits per second of the link [default: 2400 for a drill, 115200 for Grbl, otherwise 9600]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(300..=4_000_000))]
     pub baud: Option<u32>,
     /// Milliseconds after the last byte of this program at which a motion of the machine ends; 0: a
     /// motion needs no host [default: 250]

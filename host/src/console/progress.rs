@@ -1,4 +1,4 @@
-//! A line on the terminal that shows how far long work is.
+//! A line on the terminal that shows the progress of a long command.
 
 use super::is_smart;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -7,11 +7,11 @@ use std::io;
 /// Units of work between two updates.
 const UPDATE: u64 = 1 << 20;
 
-/// How far a work is. It is shown from the first update on.
+/// The progress of a command. It is shown from the first update on.
 #[derive(Clone, Debug)]
 pub struct Progress {
     template: &'static str,
-    /// About so many units, if that is known.
+    /// Approximate number of units, if it is known.
     all: Option<u64>,
     bar: Option<ProgressBar>,
     countdown: u64,

@@ -1,4 +1,4 @@
-//! What a command says while it drives a machine: lines for people, or an object a line for
+//! The output of a command that drives a machine: lines for people, or one object per line for
 //! programs.
 
 use crate::cli::Output;

@@ -2,6 +2,7 @@
 
 use husillo_clients::drill::Part;
 use husillo_gcode::Nm;
+use husillo_sim::text::counted;
 use husillo_transports::drill::{Record, records};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -119,15 +120,15 @@ pub fn load(file: &str) -> Result<Vec<Part>, String> {
         }
         if part.bytes().len() != tool.bytes {
             return Err(format!(
-                "{path} has {} bytes, and {file} says {}: compile it again",
-                part.bytes().len(),
+                "{path} has {}, and {file} says {}: compile it again",
+                counted(part.bytes().len(), "byte"),
                 tool.bytes
             ));
         }
         if part.holes() != tool.holes {
             return Err(format!(
-                "{path} has {} holes, and {file} says {}: compile it again",
-                part.holes(),
+                "{path} has {}, and {file} says {}: compile it again",
+                counted(part.holes(), "hole"),
                 tool.holes
             ));
         }

@@ -71,7 +71,7 @@ impl Operator for Console<'_, '_> {
         self.bar.suspend(|| {
             out.tell(
                 format_args!(
-                    "{tool}: the spindle stands. Put it in and type its diameter in mm.{wanted}"
+                    "{tool}: the spindle is off. Put it in and type its diameter in mm.{wanted}"
                 ),
                 || {
                     let nm = diameter.map(|Nm(nm)| Millimetres(nm));

@@ -1,11 +1,11 @@
 //! A board as the records of the circuit-board drill: options, errors, and what is printed.
 
-use super::count;
 use crate::cli::Layout;
 use crate::diagnostics::{Finding, Severity};
 use crate::text::json::{self, Millimetres};
 use husillo_gcode::Nm;
 use husillo_holes::{Board, RecordsError, SlotError, SlotHandling, ToolRecords, records};
+use husillo_sim::text::counted;
 use husillo_transports::drill::{OffTable, Record, Table, record_bytes};
 use serde::Serialize;
 use std::io::{self, Write};
@@ -72,7 +72,7 @@ impl Compiler {
     }
 
     fn off_table(&self, file: &str, off: usize, first: OffTable) -> Finding {
-        let message = format!("{} of {file} off the table", count(off, "hole"));
+        let message = format!("{} of {file} off the table", counted(off, "hole"));
         let finding = Finding::general(Severity::Error, "E0401", message).note(first.to_string());
         finding.help(if self.table == Table::UNBOUNDED {
             "a record counts to 65535 steps: --shift moves the board"
@@ -152,7 +152,7 @@ impl ListedTool {
 }
 
 fn described(tool: &ToolRecords) -> String {
-    let holes = count(tool.holes, "hole");
+    let holes = counted(tool.holes, "hole");
     match tool.tool.diameter_nm.map(Nm) {
         Some(diameter) => format!("T{} ({diameter} mm, {holes})", tool.tool.number),
         None => format!("T{} ({holes})", tool.tool.number),

@@ -1,12 +1,12 @@
 //! A board as tables for people and as JSON for programs.
 
-use super::count;
 use super::explain::because;
 use crate::diagnostics::Findings;
 use crate::text::json::{self, Millimetres};
 use husillo_excellon::{Hole, Path, Reason, Slot, Tool, Zeros};
 use husillo_gcode::Nm;
 use husillo_holes::{Board, Metric};
+use husillo_sim::text::counted;
 use serde::{Serialize, Serializer};
 use std::io::{self, Write};
 
@@ -20,8 +20,8 @@ pub fn print(board: &Board, file: &str, out: &mut impl Write) -> io::Result<()> 
     writeln!(
         out,
         "{file}: {}, {}",
-        count(holes, "hole"),
-        count(slots, "slot")
+        counted(holes, "hole"),
+        counted(slots, "slot")
     )?;
     print_settings(board, out)?;
     print_tools(board, out)?;

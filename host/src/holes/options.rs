@@ -161,7 +161,8 @@ fn reference(text: &str) -> Result<[[f64; 2]; 2], String> {
         .and_then(|(file, measured)| Some([point(file)?, point(measured)?]));
     pair.ok_or_else(|| {
         format!(
-            "--reference {text}: a place in the file and where it was measured, as in 5,5=5.02,4.97"
+            "--reference {text}: a position in the file and its measured position, as in \
+             5,5=5.02,4.97"
         )
     })
 }

@@ -1,5 +1,7 @@
 //! Tables in text files, with a heading.
 
+use husillo_sim::text::counted;
+
 /// A table whose fields are found by the names of their columns.
 pub struct Columns {
     names: Vec<String>,
@@ -53,9 +55,9 @@ impl Columns {
         for (line, text) in lines {
             let (there, wanted) = (split(text).count(), names.len());
             if there != wanted {
-                let fields = if there == 1 { "field" } else { "fields" };
+                let fields = counted(there, "field");
                 return Err(format!(
-                    "line {line}: {there} {fields}, but {wanted} in the heading"
+                    "line {line}: {fields}, but {wanted} in the heading"
                 ));
             }
             if rows.len() == MOST_ROWS {

@@ -11,7 +11,7 @@ use husillo_sim::{LashField, Rig};
 use husillo_stepper::{Drive, Motors};
 use std::sync::Arc;
 
-/// A homed machine on screws with play.
+/// A homed machine on screws with backlash.
 pub struct SimulatedBench {
     machine: MappedEngine,
     motors: Motors<AXES, Drive>,
@@ -24,7 +24,7 @@ pub struct SimulatedBench {
 }
 
 impl SimulatedBench {
-    /// A machine that takes up the backlash of `maps`, on screws with the play of the file's
+    /// A machine that takes up the backlash of `maps`, on screws with the backlash of the file's
     /// `[simulated_lash]`.
     ///
     /// # Errors

@@ -14,6 +14,7 @@ use husillo_metrology::calibration::backlash::{
 use husillo_metrology::quantity::{self, Quantity};
 use husillo_reports::lash::{self, Panel};
 use husillo_sim::observers::AXES;
+use husillo_sim::text::counted;
 use serde_json::json;
 
 /// The files that a calibration writes.
@@ -136,9 +137,10 @@ fn print_left(letter: u8, um: &[f64], [before, after]: &[Field; 2], out: &mut To
     let high = um.iter().copied().fold(f64::MIN, f64::max);
     let ([one_low, one_high], [low_left, high_left]) = (before.span_um, after.span_um);
     let (letter, count) = (char::from(letter), um.len());
+    let positions = counted(count, "position");
     out.tell(
         format_args!(
-            "# {letter}: {count} positions, backlash {low:.1} to {high:.1} um; left with one value \
+            "# {letter}: {positions}, backlash {low:.1} to {high:.1} um; left with one value \
              {one_low:+.1} to {one_high:+.1} um, with this map {low_left:+.2} to {high_left:+.2} um"
         ),
         || {

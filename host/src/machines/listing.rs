@@ -4,6 +4,7 @@ use crate::machines::machine_file::{AxisFile, MEASURING, MachineFile, Travel, wo
 use crate::machines::power::Power;
 use husillo_gcode::Nm;
 use husillo_metrology::calibration::backlash::Map;
+use husillo_sim::text::counted;
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -217,7 +218,7 @@ impl ShownAxis {
             let along = map
                 .along
                 .iter()
-                .map(|(axis, places)| format!("{places} positions along {axis}"));
+                .map(|(axis, places)| format!("{} along {axis}", counted(places, "position")));
             write!(
                 out,
                 ", backlash by position: {:.1} to {:.1} um, {}",
@@ -228,8 +229,9 @@ impl ShownAxis {
         } else if self.lash_steps > 0 {
             write!(
                 out,
-                ", backlash {} steps ({:.1} um)",
-                self.lash_steps, self.lash_um
+                ", backlash {} ({:.1} um)",
+                counted(self.lash_steps, "step"),
+                self.lash_um
             )?;
         }
         let speed = self.max_speed_mm_per_min;

@@ -226,7 +226,7 @@ pub fn by_axis(text: &str) -> Result<Vec<(char, String)>, String> {
         match values.last_mut() {
             _ if "XYZABCUVWE".contains(upper) => {
                 if values.iter().any(|(known, _)| *known == upper) {
-                    return Err(format!("{upper} stands twice in `{text}`"));
+                    return Err(format!("`{text}` has {upper} twice: leave one out"));
                 }
                 values.push((upper, String::new()));
             }

@@ -132,7 +132,7 @@ pub fn calibrate_squareness(args: &SquarenessArgs, out: &mut Told<'_>) -> Result
     let mut text = format!(
         "# {} of a bar of {length_mm:.4} mm{origin}: off by {before:.2} um at most before, \
          {after:.2} um after\n",
-        count(places.len() as u64, "place")
+        count(places.len() as u64, "position")
     );
     for plane in &unknown {
         text += &format!("# {plane} is not known: the bar did not lie along both diagonals\n");

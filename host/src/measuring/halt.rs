@@ -5,6 +5,7 @@ use super::port::ChainPort;
 use super::{Stopped, error_text, machine_file};
 use crate::console::told::Told;
 use husillo_metrology::heads::{Line, Machine};
+use husillo_sim::text::position;
 use husillo_transports::nmc::{Auxiliary, Reply};
 use serde_json::json;
 
@@ -25,7 +26,7 @@ pub fn halt(machine: &str, port: &str, out: &mut Told<'_>) -> Result<(), Stopped
         let counts = reply.readings.position;
         let letter = axis.letter;
         out.tell(
-            format_args!("stop: {letter} at {counts} counts"),
+            format_args!("stop: {letter} at {}", position(counts, "count")),
             || json!({"kind": "axis", "port": port, "axis": letter, "position_counts": counts}),
         );
     }

@@ -21,10 +21,10 @@ const fn link(failure: nmc::Failure) -> &'static str {
              the command"
         }
         nmc::Failure::Uncertain => {
-            "look where the axis stands before the next command: `status` reads it again"
+            "read the position of the axis with `status` before the next command"
         }
         nmc::Failure::Unsteady => {
-            "the axis moves or vibrates although it should stand: check `gains`"
+            "the axis moves or vibrates although it should be at rest: check `gains`"
         }
     }
 }

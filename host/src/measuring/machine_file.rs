@@ -11,6 +11,7 @@ use husillo_metrology::heads::{
 };
 use husillo_metrology::quantity::{self, Quantity};
 use husillo_probe::{PreTravel, Tip, UnitVector};
+use husillo_sim::text::counted;
 use husillo_transports::nmc::{Baud, Gains, LAST_ADDRESS};
 use toml::de::DeValue;
 
@@ -77,7 +78,11 @@ pub fn parse(path: &str, text: &str) -> Result<Machine, Vec<Finding>> {
             (read.switches, count, probe.value("switches"))
         {
             let message = "two contacts have the two senses of one axis";
-            probe.wrong(span, message, &format!("this machine has {count} axes"));
+            probe.wrong(
+                span,
+                message,
+                &format!("this machine has {}", counted(count, "axis")),
+            );
         }
         check_limits(probe, read.switches, axes.as_deref().unwrap_or_default());
         check_braking(probe, &read, axes.as_deref().unwrap_or_default(), scale);

@@ -2,6 +2,7 @@
 
 use husillo_metrology::Scale;
 use husillo_reports::tuning::percent;
+use husillo_sim::text::{counted, position};
 use serde::{Serialize, Serializer};
 use std::fmt;
 
@@ -93,9 +94,10 @@ impl PlaceFigures {
             false => "\n    length     unknown, as the machine file has no `count`",
         };
         format!(
-            "{head}: work {:.places$} {unit}\n    machine    {machine}\n    steps      {} counts \
+            "{head}: work {:.places$} {unit}\n    machine    {machine}\n    steps      {} \
              of the module{length}",
-            self.work, self.steps
+            self.work,
+            position(self.steps, "count")
         )
     }
 }
@@ -274,14 +276,13 @@ impl ResultRow {
             } else {
                 format!("\n    pre-travel {}", of(t.pre_travel))
             };
-            let times = if t.touches == 1 { "touch" } else { "touches" };
             return format!(
-                "{head} {}\n    trigger    {}\n    corrected  {}{found}\n    {} {times}, spread \
+                "{head} {}\n    trigger    {}\n    corrected  {}{found}\n    {}, spread \
                  {}, over-travel {} at most",
                 t.direction,
                 all(&t.trigger),
                 all(&t.corrected),
-                t.touches,
+                counted(t.touches, "touch"),
                 of(t.spread),
                 of(t.over_travel)
             );

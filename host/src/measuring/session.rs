@@ -68,7 +68,7 @@ impl Session {
         self.stylus
     }
 
-    /// Switches the servos on. It goes on where the session before has left the modules, or else
+    /// Switches the servos on. It continues where the session before has left the modules, or else
     /// starts the line and says what is lost.
     ///
     /// # Errors

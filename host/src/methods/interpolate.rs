@@ -4,6 +4,7 @@ use crate::cli::{ArcShape, LineShape, Output};
 use husillo_interp::{ArcMove, Rim};
 use husillo_methods::method::{self, AXES};
 use husillo_methods::{Steps, Walk, nominal};
+use husillo_sim::text::counted;
 use std::io::{self, Write};
 
 /// Prints a move.
@@ -76,8 +77,8 @@ pub fn delta(text: &str) -> Result<([i32; AXES], usize), String> {
     let to = integers(text, "--to")?;
     if !(2..=AXES).contains(&to.len()) {
         return Err(format!(
-            "--to has {} axes; two to six are possible",
-            to.len()
+            "--to has {}; two to six are possible",
+            counted(to.len(), "axis")
         ));
     }
     let mut delta = [0; AXES];

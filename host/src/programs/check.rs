@@ -15,6 +15,7 @@ use husillo_reports::text::shortest;
 use husillo_sim::geometry::nurbs::{NurbsPath, NurbsPoints};
 use husillo_sim::geometry::path::Path;
 use husillo_sim::observers::AXES;
+use husillo_sim::text::counted;
 use std::io;
 
 /// The figures of a checked program.
@@ -300,8 +301,9 @@ impl Checker<'_> {
         // Rounded to nearest: 559 nm are 4 steps of 140 nm.
         let steps = (2 * mismatch * i128::from(step.den) / i128::from(step.num) + 1) / 2;
         let message = format!(
-            "the end point is not on the arc: radius differs by {} ({steps} steps)",
-            length(arc.mismatch.0 as f64)
+            "the end point is not on the arc: radius differs by {} ({})",
+            length(arc.mismatch.0 as f64),
+            counted(steps, "step")
         );
         let end = at
             .find(|letter| matches!(letter, b'X' | b'Y' | b'Z'))
@@ -397,13 +399,10 @@ impl Checker<'_> {
         if reversals == 0 {
             return None;
         }
-        let plural = if reversals == 1 {
-            "reversal costs"
-        } else {
-            "reversals cost"
-        };
+        let plural = if reversals == 1 { "s" } else { "" };
         let message = format!(
-            "{reversals} direction {plural} {} of backlash take-up",
+            "{} cost{plural} {} of backlash take-up",
+            counted(reversals, "direction reversal"),
             duration(seconds)
         );
         let note = format!("{}; mirroring the part may save some", parts.join(" and "));

@@ -199,7 +199,7 @@ enum Pulled {
     Nothing,
     /// The end of the program.
     End,
-    /// The program cannot go on.
+    /// The program cannot continue.
     Alarm(Alarm),
 }
 

@@ -22,9 +22,9 @@ pub enum Event<const N: usize> {
     Follow(FollowEvent<N>),
     /// Switch an output, exactly between the preceding and the following move.
     Output(Output),
-    /// Stand still until the operator continues (for ever at the end of the program).
+    /// Stand still until the operator continues; at the end of the program nothing follows.
     Pause(Pause),
-    /// M66: read an input, or wait for it at most so long. No event follows until
+    /// M66: read an input, or wait for it for a limited time. No event follows until
     /// [`Machine::answer`](crate::Machine::answer).
     Await {
         /// The input.
@@ -39,12 +39,12 @@ pub enum Event<const N: usize> {
         /// Whether the contact changed.
         is_touched: bool,
     },
-    /// The program cannot go on: all lines and events after this one are dropped, and spindle and
-    /// coolant are off.
+    /// The program cannot continue: all lines and events after this one are dropped, and spindle
+    /// and coolant are off.
     Alarm(Alarm),
 }
 
-/// Reason why a program cannot go on.
+/// Reason why a program cannot continue.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
@@ -54,7 +54,7 @@ pub enum Alarm {
     ContactAtStart,
     /// G38.2, G38.4: the contact did not change.
     NoContact,
-    /// G33.1: the spindle went on for more turns than it may
+    /// G33.1: the spindle turned further before its reversal than it may
     /// ([`Equipment::tapping_overrun_turns`](crate::Equipment::tapping_overrun_turns)).
     SpindleNotReversed,
 }

@@ -261,7 +261,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
         Ok(())
     }
 
-    /// Whether this machine can make all of these commands, after those that it has taken.
+    /// Checks that this machine can make all of these commands, after those that it has taken.
     ///
     /// # Errors
     /// The reason for the first one that it cannot make.

@@ -89,7 +89,7 @@ impl AxisFit {
             .iter()
             .flat_map(|knot| [knot.positive_nm, knot.negative_nm]);
         let squares: f64 = squares.map(|nm| f64::from(nm) * f64::from(nm)).sum();
-        // Two means always lie on a line. Their residuals are play.
+        // Two means always lie on a line. Their residuals are backlash.
         let is_noise = squares / (2.0 * means.len() as f64) < (1.5 * noise).powi(2);
         let kept = if no_table || is_noise {
             Vec::new()
@@ -179,8 +179,8 @@ mod tests {
 
     #[test]
     fn scale_pitch_and_play_are_found() {
-        // A scale error of 50 um/m, a pitch error of 3 um with a period of 80 mm, and 2 um of play.
-        // The readings have an error of 10 nm in each of two passes.
+        // A scale error of 50 um/m, a pitch error of 3 um with a period of 80 mm, and 2 um of
+        // backlash. The readings have an error of 10 nm in each of two passes.
         let truth = |reading: f64, flank| {
             let play = if flank == Flank::Positive {
                 1000.0
@@ -265,7 +265,7 @@ mod tests {
             .collect();
         assert_eq!(ends, [[10_000, -10_000]; 2]);
         assert!(fit.spans[2] < 10.0, "{fit:?}");
-        // Without play the table has no knots.
+        // Without backlash the table has no knots.
         let fit = AxisFit::new(&readings[..2], 2000.0, false).unwrap();
         assert!(fit.table.knots().is_empty());
     }

@@ -179,7 +179,7 @@ mod tests {
     }
 
     /// After the collision the probe leaves the face at the speed of a search, and the next guarded
-    /// move goes on at its own.
+    /// move continues at its own.
     #[test]
     fn a_guarded_move_is_left_slowly() {
         let (mut head, _) = head(100, 6000);

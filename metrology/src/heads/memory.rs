@@ -6,7 +6,7 @@ use super::head::{Head, READ, is_done, stop};
 use super::line::Line;
 use super::machine::Machine;
 use super::port::Port;
-use super::standing::SETTLING_US;
+use super::settling::SETTLING_US;
 use super::wiring::End;
 use crate::trouble::Trouble;
 use husillo_backlash::Flank;

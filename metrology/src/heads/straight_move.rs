@@ -5,7 +5,7 @@ use super::head::{Head, is_done};
 use super::port::Port;
 use super::search::{Search, searches};
 use super::servo::Servo;
-use super::standing::SETTLING_US;
+use super::settling::SETTLING_US;
 use super::wiring::End;
 use crate::trouble::Trouble;
 use husillo_planner::{Direction, ServoLine};

@@ -1,4 +1,5 @@
-//! The micro mill: lines, squares, circles and parts cut on screws with the play of the original.
+//! The micro mill: lines, squares, circles and parts cut on screws with the backlash of the
+//! original.
 
 mod choices;
 mod circle;
@@ -44,7 +45,8 @@ pub const TRUE_STEP: Fraction = Fraction {
 const FIRST_TAKE_UP_UM: [f64; 2] = [192.5, 168.5];
 /// Take-up of the original when it cut the circles of table 15, and later, um.
 const LAST_TAKE_UP_UM: [f64; 2] = [204.0, 178.0];
-/// Backlash that remained in the work according to the original, um. It is the spread of any play.
+/// Backlash that remained in the work according to the original, um. It is the spread of any
+/// backlash.
 const LEFT_UM: [f64; 2] = [33.0, 27.0];
 /// Largest error of the reading of a mark, um. It is the spread of any length.
 const READING_UM: f64 = 10.0;
@@ -101,7 +103,7 @@ impl fmt::Debug for Shop<'_> {
 }
 
 impl<'a> Shop<'a> {
-    /// Fits the screws and maps their play.
+    /// Fits the screws and maps their backlash.
     ///
     /// # Errors
     ///
@@ -154,7 +156,7 @@ fn mapped(screws: &Screws, build: &Build<'_>) -> Result<Settings, String> {
                 (*pair, pair.lash_nm(taken_up_nm))
             })
             .collect();
-        settings.take_up[axis] = place_table(axis, &lash)?.ok_or("no place was measured")?;
+        settings.take_up[axis] = place_table(axis, &lash)?.ok_or("no position was measured")?;
     }
     Ok(settings)
 }

@@ -288,7 +288,7 @@ impl Clauses {
             None => Ok(usual),
             Some(count) if count.value >= least => Ok(count.value),
             Some(count) => {
-                let message = format!("{} points determine no such feature", count.value);
+                let message = format!("too few points for this feature: {}", count.value);
                 let span = count.start..count.end.max(reader.whole().start);
                 Err(Wrong::new(code::NUMBER, message, span).help(format!("at least {least}")))
             }
@@ -340,7 +340,7 @@ impl Clauses {
         if self.of.len() < shape.least_points() {
             return Err(Wrong::new(
                 code::MISSING,
-                format!("{} points determine no {keyword}", self.of.len()),
+                format!("too few points for `{keyword}`: {}", self.of.len()),
                 reader.whole(),
             )
             .help(format!("at least {}", shape.least_points())));

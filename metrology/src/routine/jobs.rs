@@ -8,6 +8,7 @@ use super::mistake::{Wrong, code};
 use super::parser::{Offer, Parser};
 use super::statement::{Fit, Job};
 use super::vector::{Vector, nearest_axis};
+use husillo_sim::text::counted;
 
 impl Parser {
     /// The job and the wanted figures of a feature, from its clauses.
@@ -166,10 +167,10 @@ fn check_figures(
         };
         if let Some(figure) = figure {
             let (name, least) = (figure.name(), if figure == Form { least + 1 } else { 2 });
-            let plural = if points == 1 { "point" } else { "points" };
+            let points = counted(points, "point");
             return Err(Wrong::new(
                 code::TOLERANCE,
-                format!("`{keyword}` of {points} {plural} has no {name}"),
+                format!("`{keyword}` of {points} has no {name}"),
                 reader.whole(),
             )
             .help(format!("at least {least} points")));

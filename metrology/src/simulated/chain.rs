@@ -170,7 +170,7 @@ impl SimulatedChain {
         Ok(self)
     }
 
-    /// The same chain, whose modules hear nothing for this time after a reset.
+    /// The same chain, whose modules receive nothing for this time after a reset.
     #[must_use]
     pub fn with_reset_ms(self, reset_ms: u32) -> Self {
         Self {

@@ -95,7 +95,7 @@ impl<P: Port> Rig for Linked<P> {
         Ok(())
     }
 
-    /// Does not use the PWM mode of the module, which would go on without the host. Instead the
+    /// Does not use the PWM mode of the module, which would continue without the host. Instead the
     /// servo goes to `end` with at most this duty and holds the axis there. It uses the full duty
     /// from an error of two counts on.
     fn drive(&mut self, pwm: i16, end: i32) -> Result<(), Trouble> {

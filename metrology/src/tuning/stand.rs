@@ -3,6 +3,7 @@
 use super::rig::{Rig, Sample};
 use crate::heads::AxisSettings;
 use crate::trouble::Trouble;
+use husillo_sim::text::position;
 use husillo_transports::nmc::{Gains, Status};
 use std::fmt;
 
@@ -252,8 +253,5 @@ impl Trace {
 
 /// A number of counts as text: `1 count`, `12 counts`.
 pub fn counts(number: i32) -> String {
-    match number {
-        1 | -1 => format!("{number} count"),
-        _ => format!("{number} counts"),
-    }
+    position(number, "count")
 }

@@ -3,6 +3,7 @@
 use super::Heading;
 use crate::text::length;
 use husillo_metrology::routine::{Dimension, Feature, Verdict, decimal, number, signed};
+use husillo_sim::text::counted;
 use serde_json::{Value, json};
 use std::fmt::Write;
 
@@ -77,18 +78,18 @@ pub fn summary(features: &[Feature]) -> String {
     let verdicts: Vec<bool> = judged.filter_map(Dimension::is_good).collect();
     let out = verdicts.iter().filter(|is_good| !**is_good).count();
     let is_spoiled = features.iter().any(|feature| feature.is_spoiled);
-    let features = match features.len() {
-        1 => "1 feature".to_owned(),
-        count => format!("{count} features"),
-    };
+    let features = counted(features.len(), "feature");
     match (verdicts.len(), out) {
         (0, _) if is_spoiled => format!("{features}, spoiled by a collision"),
-        (all, _) if is_spoiled => {
-            format!("{features}, spoiled by a collision: none of {all} tolerances counts as kept")
+        (_, _) if is_spoiled => {
+            format!("{features}, spoiled by a collision: no tolerance counts as kept")
         }
         (0, _) => features,
-        (all, 0) => format!("{features}, {all} of {all} tolerances kept"),
-        (all, out) => format!("{features}, {out} of {all} tolerances not kept"),
+        (all, 0) => format!("{features}, {all} of {} kept", counted(all, "tolerance")),
+        (all, out) => format!(
+            "{features}, {out} of {} not kept",
+            counted(all, "tolerance")
+        ),
     }
 }
 

@@ -1,6 +1,7 @@
 //! The simulated drill.
 
 use super::{Event, Machine, Pair, block, hold, push};
+use crate::text::counted;
 use crate::{DrillRig, DrilledHole, Emulated};
 use husillo_controllers::{Drill, DrillConfig, DrillEvent, DrillFault, DrillLights, DrillReport};
 use husillo_transports::drill::MEMORY_BYTES;
@@ -81,7 +82,10 @@ impl Machine for EmulatedDrill {
         let lost: u64 = rig.lost_steps().iter().sum();
         format!(
             "x {x} y {y} steps {frame}, z {z} below its sensor, spindle {spindle}; \
-             {holes} holes, program of {bytes} bytes; {lost} steps lost"
+             {}, program of {}; {} lost",
+            counted(holes, "hole"),
+            counted(bytes, "byte"),
+            counted(lost, "step")
         )
     }
 
@@ -146,7 +150,7 @@ fn holes(rig: &DrillRig) -> String {
         format!("{x},{y} depth {depth}{how}")
     };
     let holes: Vec<_> = rig.holes().iter().map(hole).collect();
-    format!("{} holes: {}", holes.len(), holes.join("; "))
+    format!("{}: {}", counted(holes.len(), "hole"), holes.join("; "))
 }
 
 /// The text of a report.

@@ -1,6 +1,7 @@
 //! A simulated mill with a Grbl controller.
 
 use super::{Event, Machine, Pair, block, hold, push};
+use crate::text::counted;
 use crate::{Emulated, GrblPin, GrblRig, SlideSwitch};
 use husillo_controllers::{Grbl, GrblEvent, GrblMemory, GrblOptions};
 use husillo_transports::grbl::Settings;
@@ -88,8 +89,9 @@ impl Machine for EmulatedGrbl {
         let lost: u64 = rig.lost_steps().iter().sum();
         format!(
             "x {x} y {y} z {z} steps of the controller; the axes stand at {at_x} {at_y} {at_z} \
-             from their first places; spindle duty {}; {lost} steps lost",
-            rig.outputs.duty
+             from their first places; spindle duty {}; {} lost",
+            rig.outputs.duty,
+            counted(lost, "step")
         )
     }
 

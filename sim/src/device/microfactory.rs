@@ -1,6 +1,7 @@
 //! The simulated microfactory.
 
 use super::{Event, Machine, Pair, block, hold};
+use crate::text::counted;
 use crate::{Emulated, MicrofactoryRig};
 use husillo_controllers::{
     MicrofactoryConfig, MicrofactoryEvent, MicrofactoryReport, MicrofactoryStation,
@@ -65,7 +66,8 @@ impl Device {
             if !station.store(number, figure) {
                 let moves = figure.len();
                 return Err(format!(
-                    "a figure of {moves} moves: there is room for {ROOM}"
+                    "a figure of {}: there is room for {ROOM}",
+                    counted(moves, "move")
                 ));
             }
             *moves = figure.len();
@@ -138,7 +140,7 @@ impl Machine for EmulatedMicrofactory {
                 .machine(number)
                 .map_or(0, |machine| machine.figure().as_ref().len());
             if figure != *moves && figure > 0 {
-                let text = format!("a figure of {figure} moves");
+                let text = format!("a figure of {}", counted(figure, "move"));
                 report = Some(super::numbered(self.machines, number, text));
             }
             *moves = figure;

@@ -1,6 +1,7 @@
 //! The simulated micro mill.
 
 use super::{Event, Machine, Pair, block, hold, push};
+use crate::text::counted;
 use crate::{Emulated, MicromillRig};
 use husillo_controllers::{Micromill, MicromillConfig, MicromillEvent};
 use husillo_gcode::SpindleDirection;
@@ -58,7 +59,8 @@ impl Machine for EmulatedMicromill {
         let lost: u64 = rig.lost_steps().iter().sum();
         format!(
             "x {x} y {y} z {z} steps {frame}; {above_x} {above_y} {above_z} above the switches; \
-             {spindle}; {lost} steps lost"
+             {spindle}; {} lost",
+            counted(lost, "step")
         )
     }
 

@@ -1,6 +1,7 @@
 //! The reports of the encoders in a run: axes that are behind, corrected, or stalled.
 
 use crate::observers::AXES;
+use crate::text::counted;
 use husillo_machine::Followed;
 
 /// The reports of the encoders.
@@ -19,16 +20,22 @@ impl EncoderReports {
     pub fn add(&mut self, entry: &Followed<AXES>, letters: [char; AXES], events: u64) {
         let (axis, is_behind, what) = match *entry {
             Followed::Event(_) => return,
-            Followed::Lost { axis, steps } => (axis, true, format!("is {steps} steps behind")),
-            Followed::Corrected { axis } => (axis, false, "is corrected".to_owned()),
-            Followed::Stalled { axis, steps } => {
-                (axis, true, format!("is stalled, {steps} steps behind"))
+            Followed::Lost { axis, steps } => {
+                (axis, true, format!("is {} behind", counted(steps, "step")))
             }
+            Followed::Corrected { axis } => (axis, false, "is corrected".to_owned()),
+            Followed::Stalled { axis, steps } => (
+                axis,
+                true,
+                format!("is stalled, {} behind", counted(steps, "step")),
+            ),
         };
         let letter = letters[axis];
         self.behind[axis] = is_behind;
-        self.sentences
-            .push(format!("{letter} {what}, after {events} step events"));
+        self.sentences.push(format!(
+            "{letter} {what}, after {}",
+            counted(events, "step event")
+        ));
     }
 }
 

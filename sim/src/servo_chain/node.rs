@@ -52,7 +52,7 @@ pub(super) struct Node {
     pub(super) baud: Baud,
     /// The module neither receives nor answers, and its motor has no drive.
     is_dead: bool,
-    /// End of the time after a reset in which it hears nothing.
+    /// End of the time after a reset in which it receives nothing.
     deaf_until_ns: u64,
     ear: Ear,
     /// The byte that it sends.
@@ -153,7 +153,7 @@ impl Node {
         });
     }
 
-    /// Runs one period. `reset_ns` is the time after a reset in which it hears nothing.
+    /// Runs one period. `reset_ns` is the time after a reset in which it receives nothing.
     pub(super) fn tick(&mut self, now_ns: u64, reset_ns: u64) -> Option<Baud> {
         let is_alive = !self.is_dead;
         let change = match &mut self.device {

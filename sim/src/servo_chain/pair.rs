@@ -1,11 +1,11 @@
 //! A pair of wires with noise, in bytes and silence.
 
-use crate::{Noise, Wire};
+use crate::{Noise, NoisyLine};
 
 /// A pair of wires. Silence is counted in whole bits, and the fraction is carried.
 #[derive(Clone, Debug)]
 pub(super) struct Pair {
-    wire: Wire,
+    line: NoisyLine,
     /// Carried fraction of a bit of silence.
     due: f64,
 }
@@ -14,7 +14,7 @@ impl Pair {
     /// A pair with noise; the same seed gives the same noise.
     pub(super) fn new(noise: Noise, seed: u64) -> Pair {
         Pair {
-            wire: Wire::new(noise, seed),
+            line: NoisyLine::new(noise, seed),
             due: 0.0,
         }
     }
@@ -22,7 +22,7 @@ impl Pair {
     /// Carries a byte; returns what arrives.
     pub(super) fn carry(&mut self, byte: u8) -> Vec<u8> {
         self.due -= 10.0;
-        self.wire.carry(byte)
+        self.line.carry(byte)
     }
 
     /// Lets a time of this number of bits pass, of which [`carry`](Self::carry) has used its part.
@@ -31,10 +31,10 @@ impl Pair {
         self.due += bits;
         let silence = self.due.floor().max(0.0);
         self.due -= silence;
-        (self.wire.rest(silence as u64), silence as u64)
+        (self.line.rest(silence as u64), silence as u64)
     }
 
     pub(super) fn wrong_bits(&self) -> u64 {
-        self.wire.wrong_bits()
+        self.line.wrong_bits()
     }
 }

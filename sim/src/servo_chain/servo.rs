@@ -46,7 +46,7 @@ impl Servo {
         }
     }
 
-    /// Returns to the state after power-up. The motor goes on without a drive.
+    /// Returns to the state after power-up. The motor continues without a drive.
     pub(super) fn power_up(&mut self) {
         self.module = ServoModule::new(self.version);
         self.duty = 0.0;

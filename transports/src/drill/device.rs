@@ -30,7 +30,7 @@ enum Mode {
     },
     Manual,
     /// The number of a record is being received: its low byte, once that has arrived. The manual
-    /// mode goes on after it.
+    /// mode continues after it.
     Asked {
         low: Option<u8>,
         is_manual: bool,

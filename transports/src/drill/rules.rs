@@ -15,7 +15,7 @@ pub struct Rules {
     /// record.
     pub ends_when_empty: bool,
     /// While a full memory is run, the device hears `E` and answers it with `E` instead of the late
-    /// echo. It ignores other bytes. The original hears nothing, and later takes the first such
+    /// echo. It ignores other bytes. The original receives nothing, and later takes the first such
     /// byte as data.
     pub stops_at_border: bool,
     /// An advance of 0 steps is no move. In Z the original then makes 256 steps.

@@ -13,7 +13,7 @@ use super::{Baud, Command, Group, Items, Readings, Receiver, Reply, Status, Verd
 pub enum Order {
     /// For the servo: all but addressing, status, rate and reset.
     Servo(Command),
-    /// The line goes on at this rate.
+    /// The line continues at this rate.
     Baud(Baud),
     /// Return to the state after power-up, with the configuration byte of version 10. The line
     /// continues at 19200 baud. The module has reset itself, and ADDR_OUT is high again.

@@ -112,7 +112,7 @@ impl<const CAPACITY: usize> Passes<CAPACITY> {
         let begin = self.start[1].saturating_add(self.shift[1]);
         let entry = plus(self.ways.course(self.shape.from), self.shift);
         loop {
-            // Each state either makes a move or goes on to another.
+            // Each state either makes a move or continues to another.
             let made = match self.state {
                 State::Shift | State::Sink | State::Cut | State::Lift | State::Back => {
                     self.cut_next(begin)
@@ -167,7 +167,7 @@ impl<const CAPACITY: usize> Passes<CAPACITY> {
         }
     }
 
-    /// A state of the last cut, along the contour, and of the way back to the start.
+    /// A state of the last cut, along the contour, and of the path back to the start.
     fn finish(&mut self, begin: i64, entry: Vector) -> Option<Move> {
         match self.state {
             State::Last => {

@@ -62,7 +62,7 @@ struct Raw<'t> {
 ///
 /// # Subprograms
 /// `M98 P1234 L5` calls the lines from `O1234` (alone on its line) to `M99` five times, with the
-/// same parameters. `M99 P20` goes on at `N20` of the caller. In the main program M99 is the end,
+/// same parameters. `M99 P20` continues at `N20` of the caller. In the main program M99 is the end,
 /// as M2, where a control begins again. In `iso` and `lathe-a` P with more than four digits has the
 /// number of times before the last four.
 ///

@@ -15,6 +15,7 @@ use crate::programs::program::{Lines, Meaning};
 use crate::programs::setup;
 use crate::programs::zero;
 use husillo_clients::micromill::{Sender, Translated, Translator};
+use husillo_sim::text::counted;
 use husillo_transports::micromill::Line;
 use serde_json::json;
 use std::io::{self, IsTerminal};
@@ -252,7 +253,7 @@ impl Session<'_, '_> {
         let (echo, after) = self.sender.echo();
         let steps = after - before;
         self.out.tell(
-            format_args!("sent {shown} echo {echo} {steps} steps"),
+            format_args!("sent {shown} echo {echo} {}", counted(steps, "step")),
             || json!({"kind": "line", "sent": shown, "echo": echo, "steps": steps}),
         );
         self.sent.lines.push((number, line));

@@ -8,12 +8,12 @@ use crate::programs::feeder;
 use crate::programs::setup::{self, Engine};
 use crate::programs::source::Source;
 use crate::simulation::work_piece::WorkPiece;
-use crate::text::grouped;
 use husillo_backlash::{Lash, Play};
 use husillo_clients::micromill::{self as client, Sent, Translated};
 use husillo_gcode::Dialect;
 use husillo_machine::{Config, Event};
 use husillo_sim::observers::AXES;
+use husillo_sim::text::grouped;
 use husillo_transports::micromill::State;
 use serde_json::json;
 use std::fmt;
@@ -87,7 +87,7 @@ impl Steps {
         }
     }
 
-    /// Whether no report says otherwise.
+    /// Whether no report differs.
     fn is_same(&self) -> bool {
         self.every != 1 || (self.different.is_none() && self.reported == self.expected)
     }

@@ -5,6 +5,7 @@ use crate::simulation::run::Run;
 use husillo_machine::OnLoss;
 use husillo_reports::text::duration;
 use husillo_reports::text::millimetres;
+use husillo_sim::text::counted;
 
 /// A sentence for each axis that lost steps without correction: number, first position, remedy.
 pub fn sentences(job: &Job, run: &Run) -> Vec<String> {
@@ -40,10 +41,8 @@ pub fn sentences(job: &Job, run: &Run) -> Vec<String> {
             None => "lower the feed or `max_rate` of the axis".to_owned(),
         };
         let letter = char::from(axis.letter);
-        let steps = if lost == 1 { "step" } else { "steps" };
-        sentences.push(format!(
-            "axis {letter} lost {lost} {steps}{place}: {advice}"
-        ));
+        let steps = counted(lost, "step");
+        sentences.push(format!("axis {letter} lost {steps}{place}: {advice}"));
     }
     sentences
 }

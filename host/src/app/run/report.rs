@@ -5,11 +5,11 @@ use crate::app::job::Job;
 use crate::machines::machine_file::Travel;
 use crate::programs::check::Facts;
 use crate::simulation::run::Run;
-use crate::text::grouped;
 use husillo_reports::run::{AxisRow, Report};
 use husillo_reports::text::duration;
 use husillo_reports::text::length;
 use husillo_sim::observers::AXES;
+use husillo_sim::text::grouped;
 
 /// The table of figures. It has no time of take-ups if the backlash is not compensated.
 pub fn figures(

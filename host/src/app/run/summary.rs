@@ -6,10 +6,10 @@ use crate::app::reporting::count;
 use crate::console;
 use crate::programs::check::Facts;
 use crate::simulation::run::Run;
-use crate::text::grouped;
 use husillo_reports::text::duration;
 use husillo_reports::text::{length, millimetres};
 use husillo_sim::observers::symmetry::Difference;
+use husillo_sim::text::grouped;
 use std::io::{self, Write};
 
 /// Reports of the encoders that are printed; JSON has all.

@@ -225,7 +225,7 @@ fn pause(line: usize) {
     let input = io::stdin();
     if input.is_terminal() {
         eprintln!("line {line}: M0; press Enter to go on");
-        // The end of the input goes on, too.
+        // The end of the input continues, too.
         let _ = input.lock().read_line(&mut String::new());
     } else {
         eprintln!("line {line}: M0");

@@ -31,7 +31,7 @@ impl Field {
     }
 
     /// Computes the error that a map leaves at measured pairs of lines. `lash` has the pairs and
-    /// the play that each shows, nm. A cell has the largest error at its position and reaches
+    /// the backlash that each shows, nm. A cell has the largest error at its position and reaches
     /// halfway to the next position.
     #[must_use]
     pub fn measured(

@@ -2,8 +2,8 @@
 
 use super::place_table::{Map, PlaceTable};
 
-/// Largest error of the reading of a mark, um. A measured play down to this much below zero counts
-/// as none.
+/// Largest error of the reading of a mark, um. A measured backlash down to this much below zero
+/// counts as none.
 const NOISE_UM: f64 = 10.0;
 
 /// Positions with a smaller distance than this are the same position, mm.
@@ -62,8 +62,8 @@ impl LinePair {
     }
 }
 
-/// Makes the table of an axis from its readings, each with the play that it shows, in nm. Several
-/// readings at a position are averaged. `None` without readings.
+/// Makes the table of an axis from its readings, each with the backlash that it shows, in nm.
+/// Several readings at a position are averaged. `None` without readings.
 ///
 /// # Errors
 ///

@@ -1,14 +1,14 @@
-//! The two-line test and a survey on a machine with known play.
+//! The two-line test and a survey on a machine with known backlash.
 
 use super::*;
 use husillo_backlash::LashMap;
 use std::sync::Arc;
 
-/// A machine with steps of 1 um on X and Y, whose controller may take up the play.
+/// A machine with steps of 1 um on X and Y, whose controller may take up the backlash.
 struct Screws {
     /// Position of the tool in the controller, um.
     sent_um: [i64; 2],
-    /// How far the nut is behind the screw, um: 0 to the play.
+    /// How far the nut is behind the screw, um: 0 to the backlash.
     behind_um: [i64; 2],
     play_um: [i64; 2],
     /// Take-up of the controller when an axis reverses, um.
@@ -27,7 +27,7 @@ impl Screws {
         }
     }
 
-    /// One step of the screw. The nut follows when the play is used up.
+    /// One step of the screw. The nut follows when the backlash is used up.
     fn turn(&mut self, axis: usize, way: i64) {
         self.behind_um[axis] = (self.behind_um[axis] + way).clamp(0, self.play_um[axis]);
     }

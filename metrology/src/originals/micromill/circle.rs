@@ -6,7 +6,7 @@ use super::frame::Frame;
 use crate::calibration::backlash::{Bench, Moment};
 use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
 
-/// Angle from the end of a circle to where the play there is read, radians. The nut has met its
+/// Angle from the end of a circle to where the backlash there is read, radians. The nut has met its
 /// flank by then: 50 um are 10 degrees of a radius of 3 mm.
 const BEHIND: f64 = 20.0 * PI / 180.0;
 
@@ -146,7 +146,7 @@ fn left_at(around: &[Point], end: f64) -> f64 {
     };
     // Clockwise, the angle falls.
     let change = off(end - BEHIND) - off(end + BEHIND);
-    // At the right and at the top the axis goes on to its negative flank.
+    // At the right and at the top the axis continues to its negative flank.
     if end < 0.75 * PI { change } else { -change }
 }
 

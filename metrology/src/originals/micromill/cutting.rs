@@ -17,7 +17,7 @@ pub fn extent_mm(moments: &[Moment], axis: usize) -> f64 {
 
 /// Goes to a position in mm from the lower left, so that both axes are on their positive flanks.
 pub fn approach(bench: &mut dyn Bench, [x, y]: [f64; 2]) -> Result<(), String> {
-    /// More than any play that a take-up leaves, mm.
+    /// More than any backlash that a take-up leaves, mm.
     const RUN_UP_MM: f64 = 0.1;
     for before in [RUN_UP_MM, 0.0] {
         let block = format!("G0 X{:.5} Y{:.5}", x - before, y - before);

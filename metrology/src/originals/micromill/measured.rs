@@ -30,8 +30,8 @@ const fn region(
     }
 }
 
-/// Table 13. The thirds count from the left and from the top. With this choice the plays of all
-/// tables agree best.
+/// Table 13. The thirds count from the left and from the top. With this choice the backlash values
+/// of all tables agree best.
 pub const REGIONS: [Region; 6] = [
     region("A: X in H1", (0, 1.0), [2.5, 2.509, 190.0]),
     region("B: X in H2", (0, 0.0), [2.5, 2.503, 201.0]),
@@ -44,7 +44,7 @@ pub const REGIONS: [Region; 6] = [
 /// Side of the squares of table 14, mm.
 pub const SQUARE_MM: f64 = 2.5;
 
-/// A row of table 14. `left_um` is positive where the play is more than the take-up.
+/// A row of table 14. `left_um` is positive where the backlash is more than the take-up.
 #[derive(Clone, Copy, Debug)]
 pub struct Square {
     pub name: &'static str,
@@ -54,11 +54,11 @@ pub struct Square {
     pub at_mm: [f64; 2],
 }
 
-/// Table 14. The original prints the remaining play without a sign. Y of the first square is larger
-/// than programmed, so the take-up there was more than the play. The squares are assumed to lie in
-/// the thirds of the work area from upper left to lower right, because the plays of Y there are
-/// those of table 13. A square is higher than a third of the area, so it lies as far within its
-/// third as the run-up allows.
+/// Table 14. The original prints the remaining backlash without a sign. Y of the first square is
+/// larger than programmed, so the take-up there was more than the backlash. The squares are assumed
+/// to lie in the thirds of the work area from upper left to lower right, because the backlash
+/// values of Y there are those of table 13. A square is higher than a third of the area, so it lies
+/// as far within its third as the run-up allows.
 pub const SQUARES: [Square; 3] = [
     Square {
         name: "X",
@@ -127,15 +127,15 @@ pub const CIRCLES: [Circle; 3] = [
 /// Names of the ends of a circle, in the order of [`Circle::ends_um`].
 pub const ENDS: [&str; 4] = ["Ei left", "Ed right", "Ps top", "Pi bottom"];
 
-/// The sign of the remaining play at each end. The original prints none. Of all sixteen choices
-/// these signs leave the smallest residues over diameters, plays and the parts of tables 16 to 20.
-/// With them the play of X falls steadily from left to right.
+/// The sign of the remaining backlash at each end. The original prints none. Of all sixteen choices
+/// these signs leave the smallest residues over diameters, backlash values and the parts of tables
+/// 16 to 20. With them the backlash of X falls steadily from left to right.
 pub const SIGNS: [f64; 4] = [1.0, -1.0, 1.0, 1.0];
 
 /// Positions of the ends from the centre, in radii.
 const END_AT: [[f64; 2]; 4] = [[-1.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.0, -1.0]];
 
-/// A measured play, and its position.
+/// A measured backlash, and its position.
 #[derive(Clone, Copy, Debug)]
 pub struct Play {
     /// Position from the middle of the work area, mm.
@@ -153,7 +153,7 @@ pub fn third_mm(axis: usize, third: f64) -> f64 {
 /// Choices that the description of the original leaves open.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Choice {
-    /// Sign of the remaining play at each end of a circle.
+    /// Sign of the remaining backlash at each end of a circle.
     pub signs: [f64; 4],
     /// Direction in which the thirds count: of V along X, and of H against Y.
     pub thirds: [f64; 2],
@@ -167,7 +167,7 @@ impl Choice {
     };
 }
 
-/// The plays of tables 13, 14 and 15: the take-up and what remained.
+/// The backlash values of tables 13, 14 and 15: the take-up and what remained.
 pub fn plays(choice: &Choice) -> Vec<Play> {
     let regions = REGIONS.iter().map(|region| {
         let mut at_mm = [0.0; 2];

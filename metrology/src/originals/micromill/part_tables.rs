@@ -1,6 +1,6 @@
 //! Parts that were measured on the original mill.
 
-/// A width of a part along X, and the play that was left at it.
+/// A width of a part along X, and the backlash that was left at it.
 pub struct Detail {
     pub name: &'static str,
     pub programmed_um: f64,

@@ -11,7 +11,7 @@ use crate::calibration::backlash::Bench;
 use crate::originals::{Parameter, Row, Table};
 
 /// Cuts a part: its extents with the last take-up of the original on the fitted screws, then with
-/// the map of today; its details on screws with the play that was left there.
+/// the map of today; its details on screws with the backlash that was left there.
 ///
 /// # Errors
 ///
@@ -52,8 +52,8 @@ pub fn part(number: &str, shop: &Shop<'_>) -> Result<Table, String> {
     })
 }
 
-/// The position at which the fitted screws explain the plays and the sizes of a part best, on a
-/// grid of 0.5 mm.
+/// The position at which the fitted screws explain the backlash values and the sizes of a part
+/// best, on a grid of 0.5 mm.
 fn place_mm(part: &Part, screws: &Screws) -> [f64; 2] {
     const GRID_MM: f64 = 0.5;
     // Within the area in which the screws were measured.
@@ -107,7 +107,7 @@ fn notes(part: &Part) -> Vec<String> {
     notes
 }
 
-/// Screws on which the last take-up of the original leaves this play in X, um.
+/// Screws on which the last take-up of the original leaves this backlash in X, um.
 fn with_left(left_um: f64) -> Screws {
     let [x, y] = LAST_TAKE_UP_UM.map(|um| um * scale());
     Screws::even([x + left_um, y])
@@ -198,7 +198,7 @@ fn cut_width(
     width_mm: f64,
     is_wider: bool,
 ) -> Result<f64, String> {
-    /// More than any play that a take-up leaves, mm.
+    /// More than any backlash that a take-up leaves, mm.
     const BEYOND_MM: f64 = 0.1;
     let ends = [x, x + width_mm];
     let (first, second) = if is_wider { (0, 1) } else { (1, 0) };
@@ -232,8 +232,8 @@ mod tests {
         }
     }
 
-    /// The small parts have more play left than the middle of the screws leaves: they lie left of
-    /// it. All places are on the table.
+    /// The small parts have more backlash left than the middle of the screws leaves: they lie left
+    /// of it. All places are on the table.
     #[test]
     fn parts_lie_where_their_plays_are() {
         let screws = Screws::fitted();

@@ -1,4 +1,4 @@
-//! The play of the screws over the work area.
+//! The backlash of the screws over the work area.
 
 use super::measured::{Choice, Play, plays};
 use super::{MIDDLE_MM, TRUE_STEP, nm};
@@ -16,7 +16,7 @@ pub struct Screw {
 }
 
 impl Screw {
-    /// The play at a position from the middle of the work area.
+    /// The backlash at a position from the middle of the work area.
     #[must_use]
     pub fn lash_um(&self, own_mm: f64, other_mm: f64) -> f64 {
         let powers = powers(own_mm, other_mm);
@@ -42,26 +42,26 @@ pub struct Screws {
 }
 
 impl Screws {
-    /// The screws of the original: the least sum of squares over its measured plays.
+    /// The screws of the original: the least sum of squares over its measured backlash values.
     #[must_use]
     pub fn fitted() -> Self {
         Self::of(&Choice::BEST)
     }
 
-    /// The screws that fit the plays of a choice.
+    /// The screws that fit the backlash values of a choice.
     pub(super) fn of(choice: &Choice) -> Self {
         let plays = plays(choice);
         let axes = [0, 1].map(|axis| {
             let own = plays.iter().filter(|play| play.axis == axis);
             let rows = own.map(|play| (row(play), play.lash_um));
-            // There are 12 plays of each axis, at positions that determine five terms.
+            // There are 12 backlash values of each axis, at positions that determine five terms.
             let terms = least_squares(rows, [true; 5]).unwrap_or_default();
             Screw { terms }
         });
         Self { axes }
     }
 
-    /// Screws with the same play everywhere, um.
+    /// Screws with the same backlash everywhere, um.
     #[must_use]
     pub fn even(lash_um: [f64; 2]) -> Self {
         let axes = lash_um.map(|um| Screw {
@@ -76,7 +76,8 @@ impl Screws {
         &self.axes
     }
 
-    /// The play in true steps, by the position of the tool in true steps from the home switches.
+    /// The backlash in true steps, by the position of the tool in true steps from the home
+    /// switches.
     #[must_use]
     pub fn field(&self) -> Arc<dyn LashField<3>> {
         let [x_screw, y_screw] = self.axes;
@@ -101,7 +102,8 @@ mod tests {
     use super::super::LEFT_UM;
     use super::*;
 
-    /// Five terms for twelve plays: each is within what the original says remained, 33 and 27 um.
+    /// Five terms for twelve backlash values: each is within what the original says remained, 33
+    /// and 27 um.
     #[test]
     fn every_measured_play_is_within_the_stated_rest() {
         let screws = Screws::fitted();

@@ -11,7 +11,7 @@ pub struct Cut {
     /// Length of its upper and of its left edge, mm.
     pub size_mm: [f64; 2],
     /// Distance of the end of the upper edge from the begin of the lower one along X, and of the
-    /// end of the left edge from it along Y, um: the play that the take-up left.
+    /// end of the left edge from it along Y, um: the backlash that the take-up left.
     pub left_um: [f64; 2],
 }
 

@@ -5,7 +5,7 @@ use super::part_tables::PARTS;
 use super::{LAST_TAKE_UP_UM, Screws, scale};
 use std::f64::consts::PI;
 
-/// Standard deviation of a play and of a length, um.
+/// Standard deviation of a backlash and of a length, um.
 const PLAY_UM: f64 = 10.0;
 const LENGTH_UM: f64 = 12.0;
 
@@ -77,7 +77,7 @@ fn sizes(screws: &Screws) -> f64 {
     left.map(|left| left * left).sum()
 }
 
-/// Sum of squares that the play of the screws leaves, um^2.
+/// Sum of squares that the backlash of the screws leaves, um^2.
 fn plays_left(screws: &Screws, choice: &Choice) -> f64 {
     let left = plays(choice).into_iter().map(|play| {
         let [own, other] = [play.at_mm[play.axis], play.at_mm[1 - play.axis]];

@@ -33,7 +33,7 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize, const FI
     Program<'t, GLOBALS, LOCALS, DEPTH, FILES>
 {
     /// Executes the code of a block that needs the lines around it, and removes it and its words.
-    /// The rest of the block is executed before the line at which the program goes on.
+    /// The rest of the block is executed before the line at which the program continues.
     pub(super) fn follow(
         &mut self,
         raw: &Raw<'t>,
@@ -158,7 +158,7 @@ impl<'t, const GLOBALS: usize, const LOCALS: usize, const DEPTH: usize, const FI
         Ok(None)
     }
 
-    /// M99 of a subprogram. `line` is the number of the line at which the caller goes on.
+    /// M99 of a subprogram. `line` is the number of the line at which the caller continues.
     fn end_program(&mut self, raw: &Raw<'t>, line: Option<u32>) -> Result<(), Fault> {
         let call = self.current_call().ok_or(Fault::NoCall)?;
         let rounds = call.rounds.ok_or(Fault::NoCall)?;

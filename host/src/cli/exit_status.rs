@@ -23,7 +23,7 @@ const STATUSES: [(&str, &str); 22] = [
     ("compile", "1 the program has errors, nothing is written"),
     (
         "send",
-        "1 the program has errors, or the machine did not make it as it should",
+        "1 the program has errors, or the machine did not complete it",
     ),
     ("interpolate", ""),
     ("compare", "1 the program has errors"),

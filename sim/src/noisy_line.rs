@@ -39,14 +39,14 @@ const CHARACTER_BITS: u64 = 10;
 ///
 /// # Examples
 /// ```
-/// use husillo_sim::{Noise, Wire};
+/// use husillo_sim::{Noise, NoisyLine};
 ///
-/// let mut good = Wire::new(Noise::default(), 1);
+/// let mut good = NoisyLine::new(Noise::default(), 1);
 /// assert_eq!(good.carry(0x55), [0x55]);
 /// assert!(good.rest(1_000_000).is_empty());
 /// ```
 #[derive(Clone, Debug)]
-pub struct Wire {
+pub struct NoisyLine {
     noise: Noise,
     random: Random,
     /// Number of bits before the next wrong one.
@@ -64,18 +64,18 @@ enum Uart {
     Broken,
 }
 
-impl Wire {
-    /// Creates a wire with noise; the same seed gives the same noise.
-    pub fn new(noise: Noise, seed: u64) -> Wire {
-        let mut wire = Wire {
+impl NoisyLine {
+    /// Creates a line with noise; the same seed gives the same noise.
+    pub fn new(noise: Noise, seed: u64) -> NoisyLine {
+        let mut line = NoisyLine {
             noise,
             random: Random::new(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1),
             until_wrong: 0,
             receiver: Uart::Idle,
             wrong_bits: 0,
         };
-        wire.until_wrong = wire.next_gap();
-        wire
+        line.until_wrong = line.next_gap();
+        line
     }
 
     /// Carries a byte; returns the bytes that arrive meanwhile.
@@ -163,17 +163,17 @@ impl Wire {
 mod tests {
     use super::*;
 
-    /// A wire with exactly one wrong bit.
-    fn one_wrong_bit(at: u64) -> Wire {
-        Wire {
+    /// A line with exactly one wrong bit.
+    fn one_wrong_bit(at: u64) -> NoisyLine {
+        NoisyLine {
             until_wrong: at,
-            ..Wire::new(Noise::default(), 1)
+            ..NoisyLine::new(Noise::default(), 1)
         }
     }
 
-    fn carried(wire: &mut Wire, bytes: &[u8]) -> Vec<u8> {
-        let mut heard: Vec<u8> = bytes.iter().flat_map(|byte| wire.carry(*byte)).collect();
-        heard.extend(wire.rest(40));
+    fn carried(line: &mut NoisyLine, bytes: &[u8]) -> Vec<u8> {
+        let mut heard: Vec<u8> = bytes.iter().flat_map(|byte| line.carry(*byte)).collect();
+        heard.extend(line.rest(40));
         heard
     }
 
@@ -189,8 +189,8 @@ mod tests {
     fn a_wrong_stop_bit_loses_its_byte() {
         // The line is idle one bit later. The next byte has its start bit in that time, and is lost
         // too where the line stays low.
-        let mut wire = one_wrong_bit(19);
-        assert_eq!(carried(&mut wire, &[0x12, 0x34]), [0x12]);
+        let mut line = one_wrong_bit(19);
+        assert_eq!(carried(&mut line, &[0x12, 0x34]), [0x12]);
     }
 
     #[test]
@@ -207,24 +207,24 @@ mod tests {
     #[test]
     fn a_wrong_bit_in_silence_is_a_byte() {
         assert_eq!(one_wrong_bit(5).rest(100), [0xff]);
-        let mut wire = one_wrong_bit(5);
-        assert!(wire.rest(12).is_empty(), "not all of it yet");
-        assert_eq!(wire.rest(10), [0xff]);
+        let mut line = one_wrong_bit(5);
+        assert!(line.rest(12).is_empty(), "not all of it yet");
+        assert_eq!(line.rest(10), [0xff]);
     }
 
     #[test]
     fn bits_are_wrong_as_often_as_they_should() {
-        let mut wire = Wire::new(Noise::of_bits(1e-3), 7);
+        let mut line = NoisyLine::new(Noise::of_bits(1e-3), 7);
         let bytes = 100_000_u64;
         let mut damaged = 0;
         for _ in 0..bytes {
-            damaged += u32::from(wire.carry(0xa5) != [0xa5]);
-            wire.rest(50);
+            damaged += u32::from(line.carry(0xa5) != [0xa5]);
+            line.rest(50);
         }
         // 6000 wrong bits are expected, deviation 77. A byte is damaged by its own ten bits and by
         // those of the silence before it, where a zero starts a byte too early: once in 50 (the
         // tenth bit before it does no harm), deviation 44.
-        let wrong = wire.wrong_bits();
+        let wrong = line.wrong_bits();
         assert!((5700..6300).contains(&wrong), "{wrong}");
         assert!((1700..2100).contains(&damaged), "{damaged}");
     }
@@ -236,8 +236,8 @@ mod tests {
             doubled,
             ..Noise::default()
         };
-        assert!(Wire::new(noise(1.0, 0.0), 1).carry(1).is_empty());
-        assert_eq!(Wire::new(noise(0.0, 1.0), 1).carry(1), [1, 1]);
+        assert!(NoisyLine::new(noise(1.0, 0.0), 1).carry(1).is_empty());
+        assert_eq!(NoisyLine::new(noise(0.0, 1.0), 1).carry(1), [1, 1]);
     }
 
     /// No checksum covers start and stop bits: one wrong bit can shift the following bits so that
@@ -255,9 +255,9 @@ mod tests {
             reply.extend(home.to_le_bytes());
             reply.push(sum(&reply));
             for at in 0..10 * (reply.len() as u64 + 1) {
-                let mut wire = one_wrong_bit(at);
-                let mut heard = wire.rest(10);
-                heard.extend(carried(&mut wire, &reply));
+                let mut line = one_wrong_bit(at);
+                let mut heard = line.rest(10);
+                heard.extend(carried(&mut line, &reply));
                 let (last, rest) = heard.split_last().expect("most of it");
                 unseen +=
                     u32::from(heard != reply && heard.len() == reply.len() && *last == sum(rest));

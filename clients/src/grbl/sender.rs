@@ -1,0 +1,262 @@
+//! A program to a controller, as fast as its receive buffer takes it.
+
+use super::session::{Heard, Session, alarm, described};
+use crate::{StopRequests, Wire};
+use husillo_sim::device::grbl::Device;
+use husillo_transports::grbl::{LINE_CHARACTERS, RECEIVE_BYTES, Realtime, State, Status, Window};
+use std::collections::VecDeque;
+
+/// How lines are sent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pacing {
+    /// As many as the receive buffer of the controller takes.
+    Counted,
+    /// One, when the previous one is answered.
+    Answered,
+    /// One, when the previous one is made and the operator agrees.
+    SingleBlock,
+}
+
+/// Who watches a program and intervenes.
+pub trait Operator {
+    /// The state has changed, or the controller has sent a text for the operator.
+    fn hear(&mut self, heard: &Heard);
+    /// This many lines are answered.
+    fn progress(&mut self, lines: usize);
+    /// A byte that takes effect at once: hold, resume, an override.
+    fn command(&mut self) -> Option<Realtime>;
+    /// Whether a line is sent in [`Pacing::SingleBlock`]. Otherwise the program ends before it.
+    fn agrees(&mut self, line: &str) -> bool;
+}
+
+/// What was sent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sent {
+    /// Lines that were made.
+    pub lines: usize,
+    /// The report at the end.
+    pub status: Status,
+}
+
+/// A program that is sent.
+#[derive(Debug)]
+pub struct Sender {
+    session: Session,
+    pacing: Pacing,
+    window: Window,
+    /// Index of each line that is sent and not answered.
+    waiting: VecDeque<usize>,
+    answered: usize,
+}
+
+/// Moves that wait in Grbl's queue, at most.
+const QUEUE: usize = 15;
+
+impl Sender {
+    /// Connects to a controller that stands. Nothing moves.
+    ///
+    /// # Errors
+    ///
+    /// A sentence about the port, or about a controller that moves or is locked.
+    pub fn new(wire: Wire<Device>, pacing: Pacing, stop: StopRequests) -> Result<Self, String> {
+        let mut session = Session::new(wire, stop);
+        session.begin()?;
+        let state = session.state();
+        let name = state.map_or("unknown", State::name);
+        match state {
+            Some(State::Idle | State::Check) => {}
+            Some(State::Alarm) => {
+                return Err(
+                    "the controller is locked: `husillo jog -m grbl home` or `unlock`".into(),
+                );
+            }
+            Some(State::Sleep | State::Hold(false) | State::Door(0 | 1)) => {
+                return Err(format!(
+                    "the controller is in the state {name}: `husillo stop -m grbl` ends it"
+                ));
+            }
+            _ => {
+                return Err(format!(
+                    "the controller moves for another program (state {name}): `husillo stop -m \
+                     grbl` stops it"
+                ));
+            }
+        }
+        Ok(Self {
+            session,
+            pacing,
+            window: Window::new(RECEIVE_BYTES - 1), // Grbl's buffer has one byte less than it reports
+            waiting: VecDeque::new(),
+            answered: 0,
+        })
+    }
+
+    /// The session.
+    pub const fn session(&mut self) -> &mut Session {
+        &mut self.session
+    }
+
+    /// Lines that are answered. Moves of the last of them may wait in the queue of the controller.
+    pub const fn answered(&self) -> usize {
+        self.answered
+    }
+
+    /// Index of the first line that may not be made: the queue holds at most 15 moves, and one is
+    /// being made.
+    pub const fn first_open(&self) -> usize {
+        self.answered.saturating_sub(QUEUE + 1)
+    }
+
+    /// Sends these lines, each with its number, and waits until they are made.
+    ///
+    /// # Errors
+    ///
+    /// A line is too long or refused, motion is interrupted, the controller is reset, the port
+    /// fails, or a stop is asked for. The machine stands then, where the controller still answers,
+    /// and the message has the position.
+    pub fn send(
+        &mut self,
+        lines: &[(usize, String)],
+        operator: &mut dyn Operator,
+    ) -> Result<Sent, String> {
+        self.waiting.clear();
+        self.window.clear();
+        self.answered = 0;
+        let mut next = 0;
+        while self.answered < lines.len() {
+            self.intervene(operator)?;
+            while let Some((number, line)) = lines.get(next).filter(|(_, line)| self.may_send(line))
+            {
+                if self.pacing == Pacing::SingleBlock && !operator.agrees(line) {
+                    return Err(self.ended(format!("line {number}: stopped before {line}")));
+                }
+                // A line of the program is shorter than the buffer.
+                self.window.send(line.len() as u8 + 1);
+                self.session.put(format!("{line}\n").as_bytes())?;
+                self.waiting.push_back(next);
+                next += 1;
+            }
+            self.hear(lines, operator)?;
+        }
+        self.finish(operator)?;
+        let status = self.session.fresh_status()?;
+        Ok(Sent {
+            lines: lines.len(),
+            status,
+        })
+    }
+
+    /// Whether a line fits, and its turn has come.
+    fn may_send(&self, line: &str) -> bool {
+        let fits = self.window.bytes() + line.len() as u16 + 1 < u16::from(RECEIVE_BYTES);
+        match self.pacing {
+            Pacing::Counted => fits || self.waiting.is_empty(),
+            Pacing::Answered => self.waiting.is_empty(),
+            Pacing::SingleBlock => {
+                let is_idle = matches!(self.session.state(), Some(State::Idle | State::Check));
+                self.waiting.is_empty() && is_idle
+            }
+        }
+    }
+
+    /// Passes on what the operator wants.
+    fn intervene(&mut self, operator: &mut dyn Operator) -> Result<(), String> {
+        if self.session.is_stopped() {
+            return Err(self.session.halt());
+        }
+        while let Some(command) = operator.command() {
+            if command == Realtime::Reset {
+                return Err(self.ended("ended by the operator".into()));
+            }
+            self.session.put(&[command.byte()])?;
+        }
+        Ok(())
+    }
+
+    /// Receives for a short time.
+    fn hear(
+        &mut self,
+        lines: &[(usize, String)],
+        operator: &mut dyn Operator,
+    ) -> Result<(), String> {
+        let before = self.session.state();
+        let Some(heard) = self.session.turn()? else {
+            return Ok(());
+        };
+        match &heard {
+            Heard::Ok | Heard::Refused(_) => {
+                self.window.answered();
+                let index = self.waiting.pop_front();
+                if let (Heard::Refused(number), Some(index)) = (&heard, index) {
+                    let why = described(*number);
+                    let (number, line) = lines
+                        .get(index)
+                        .map_or((0, ""), |(number, line)| (*number, line));
+                    return Err(self.ended(format!("line {number}, {line}: {why}")));
+                }
+                if index.is_some() {
+                    self.answered += 1;
+                    operator.progress(self.answered);
+                }
+                if self.pacing == Pacing::SingleBlock {
+                    self.session.fresh_status()?;
+                }
+            }
+            Heard::Alarm(number) => {
+                // The controller stands. A reset makes it answer again.
+                let reset = self.session.reset();
+                let stands = self.session.stands();
+                let unanswered = reset
+                    .err()
+                    .map(|why| format!("; {why}"))
+                    .unwrap_or_default();
+                return Err(format!("{}; {stands}{unanswered}", alarm(*number)));
+            }
+            Heard::Started(_) => {
+                self.session.fresh_status()?;
+                let stands = self.session.stands();
+                return Err(format!("the controller was reset; {stands}"));
+            }
+            Heard::Status(status) if before != Some(status.state) => operator.hear(&heard),
+            Heard::Status(_) => {}
+            Heard::Text(_) => operator.hear(&heard),
+        }
+        Ok(())
+    }
+
+    /// Waits until all moves are made.
+    fn finish(&mut self, operator: &mut dyn Operator) -> Result<(), String> {
+        self.session.fresh_status()?;
+        while !matches!(self.session.state(), Some(State::Idle | State::Check)) {
+            self.intervene(operator)?;
+            self.hear(&[], operator)?;
+        }
+        Ok(())
+    }
+
+    /// The message about an end that the controller does not know of: it brakes and drops the
+    /// lines that wait in it.
+    fn ended(&mut self, why: String) -> String {
+        match self.session.stand() {
+            Ok(()) => format!(
+                "{why}; the controller has stopped; {}",
+                self.session.stands()
+            ),
+            Err(lost) => format!("{why}; the stop is not confirmed: {lost}"),
+        }
+    }
+}
+
+/// Number of the first line that no controller of Grbl takes. Its buffer has room for the line, and
+/// its parser for the characters without blanks.
+pub fn too_long(lines: &[(usize, String)]) -> Option<usize> {
+    let is_long = |line: &str| {
+        line.len() + 1 >= usize::from(RECEIVE_BYTES)
+            || line.bytes().filter(|byte| *byte > b' ').count() > LINE_CHARACTERS
+    };
+    let found = lines.iter().find(|(_, line)| is_long(line));
+    found.map(|(number, _)| *number)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,219 @@
+//! Programs to the simulated controller, with faults and interventions in their course.
+
+use super::*;
+use crate::grbl::{BAUD, open};
+use husillo_transports::grbl::{Adjust, Position};
+
+/// Carries out commands when this many lines are answered.
+#[derive(Default)]
+struct Script {
+    at: Vec<(usize, Realtime)>,
+    due: VecDeque<Realtime>,
+    states: Vec<State>,
+    texts: Vec<String>,
+    stop: Option<(usize, StopRequests)>,
+    /// In a hold the program goes on.
+    resumes: bool,
+    agreed: usize,
+}
+
+impl Operator for Script {
+    fn hear(&mut self, heard: &Heard) {
+        match heard {
+            Heard::Status(status) => {
+                self.states.push(status.state);
+                if self.resumes && status.state == State::Hold(false) {
+                    self.due.push_back(Realtime::Resume);
+                }
+            }
+            Heard::Text(text) => self.texts.push(text.clone()),
+            _ => {}
+        }
+    }
+
+    fn progress(&mut self, lines: usize) {
+        let due = self.at.iter().filter(|(at, _)| *at == lines);
+        self.due.extend(due.map(|(_, command)| *command));
+        if let Some((at, stop)) = &self.stop
+            && *at == lines
+        {
+            stop.request();
+        }
+    }
+
+    fn command(&mut self) -> Option<Realtime> {
+        self.due.pop_front()
+    }
+
+    fn agrees(&mut self, _line: &str) -> bool {
+        self.agreed = self.agreed.saturating_sub(1);
+        self.agreed > 0
+    }
+}
+
+fn sender(pacing: Pacing, stop: StopRequests) -> Sender {
+    Sender::new(open("sim", BAUD).unwrap(), pacing, stop).unwrap()
+}
+
+/// A line of short moves that ends at X 4.
+fn short_moves() -> Vec<(usize, String)> {
+    let first = ["G21 G90 G94".to_owned(), "F300".to_owned()];
+    let moves = (1..=40).map(|number| format!("G1 X{:.1}", f64::from(number) / 10.0));
+    (1..).zip(first.into_iter().chain(moves)).collect()
+}
+
+/// Position of X, mm.
+fn x(status: &Status) -> f64 {
+    let Position::Machine(at) = status.position else {
+        panic!("machine position");
+    };
+    at.nm()[0] as f64 / 1e6
+}
+
+#[test]
+fn every_pacing_makes_the_whole_program() {
+    for pacing in [Pacing::Counted, Pacing::Answered, Pacing::SingleBlock] {
+        let mut sender = sender(pacing, StopRequests::default());
+        let mut script = Script {
+            agreed: 100,
+            ..Script::default()
+        };
+        let sent = sender.send(&short_moves(), &mut script).unwrap();
+        assert_eq!((sent.lines, x(&sent.status)), (42, 4.0), "{pacing:?}");
+    }
+}
+
+/// The bytes that wait in the controller never exceed its receive buffer, and it always has some
+/// while lines are left: a move of 0.1 mm at 300 mm/min takes 20 ms, and nothing waits for the host.
+#[test]
+fn counted_lines_take_no_longer_than_their_moves() {
+    let mut sender = sender(Pacing::Counted, StopRequests::default());
+    let before = sender.session().elapsed();
+    sender.send(&short_moves(), &mut Script::default()).unwrap();
+    let seconds = (sender.session().elapsed() - before).as_secs_f64();
+    // 40 moves of 20 ms, a ramp of 10 mm/s^2 at each end, and the reports at the end.
+    assert!(seconds < 0.8 + 1.0 + 0.5, "{seconds} s");
+}
+
+#[test]
+fn a_refused_line_stops_the_machine_and_is_named() {
+    let mut sender = sender(Pacing::Counted, StopRequests::default());
+    let mut lines = short_moves();
+    lines[20].1 = "G1 X9 X9".into();
+    let why = sender.send(&lines, &mut Script::default()).unwrap_err();
+    assert!(why.starts_with("line 21, G1 X9 X9: error 25: "), "{why}");
+    assert!(why.contains("the controller has stopped; "), "{why}");
+    let status = sender.session().fresh_status().unwrap();
+    assert_eq!(status.state, State::Idle);
+    // None of the lines behind it are made.
+    assert!(x(&status) <= 1.9, "{why}");
+}
+
+#[test]
+fn a_stop_brakes_and_keeps_the_position() {
+    let stop = StopRequests::default();
+    let mut sender = sender(Pacing::Counted, stop.clone());
+    let mut script = Script {
+        stop: Some((20, stop.clone())),
+        ..Script::default()
+    };
+    let why = sender.send(&short_moves(), &mut script).unwrap_err();
+    assert!(
+        why.starts_with("interrupted: the controller has stopped; "),
+        "{why}"
+    );
+    let status = sender.session().fresh_status().unwrap();
+    assert_eq!(status.state, State::Idle, "no alarm: the position is valid");
+    let open = sender.first_open();
+    assert!((4..=20).contains(&open), "index {open}");
+    // The first line that is not made is `first_open` or a later one.
+    assert!(
+        x(&status) >= (open as f64 - 3.0) / 10.0,
+        "{why}, line {open}"
+    );
+    let steps = sender.session().device().rig(0).unwrap().steps()[0];
+    assert_eq!(steps as f64 / 250.0, x(&status));
+}
+
+#[test]
+fn holds_and_overrides_act_while_lines_are_sent() {
+    let mut sender = sender(Pacing::Counted, StopRequests::default());
+    let mut script = Script {
+        at: vec![(10, Realtime::Feed(Adjust::By(10))), (20, Realtime::Hold)],
+        resumes: true,
+        ..Script::default()
+    };
+    let sent = sender.send(&short_moves(), &mut script).unwrap();
+    assert_eq!(x(&sent.status), 4.0);
+    assert!(
+        script.states.contains(&State::Hold(false)),
+        "{:?}",
+        script.states
+    );
+}
+
+/// M0 waits for the operator.
+#[test]
+fn a_program_that_pauses_goes_on() {
+    let mut sender = sender(Pacing::Counted, StopRequests::default());
+    let mut lines = short_moves();
+    lines.insert(20, (20, "M0".into()));
+    let mut script = Script {
+        resumes: true,
+        ..Script::default()
+    };
+    let sent = sender.send(&lines, &mut script).unwrap();
+    assert_eq!(x(&sent.status), 4.0);
+}
+
+#[test]
+fn a_reset_and_a_switch_end_the_program() {
+    for (panel, part) in [
+        ("reset", "the controller was reset; "),
+        ("unplug", "does not answer any more"),
+    ] {
+        let mut sender = sender(Pacing::Counted, StopRequests::default());
+        sender.session().device().schedule(400_000, panel);
+        let why = sender
+            .send(&short_moves(), &mut Script::default())
+            .unwrap_err();
+        assert!(why.contains(part), "{panel}: {why}");
+    }
+}
+
+#[test]
+fn a_single_block_may_end_the_program() {
+    let mut sender = sender(Pacing::SingleBlock, StopRequests::default());
+    let mut script = Script {
+        agreed: 5,
+        ..Script::default()
+    };
+    let why = sender.send(&short_moves(), &mut script).unwrap_err();
+    assert!(why.starts_with("line 5: stopped before G1 X0.3"), "{why}");
+}
+
+/// A killed program leaves part of a line, or lines that are being made.
+#[test]
+fn a_session_begins_after_a_killed_program() {
+    for (left, is_in_motion) in [("G1 X", false), ("$J=G91X5F600\n", true)] {
+        let mut wire = open("sim", BAUD).unwrap();
+        let _ = wire.receive_all(std::time::Duration::from_millis(100));
+        wire.send_all(left.as_bytes()).unwrap();
+        let sender = Sender::new(wire, Pacing::Counted, StopRequests::default());
+        match sender {
+            Ok(mut sender) => {
+                let sent = sender.send(&short_moves(), &mut Script::default());
+                assert_eq!(x(&sent.unwrap().status), 4.0);
+                assert!(!is_in_motion);
+            }
+            Err(why) => assert!(is_in_motion && why.contains("moves for another"), "{why}"),
+        }
+    }
+}
+
+#[test]
+fn lines_that_no_controller_takes_are_found_before() {
+    let lines = [(1, "G1 X1".to_owned()), (3, "G1 X1 ".repeat(20))];
+    assert_eq!(too_long(&lines), Some(3));
+    assert_eq!(too_long(&lines[..1]), None);
+}

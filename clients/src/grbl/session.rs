@@ -1,0 +1,394 @@
+//! A controller on a port: its lines, and bytes that take effect at once.
+
+use crate::{StopRequests, Wire};
+use husillo_sim::device::grbl::Device;
+use husillo_transports::grbl::{
+    Alarm, ErrorCode, Message, Place, Position, Realtime, State, Status,
+};
+use std::time::Duration;
+
+/// Interval of the requests for a status report.
+const POLL: Duration = Duration::from_millis(200);
+/// The longest wait between two checks for Ctrl-C.
+const LOOK: Duration = Duration::from_millis(20);
+/// A board that the opened port resets has started within this time.
+const START: Duration = Duration::from_secs(5);
+/// A controller that has sent nothing for this time is lost. It answers each request for a report.
+const SILENCE: Duration = Duration::from_secs(3);
+/// A motion has stopped within this time after a hold. Ramps take a second or two.
+const HOLD: Duration = Duration::from_secs(10);
+/// Longest line of a controller, bytes. What comes after it is dropped.
+const LONGEST: usize = 1024;
+
+/// What a controller has sent.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Heard {
+    /// A line was accepted.
+    Ok,
+    /// A line was refused: the number of the error.
+    Refused(u16),
+    /// A report of state and position.
+    Status(Status),
+    /// Motion was interrupted, or is not permitted: the number of the alarm.
+    Alarm(u16),
+    /// The controller has started: its name.
+    Started(String),
+    /// Another line.
+    Text(String),
+}
+
+impl Heard {
+    /// Reads a line. Numbers that Grbl 1.1 does not have are those of a newer controller.
+    fn of(line: &[u8]) -> Option<Heard> {
+        let text = || String::from_utf8_lossy(line).into_owned();
+        let number = |name| text().strip_prefix(name).and_then(|rest| rest.parse().ok());
+        if let Some(number) = number("error:") {
+            return Some(Heard::Refused(number));
+        }
+        if let Some(number) = number("ALARM:") {
+            return Some(Heard::Alarm(number));
+        }
+        match Message::parse(line) {
+            Some(Message::Blank) => None,
+            Some(Message::Ok) => Some(Heard::Ok),
+            Some(Message::Status(status)) => Some(Heard::Status(status)),
+            Some(Message::Banner(_)) => Some(Heard::Started(text())),
+            // Other versions have other words after their name.
+            _ if line.starts_with(b"Grbl") => Some(Heard::Started(text())),
+            _ => Some(Heard::Text(text())),
+        }
+    }
+}
+
+/// The host's end of the link.
+#[derive(Debug)]
+pub struct Session {
+    wire: Wire<Device>,
+    stop: StopRequests,
+    /// The beginning of a line.
+    line: Vec<u8>,
+    status: Option<Status>,
+    work_zero: Option<Place>,
+    /// When the last report was requested.
+    asked_at: Duration,
+    /// When the last byte was received.
+    heard_at: Duration,
+    /// The port has failed, or the controller does not answer.
+    is_lost: bool,
+}
+
+impl Session {
+    /// A session with a controller in any state. Nothing is sent yet.
+    pub fn new(wire: Wire<Device>, stop: StopRequests) -> Self {
+        let now = wire.elapsed();
+        Self {
+            wire,
+            stop,
+            line: Vec::new(),
+            status: None,
+            work_zero: None,
+            asked_at: now,
+            heard_at: now,
+            is_lost: false,
+        }
+    }
+
+    /// Waits for a controller that starts or runs already, and ends a line that an earlier program
+    /// has begun. Nothing moves.
+    ///
+    /// # Errors
+    ///
+    /// A sentence about the port or the controller.
+    pub fn begin(&mut self) -> Result<(), String> {
+        self.put(&[Realtime::Status.byte()])?;
+        let end = self.elapsed() + START;
+        while self.status.is_none() {
+            self.heard_at = self.elapsed();
+            self.turn()?;
+            if self.elapsed() > end {
+                self.is_lost = true;
+                return Err("no answer: check the cable, the rate and the power".into());
+            }
+        }
+        if self.is_in_motion() {
+            return Ok(());
+        }
+        // The beginning of a line from elsewhere is refused, or does nothing: it has no end.
+        self.put(b"\n")?;
+        loop {
+            match self.turn()? {
+                Some(Heard::Ok | Heard::Refused(_)) => return self.fresh_status().map(|_| ()),
+                _ if self.state() == Some(State::Sleep) => return Ok(()),
+                _ => {}
+            }
+        }
+    }
+
+    /// Sends bytes.
+    ///
+    /// # Errors
+    ///
+    /// The port failed.
+    pub fn put(&mut self, bytes: &[u8]) -> Result<(), String> {
+        let sent = self.wire.send_all(bytes);
+        self.is_lost |= sent.is_err();
+        sent.map_err(gone)
+    }
+
+    /// Sends a line and waits for its answer. Returns the lines before the answer.
+    ///
+    /// # Errors
+    ///
+    /// The line is refused, motion is interrupted, the port fails, or a stop is asked for.
+    pub fn request(&mut self, line: &str) -> Result<Vec<String>, String> {
+        self.put(format!("{line}\n").as_bytes())?;
+        let mut lines = Vec::new();
+        loop {
+            if self.is_stopped() {
+                return Err(self.halt());
+            }
+            match self.turn()? {
+                Some(Heard::Ok) => return Ok(lines),
+                Some(Heard::Refused(number)) => return Err(described(number)),
+                Some(Heard::Alarm(number)) => return Err(alarm(number)),
+                Some(Heard::Started(_)) => return Err("the controller was reset".into()),
+                Some(Heard::Text(text)) => lines.push(text),
+                Some(Heard::Status(_)) | None => {}
+            }
+        }
+    }
+
+    /// Receives for a short time at most. Requests a report where one is due.
+    ///
+    /// # Errors
+    ///
+    /// The port failed, or the controller is silent.
+    pub fn turn(&mut self) -> Result<Option<Heard>, String> {
+        let now = self.elapsed();
+        if now.saturating_sub(self.heard_at) > SILENCE {
+            self.is_lost = true;
+            return Err("the controller does not answer any more: check cable and power".into());
+        }
+        if now.saturating_sub(self.asked_at) >= POLL {
+            self.asked_at = now;
+            self.put(&[Realtime::Status.byte()])?;
+        }
+        let end = now + LOOK;
+        while let Some(left) = end.checked_sub(self.elapsed()) {
+            let received = self.wire.receive(left);
+            self.is_lost |= received.is_err();
+            let Some(byte) = received.map_err(gone)? else {
+                return Ok(None);
+            };
+            self.heard_at = self.elapsed();
+            if byte != b'\n' {
+                if byte != b'\r' && self.line.len() < LONGEST {
+                    self.line.push(byte);
+                }
+                continue;
+            }
+            let heard = Heard::of(&std::mem::take(&mut self.line));
+            match &heard {
+                Some(Heard::Status(status)) => {
+                    self.work_zero = status.work_zero.or(self.work_zero);
+                    self.status = Some(*status);
+                }
+                Some(Heard::Started(_)) => self.status = None,
+                _ => {}
+            }
+            return Ok(heard);
+        }
+        Ok(None)
+    }
+
+    /// Requests a report and waits for it.
+    ///
+    /// # Errors
+    ///
+    /// The port failed, or the controller is silent.
+    pub fn fresh_status(&mut self) -> Result<Status, String> {
+        self.status = None;
+        self.asked_at = self.elapsed();
+        self.put(&[Realtime::Status.byte()])?;
+        loop {
+            self.turn()?;
+            if let Some(status) = self.status {
+                return Ok(status);
+            }
+        }
+    }
+
+    /// Requests reports until one has the work zero. Grbl sends it in every thirtieth report at
+    /// most; a controller that never sends it has reported positions from the work zero.
+    ///
+    /// # Errors
+    ///
+    /// The port failed, or the controller is silent.
+    pub fn expect_work_zero(&mut self) -> Result<(), String> {
+        for _ in 0..30 {
+            let is_work = |status: &Status| matches!(status.position, Position::Work(_));
+            if self.work_zero.is_some() || self.status.as_ref().is_some_and(is_work) {
+                break;
+            }
+            self.fresh_status()?;
+        }
+        Ok(())
+    }
+
+    /// The last reported state.
+    pub fn state(&self) -> Option<State> {
+        self.status.map(|status| status.state)
+    }
+
+    /// The last report.
+    pub const fn status(&self) -> Option<&Status> {
+        self.status.as_ref()
+    }
+
+    /// Whether the last report is one of a motion.
+    pub fn is_in_motion(&self) -> bool {
+        use State::{Door, Hold, Home, Jog, Run};
+        matches!(
+            self.state(),
+            Some(Run | Jog | Home | Hold(true) | Door(2 | 3))
+        )
+    }
+
+    /// Whether a stop is asked for.
+    pub fn is_stopped(&self) -> bool {
+        self.stop.is_asked()
+    }
+
+    /// Stops any motion and drops all lines that wait in the controller. The axes brake first, so
+    /// the position stays valid. After a second request the controller is reset in the motion, and
+    /// the position is lost. Returns a message with the position.
+    pub fn halt(&mut self) -> String {
+        match self.stand() {
+            Ok(()) => format!("interrupted: the controller has stopped; {}", self.stands()),
+            Err(why) => format!(
+                "interrupted: the stop was sent and is not confirmed ({why}): be ready to switch \
+                 off the machine"
+            ),
+        }
+    }
+
+    /// Brakes, then resets the controller.
+    ///
+    /// # Errors
+    ///
+    /// The controller does not answer.
+    pub fn stand(&mut self) -> Result<(), String> {
+        let before = self.stop.count();
+        let is_homing = self.state() == Some(State::Home);
+        // A jog takes only its own byte, and drops what waits behind it.
+        self.put(&[Realtime::Hold.byte(), Realtime::JogCancel.byte()])?;
+        let end = self.elapsed() + HOLD;
+        self.fresh_status()?;
+        // Homing knows no hold: a reset ends it.
+        while !is_homing && self.is_in_motion() {
+            if self.stop.count() > before.max(1) || self.elapsed() > end {
+                break;
+            }
+            self.fresh_status()?;
+        }
+        self.reset()
+    }
+
+    /// Resets the controller and waits until it has started.
+    ///
+    /// # Errors
+    ///
+    /// The controller does not start.
+    pub fn reset(&mut self) -> Result<(), String> {
+        self.put(&[Realtime::Reset.byte()])?;
+        self.line.clear();
+        let end = self.elapsed() + START;
+        while self.elapsed() < end {
+            if let Some(Heard::Started(_)) = self.turn()? {
+                return self.fresh_status().map(|_| ());
+            }
+        }
+        Err("it does not start after a reset".into())
+    }
+
+    /// The position of the last report from the work zero, nm. `None`: the work zero is unknown.
+    pub fn work_position(&self) -> Option<Vec<i64>> {
+        match (self.status?.position, self.work_zero) {
+            (Position::Work(at), _) => Some(at.nm().to_vec()),
+            (Position::Machine(at), Some(zero)) => {
+                let nm = at.nm().iter().zip(zero.nm());
+                Some(nm.map(|(at, zero)| at - zero).collect())
+            }
+            (Position::Machine(_), None) => None,
+        }
+    }
+
+    /// The position of the last report, from the work zero where that is known.
+    pub fn stands(&self) -> String {
+        let Some(status) = self.status.filter(|_| !self.is_lost) else {
+            return "the position is unknown".into();
+        };
+        let doubtful = match status.state {
+            State::Alarm => ", which may be wrong: home the machine",
+            _ => "",
+        };
+        let work = self
+            .work_position()
+            .map(|at| format!("work {}", lengths(&at)));
+        let machine = match status.position {
+            Position::Machine(at) => Some(format!("machine {}", lengths(at.nm()))),
+            Position::Work(_) => None,
+        };
+        let known: Vec<_> = work.into_iter().chain(machine).collect();
+        known.join("; ") + doubtful
+    }
+
+    /// Time since the port was opened. A simulated controller has simulated time.
+    pub fn elapsed(&self) -> Duration {
+        self.wire.elapsed()
+    }
+
+    /// What a simulated machine has reported on its panel.
+    pub fn panel(&mut self) -> Vec<String> {
+        self.wire.take_reports()
+    }
+
+    /// The simulated device.
+    #[cfg(test)]
+    pub fn device(&mut self) -> &mut Device {
+        match &mut self.wire {
+            Wire::Simulated { device, .. } => device,
+            Wire::Real { .. } => panic!("not simulated"),
+        }
+    }
+}
+
+/// A position in mm, with the letters of its axes.
+fn lengths(nm: &[i64]) -> String {
+    let axes = ["X", "Y", "Z", "A", "B", "C"].into_iter().zip(nm);
+    let words: Vec<_> = axes
+        .map(|(letter, nm)| format!("{letter} {:.3}", *nm as f64 / 1e6))
+        .collect();
+    format!("{} mm", words.join(" "))
+}
+
+/// The sentence about an error of a line.
+pub fn described(number: u16) -> String {
+    let code = u8::try_from(number).ok().and_then(ErrorCode::of);
+    match code {
+        Some(code) => format!("error {number}: {}", code.text()),
+        None => format!("error {number}, which Grbl 1.1 does not have"),
+    }
+}
+
+/// The sentence about an alarm.
+pub(super) fn alarm(number: u16) -> String {
+    match u8::try_from(number).ok().and_then(Alarm::of) {
+        Some(alarm) => format!("alarm {number}: {}", alarm.text()),
+        None => format!("alarm {number}, which Grbl 1.1 does not have"),
+    }
+}
+
+fn gone(error: std::io::Error) -> String {
+    format!("the port: {error}")
+}

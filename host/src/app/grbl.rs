@@ -1,0 +1,259 @@
+//! `send` for a controller that speaks Grbl's protocol.
+
+mod resume;
+
+use super::job::{Job, whole};
+use super::milling::failed;
+use super::reporting::{MOST_PRINTED, verdict, with_some_findings};
+use super::{ERRORS, Failure, OK};
+use crate::cli::{Send, Target};
+use crate::console::keys::Keys;
+use crate::console::sharing::share;
+use crate::console::stop::{stop_requests, stops_asked};
+use crate::console::told::Told;
+use crate::console::typed::typed_line;
+use husillo_clients::grbl::{BAUD, Heard, Operator, Pacing, Sender, open, too_long};
+use husillo_transports::grbl::{Adjust, Realtime, State};
+use serde_json::json;
+
+/// Whether a machine is any controller that speaks Grbl's protocol.
+pub(super) fn is_grbl(machine: Option<&str>) -> bool {
+    machine == Some("grbl")
+}
+
+/// Checks a program, sends it, and waits until it is made.
+pub(super) fn send(args: &Send, out: &mut Told<'_>) -> Result<u8, Failure> {
+    let (file, port) = args.alone()?;
+    expect_options_of_grbl(args)?;
+    let target = Target {
+        machine: Some("free".into()),
+        dialect: args.target.dialect.clone().or(Some("grbl".into())),
+        include: args.target.include.clone(),
+    };
+    let mut job = Job::new(file, &target, "free")?;
+    job.keep_input()?;
+    let (_, findings) =
+        with_some_findings(MOST_PRINTED, out.format(), |findings| job.check(findings))?;
+    out.findings(job.name(), &findings);
+    if findings.errors > 0 {
+        if !out.is_json() {
+            let verdict = verdict(findings.errors, findings.warnings);
+            eprintln!("{}: {verdict}; nothing is sent", job.name());
+        }
+        return Ok(ERRORS);
+    }
+    let lines = lines(&job)?;
+    if let Some(number) = too_long(&lines) {
+        let why = format!("line {number} has more characters than Grbl takes: shorten it");
+        out.failed(job.name(), &why);
+        return Ok(ERRORS);
+    }
+    let baud = args.baud.unwrap_or(BAUD);
+    let stop = stop_requests()?;
+    let wire = open(port, baud)?;
+    share("grbl", port, baud);
+    let pacing = match args.single_block {
+        true => Pacing::SingleBlock,
+        false => Pacing::Counted,
+    };
+    let mut sender = match Sender::new(wire, pacing, stop) {
+        Ok(sender) => sender,
+        Err(message) => {
+            out.failed(port, &message);
+            return Ok(failed());
+        }
+    };
+    let lines = match args.from {
+        None => lines,
+        Some(from) => match resume::from(&job, lines, from as usize, &mut sender) {
+            Ok(lines) if args.yes || resume::is_wanted(&lines, from as usize) => lines,
+            Ok(_) => return Ok(ERRORS),
+            Err(message) => {
+                out.failed(job.name(), &message);
+                return Ok(ERRORS);
+            }
+        },
+    };
+    if !out.is_json() {
+        eprintln!(
+            "{port}: if this program is killed, the controller completes the lines that it has: at \
+             most 127 bytes, and 15 moves before them"
+        );
+    }
+    let mut operator = AtTerminal::new(args, lines.len(), out);
+    match sender.send(&lines, &mut operator) {
+        Ok(sent) => {
+            let (stands, count) = (sender.session().stands(), sent.lines);
+            operator.end();
+            let line = format!("{}: {} made; {stands}", job.name(), counted_lines(count));
+            let object = json!({"kind": "done", "lines": count, "position": stands});
+            out.tell(line, || object);
+            Ok(OK)
+        }
+        Err(message) => {
+            operator.end();
+            out.failed(job.name(), &message);
+            if let (false, Some((number, _))) = (out.is_json(), lines.get(sender.first_open())) {
+                let name = job.name();
+                eprintln!(
+                    "{name}: all lines before line {number} are made: --from {number} goes on"
+                );
+            }
+            Ok(failed())
+        }
+    }
+}
+
+fn counted_lines(count: usize) -> String {
+    super::count(count as u64, "line")
+}
+
+fn expect_options_of_grbl(args: &Send) -> Result<(), Failure> {
+    let other = [
+        (args.detach, "--detach"),
+        (args.lease.is_some(), "--lease"),
+        (args.stream, "--stream"),
+        (args.without_answers, "--without-answers"),
+    ];
+    match other.into_iter().find(|(is_given, _)| *is_given) {
+        Some((_, option)) => Err(Failure::Usage(format!(
+            "{option} is not for a Grbl controller"
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// The lines of a program that a controller needs: without comments, blank lines and `%`.
+fn lines(job: &Job) -> Result<Vec<(usize, String)>, Failure> {
+    let text = match &job.input {
+        Some(input) => input.clone(),
+        None => whole(&job.file)?,
+    };
+    let text = String::from_utf8_lossy(&text);
+    let lines = (1..).zip(text.lines().map(without_comments));
+    let is_needed = |line: &str| !line.is_empty() && !line.starts_with('%');
+    Ok(lines.filter(|(_, line)| is_needed(line)).collect())
+}
+
+/// A line without `(...)`, `;...` and blanks at its ends.
+fn without_comments(line: &str) -> String {
+    let before = line.split(';').next().unwrap_or_default();
+    let mut rest = before;
+    let mut kept = String::new();
+    while let Some((text, comment)) = rest.split_once('(') {
+        kept += text;
+        rest = comment.split_once(')').map_or("", |(_, after)| after);
+    }
+    kept += rest;
+    kept.trim().to_owned()
+}
+
+/// The operator at the terminal of this program.
+struct AtTerminal<'a, 'b> {
+    keys: Option<Keys>,
+    count: usize,
+    shown: usize,
+    out: &'a mut Told<'b>,
+}
+
+const HELP: &str = "keys: ! holds, ~ resumes, + and - change the feed by 10 %, = restores it, \
+                    q stops and ends";
+
+impl<'a, 'b> AtTerminal<'a, 'b> {
+    fn new(args: &Send, count: usize, out: &'a mut Told<'b>) -> Self {
+        // Standard input may be the program, or the answers of --single-block.
+        let is_free = !args.single_block && args.files.first().is_none_or(|file| file != "-");
+        let keys = if is_free { Keys::new() } else { None };
+        if keys.is_some() {
+            eprintln!("{HELP}");
+        }
+        Self {
+            keys,
+            count,
+            shown: 0,
+            out,
+        }
+    }
+
+    /// Gives the terminal back.
+    fn end(self) {
+        drop(self.keys);
+    }
+}
+
+impl Operator for AtTerminal<'_, '_> {
+    fn hear(&mut self, heard: &Heard) {
+        match heard {
+            Heard::Status(status) => {
+                let state = status.state.name();
+                self.out.object(&json!({"kind": "state", "state": state}));
+                let advice = match status.state {
+                    State::Hold(false) if self.keys.is_none() => {
+                        "the machine is held: its start button resumes it, Ctrl-C ends the program"
+                    }
+                    State::Hold(false) => "the machine is held: ~ resumes",
+                    State::Door(0) => "the door is closed again: ~ resumes",
+                    State::Door(1) => "the door is open",
+                    _ => return,
+                };
+                if !self.out.is_json() {
+                    eprintln!("{advice}");
+                }
+            }
+            Heard::Text(text) => self.out.tell(
+                format!("  {text}"),
+                || json!({"kind": "text", "text": text}),
+            ),
+            _ => {}
+        }
+    }
+
+    fn progress(&mut self, lines: usize) {
+        if lines == self.count || lines >= self.shown + 100 {
+            self.shown = lines;
+            if !self.out.is_json() {
+                eprintln!("{lines} of {}", counted_lines(self.count));
+            }
+            let object = json!({"kind": "progress", "lines": lines, "of": self.count});
+            self.out.object(&object);
+        }
+    }
+
+    fn command(&mut self) -> Option<Realtime> {
+        Some(match self.keys.as_ref()?.next()? {
+            b'!' | b' ' => Realtime::Hold,
+            b'~' | b'\n' => Realtime::Resume,
+            b'+' => Realtime::Feed(Adjust::By(10)),
+            b'-' => Realtime::Feed(Adjust::By(-10)),
+            b'=' => Realtime::Feed(Adjust::Reset),
+            b'q' => Realtime::Reset,
+            _ => {
+                eprintln!("{HELP}");
+                return None;
+            }
+        })
+    }
+
+    fn agrees(&mut self, line: &str) -> bool {
+        let before = stops_asked();
+        eprintln!("{line} Enter sends it (or q to end)");
+        typed_line(before).is_some_and(|answer| !answer.trim().eq_ignore_ascii_case("q"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn comments_are_not_sent() {
+        for (line, sent) in [
+            ("G1 X1 (to the left) Y2 ; end", "G1 X1  Y2"),
+            ("(only a comment)", ""),
+            ("G1 X1 (not closed", "G1 X1"),
+            ("  ; nothing", ""),
+        ] {
+            assert_eq!(without_comments(line), sent);
+        }
+    }
+}
