@@ -60,36 +60,6 @@ fn every_input_has_a_bound() {
     }
 }
 
-/// A pipe without an end is read up to the same bound. Nothing is kept of a text that is written as
-/// it is read.
-#[test]
-fn an_endless_pipe_has_a_bound() {
-    for reader in ["check -", "run -m router -", "format -", "commands -"] {
-        let mut child = husillo()
-            .args(reader.split(' '))
-            .stdin(std::process::Stdio::piped())
-            .stdout(std::process::Stdio::null())
-            .stderr(std::process::Stdio::piped())
-            .spawn()
-            .unwrap();
-        let mut pipe = child.stdin.take().unwrap();
-        let lines = b"G1 X1 F100 (a comment makes it a longer line, so that it ends sooner)\n";
-        let lines = lines.repeat(10_000);
-        let written = std::thread::spawn(move || {
-            let mut bytes = 0_u64;
-            while std::io::Write::write_all(&mut pipe, &lines).is_ok() {
-                bytes += lines.len() as u64;
-            }
-            bytes
-        });
-        let output = child.wait_with_output().unwrap();
-        let errors = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{reader}: {errors}");
-        assert!(errors.contains("more than 512 MiB"), "{reader}: {errors}");
-        assert!(written.join().unwrap() < 514 << 20, "{reader}");
-    }
-}
-
 /// Text in UTF-16 is named, with a mark at its beginning or without.
 #[test]
 fn every_input_names_utf_16() {
