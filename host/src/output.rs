@@ -8,7 +8,8 @@
 //!
 //! No file system renames several files at once. If the power fails, or the program is killed
 //! without a request to end, between two of the renames, the first files are new and the others
-//! old, each of them whole. The old files are then kept beside the new ones, as `NAME.*.old`.
+//! old, each of them whole. The old files are then kept beside the new ones, as `NAME.*.old`. The
+//! next run that writes the same files removes them when its own files are complete.
 
 mod replacing;
 

@@ -59,7 +59,11 @@ fn programs_of_cam_systems_run_on_the_router() {
 #[test]
 fn a_program_for_another_kind_of_machine_is_refused_with_its_name() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/cam");
-    for (name, machine) in [("cura.gcode", "printer"), ("wrapped.tap", "router4")] {
+    for (name, machine) in [
+        ("cura.gcode", "printer"),
+        ("prusaslicer.gcode", "printer"),
+        ("wrapped.tap", "router4"),
+    ] {
         for command in ["run", "steps"] {
             let output = husillo()
                 .args([command, "-m", "router", "-o", "-"])

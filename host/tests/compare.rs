@@ -160,6 +160,27 @@ fn a_program() {
     assert!(number(search, "max_error_blu") < 0.501);
 }
 
+/// A move of four axes takes an event for each step of the axis with the most: 90 degrees of A in
+/// steps of 0.0125 degrees. The other axes stay within a step of the line.
+#[test]
+fn a_program_of_four_axes() {
+    let program = concat!(env!("CARGO_TARGET_TMPDIR"), "/four-axes.nc");
+    std::fs::write(
+        program,
+        "G21 G90 G94\nG1 X10 Y3 Z-2 A90 F100\nX0 Y0 Z0 A0\nM2\n",
+    )
+    .unwrap();
+    let rows = compare(&[program, "-m", "router4"]);
+    let bresenham = row(&rows, "bresenham");
+    assert_eq!(bresenham["iterations"], 2 * 7200);
+    // Half a step in each of the three shorter axes.
+    assert!(number(bresenham, "max_error_blu") < 0.75_f64.sqrt() + 0.01);
+    for row in &rows {
+        assert_eq!(row["moves"], 2, "{row}");
+        assert!(number(row, "iterations") >= 14_400.0, "{row}");
+    }
+}
+
 #[test]
 fn weights_decide() {
     let total = |weights: &str, method: &str| {

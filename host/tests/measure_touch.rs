@@ -90,6 +90,9 @@ fn touches_find_the_work_piece_from_both_sides() {
     ]);
     // The ball has a radius of 1 mm.
     near(&rows[0]["corrected"], 2.0, 0.002);
+    // One touch shows no spread.
+    assert_eq!(rows[0]["touches"], 1);
+    assert_eq!(rows[0].get("spread"), None);
 }
 
 #[test]

@@ -349,7 +349,7 @@ fn the_measuring_machine() {
     reader.join().unwrap();
     assert_eq!(from_home(&cmm), before);
     let touch = ["measure", "goto", "300", "touch", "+"];
-    cmm.ends(0, &touch, &["    trigger    ", "1 touch, spread 0 counts"]);
+    cmm.ends(0, &touch, &["    trigger    ", "1 touch, over-travel "]);
 
     let silent = "no answer: no module on the line";
     cmm.loses_power(&["measure", "where"], silent);

@@ -97,6 +97,8 @@ fn a_routine_on_the_chain() {
     // Counts are 2 um.
     assert!((x["actual"].as_f64().unwrap() - 100.0).abs() < 0.005, "{x}");
     assert_eq!(edge["points"].as_array().unwrap().len(), 2);
+    // One touch of each point shows no spread.
+    assert_eq!(edge["spread"], Value::Null);
     let page = fs::read_to_string(page).unwrap();
     assert!(!page.contains("<script") && !page.contains("http"));
     assert_eq!(page.matches("<svg").count(), page.matches("</svg>").count());

@@ -228,16 +228,27 @@ fn machine_coordinates_are_not_shifted() {
     assert_eq!(errors(&[&beyond, "-m", "router"]).len(), 2);
 }
 
+/// The part is placed, so that its position is no error beside the others. One that fits nowhere
+/// still is.
 #[test]
 fn other_errors_stay() {
     let text = PART.replace("G1 X-19", "G1 X-19 U2\nG1 X1.2.3");
     let part = file("zero-others.nc", &text);
-    let found = errors(&[&part, "-m", "router"]);
-    let codes: Vec<_> = found
-        .iter()
-        .map(|error| error["code"].as_str().unwrap())
-        .collect();
-    assert_eq!(codes, ["E0201", "E0102", "E0401"]);
+    let codes = |part: &str, zero: &[&str]| {
+        let found = errors(&[&[part, "-m", "router"], zero].concat());
+        let codes = found.iter().map(|error| error["code"].to_string());
+        codes.collect::<Vec<_>>().join(" ")
+    };
+    assert_eq!(codes(&part, &[]), r#""E0201" "E0102""#);
+    assert_eq!(
+        codes(&part, &["--zero", "X0"]),
+        r#""E0201" "E0102" "E0401""#
+    );
+    let long = file(
+        "zero-long.nc",
+        &text.replace("G0 Z5\nM2", "G0 Z5\nG0 X600\nM2"),
+    );
+    assert_eq!(codes(&long, &[]), r#""E0201" "E0102" "E0401""#);
 }
 
 #[test]

@@ -131,10 +131,12 @@ pub enum Trouble {
         /// The longest move until the switch opens.
         most: String,
     },
-    /// The end switch of an axis did not change over the length of the travel.
+    /// The end switch of an axis did not change over the whole distance of its search.
     NoEndSwitch {
         /// Its letter.
         axis: char,
+        /// The distance.
+        length: String,
     },
     /// A contact that a second reading does not confirm.
     DoubtfulContact,
@@ -275,10 +277,12 @@ impl fmt::Display for Trouble {
                 "one of the end switches of {axis} is closed at {at}, and it is not known which: \
                  until it opens, the axis moves by {most} at most"
             ),
-            Self::NoEndSwitch { axis } => write!(
-                out,
-                "the end switch of {axis} has not changed over the length of the travel"
-            ),
+            Self::NoEndSwitch { axis, length } => {
+                write!(
+                    out,
+                    "the end switch of {axis} has not changed over {length}"
+                )
+            }
             Self::DoubtfulContact => out.write_str(
                 "a second reading does not confirm a reported contact: all axes have been stopped",
             ),

@@ -1,8 +1,8 @@
-//! A measuring machine of one axis with its faults.
+//! A measuring machine of one axis with its faults, without and with end switches.
 
 use super::{Bench, Fault, State, Subject};
 use husillo_metrology::Trouble;
-use husillo_metrology::heads::{Head, Line, Port, Prober};
+use husillo_metrology::heads::{Head, Line, Machine, Port, Prober, Wiring};
 use husillo_metrology::simulated::{SimulatedChain, SimulatedPort, one_axis};
 use husillo_probe::UnitVector;
 use husillo_sim::device::{Emulation, LineFault};
@@ -20,6 +20,11 @@ const SHORT: i64 = 40;
 const LONG: i64 = 2800;
 /// A face before the probe.
 const FACE: &str = "1:3018";
+/// The end switches, both on one input of the module. The high one is before the end of the probe's
+/// over-travel.
+const ENDS: [&str; 2] = ["1:..-600", "1:3100"];
+/// The mechanical end beyond the low one.
+const LOW_STOP: i64 = -640;
 /// The time without power of a reset, us.
 const OUTAGE_US: u64 = 100_000;
 
@@ -29,7 +34,11 @@ struct SimulatedLine {
     due: Vec<(u64, String)>,
     is_plugged: bool,
     counts: i64,
+    /// Where it was when it last moved by more than four counts, and when.
+    rested: i64,
     moved_us: u64,
+    /// Where the axis meets its mechanical end. It stays there until the fault is repaired.
+    low_stop: Option<i64>,
 }
 
 impl SimulatedLine {
@@ -45,14 +54,24 @@ impl SimulatedLine {
                     self.port.chain.control("power off");
                     self.due.push((now_us + OUTAGE_US, "power on".into()));
                 }
+                // The operator turns the axis away from its mechanical end.
+                "turn" => {
+                    self.low_stop = None;
+                    self.port.chain.block(MODULE, false);
+                }
                 line => drop(self.port.chain.control(line)),
             }
         }
         let bytes = self.port.receive(1).unwrap();
         let counts = self.port.chain.motor(MODULE).unwrap().counts();
-        if counts.abs_diff(self.counts) > 0 {
-            self.counts = counts;
+        self.counts = counts;
+        // A held axis creeps by a few counts.
+        if counts.abs_diff(self.rested) > 4 {
+            self.rested = counts;
             self.moved_us = self.port.elapsed_us();
+        }
+        if self.low_stop.is_some_and(|stop| counts <= stop) {
+            self.port.chain.block(MODULE, true);
         }
         if self.is_plugged { bytes } else { Vec::new() }
     }
@@ -122,14 +141,31 @@ impl Bench for Shared {
     }
 }
 
-pub struct Cmm {
+/// With end switches, home is at the low one.
+pub struct Cmm<const HAS_ENDS: bool> {
     head: Head<Shared>,
     bench: Shared,
 }
 
-fn begun(bench: &Shared) -> Result<Head<Shared>, Trouble> {
-    let line = Line::new(bench.clone());
-    let mut head = Head::start(line, &one_axis(), 1)?;
+fn machine(has_ends: bool) -> Machine {
+    let mut machine = one_axis();
+    if has_ends {
+        machine.axes[0].limits = [Wiring::Probe, Wiring::Ends];
+    }
+    machine
+}
+
+fn switched_on(bench: &Shared, has_ends: bool) -> Result<Head<Shared>, Trouble> {
+    Head::start(Line::new(bench.clone()), &machine(has_ends), 1)
+}
+
+fn begun(bench: &Shared, has_ends: bool) -> Result<Head<Shared>, Trouble> {
+    let mut head = switched_on(bench, has_ends)?;
+    // With an end switch, home is found from everywhere, unless the probe touches.
+    if has_ends && head.home(0).is_ok() {
+        head.go_to([SHORT, 0, 0])?;
+        return Ok(head);
+    }
     // The operator goes back from the face, slowly. The probe may touch once more at first.
     for _ in 0..4 {
         let _ = head.jog(0, false, 3.0, true);
@@ -139,42 +175,78 @@ fn begun(bench: &Shared) -> Result<Head<Shared>, Trouble> {
     Ok(head)
 }
 
-impl Subject for Cmm {
-    const MACHINE: &'static str = "Measuring machine";
+/// The faults of a machine without end switches.
+const FAULTS: &[Fault] = &[
+    LINE,
+    RESET,
+    POWER,
+    Fault::new("contact stuck open", "open probe", &["free probe"]),
+    Fault::new("contact stuck closed", "close probe", &["free probe"]).ends_within(1000),
+    // the limit of the position error at the slowest rate
+    Fault::new("encoder silent", "encoder 1 off", &["encoder 1 on"]).ends_within(11_000),
+    Fault::new("motor stalled", "block 1", &["unblock 1"]).ends_within(1000),
+];
+/// The faults that are others with end switches.
+const FAULTS_WITH_ENDS: &[Fault] = &[
+    LINE,
+    RESET,
+    POWER,
+    Fault::new(
+        "end switch stuck open",
+        "open end 1",
+        &["free end 1", "turn"],
+    ),
+    Fault::new("end switch stuck closed", "close end 1", &["free end 1"]),
+];
+/// The move ends at its goal.
+const LINE: Fault = Fault::new("host killed, cable pulled", "unplug", &["plug"]);
+/// Without a drive it coasts.
+const RESET: Fault = Fault::new("module reset", "reset", &["plug"]).ends_within(300);
+const POWER: Fault = Fault::new("power lost", "power off", &["power on"]).ends_within(300);
+
+impl<const HAS_ENDS: bool> Subject for Cmm<HAS_ENDS> {
+    const MACHINE: &'static str = match HAS_ENDS {
+        true => "Measuring machine with end switches",
+        false => "Measuring machine",
+    };
     const REST_MS: u64 = 20_000;
     const STATES: &'static [(State, u64)] = &[
         (State::Idle, 0),
+        (State::FirstHoming, 700),
         (State::Homing, 700),
         (State::Jog, 800),
         (State::Program, 1000),
         (State::Guarded, 1500),
         (State::Probing, 6000),
     ];
-    const FAULTS: &'static [Fault] = &[
-        // the move ends at its goal
-        Fault::new("host killed, cable pulled", "unplug", &["plug"]),
-        // without a drive it coasts
-        Fault::new("module reset", "reset", &["plug"]).ends_within(300),
-        Fault::new("power lost", "power off", &["power on"]).ends_within(300),
-        Fault::new("contact stuck open", "open probe", &["free probe"]),
-        Fault::new("contact stuck closed", "close probe", &["free probe"]).ends_within(1000),
-        // the limit of the position error at the slowest rate
-        Fault::new("encoder silent", "encoder 1 off", &["encoder 1 on"]).ends_within(11_000),
-        Fault::new("motor stalled", "block 1", &["unblock 1"]).ends_within(1000),
-    ];
+    const FAULTS: &'static [Fault] = match HAS_ENDS {
+        true => FAULTS_WITH_ENDS,
+        false => FAULTS,
+    };
 
-    fn new(_: State) -> Self {
+    fn new(state: State) -> Self {
         let contacts = [FACE.parse().unwrap()];
-        let chain = SimulatedChain::of_machine(&one_axis(), &contacts, None).unwrap();
+        let chain = SimulatedChain::of_machine(&machine(HAS_ENDS), &contacts, None).unwrap();
+        let ends = ENDS.map(|end| end.parse().unwrap());
+        let chain = match HAS_ENDS {
+            true => chain.with_ends(&ends).unwrap(),
+            false => chain,
+        };
         let bench = Shared(Rc::new(RefCell::new(SimulatedLine {
             port: SimulatedPort::new(chain),
             due: Vec::new(),
             is_plugged: true,
             counts: 0,
+            rested: 0,
             moved_us: 0,
+            low_stop: HAS_ENDS.then_some(LOW_STOP),
         })));
+        let head = match state {
+            State::FirstHoming => switched_on(&bench, HAS_ENDS),
+            _ => begun(&bench, HAS_ENDS),
+        };
         Self {
-            head: begun(&bench).unwrap(),
+            head: head.unwrap(),
             bench,
         }
     }
@@ -186,7 +258,7 @@ impl Subject for Cmm {
     fn act(&mut self, state: State) -> Result<String, String> {
         let done = match state {
             State::Idle => self.head.go_to([2 * SHORT, 0, 0]).map(drop),
-            State::Homing => self.head.home(0),
+            State::FirstHoming | State::Homing => self.head.home(0),
             State::Jog => self.head.jog(0, true, 2.0, false),
             State::Program => self.head.go_to([LONG, 0, 0]).map(drop),
             State::Guarded => self.head.guarded_to([LONG, 0, 0]).map(drop),
@@ -206,8 +278,8 @@ impl Subject for Cmm {
         off.min(TURN - off) <= 2
     }
 
-    fn begin_again(mut self) -> Result<Self, String> {
-        self.head = begun(&self.bench).map_err(|trouble| trouble.to_string())?;
-        Ok(self)
+    fn begin_again(mut self) -> Result<(Self, String), String> {
+        self.head = begun(&self.bench, HAS_ENDS).map_err(|trouble| trouble.to_string())?;
+        Ok((self, "homed".into()))
     }
 }

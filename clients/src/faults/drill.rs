@@ -82,6 +82,7 @@ impl Subject for Drill {
     const MACHINE: &'static str = "Drill";
     const STATES: &'static [(State, u64)] = &[
         (State::Idle, 0),
+        (State::FirstHoming, 1000),
         (State::Homing, 1000),
         (State::Jog, 3000),
         (State::Program, 30_000),
@@ -99,7 +100,8 @@ impl Subject for Drill {
             "open down",
             &["free down", "reset"],
         ),
-        Fault::new("motor stalled", "block x", &["unblock x", "reset"]).unnoticed(),
+        Fault::new("motor X stalled", "block x", &["unblock x", "reset"]).unnoticed(),
+        Fault::new("motor Z stalled", "block z", &["unblock z", "reset"]),
     ];
 
     fn new(state: State) -> Self {
@@ -110,7 +112,9 @@ impl Subject for Drill {
             client: None,
         };
         let mut hand = Hand::new(client, |_, _| Ok(()));
-        hand.carry_out(&Action::Home).unwrap();
+        if state != State::FirstHoming {
+            hand.carry_out(&Action::Home).unwrap();
+        }
         if state == State::Program {
             let device = std::mem::replace(hand.client().device().unwrap(), Device::quick(false));
             machine.client = Some(connected(device));
@@ -126,7 +130,7 @@ impl Subject for Drill {
 
     fn act(&mut self, state: State) -> Result<String, String> {
         let action = match state {
-            State::Homing => Action::Home,
+            State::FirstHoming | State::Homing => Action::Home,
             State::Jog => Action::Jog(Axis::X, true, Duration::from_secs(8)),
             State::Idle | State::Program | State::Guarded | State::Probing => {
                 Action::Steps(Axis::X, SHORT)
@@ -154,14 +158,14 @@ impl Subject for Drill {
                 && place.contains(&format!("y        {y} steps")))
     }
 
-    fn begin_again(mut self) -> Result<Self, String> {
+    fn begin_again(mut self) -> Result<(Self, String), String> {
         let device = std::mem::replace(self.device(), Device::quick(false));
         let mut client = connected(device);
         client.reach().map_err(|trouble| trouble.text())?;
         let mut hand = Hand::new(client, |_, _| Ok(()));
-        hand.carry_out(&Action::Home)?;
+        let homed = hand.carry_out(&Action::Home)?;
         hand.carry_out(&Action::Steps(Axis::X, SHORT))?;
         self.hand = Some(hand);
-        Ok(self)
+        Ok((self, homed))
     }
 }

@@ -41,8 +41,10 @@ impl Microfactory {
 
 impl Subject for Microfactory {
     const MACHINE: &'static str = "Microfactory";
+    const COMPARES: bool = false;
     const STATES: &'static [(State, u64)] = &[
         (State::Idle, 0),
+        (State::FirstHoming, 700),
         (State::Homing, 700),
         (State::Jog, 900),
         (State::Program, 4500),
@@ -59,15 +61,21 @@ impl Subject for Microfactory {
         Fault::new("motor stalled", "block x", &["unblock x"]).unnoticed(),
     ];
 
-    fn new(_: State) -> Self {
+    fn new(state: State) -> Self {
         let Settings { config, table, .. } = Settings::ORIGINAL;
         let figure = &[[500, 0], [0, 500], [-500, -500]];
-        let device = Device::new(config, table, 0, figure, true, 9600, 1).unwrap();
-        let mut client = connected(Wire::simulated(device.with_rows()));
+        let switched_on = || {
+            let device = Device::new(config, table, 0, figure, true, 9600, 1).unwrap();
+            connected(Wire::simulated(device.with_rows()))
+        };
+        let mut client = switched_on();
         client.carry_out(&Action::Home).unwrap();
         let zero = client.device().rig(0).unwrap().tool();
         let mut machine = Self { client, zero };
-        machine.short_move().unwrap();
+        match state {
+            State::FirstHoming => machine.client = switched_on(),
+            _ => drop(machine.short_move().unwrap()),
+        }
         machine
     }
 
@@ -78,7 +86,7 @@ impl Subject for Microfactory {
     fn act(&mut self, state: State) -> Result<String, String> {
         let action = match state {
             State::Idle => return self.short_move(),
-            State::Homing => Action::Home,
+            State::FirstHoming | State::Homing => Action::Home,
             State::Jog => Action::Jog {
                 motor: 0,
                 forward: true,
@@ -99,13 +107,13 @@ impl Subject for Microfactory {
         !place.contains("from home") || place.starts_with(&real)
     }
 
-    fn begin_again(self) -> Result<Self, String> {
+    fn begin_again(self) -> Result<(Self, String), String> {
         let mut machine = Self {
             client: connected(self.client.into_wire()),
             ..self
         };
-        machine.client.carry_out(&Action::Home)?;
+        let homed = machine.client.carry_out(&Action::Home)?;
         machine.short_move()?;
-        Ok(machine)
+        Ok((machine, homed))
     }
 }

@@ -53,7 +53,7 @@ impl Micromill {
 
 /// A program of one long line.
 fn program(sender: &mut Sender) -> Result<String, String> {
-    sender.begin()?;
+    drop(sender.begin()?);
     let to = Point::Xy([Some(200_000), None]);
     let lines = [Line::Rapid(to)];
     for (number, line) in (1..).zip(&lines) {
@@ -66,6 +66,7 @@ impl Subject for Micromill {
     const MACHINE: &'static str = "Micro mill";
     const STATES: &'static [(State, u64)] = &[
         (State::Idle, 0),
+        (State::FirstHoming, 500),
         (State::Homing, 500),
         (State::Jog, 900),
         (State::Program, 3000),
@@ -80,9 +81,13 @@ impl Subject for Micromill {
     ];
 
     fn new(state: State) -> Self {
-        let mut hand = hand(Device::new(BAUD).with_rows()).unwrap();
-        hand.carry_out(&Action::Home).unwrap();
-        let zero = hand.session().device().rig(0).unwrap().place();
+        let mut homed = hand(Device::new(BAUD).with_rows()).unwrap();
+        homed.carry_out(&Action::Home).unwrap();
+        let zero = homed.session().device().rig(0).unwrap().place();
+        let hand = match state {
+            State::FirstHoming => hand(Device::new(BAUD).with_rows()).unwrap(),
+            _ => homed,
+        };
         let mut machine = Self {
             client: Client::Hand(Box::new(hand)),
             zero,
@@ -108,7 +113,7 @@ impl Subject for Micromill {
 
     fn act(&mut self, state: State) -> Result<String, String> {
         let action = match state {
-            State::Homing => Action::Home,
+            State::FirstHoming | State::Homing => Action::Home,
             State::Jog => Action::Run(Axis::X, 200, Duration::from_secs(2)),
             State::Idle | State::Program | State::Guarded | State::Probing => {
                 Action::Steps(Axis::X, SHORT)
@@ -133,11 +138,11 @@ impl Subject for Micromill {
         })
     }
 
-    fn begin_again(mut self) -> Result<Self, String> {
+    fn begin_again(mut self) -> Result<(Self, String), String> {
         let mut hand = hand(self.take_device())?;
-        hand.carry_out(&Action::Home)?;
+        let homed = hand.carry_out(&Action::Home)?;
         hand.carry_out(&Action::Steps(Axis::X, SHORT))?;
         self.client = Client::Hand(Box::new(hand));
-        Ok(self)
+        Ok((self, homed))
     }
 }

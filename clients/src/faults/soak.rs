@@ -1,7 +1,7 @@
 //! Faults at random instants, of the machine or of one byte on its line: nothing ends wrong without
 //! a report, and nothing moves longer than stated.
 
-use super::{Fault, Subject};
+use super::{Fault, LOST, Subject};
 use super::{drill::Drill, microfactory::Microfactory, micromill::Micromill};
 use husillo_sim::Random;
 use husillo_sim::device::LineFault;
@@ -18,6 +18,10 @@ struct Tally {
     sessions: u32,
     reported: u32,
     carried_out: u32,
+    /// Wrong, and reported at the next homing.
+    at_homing: u32,
+    /// Wrong, and never reported.
+    unseen: u32,
     /// Longest motion after a host was killed, a reset or a loss of power, ms.
     longest_ms: u64,
 }
@@ -82,11 +86,15 @@ fn session<S: Subject>(random: &mut Random, tally: &mut Tally) {
     // A drill homes when its power returns, and after a reset.
     machine.bench().pass(60_000);
     let again = machine.begin_again();
-    let mut machine = again.unwrap_or_else(|why| panic!("{context}: {why}"));
+    let (mut machine, homed) = again.unwrap_or_else(|why| panic!("{context}: {why}"));
     assert!(
         machine.is_true(),
         "{context}: work goes on at a wrong position"
     );
+    if result.is_ok() && !is_true {
+        tally.at_homing += u32::from(homed.contains(LOST));
+        tally.unseen += u32::from(!homed.contains(LOST));
+    }
     tally.sessions += 1;
     tally.hours += machine.bench().now_ms() as f64 / 3.6e6;
 }
@@ -100,6 +108,7 @@ fn soak<S: Subject>(hours: f64) {
     }
     println!("{}: {tally:?}", S::MACHINE);
     assert!(tally.reported > 0 && tally.carried_out > 0, "{tally:?}");
+    assert!(tally.unseen == 0 || !S::COMPARES, "{tally:?}");
 }
 
 #[test]

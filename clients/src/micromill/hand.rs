@@ -201,7 +201,16 @@ impl ByHand for Hand {
             (Err(sentence), None) => Err(format!("{sentence}; {moved}; {stands}")),
             (Err(sentence), Some(other)) => Err(format!("{sentence}; {moved}; {stands}; {other}")),
             (Ok(()), Some(other)) => Err(format!("{moved}; {stands}; {other}")),
-            (Ok(()), None) => Ok(self.done(action, steps, &stands)),
+            (Ok(()), None) => {
+                let done = self.done(action, steps, &stands);
+                let homed = before.zip(state).filter(|_| *action == Action::Home);
+                Ok(
+                    match homed.and_then(|(before, now)| position::lost(&before, &net, &now)) {
+                        Some(lost) => format!("{done}; {lost}"),
+                        None => done,
+                    },
+                )
+            }
         }
     }
 
@@ -224,5 +233,47 @@ fn over(outcome: Option<Outcome>) -> Result<(), String> {
             Err(why.into())
         }
         Some(outcome) => Err(why(outcome).into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::micromill::{BAUD, LEASE_MS, LengthUnit};
+    use husillo_controllers::MicromillConfig;
+    use husillo_sim::device::Emulation as _;
+
+    fn hand(device: Device) -> Hand {
+        let frame = Frame {
+            config: MicromillConfig::MICROMILL.machine,
+            unit: LengthUnit::Millimetres,
+        };
+        let wire = Wire::simulated(device);
+        Hand::new(wire, BAUD, LEASE_MS, frame, StopRequests::default()).unwrap()
+    }
+
+    /// Without encoders only homing shows lost steps, also to another program.
+    #[test]
+    fn homing_shows_steps_that_were_lost_since_the_last_one() {
+        let mut hand = hand(Device::new(BAUD));
+        let moves = [(Axis::X, 300), (Axis::X, -120), (Axis::Y, 77), (Axis::Z, 5)];
+        let went = |hand: &mut Hand| {
+            for (axis, steps) in moves {
+                hand.carry_out(&Action::Steps(axis, steps)).unwrap();
+            }
+        };
+        assert_eq!(hand.carry_out(&Action::Home), Ok("homed".into()));
+        went(&mut hand);
+        assert_eq!(hand.carry_out(&Action::Home), Ok("homed".into()));
+        went(&mut hand);
+        hand.session().device().control("block y");
+        hand.carry_out(&Action::Steps(Axis::Y, 40)).unwrap();
+        hand.session().device().control("unblock y");
+        let device = std::mem::replace(hand.session().device(), Device::new(BAUD));
+        let mut hand = self::hand(device);
+        let homed = hand.carry_out(&Action::Home).unwrap();
+        let lost = "homed; before homing the motors were x +0 y -40 z +0 steps";
+        assert!(homed.starts_with(lost), "{homed}");
+        assert_eq!(hand.carry_out(&Action::Home), Ok("homed".into()));
     }
 }

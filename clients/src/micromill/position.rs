@@ -79,14 +79,44 @@ pub fn motors(state: &State) -> String {
 
 /// Compares the motors with the steps reported since `before`. Returns a sentence if they differ.
 pub fn uncounted(before: &State, steps: &[i64; 3], now: &State) -> Option<String> {
+    let differences = apart(before, steps, now);
+    let [x, y, z] = differences;
+    (differences != [0; 3]).then(|| {
+        format!("the controller is x {x:+} y {y:+} z {z:+} steps from where its reported steps end")
+    })
+}
+
+/// How far the motors are from where `before` and the steps since then lead.
+fn apart(before: &State, steps: &[i64; 3], now: &State) -> [i64; 3] {
     let mut differences = [0; 3];
     let motors = before.motor_steps().into_iter().zip(now.motor_steps());
     for (difference, ((before, now), steps)) in differences.iter_mut().zip(motors.zip(steps)) {
         *difference = i64::from(now) - i64::from(before) - steps;
     }
-    let [x, y, z] = differences;
-    (differences != [0; 3]).then(|| {
-        format!("the controller is x {x:+} y {y:+} z {z:+} steps from where its reported steps end")
+    differences
+}
+
+/// A stepping motor loses steps in multiples of four: a turn of its field.
+const LEAST_LOSS_STEPS: i64 = 4;
+
+/// Compares where the home switches of a mill closed with where they closed before. `steps` are
+/// those reported while it homed, `now` is the state afterwards. Returns a sentence if steps were
+/// lost since the last homing: without encoders nothing else shows it. `None` if the mill was not
+/// homed before.
+///
+/// The motor always stands at the same position when it has homed, whatever the real backlash is.
+pub fn lost(before: &State, steps: &[i64; 3], now: &State) -> Option<String> {
+    if !before.is_homed || !now.is_homed {
+        return None;
+    }
+    let [x, y, z] = apart(before, steps, now);
+    let is_lost = [x, y, z].iter().any(|lost| lost.abs() >= LEAST_LOSS_STEPS);
+    is_lost.then(|| {
+        format!(
+            "before homing the motors were x {x:+} y {y:+} z {z:+} steps from where they were \
+             reported: since the last homing steps were lost, or another backlash was set. Measure \
+             what was made in between"
+        )
     })
 }
 

@@ -38,6 +38,8 @@ pub struct Sent {
 pub struct Sender {
     session: Session,
     sending: Sending,
+    /// The state before homing. `None`: the controller does not report its state.
+    found: Option<State>,
     /// In this state the first line begins. `None`: the controller does not report its state.
     start: Option<State>,
     /// The reported steps give the position.
@@ -57,6 +59,7 @@ impl Sender {
         Ok(Self {
             session,
             sending,
+            found: state,
             start: match sending.homes {
                 true => state.map(State::homed),
                 false => state,
@@ -77,31 +80,39 @@ impl Sender {
         self.start
     }
 
-    /// Homes where that is asked for. Call it before the first line.
+    /// Homes where that is asked for. Call it before the first line. Returns a sentence if the home
+    /// switches show that steps were lost since the last homing.
     ///
     /// # Errors
     ///
     /// A sentence about the failure. That about a stop has the position of the motors.
-    pub fn begin(&mut self) -> Result<(), String> {
+    pub fn begin(&mut self) -> Result<Option<String>, String> {
         let begun = self.try_begin();
         begun.map_err(|sentence| self.failed(sentence))
     }
 
-    fn try_begin(&mut self) -> Result<(), String> {
+    fn try_begin(&mut self) -> Result<Option<String>, String> {
         let (session, sending) = (&mut self.session, &self.sending);
         session.order(Order::Every(sending.every), "report of steps")?;
+        let mut lost = None;
         if sending.homes {
+            session.steps.clear();
             session.order(Order::Home, "homing")?;
-            if session.state()? != self.start {
+            let state = session.state()?;
+            if state != self.start {
                 return Err("homing: the controller is not where homing ends".into());
             }
+            // Without a report of every step there is nothing to compare.
+            let known = self.found.zip(state).filter(|_| sending.every == 1);
+            lost =
+                known.and_then(|(found, now)| position::lost(&found, &session.net_steps(), &now));
         }
         session.steps.clear();
         self.is_counted = true;
         if sending.streams {
             session.order(Order::Stream(true), "streaming")?;
         }
-        Ok(())
+        Ok(lost)
     }
 
     /// Sends a line of the file and waits until it is made, or queued if lines are streamed. Before

@@ -158,25 +158,11 @@ impl<const N: usize> Modal<N> {
             }
             terms = Terms::INCREMENT;
         }
-        #[cfg(feature = "extended")]
-        if terms.has(END) && self.is_extruder(axis) && terms.0 != Terms::MACHINE.0 {
-            terms = match self.modes.more.feeds_increments {
-                true => Terms::INCREMENT,
-                false => Terms::WORK,
-            };
-        }
         let mut value = Nm(0);
         self.add_word(block, letter, &mut value)?;
         #[cfg(feature = "extended")]
-        if terms.has(END) && !terms.has(POSITION) && self.modes.dialect.axes().is_wrapped(axis) {
-            let has_minus = block.axis(axis).is_some_and(|word| word.has_minus());
-            // Coordinates are below 2^52.
-            let zero = self.sum_of(axis, terms);
-            let here = coordinate(&self.modes.position, axis)
-                .0
-                .wrapping_sub(zero.0);
-            value =
-                wrapped(value, has_minus, Nm(here)).ok_or(Fault::at(Reason::OutOfRange, letter))?;
+        if terms.has(END) && !self.modes.dialect.has_plain_axes() {
+            (value, terms) = self.read_odd_axis(block, terms, axis, value)?;
         }
         // All within a few times Nm::LIMIT.
         value.0 = value.0.wrapping_add(self.sum_of(axis, terms).0);
@@ -188,6 +174,37 @@ impl<const N: usize> Modal<N> {
             .within_limit()
             .ok_or(Fault::at(Reason::NumberTooLarge, letter))?;
         Ok(())
+    }
+
+    /// The value and the terms of a wrapped axis or the extruder of a printer; those of other axes
+    /// stay.
+    #[cfg(feature = "extended")]
+    #[cold]
+    #[inline(never)]
+    fn read_odd_axis(
+        &self,
+        block: &Block,
+        mut terms: Terms,
+        axis: usize,
+        mut value: Nm,
+    ) -> Result<(Nm, Terms), Fault> {
+        if self.is_extruder(axis) && terms != Terms::MACHINE {
+            terms = match self.modes.more.feeds_increments {
+                true => Terms::INCREMENT,
+                false => Terms::WORK,
+            };
+        }
+        if !terms.has(POSITION) && self.modes.dialect.axes().is_wrapped(axis) {
+            let has_minus = block.axis(axis).is_some_and(|word| word.has_minus());
+            // Coordinates are below 2^52.
+            let zero = self.sum_of(axis, terms);
+            let here = coordinate(&self.modes.position, axis)
+                .0
+                .wrapping_sub(zero.0);
+            value = wrapped(value, has_minus, Nm(here))
+                .ok_or(Fault::at(Reason::OutOfRange, block.letter_of(axis)))?;
+        }
+        Ok((value, terms))
     }
 
     /// The sum of some coordinates.

@@ -16,7 +16,7 @@ pub struct Decimal {
     digits: i64,
     places: u8,
     /// With the feature `extended`: written with a minus sign. Below zero it is always set.
-    minus: bool,
+    minus: u8,
 }
 
 /// The largest power of ten that an `i64` holds.
@@ -165,7 +165,7 @@ impl Decimal {
     pub const ZERO: Decimal = Decimal {
         digits: 0,
         places: 0,
-        minus: false,
+        minus: 0,
     };
 
     /// The largest number of places.
@@ -180,7 +180,7 @@ impl Decimal {
             Some(Decimal {
                 digits,
                 places,
-                minus: EXTENDED && digits < 0,
+                minus: (EXTENDED && digits < 0) as u8,
             })
         }
     }
@@ -208,7 +208,7 @@ impl Decimal {
     /// Whether it was written with a minus sign: [`Decimal::is_negative`], or `-0`.
     #[cfg(feature = "extended")]
     pub const fn has_minus(self) -> bool {
-        self.minus
+        self.minus != 0
     }
 
     /// `value * factor * 10^exponent`, rounded once, halves away from zero; `None` when it does not
@@ -255,7 +255,7 @@ impl Decimal {
         Decimal {
             digits: 1,
             places: self.places,
-            minus: false,
+            minus: 0,
         }
     }
 
@@ -321,7 +321,7 @@ impl Decimal {
         Decimal {
             digits: i64::from(digits),
             places,
-            minus: EXTENDED && negative,
+            minus: u8::from(EXTENDED && negative),
         }
     }
 
@@ -349,7 +349,7 @@ impl Decimal {
         Decimal {
             digits: self.digits.wrapping_neg(),
             places: self.places,
-            minus: EXTENDED,
+            minus: EXTENDED as u8,
         }
     }
 }
@@ -357,7 +357,7 @@ impl Decimal {
 impl fmt::Display for Decimal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let magnitude = self.digits.unsigned_abs();
-        let sign = if self.digits < 0 || self.minus {
+        let sign = if self.digits < 0 || self.minus != 0 {
             "-"
         } else {
             ""

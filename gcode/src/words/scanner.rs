@@ -3,7 +3,7 @@
 use crate::error::{Error, ErrorKind};
 use crate::features::EXTENDED;
 use crate::values::decimal::Decimal;
-use crate::words::comment::comment_length;
+use crate::words::comment::comment_within;
 use crate::words::numeral::{
     LINE_FEED, QUICK, WINDOW, alphabet, is_blank, number, short_number, window_at, window_number,
 };
@@ -50,16 +50,10 @@ pub(crate) const fn is_end(byte: u8) -> bool {
 
 /// The position after the comment at the start of the text.
 fn comment(text: &[u8], lines: bool) -> Result<usize, Error> {
-    let end = if lines {
-        text.iter().position(|&byte| is_end(byte))
-    } else {
-        None
-    };
-    let line = end.and_then(|end| text.get(..end)).unwrap_or(text);
-    comment_length(line).ok_or(Error {
+    comment_within(text, lines).map_err(|end| Error {
         kind: ErrorKind::UnclosedComment,
         at: 0,
-        end: line.len(),
+        end,
     })
 }
 

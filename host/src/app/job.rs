@@ -9,11 +9,12 @@ use crate::input;
 use crate::machines::machine_file::{LoadError, MachineFile};
 use crate::microfactory;
 use crate::programs::check::{self, Facts};
+use crate::programs::language;
 use crate::programs::library::Folders;
 use crate::programs::program::Start;
 use crate::programs::setup::{self, MappedEngine};
 use crate::programs::source::Source;
-use crate::programs::zero::{self, Lie};
+use crate::programs::zero::{self, Lie, Placing};
 use crate::simulation::work_piece::WorkPiece;
 use crate::text::name;
 use husillo_gcode::Nm;
@@ -131,7 +132,9 @@ impl Job {
             Some(Zero::Corner) => Lie::ZeroAtCorner,
         };
         self.start.frames[0] = None;
-        if let Some(zero) = self.placing(lie)? {
+        let placing = self.placing(lie)?;
+        if placing.is_certain {
+            let zero = placing.zero;
             self.note(format!("{}: --zero {}", self.name(), self.typed(zero)));
             self.put(zero);
         }
@@ -146,7 +149,7 @@ impl Job {
         }
     }
 
-    fn placing(&self, lie: Lie) -> Result<Option<[Nm; AXES]>, Failure> {
+    fn placing(&self, lie: Lie) -> Result<Placing, Failure> {
         let mut source = self.open()?;
         Ok(zero::placing(
             &mut source,
@@ -216,6 +219,13 @@ impl Job {
             return Ok(facts);
         }
         let facts = self.check_here(findings)?;
+        if findings.errors > 0 {
+            if let Some(language) = language::of(&self.head(language::HEAD)?) {
+                // The errors of its lines have one cause.
+                *findings = findings.restarted();
+                return Err(Failure::Usage(format!("{}: {language}", self.name())));
+            }
+        }
         let Some(first) = &facts.beyond else {
             return Ok(facts);
         };
@@ -253,9 +263,7 @@ impl Job {
         if !self.may_move {
             return Ok(None);
         }
-        let Some(zero) = self.placing(Lie::Middle)? else {
-            return Ok(None);
-        };
+        let Placing { zero, is_certain } = self.placing(Lie::Middle)?;
         let start = self.start;
         self.put(zero);
         let mut findings = before.restarted();
@@ -265,10 +273,13 @@ impl Job {
             self.is_placed = false;
             return Ok(None);
         }
-        let (name, machine, zero) = (self.name(), &self.machine.name, self.typed(zero));
-        self.note(format!(
-            "{name}: placed in the middle of {machine}, as with --zero {zero}"
-        ));
+        // With other errors nothing runs, and the position of the part is not one of them.
+        if is_certain {
+            let (name, machine, zero) = (self.name(), &self.machine.name, self.typed(zero));
+            self.note(format!(
+                "{name}: placed in the middle of {machine}, as with --zero {zero}"
+            ));
+        }
         Ok(Some((facts, findings)))
     }
 

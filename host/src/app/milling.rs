@@ -10,7 +10,7 @@ use crate::cli::{Compile, Send, Target};
 use crate::console;
 use crate::console::sharing::share;
 use crate::console::stop::{INTERRUPTED, stop_requests, stops_asked};
-use crate::console::told::Told;
+use crate::console::told::{Told, report};
 use crate::console::typed::typed_line;
 use crate::diagnostics::Findings;
 use crate::machines::machine_file::MachineFile;
@@ -114,7 +114,7 @@ pub(super) fn send(args: &Send, out: &mut Told<'_>) -> Result<u8, Failure> {
     if let Some(message) = unhomed(start, &made) {
         return Ok(failed_at(&job, message, out));
     }
-    match all(args, &mut sender, &made, out).and_then(|()| sender.finish()) {
+    match all(args, port, &mut sender, &made, out).and_then(|()| sender.finish()) {
         Ok(sent) => compared(&job, args.every, &made, start, &sent, out),
         Err(message) => {
             let status = failed_at(&job, &message, out);
@@ -194,14 +194,24 @@ fn unhomed(start: Option<State>, made: &Translated) -> Option<&'static str> {
     )
 }
 
+/// Homes where that is asked for, and warns if that shows lost steps.
+pub(super) fn begin(sender: &mut Sender, port: &str, out: &mut Told<'_>) -> Result<(), String> {
+    if let Some(lost) = sender.begin()? {
+        eprintln!("warning: {lost}");
+        out.object(&report(1, port, &lost));
+    }
+    Ok(())
+}
+
 /// Sends all lines.
 fn all(
     args: &Send,
+    port: &str,
     sender: &mut Sender,
     made: &Translated,
     out: &mut Told<'_>,
 ) -> Result<(), String> {
-    sender.begin()?;
+    begin(sender, port, out)?;
     let count = made.lines.len();
     for (done, (number, line)) in made.lines.iter().enumerate() {
         sender.send(*number, line, |line, string| match line {

@@ -16,6 +16,8 @@ use std::time::{Duration, Instant};
 
 /// Most periods that are caught up after the computer was busy. The rest is left out.
 const MOST_BEHIND: u64 = 2000;
+/// The longest time for catching up, so that a busy computer still answers bytes soon.
+const CATCH_UP: Duration = Duration::from_millis(5);
 /// The wait for a byte paces the simulation.
 const LOOK: Duration = Duration::from_millis(2);
 /// The same while bytes come and go, so that little is added to their times.
@@ -183,9 +185,15 @@ impl Outlet {
                 read(master)
             }
             Self::Socket { listener, client } => {
-                match listener.accept() {
+                // The last bytes of a client that has left are read before the next one connects.
+                let has_bytes = |client: &TcpStream| matches!(peek(client), Ok(1..));
+                let accepted = match client.as_ref().is_some_and(has_bytes) {
+                    true => Err(ErrorKind::WouldBlock.into()),
+                    false => listener.accept(),
+                };
+                match accepted {
                     // A dropped connection refuses its client.
-                    Ok((new, _)) if client.is_none() => {
+                    Ok((new, _)) if client.as_ref().is_none_or(has_left) => {
                         new.set_nodelay(true)?;
                         new.set_nonblocking(false)?;
                         new.set_write_timeout(Some(LOOK))?;
@@ -227,6 +235,22 @@ impl Outlet {
             _ => Ok(()),
         }
     }
+}
+
+/// Whether a client has closed its connection.
+fn has_left(client: &TcpStream) -> bool {
+    match peek(client) {
+        Ok(bytes) => bytes == 0,
+        Err(error) => error.kind() != ErrorKind::WouldBlock,
+    }
+}
+
+/// Number of bytes of a client that can be read, 0 or 1, without waiting. 0: it has left.
+fn peek(client: &TcpStream) -> io::Result<usize> {
+    client.set_nonblocking(true)?;
+    let bytes = client.peek(&mut [0]);
+    client.set_nonblocking(false)?;
+    bytes
 }
 
 impl Drop for Outlet {
@@ -288,9 +312,10 @@ impl Server {
             }
             let periods = start.elapsed().as_secs_f64() * pace.speed * 1e9 / E::PERIOD_NS as f64;
             let behind = (periods as u64).saturating_sub(done + left_out);
-            left_out += behind.saturating_sub(MOST_BEHIND);
-            done += behind.min(MOST_BEHIND);
-            if self.simulate(device, behind.min(MOST_BEHIND), is_plugged)? {
+            let (simulated, has_sent) = self.catch_up(device, behind, is_plugged)?;
+            done += simulated;
+            left_out += behind - simulated;
+            if has_sent {
                 last_byte = Instant::now();
             }
             // At the present time of the simulation, so that no reply comes sooner than on a line.
@@ -314,15 +339,18 @@ impl Server {
         Ok(())
     }
 
-    /// Simulates this number of periods. Returns whether the device has sent anything.
-    fn simulate<E: Emulation>(
+    /// Simulates at most this number of periods, as many as there is time for. Returns their
+    /// number, and whether the device has sent anything.
+    fn catch_up<E: Emulation>(
         &mut self,
         device: &mut E,
-        periods: u64,
+        behind: u64,
         is_plugged: bool,
-    ) -> io::Result<bool> {
-        let mut has_sent = false;
-        for _ in 0..periods {
+    ) -> io::Result<(u64, bool)> {
+        let start = Instant::now();
+        let (mut simulated, mut has_sent) = (0, false);
+        while simulated < behind.min(MOST_BEHIND) && start.elapsed() < CATCH_UP {
+            simulated += 1;
             let bytes = device.tick();
             if !bytes.is_empty() && is_plugged {
                 has_sent = true;
@@ -330,7 +358,7 @@ impl Server {
                 written.map_err(|error| of_port(&self.asked, &error))?;
             }
         }
-        Ok(has_sent)
+        Ok((simulated, has_sent))
     }
 }
 

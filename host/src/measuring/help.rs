@@ -8,6 +8,8 @@ const SILENT: &str = "is it the right port, are the modules powered, is ADDR_IN 
                       one low? After power off and on the modules accept group commands again. \
                       --raw shows the bytes";
 
+const FIT: &str = "touch more points, farther apart";
+
 /// The hint for a failure of the link.
 const fn link(failure: nmc::Failure) -> &'static str {
     match failure {
@@ -83,8 +85,8 @@ pub const fn help(trouble: &Trouble) -> Option<&'static str> {
              one; or `home` it, which tries both"
         }
         Trouble::NoEndSwitch { .. } => {
-            "is the switch wired to the input that `limit_2` of the axis says, and is `travel` as \
-             long as the axis? A simulated machine needs --end"
+            "does the switch stick? Is it wired to the input that `limit_2` of the axis says, and \
+             is `travel` as long as the axis? A simulated machine needs --end"
         }
         Trouble::DoubtfulContact => "the line is disturbed; --raw shows the bytes",
         Trouble::OtherSense { .. } => {
@@ -108,6 +110,7 @@ pub const fn help(trouble: &Trouble) -> Option<&'static str> {
             "lower `rate` of [probe], or raise `over_travel`"
         }
         Trouble::Probe(_) => "the probe is loose, or vibrates: lower the rates of [probe]",
+        Trouble::Fit(_) => FIT,
         _ => return None,
     })
 }
@@ -116,7 +119,7 @@ pub const fn help(trouble: &Trouble) -> Option<&'static str> {
 pub const fn of_failure(failure: &Failure) -> Option<&'static str> {
     match failure {
         Failure::Machine(trouble) => help(trouble),
-        Failure::Fit(_) => Some("touch more points, farther apart"),
+        Failure::Fit(_) => Some(FIT),
         Failure::BothSides => {
             Some("touch the points of a hole from inside, those of a pin from outside")
         }
@@ -125,5 +128,26 @@ pub const fn of_failure(failure: &Failure) -> Option<&'static str> {
         | Failure::NoDirection
         | Failure::NoPosition(_)
         | Failure::NotMeasured(_) => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_failure_of_the_line_names_the_axis_and_what_to_do() {
+        for failure in [
+            nmc::Failure::Silent,
+            nmc::Failure::Garbled,
+            nmc::Failure::NotExecuted,
+            nmc::Failure::Uncertain,
+            nmc::Failure::Unsteady,
+        ] {
+            let module = "axis Y (module 2)".to_owned();
+            let trouble = Trouble::Link { module, failure };
+            assert!(trouble.to_string().starts_with("axis Y (module 2): "));
+            assert!(help(&trouble).is_some(), "{trouble}");
+        }
     }
 }

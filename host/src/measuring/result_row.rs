@@ -134,7 +134,8 @@ pub struct TouchFigures {
     /// Touches averaged.
     pub touches: u8,
     /// Distance between the nearest and the farthest touch.
-    pub spread: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spread: Option<f64>,
     /// The longest distance beyond the contact.
     pub over_travel: f64,
     /// The new table, if a calibration changed a table of pre-travel by direction.
@@ -230,7 +231,9 @@ impl ResultRow {
                 t.corrected,
                 t.pre_travel,
                 t.touches,
-                t.spread,
+                t.spread
+                    .map(|spread| spread.to_string())
+                    .unwrap_or_default(),
                 t.over_travel
             ),
             None => ",,,,,,".to_owned(),
@@ -276,14 +279,15 @@ impl ResultRow {
             } else {
                 format!("\n    pre-travel {}", of(t.pre_travel))
             };
+            let spread = t.spread.map(|spread| format!(", spread {}", of(spread)));
+            let spread = spread.unwrap_or_default();
             return format!(
-                "{head} {}\n    trigger    {}\n    corrected  {}{found}\n    {}, spread \
-                 {}, over-travel {} at most",
+                "{head} {}\n    trigger    {}\n    corrected  {}{found}\n    {}{spread}, \
+                 over-travel {} at most",
                 t.direction,
                 all(&t.trigger),
                 all(&t.corrected),
                 counted(t.touches, "touch"),
-                of(t.spread),
                 of(t.over_travel)
             );
         }

@@ -384,7 +384,7 @@ impl Session {
             corrected: self.numbers(surface_nm(&self.stylus, measurement), axes),
             pre_travel: self.scale.number(pre_travel.into()),
             touches: measurement.touches,
-            spread: self.scale.number(measurement.spread),
+            spread: (measurement.touches > 1).then(|| self.scale.number(measurement.spread)),
             over_travel: self.scale.number(measurement.over_travel),
             table: None,
         }

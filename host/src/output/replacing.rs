@@ -47,11 +47,57 @@ pub(super) fn rename_all(
         }
     }
     sync_folders(files);
+    remove_left_over(files);
     for old in renamed.into_iter().filter_map(|file| file.old) {
         // A second name of an old file that is no longer needed: all outputs are complete.
         let _ = std::fs::remove_file(old);
     }
     Ok(())
+}
+
+/// Removes what killed programs have left beside these files: old files between two renames, and
+/// new files before them. Each of these files is whole again now, and newer.
+fn remove_left_over(files: &[Unfinished]) {
+    let mut folders: Vec<&Path> = files
+        .iter()
+        .filter_map(|file| file.place.parent())
+        .collect();
+    folders.sort_unstable();
+    folders.dedup();
+    for folder in folders {
+        // A folder that cannot be read keeps them.
+        let Ok(entries) = std::fs::read_dir(folder) else {
+            continue;
+        };
+        for entry in entries.flatten() {
+            let path = entry.path();
+            let is_left = left_over(&path).is_some_and(|(place, process)| {
+                files.iter().any(|file| file.place == place) && has_ended(process)
+            });
+            if is_left {
+                let _ = std::fs::remove_file(path);
+            }
+        }
+    }
+}
+
+/// The final path and the process of a temporary or an old file, by its name.
+fn left_over(path: &Path) -> Option<(PathBuf, u32)> {
+    let is_ours = path
+        .extension()
+        .is_some_and(|end| end == "old" || end == "new");
+    let stem = path.with_extension("");
+    let (process, number) = stem.extension()?.to_str()?.split_once('-')?;
+    number.parse::<u32>().ok()?;
+    is_ours.then_some((stem.with_extension(""), process.parse().ok()?))
+}
+
+/// Whether there is no process of this number. Where the system does not say it, it may run.
+fn has_ended(process: u32) -> bool {
+    let processes = Path::new("/proc");
+    process != std::process::id()
+        && processes.join("self").exists()
+        && !processes.join(process.to_string()).exists()
 }
 
 /// Gives the old file of an output a second name, or copies it where files have one name only.
@@ -263,6 +309,21 @@ mod tests {
                 let is_there = texts(&folder).contains(&Some(text.clone()));
                 assert!(is_there || kept.contains(&text), "{text}: {kept:?}");
             }
+            assert!(!others(&folder).is_empty(), "killed before rename {kill}");
+            // Files of others with similar names, or of a program that runs, stay.
+            let own = format!("a.cod.{}-7.old", std::process::id());
+            let foreign = ["a.cod.old", "b.cod.x-0.old", "e.cod.1-0.old", &own[..]];
+            for name in foreign {
+                std::fs::write(folder.join(name), "foreign").unwrap();
+            }
+            // The next run of the same command.
+            outputs(&folder).finish().unwrap();
+            assert_eq!(texts(&folder), new());
+            let mut left = others(&folder);
+            left.sort();
+            let mut foreign = foreign.map(str::to_owned);
+            foreign.sort();
+            assert_eq!(left, foreign, "killed before rename {kill}");
             std::fs::remove_dir_all(folder).unwrap();
         }
     }

@@ -2,7 +2,7 @@
 
 use crate::diagnostics::{Finding, Place, page};
 use crate::programs::blocks;
-use crate::programs::explain_flow;
+use crate::programs::{explain_flow, explain_foreign};
 use husillo_gcode::{Block, Dialect, Error, ErrorKind, Nm, words};
 use husillo_reports::text::length;
 use std::ops::Range;
@@ -114,7 +114,8 @@ impl At<'_> {
         !matches!(found, Some(b'#' | b'.' | b']' | b'>'))
     }
 
-    fn text(&self) -> &[u8] {
+    /// The text of the block.
+    pub fn text(&self) -> &[u8] {
         let end = (self.block + self.length).min(self.bytes.len());
         self.bytes.get(self.block..end).unwrap_or_default()
     }
@@ -158,6 +159,13 @@ fn described(error: &Error, at: &At<'_>) -> Finding {
     let place = at.place(span.clone());
     let message = message(error, at);
     let finding = Finding::error(&code, message, place);
+    if let Some(advice) = explain_foreign::advice(error, at.text()) {
+        let finding = finding.label(advice.label).help(advice.help);
+        return match advice.fix {
+            Some(fix) => finding.fix(at.drawn(span), fix),
+            None => finding,
+        };
+    }
     match error.kind {
         // A word that moves an axis cannot be left out.
         ErrorKind::UnknownWord(letter @ (b'A' | b'B' | b'C' | b'E' | b'U' | b'V' | b'W')) => {
@@ -317,6 +325,9 @@ fn described(error: &Error, at: &At<'_>) -> Finding {
                 true => finding.note("grbl: `error:20`"),
                 false => finding,
             };
+            if letter == b'G' && ENDS_NOTHING.contains(&tenths) {
+                return finding.help("leave the code out: it ends a mode that no program here has");
+            }
             finding.help(match dialect_with(letter, tenths) {
                 Some(name) => format!("`--dialect {name}` has it; or leave the code out"),
                 None => "leave the code out: no dialect here has it".to_owned(),
@@ -446,6 +457,10 @@ fn unknown_code(letter: u8, tenths: Option<u16>) -> String {
         _ => linuxcnc,
     }
 }
+
+/// Ten times the numbers of G codes that end polar coordinates, scaling, mirroring and rotation on
+/// other mills, and are in the first lines of many programs.
+const ENDS_NOTHING: [u16; 5] = [150, 500, 501, 511, 690];
 
 /// The first dialect that has a code. `tenths` is ten times its number.
 fn dialect_with(letter: u8, tenths: u16) -> Option<&'static str> {

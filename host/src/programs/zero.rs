@@ -153,10 +153,18 @@ pub enum Lie {
     ZeroAtCorner,
 }
 
+/// The position of a part.
+#[derive(Debug)]
+pub struct Placing {
+    /// Work zero.
+    pub zero: [Nm; AXES],
+    /// Whether the extent of the part is known: false if the program has errors, which may hide
+    /// moves. The check reports these errors.
+    pub is_certain: bool,
+}
+
 /// The work zero with which a part lies as wanted. An axis keeps machine zero if its limits are not
-/// known, if the part does not move it, or if it is too short for the part. Returns `None` if the
-/// program has errors, because the extent of the part is then not known. The check reports these
-/// errors.
+/// known, if the part does not move it, or if it is too short for the part.
 ///
 /// # Errors
 ///
@@ -167,11 +175,8 @@ pub fn placing(
     start: Start,
     config: &Config<AXES>,
     lie: Lie,
-) -> io::Result<Option<[Nm; AXES]>> {
+) -> io::Result<Placing> {
     let reach = Reach::of(source, file, start, config, [Nm(0); AXES])?;
-    if reach.has_errors {
-        return Ok(None);
-    }
     let mut zero = [Nm(0); AXES];
     for (axis, zero) in zero.iter_mut().enumerate() {
         let Some([low, high]) = config.axes[axis].travel else {
@@ -186,7 +191,10 @@ pub fn placing(
             },
         };
     }
-    Ok(Some(zero))
+    Ok(Placing {
+        zero,
+        is_certain: !reach.has_errors,
+    })
 }
 
 /// The zero with which the part is in the middle of the travel, or in Z at its upper end.

@@ -69,7 +69,10 @@ enum State {
 /// None for a machine without encoders, which does not use this type. With them, an event takes
 /// three 64-bit multiplications per axis with an encoder (actual position, expected position,
 /// tolerance). An axis takes at most 64 bytes.
+///
+/// The machine comes last: short instructions reach 1 kB from the address.
 #[derive(Clone, Debug)]
+#[repr(C)]
 pub struct ClosedLoop<
     const N: usize,
     P = Path<N>,
@@ -77,7 +80,6 @@ pub struct ClosedLoop<
     const QUEUE: usize = 16,
     E: Extension<N> = (),
 > {
-    machine: Machine<N, P, L, QUEUE, E>,
     axes: [Option<StepWatch>; N],
     state: State,
     /// Hold by the operator, independent of the hold for braking.
@@ -89,6 +91,7 @@ pub struct ClosedLoop<
     /// Steps to re-emit: the first leg, then the return leg.
     legs: [i32; 2],
     timer: Timer,
+    machine: Machine<N, P, L, QUEUE, E>,
 }
 
 impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N>>

@@ -46,7 +46,10 @@ pub enum Origin {
 ///
 /// `E` is `()` for a machine of axes, spindle and coolant. [`Extended`](crate::Extended) adds
 /// cutter compensation and the commands that need [`Equipment`].
+///
+/// The fields that each event uses come first: short instructions reach 1 kB from the address.
 #[derive(Clone, Debug)]
+#[repr(C)]
 pub struct Machine<
     const N: usize,
     P = Path<N>,
@@ -54,7 +57,24 @@ pub struct Machine<
     const QUEUE: usize = 16,
     E: Extension<N> = (),
 > {
+    run: Option<Run<P>>,
+    take_up: TakeUp<N, L>,
+    guard: StepGuard<N>,
+    /// The step that waits for a take-up or for the rest of a long wait.
+    held: Option<([i8; N], u64)>,
+    /// Ticks of moves too short for a step, carried to the next move.
+    carried_ticks: u64,
+    load: [i32; N],
+    origin: Origin,
+    segment: Option<Segment<N>>,
+    ramp: Ramp,
     config: Config<N>,
+    /// Outputs and pauses of the command begun last.
+    signals: [Option<Event<N>>; 4],
+    /// Path mode after the last line.
+    mode: PathMode,
+    has_ended: bool,
+    schedule: Schedule<N, P, QUEUE>,
     modal: Modal<N>,
     /// Remaining commands of the last block.
     commands: Option<E::Commands>,
@@ -62,23 +82,6 @@ pub struct Machine<
     next: Option<Command<N>>,
     /// A command that acts when all moves before it have been made.
     waiting: Option<Command<N>>,
-    schedule: Schedule<N, P, QUEUE>,
-    run: Option<Run<P>>,
-    ramp: Ramp,
-    /// Path mode after the last line.
-    mode: PathMode,
-    has_ended: bool,
-    segment: Option<Segment<N>>,
-    take_up: TakeUp<N, L>,
-    guard: StepGuard<N>,
-    /// The step that waits for a take-up or for the rest of a long wait.
-    held: Option<([i8; N], u64)>,
-    /// Outputs and pauses of the command begun last.
-    signals: [Option<Event<N>>; 4],
-    /// Ticks of moves too short for a step, carried to the next move.
-    carried_ticks: u64,
-    load: [i32; N],
-    origin: Origin,
     extension: E,
 }
 

@@ -115,13 +115,14 @@ impl<P: Port> Head<P> {
     ///
     /// # Errors
     ///
-    /// [`Trouble::NoEndSwitch`] if the switch does not change over the length of the travel, and
-    /// the errors of a move.
+    /// [`Trouble::NoEndSwitch`] if the switch does not close over the length of the travel, or does
+    /// not open soon afterwards, and the errors of a move.
     pub(super) fn search_end(&mut self, index: usize, end: End) -> Result<(), Trouble> {
         let [quick, slow] = [self.probe.rate, self.probe.slow_rate];
         let clear = i32::try_from(self.probe.back_off).unwrap_or(i32::MAX);
         let outwards = end.sign();
         let clear = clear.saturating_mul(2);
+        self.read_end(index)?;
         if self.axes[index].is_at_end && self.axes[index].end != Some(end) {
             let (open, inwards) = self.leave_end(index)?;
             let inside = open.saturating_add(inwards.saturating_mul(clear));
@@ -131,10 +132,20 @@ impl<P: Port> Head<P> {
         if !self.axes[index].is_at_end {
             self.seek_end(index, outwards, quick, length)?;
         }
-        let open = self.seek_end(index, -outwards, slow, length)?;
+        // A switch that sticks closed must not lead the axis to the other end, or to a part.
+        let open = self.seek_end(index, -outwards, slow, self.off_switch())?;
         self.axes[index].is_at_end = false;
         let inside = open.saturating_sub(outwards.saturating_mul(clear));
         self.only(index, inside, None, quick).map(drop)
+    }
+
+    /// Reads an axis that stands until it is certain whether its end switch is open. The switch may
+    /// have opened since the last move.
+    fn read_end(&mut self, index: usize) -> Result<(), Trouble> {
+        self.axes[index].is_end_sought = true;
+        let read = (0..OPEN_READINGS).try_for_each(|_| self.read().map(drop));
+        self.axes[index].is_end_sought = false;
+        read
     }
 
     /// Leaves an end switch that is not the one of a search. Returns where it opens, and the sign
@@ -144,7 +155,7 @@ impl<P: Port> Head<P> {
         let (slow, short) = (self.probe.slow_rate, self.leaving());
         let left = match self.axes[index].end {
             Some(end) => {
-                let length = self.length(index);
+                let length = self.off_switch();
                 (
                     self.seek_end(index, -end.sign(), slow, length)?,
                     -end.sign(),
@@ -161,6 +172,12 @@ impl<P: Port> Head<P> {
         };
         self.axes[index].is_at_end = false;
         Ok(left)
+    }
+
+    /// The longest move off a switch that the axis has met, counts: the distance over which it may
+    /// leave an unknown end, and as much for the way in which it came to rest.
+    fn off_switch(&self) -> i32 {
+        self.leaving().saturating_mul(2)
     }
 
     /// Length of the travel of an axis, counts.
@@ -194,7 +211,10 @@ impl<P: Port> Head<P> {
         let finished = finished?;
         match finished.is_found {
             true => Ok(finished.replies[index].readings.home),
-            false => Err(Trouble::NoEndSwitch { axis: letter }),
+            false => Err(Trouble::NoEndSwitch {
+                axis: letter,
+                length: self.scale.text(self.scale.of_counts(length.into())),
+            }),
         }
     }
 }
@@ -321,9 +341,27 @@ mod tests {
         head.axes[0].settings.travel = [-500, 500];
         let home = head.home(0);
         assert!(
-            matches!(home, Err(Trouble::NoEndSwitch { axis: 'X' })),
+            matches!(home, Err(Trouble::NoEndSwitch { axis: 'X', .. })),
             "{home:?}"
         );
+    }
+
+    /// An end switch that sticks closed does not lead the axis through its travel.
+    #[test]
+    fn homing_with_a_stuck_end_switch_is_short() {
+        let mut head = head(End::Low, "1:..-500");
+        head.go_to([-MM, 0, 0]).unwrap_err();
+        let before = motors(&mut head)[0];
+        head.line.port().chain.hold_ends(1, Some(true));
+        let home = head.home(0);
+        let Err(Trouble::NoEndSwitch { axis: 'X', length }) = home else {
+            panic!("{home:?}")
+        };
+        assert_eq!(length, "0.6400 mm");
+        let moved = motors(&mut head)[0] - before;
+        assert!((300..=340).contains(&moved), "{moved}");
+        head.line.port().chain.hold_ends(1, None);
+        head.home(0).unwrap();
     }
 
     /// The machine of three axes with both end switches of X on one input. They close at these

@@ -149,10 +149,10 @@ impl Feature {
         touches.map(u32::from).sum()
     }
 
-    /// The largest spread of the touches of one point, nm.
-    pub fn spread_nm(&self) -> i64 {
-        let spreads = self.contacts.iter().map(|contact| contact.spread_nm);
-        spreads.max().unwrap_or_default()
+    /// The largest spread of the touches of one point, nm. `None` if each point was touched once.
+    pub fn spread_nm(&self) -> Option<i64> {
+        let repeated = self.contacts.iter().filter(|contact| contact.touches > 1);
+        repeated.map(|contact| contact.spread_nm).max()
     }
 
     /// Computes the figures.

@@ -6,7 +6,7 @@ use super::piece::Mounted;
 use crate::heads::operator::StopButton;
 use crate::heads::{End, Machine, Switches, Wiring};
 use husillo_sim::{ChainModule, DcMotor, DcMotorModel, IoInputs, Noise, ServoChain, Surroundings};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Servo period, ns.
 pub const PERIOD_NS: u64 = 512_000;
@@ -30,6 +30,8 @@ pub struct SimulatedChain {
     wiring: Vec<(u8, [Wiring; 2])>,
     /// The contact of the probe is held closed or open by hand.
     held: Option<bool>,
+    /// Modules whose end switches are held closed or open by hand.
+    held_ends: BTreeMap<usize, bool>,
     /// Modules whose motors are blocked, and those whose encoders are silent.
     blocked: BTreeSet<usize>,
     silent: BTreeSet<usize>,
@@ -122,6 +124,7 @@ impl SimulatedChain {
             ends: Vec::new(),
             wiring: Vec::new(),
             held: None,
+            held_ends: BTreeMap::new(),
             blocked: BTreeSet::new(),
             silent: BTreeSet::new(),
             #[cfg(test)]
@@ -257,6 +260,17 @@ impl SimulatedChain {
         self.held = is_closed;
     }
 
+    /// Holds the end switches of a module closed or open, wherever the axis is. `None` releases
+    /// them. `false` where there are none.
+    pub fn hold_ends(&mut self, module: usize, is_closed: Option<bool>) -> bool {
+        match is_closed {
+            Some(is_closed) => self.held_ends.insert(module, is_closed),
+            None => self.held_ends.remove(&module),
+        };
+        let mut ends = self.ends.iter();
+        ends.any(|(switch, _)| usize::from(switch.module) == module)
+    }
+
     /// Blocks the motor of a module, or releases it.
     pub fn block(&mut self, module: usize, is_blocked: bool) {
         set(&mut self.blocked, module, is_blocked);
@@ -328,7 +342,9 @@ impl SimulatedChain {
             for (switch, input) in &self.ends {
                 if usize::from(switch.module) == module + 1 {
                     let motor = self.chain.motor(module);
-                    let is_closed = switch.is_closed(motor.map_or(0, DcMotor::counts));
+                    let held = self.held_ends.get(&(module + 1)).copied();
+                    let is_closed = || switch.is_closed(motor.map_or(0, DcMotor::counts));
+                    let is_closed = held.unwrap_or_else(is_closed);
                     match input {
                         0 => around.limit_1 |= is_closed,
                         _ => around.limit_2 |= is_closed,

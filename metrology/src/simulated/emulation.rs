@@ -4,8 +4,8 @@ use super::SimulatedChain;
 use husillo_sim::device::Emulation;
 
 /// The commands of the panel of a simulated chain.
-pub const PANEL: &str = "close probe, open probe, free probe, power off|on, block MODULE, \
-                         unblock MODULE, encoder MODULE off|on, unplug, plug";
+pub const PANEL: &str = "close|open|free probe, close|open|free end MODULE, power off|on, \
+                         block MODULE, unblock MODULE, encoder MODULE off|on, unplug, plug";
 /// The commands of the panel for a chain with input and output modules.
 pub const IO_PANEL: &str = "pin MODULE PIN high|low, analogue MODULE 1|2|3 VALUE, \
                             pulses MODULE NUMBER, outputs MODULE";
@@ -87,6 +87,18 @@ impl Emulation for SimulatedChain {
                     _ => None,
                 });
                 format!("probe: {held}")
+            }
+            [held @ ("close" | "open" | "free"), "end", module] => {
+                let is_closed = match held {
+                    "close" => Some(true),
+                    "open" => Some(false),
+                    _ => None,
+                };
+                let number = module.parse().unwrap_or(0);
+                match self.hold_ends(number, is_closed) {
+                    true => format!("the end switches of module {number}: {held}"),
+                    false => format!("module {module} has no end switch: see --end"),
+                }
             }
             ["power", power @ ("off" | "on")] => {
                 self.set_power(power == "on");

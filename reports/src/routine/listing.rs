@@ -139,7 +139,8 @@ fn object(feature: &Feature) -> Value {
         "points": points,
         "form": number(feature.form_nm()),
         "touches": feature.touches(),
-        "spread": number(feature.spread_nm()),
+        // `null`: one touch of each point shows no spread.
+        "spread": feature.spread_nm().map(number),
     })
 }
 

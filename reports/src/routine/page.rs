@@ -63,12 +63,10 @@ fn verdict(features: &[Feature], trouble: Option<&str>) -> String {
 
 fn figures(page: &mut String, features: &[Feature], site: &Site<'_>) {
     let touches: u32 = features.iter().map(Feature::touches).sum();
-    let spread = features.iter().map(Feature::spread_nm).max();
+    let spread = features.iter().filter_map(Feature::spread_nm).max();
     let form = features.iter().map(Feature::form_nm).max();
-    let contacts = features.iter().flat_map(|feature| &feature.contacts);
-    let repeats = contacts.map(|contact| contact.touches).max().unwrap_or(0);
     let points: usize = features.iter().map(|feature| feature.contacts.len()).sum();
-    let nm = |nm: Option<i64>| length(nm.unwrap_or_default() as f64);
+    let nm = |nm: i64| length(nm as f64);
     page.push_str("<dl>\n");
     for (term, value) in [
         ("features", features.len().to_string()),
@@ -76,12 +74,9 @@ fn figures(page: &mut String, features: &[Feature], site: &Site<'_>) {
         ("touches averaged", touches.to_string()),
         (
             "largest spread of a point",
-            match repeats > 1 {
-                true => nm(spread),
-                false => "one touch per point".into(),
-            },
+            spread.map_or("one touch per point".into(), nm),
         ),
-        ("largest form error", nm(form)),
+        ("largest form error", nm(form.unwrap_or_default())),
         ("radius of the tip", length(site.radius_nm() as f64)),
         ("pre-travel", pre_travel(site)),
     ] {

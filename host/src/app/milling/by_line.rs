@@ -1,7 +1,7 @@
 //! `send -` from a terminal or a pipe: each line is made when it arrives.
 
 use super::comparison::compared;
-use super::{connected, expect_a_command, failed_at, print_notes, stand, unhomed};
+use super::{begin, connected, expect_a_command, failed_at, print_notes, stand, unhomed};
 use crate::app::job::Job;
 use crate::app::reporting::{MOST_PRINTED, with_some_findings};
 use crate::app::{ERRORS, Failure};
@@ -97,7 +97,7 @@ pub(super) fn send(args: &Send, out: &mut Told<'_>) -> Result<u8, Failure> {
     };
     let start = sender.start();
     stand(&mut job, start);
-    if let Err(message) = sender.begin() {
+    if let Err(message) = begin(&mut sender, port, out) {
         return Ok(failed_at(&job, &message, out));
     }
     let config = setup::first_three(&job.config);

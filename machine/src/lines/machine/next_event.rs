@@ -186,10 +186,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
         }
     }
 
-    /// The next event of the move, of the queue, or of the command after it. Inlined, because a
-    /// plain machine needs no loop around it: a call with its copy of the event takes 12
-    /// instructions.
-    #[inline(always)]
+    /// The next event of the move, of the queue, or of the command after it.
     fn next_of_queue(&mut self) -> Option<Event<N>> {
         loop {
             // A take-up of an axis with a ramp cannot stop at once.
