@@ -34,7 +34,7 @@ use action::Action;
 use husillo_metrology::Trouble;
 use husillo_metrology::calibration::Calibrated;
 use husillo_metrology::heads::{Head, Machine, Prober as _, Stylus};
-use husillo_metrology::simulated::{ChainModule, IO_PANEL, Mounted, PANEL, SimulatedChain};
+use husillo_metrology::simulated::{IO_PANEL, Mounted, NetworkModule, PANEL, SimulatedNetwork};
 use husillo_sim::text::counted;
 use interrupt::{Interrupt, User};
 use result_row::{CSV_HEAD, ResultRow};
@@ -398,8 +398,8 @@ pub fn emulate(args: &Emulate, out: &mut dyn Write) -> Result<(), Stopped> {
         None => None,
     };
     let emulated = match &modules {
-        Some(modules) => SimulatedChain::of_modules(modules, &args.contact, piece)?,
-        None => SimulatedChain::of_machine(&machine, &args.contact, piece)?,
+        Some(modules) => SimulatedNetwork::of_modules(modules, &args.contact, piece)?,
+        None => SimulatedNetwork::of_machine(&machine, &args.contact, piece)?,
     };
     let emulated = emulated.with_ends(&args.end)?;
     let mut emulated = emulated.with_noise(args.noise).with_reset_ms(args.reset_ms);
@@ -410,7 +410,7 @@ pub fn emulate(args: &Emulate, out: &mut dyn Write) -> Result<(), Stopped> {
     let modules_text = counted(count, "module");
     let name = format!("{}: {modules_text}", machine.title);
     let hint = format!("husillo measure -m {} --port {{port}} status", args.machine);
-    let is_io = |module: &ChainModule| matches!(module, ChainModule::Io { .. });
+    let is_io = |module: &NetworkModule| matches!(module, NetworkModule::Io { .. });
     let has_io = modules.iter().flatten().any(is_io);
     let panel = if has_io {
         format!("{PANEL}, {IO_PANEL}")

@@ -11,7 +11,7 @@ use crate::measuring::{Stopped, error_text};
 use crate::text::json::write_line;
 use husillo_metrology::Trouble;
 use husillo_metrology::heads::{AxisSettings, Line, Machine, Port};
-use husillo_metrology::simulated::{SimulatedChain, SimulatedPort};
+use husillo_metrology::simulated::{SimulatedNetwork, SimulatedPort};
 use husillo_metrology::tuning::{
     Direct, Experiment, Failed, Linked, Method, NoRelay, Outcome, RelaySettings, Rig, Stand,
 };
@@ -121,7 +121,7 @@ fn open(
 ) -> Result<Box<dyn Rig>, Stopped> {
     let port: Box<dyn Port> = match args.port.as_str() {
         "sim" => return Ok(Box::new(Direct::new(file.motor))),
-        "line" => Box::new(SimulatedPort::new(SimulatedChain::of_machine(
+        "line" => Box::new(SimulatedPort::new(SimulatedNetwork::of_machine(
             machine,
             &[],
             None,

@@ -50,7 +50,7 @@ pub mod observers;
 mod place;
 mod random;
 mod rig;
-mod servo_chain;
+mod servo_network;
 mod spindle;
 pub mod text;
 mod touch_probe;
@@ -71,8 +71,8 @@ pub use noisy_line::{Noise, NoisyLine};
 pub use place::Place;
 pub use random::Random;
 pub use rig::Rig;
-pub use servo_chain::{
-    ChainModule, Damage, FULL_CURRENT_A, IoInputs, SERVO_PERIOD_S, ServoChain, Surroundings,
+pub use servo_network::{
+    Damage, FULL_CURRENT_A, IoInputs, NetworkModule, SERVO_PERIOD_S, ServoNetwork, Surroundings,
 };
 pub use spindle::Spindle;
 pub use touch_probe::{TouchProbe, TouchProbeModel};

@@ -1,6 +1,6 @@
 //! The worked examples of the protocol on the servo module that ships, with simulated motors.
 
-use husillo_sim::{DcMotorModel, ServoChain};
+use husillo_sim::{DcMotorModel, ServoNetwork};
 
 fn bytes(hex: &str) -> Vec<u8> {
     let pairs = hex.split_whitespace();
@@ -35,7 +35,7 @@ const CONVERSATION: [(&str, &str); 37] =
 
 /// Sends a packet and returns the reply. Returns as soon as the reply is there, so that the next
 /// packet follows it at once.
-fn exchange(chain: &mut ServoChain, request: &[u8], length: usize) -> Vec<u8> {
+fn exchange(chain: &mut ServoNetwork, request: &[u8], length: usize) -> Vec<u8> {
     request.iter().for_each(|byte| chain.send(*byte));
     let mut heard = Vec::new();
     for _ in 0..WAIT_PERIODS {
@@ -49,7 +49,7 @@ fn exchange(chain: &mut ServoChain, request: &[u8], length: usize) -> Vec<u8> {
 
 #[test]
 fn the_module_answers_the_worked_examples_byte_by_byte() {
-    let mut chain = ServoChain::new(&[4, 4], MOTOR);
+    let mut chain = ServoNetwork::new(&[4, 4], MOTOR);
     for (request, reply) in CONVERSATION {
         let wanted = bytes(reply.trim_end_matches("end"));
         let heard = exchange(&mut chain, &bytes(request), wanted.len());

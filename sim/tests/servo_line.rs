@@ -5,13 +5,13 @@ mod common;
 
 use common::{ask, send, switch_on};
 use husillo_planner::{Direction, ServoLine};
-use husillo_sim::{DcMotorModel, SERVO_PERIOD_S, ServoChain};
+use husillo_sim::{DcMotorModel, SERVO_PERIOD_S, ServoNetwork};
 use husillo_transports::nmc::{Command, EVERY_GROUP, Gains, Group, Mode, Trajectory};
 use proptest::prelude::*;
 
 /// Servos on, with the gains of the measuring machine, in one group.
-fn started() -> ServoChain {
-    let mut chain = ServoChain::new(&[4; 3], DcMotorModel::PROTOTYPE);
+fn started() -> ServoNetwork {
+    let mut chain = ServoNetwork::new(&[4; 3], DcMotorModel::PROTOTYPE);
     for address in 1..=3 {
         let group = Group {
             address: EVERY_GROUP,
@@ -54,7 +54,7 @@ struct Seen {
 }
 
 /// As fast as 1200 counts/s and 6000 counts/s^2 per axis allow.
-fn go(chain: &mut ServoChain, from: [i32; 3], goal: [i32; 3]) -> Option<Seen> {
+fn go(chain: &mut ServoNetwork, from: [i32; 3], goal: [i32; 3]) -> Option<Seen> {
     let ways = [0, 1, 2].map(|axis| goal[axis] - from[axis]);
     let direction = Direction::new(ways.map(i64::from))?;
     let velocity = f64::from(direction.speed_limit(&[1200; 3])) * SERVO_PERIOD_S * 65536.0;
@@ -71,7 +71,7 @@ fn go(chain: &mut ServoChain, from: [i32; 3], goal: [i32; 3]) -> Option<Seen> {
         ask(chain, address, Command::LoadTrajectory(trajectory));
     }
     send(chain, EVERY_GROUP, Command::StartMotion);
-    let axes = |chain: &ServoChain| [0, 1, 2].map(|axis| *chain.axis(axis).unwrap());
+    let axes = |chain: &ServoNetwork| [0, 1, 2].map(|axis| *chain.axis(axis).unwrap());
     let mut seen = Seen {
         line,
         commanded: 0.0,

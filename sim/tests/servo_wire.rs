@@ -4,20 +4,20 @@
 mod common;
 
 use common::{ask, send};
-use husillo_sim::{ChainModule, DcMotorModel, IoInputs, ServoChain};
+use husillo_sim::{DcMotorModel, IoInputs, NetworkModule, ServoNetwork};
 use husillo_transports::nmc::{Baud, Command, EVERY_GROUP, Group, Items};
 
 const PERIOD_S: f64 = husillo_sim::SERVO_PERIOD_S;
 
 /// Modules with addresses from 1 on, at the far end first, on a host of 19200 bits/s.
-fn started(modules: usize) -> ServoChain {
-    let mut chain = ServoChain::new(&vec![4; modules], DcMotorModel::PROTOTYPE);
+fn started(modules: usize) -> ServoNetwork {
+    let mut chain = ServoNetwork::new(&vec![4; modules], DcMotorModel::PROTOTYPE);
     chain.set_host_rate(Some(19200));
     address(&mut chain, modules);
     chain
 }
 
-fn address(chain: &mut ServoChain, modules: usize) {
+fn address(chain: &mut ServoNetwork, modules: usize) {
     for address in 1..=modules as u8 {
         let set = Command::SetAddress {
             address,
@@ -114,7 +114,7 @@ fn a_module_is_deaf_for_a_time_after_a_reset() {
     // In servo periods of 0.512 ms.
     for (reset_ms, after, answers) in [(0, 10, true), (300, 400, false), (300, 600, true)] {
         let motor = DcMotorModel::PROTOTYPE;
-        let mut chain = ServoChain::new(&[4; 2], motor).with_reset_ms(reset_ms);
+        let mut chain = ServoNetwork::new(&[4; 2], motor).with_reset_ms(reset_ms);
         send(&mut chain, EVERY_GROUP, Command::HardReset(None));
         (0..10 + after).for_each(|_| drop(chain.tick()));
         let set = Command::SetAddress {
@@ -128,7 +128,7 @@ fn a_module_is_deaf_for_a_time_after_a_reset() {
 
 #[test]
 fn without_byte_times_a_reply_is_there_in_the_same_period() {
-    let mut chain = ServoChain::new(&[4], DcMotorModel::PROTOTYPE).without_byte_times();
+    let mut chain = ServoNetwork::new(&[4], DcMotorModel::PROTOTYPE).without_byte_times();
     address(&mut chain, 1);
     send(&mut chain, 1, Command::ReadStatus(Items(0x1f)));
     send(&mut chain, 1, Command::NoOperation);
@@ -140,13 +140,13 @@ fn without_byte_times_a_reply_is_there_in_the_same_period() {
 #[test]
 fn modules_of_another_kind_are_on_the_same_line() {
     let modules = [
-        ChainModule::Servo {
+        NetworkModule::Servo {
             version: 4,
             motor: DcMotorModel::PROTOTYPE,
         },
-        ChainModule::Io { version: 2 },
+        NetworkModule::Io { version: 2 },
     ];
-    let mut chain = ServoChain::of_modules(&modules);
+    let mut chain = ServoNetwork::of_modules(&modules);
     address(&mut chain, 2);
     assert_eq!(
         ask(&mut chain, 1, Command::ReadStatus(Items::DEVICE)),

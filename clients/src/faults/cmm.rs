@@ -3,7 +3,7 @@
 use super::{Bench, Fault, State, Subject};
 use husillo_metrology::Trouble;
 use husillo_metrology::heads::{Head, Line, Machine, Port, Prober, Wiring};
-use husillo_metrology::simulated::{SimulatedChain, SimulatedPort, one_axis};
+use husillo_metrology::simulated::{SimulatedNetwork, SimulatedPort, one_axis};
 use husillo_probe::UnitVector;
 use husillo_sim::device::{Emulation, LineFault};
 use husillo_transports::nmc::{Baud, Timing};
@@ -226,7 +226,7 @@ impl<const HAS_ENDS: bool> Subject for Cmm<HAS_ENDS> {
 
     fn new(state: State) -> Self {
         let contacts = [FACE.parse().unwrap()];
-        let chain = SimulatedChain::of_machine(&machine(HAS_ENDS), &contacts, None).unwrap();
+        let chain = SimulatedNetwork::of_machine(&machine(HAS_ENDS), &contacts, None).unwrap();
         let ends = ENDS.map(|end| end.parse().unwrap());
         let chain = match HAS_ENDS {
             true => chain.with_ends(&ends).unwrap(),

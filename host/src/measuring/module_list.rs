@@ -1,6 +1,6 @@
 //! The list of modules of `husillo emulate`.
 
-use husillo_metrology::simulated::{ChainModule, DcMotorModel};
+use husillo_metrology::simulated::{DcMotorModel, NetworkModule};
 use husillo_transports::nmc::LAST_ADDRESS;
 
 /// Reads modules from a list such as `servo:4,io:2`. The farthest module comes first. `motor` gives
@@ -9,7 +9,10 @@ use husillo_transports::nmc::LAST_ADDRESS;
 /// # Errors
 ///
 /// An unknown module, or too many of them.
-pub fn modules(list: &str, motor: impl Fn(u8) -> DcMotorModel) -> Result<Vec<ChainModule>, String> {
+pub fn modules(
+    list: &str,
+    motor: impl Fn(u8) -> DcMotorModel,
+) -> Result<Vec<NetworkModule>, String> {
     let names: Vec<&str> = list.split(',').map(str::trim).collect();
     if names.len() > usize::from(LAST_ADDRESS) {
         return Err(format!(
@@ -24,11 +27,11 @@ pub fn modules(list: &str, motor: impl Fn(u8) -> DcMotorModel) -> Result<Vec<Cha
             None => (*name, Some(4)),
         };
         match (kind, version) {
-            ("servo", Some(version @ (4 | 5 | 10))) => Ok(ChainModule::Servo {
+            ("servo", Some(version @ (4 | 5 | 10))) => Ok(NetworkModule::Servo {
                 version,
                 motor: motor(address),
             }),
-            ("io", Some(version)) => Ok(ChainModule::Io { version }),
+            ("io", Some(version)) => Ok(NetworkModule::Io { version }),
             _ => Err(format!(
                 "`{name}`: expected servo:4, servo:5, servo:10 or io:VERSION, separated by commas"
             )),
@@ -39,7 +42,7 @@ pub fn modules(list: &str, motor: impl Fn(u8) -> DcMotorModel) -> Result<Vec<Cha
 
 #[cfg(test)]
 mod tests {
-    use super::{ChainModule, DcMotorModel, modules};
+    use super::{DcMotorModel, NetworkModule, modules};
 
     const MOTOR: DcMotorModel = DcMotorModel::PROTOTYPE;
 
@@ -51,10 +54,10 @@ mod tests {
         };
         let read = modules(list, motor)?;
         let read = read.iter().map(|module| match *module {
-            ChainModule::Servo { version, motor } => {
+            NetworkModule::Servo { version, motor } => {
                 ("servo", version, motor.counts_per_revolution)
             }
-            ChainModule::Io { version } => ("io", version, 0),
+            NetworkModule::Io { version } => ("io", version, 0),
         });
         Ok(read.collect())
     }

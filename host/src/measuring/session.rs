@@ -14,7 +14,7 @@ use husillo_metrology::calibration::{Body, Calibrated, Face, FoundProbe, is_by_a
 use husillo_metrology::heads::{
     Approach, Head, Line, Machine, Memory, Port, Prober, Rejoined, Stylus, pre_travel_by_sign,
 };
-use husillo_metrology::simulated::{Contact, Mounted, SimulatedChain, SimulatedPort};
+use husillo_metrology::simulated::{Contact, Mounted, SimulatedNetwork, SimulatedPort};
 use husillo_metrology::{Scale, Trouble};
 use husillo_probe::{Measurement, UnitVector};
 use husillo_transports::nmc::{Auxiliary, Reply, Status};
@@ -472,7 +472,7 @@ pub fn open(
 ) -> Result<Line<AnyPort>, String> {
     let contacts: &[Contact] = &args.contact;
     let port: AnyPort = if args.port == "sim" {
-        let chain = SimulatedChain::of_machine(machine, contacts, piece)?;
+        let chain = SimulatedNetwork::of_machine(machine, contacts, piece)?;
         let chain = chain.with_ends(&args.end)?;
         Box::new(SimulatedPort::new(chain.with_noise(args.noise)))
     } else if contacts.is_empty() && args.end.is_empty() && piece.is_none() && args.noise == 0.0 {

@@ -240,7 +240,7 @@ fn plus(a: [i64; 3], b: [i64; 3]) -> [i64; 3] {
 mod tests {
     use super::*;
     use crate::heads::Line;
-    use crate::simulated::{Mounted, Piece, SimulatedChain, SimulatedPort, three_axes};
+    use crate::simulated::{Mounted, Piece, SimulatedNetwork, SimulatedPort, three_axes};
     use husillo_probe::{Repeatability, Sphere};
     use husillo_sim::{Shape, Solid, TouchProbe, TouchProbeModel, WorkPiece};
 
@@ -281,7 +281,7 @@ mod tests {
         };
         let file = three_axes();
         let mounted = Mounted::new(piece, &file).unwrap();
-        let chain = SimulatedChain::new(&[4; 3], &[], Some(mounted)).unwrap();
+        let chain = SimulatedNetwork::new(&[4; 3], &[], Some(mounted)).unwrap();
         let line = Line::new(SimulatedPort::new(chain));
         Head::start(line, &file, 1).unwrap()
     }

@@ -41,7 +41,7 @@ impl<P: Port> Head<P> {
 #[cfg(test)]
 mod tests {
     use crate::heads::{Head, Line, Port, Prober};
-    use crate::simulated::{SimulatedChain, SimulatedPort, three_axes};
+    use crate::simulated::{SimulatedNetwork, SimulatedPort, three_axes};
     use crate::trouble::Trouble;
     use husillo_transports::nmc::{Baud, Timing};
     use std::cell::Cell;
@@ -98,7 +98,7 @@ mod tests {
             axis.acceleration = acceleration;
         }
         let face = format!("1:{FACE}").parse().unwrap();
-        let chain = SimulatedChain::of_machine(&machine, &[face], None).unwrap();
+        let chain = SimulatedNetwork::of_machine(&machine, &[face], None).unwrap();
         let farthest = Rc::new(Cell::new(0));
         let port = Noting {
             port: SimulatedPort::new(chain),

@@ -225,7 +225,7 @@ mod tests {
     use crate::heads::line::Line;
     use crate::heads::machine::Machine;
     use crate::heads::wiring::Wiring;
-    use crate::simulated::{SimulatedChain, SimulatedPort, three_axes};
+    use crate::simulated::{SimulatedNetwork, SimulatedPort, three_axes};
 
     type Simulated = Head<SimulatedPort>;
 
@@ -241,7 +241,7 @@ mod tests {
     /// It stands this far from its end switch, which closes at this count.
     fn head(end: End, switch: &str) -> Simulated {
         let machine = machine(end);
-        let chain = SimulatedChain::of_machine(&machine, &[], None).unwrap();
+        let chain = SimulatedNetwork::of_machine(&machine, &[], None).unwrap();
         let chain = chain.with_ends(&[switch.parse().unwrap()]).unwrap();
         Simulated::start(Line::new(SimulatedPort::new(chain)), &machine, 1).unwrap()
     }
@@ -369,7 +369,7 @@ mod tests {
     fn between(switches: [&str; 2]) -> Simulated {
         let mut machine = three_axes();
         machine.axes[0].limits = [Wiring::Probe, Wiring::Ends];
-        let chain = SimulatedChain::of_machine(&machine, &[], None).unwrap();
+        let chain = SimulatedNetwork::of_machine(&machine, &[], None).unwrap();
         let ends = switches.map(|switch| switch.parse().unwrap());
         let chain = chain.with_ends(&ends).unwrap();
         Simulated::start(Line::new(SimulatedPort::new(chain)), &machine, 1).unwrap()

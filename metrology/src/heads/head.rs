@@ -293,7 +293,7 @@ mod tests {
     use super::*;
     use crate::heads::operator::Operator as _;
     use crate::heads::operator::StopButton;
-    use crate::simulated::{SimulatedChain, SimulatedPort, three_axes};
+    use crate::simulated::{SimulatedNetwork, SimulatedPort, three_axes};
     use husillo_probe::Failure;
 
     type Head = super::Head<SimulatedPort>;
@@ -307,7 +307,7 @@ mod tests {
 
     /// The machine of three axes with a face.
     fn started(face: &str, button: StopButton) -> Head {
-        let chain = SimulatedChain::new(&[4; 3], &[face.parse().unwrap()], None).unwrap();
+        let chain = SimulatedNetwork::new(&[4; 3], &[face.parse().unwrap()], None).unwrap();
         let line = Line::new(SimulatedPort::new(chain)).with_operator(button);
         let mut head = Head::start(line, &three_axes(), 1).unwrap();
         // Homed where it stands.

@@ -110,7 +110,7 @@ impl<P: Port> Head<P> {
 #[cfg(test)]
 mod tests {
     use crate::heads::{Head, Line, Port};
-    use crate::simulated::{SimulatedChain, SimulatedPort, one_axis};
+    use crate::simulated::{SimulatedNetwork, SimulatedPort, one_axis};
     use husillo_transports::nmc::{Baud, Timing};
     use std::cell::{Cell, RefCell};
     use std::io;
@@ -159,7 +159,7 @@ mod tests {
     /// homed where it stands.
     fn jogged(seconds: f64, is_positive: bool, pulled_us: u64) -> i64 {
         let machine = one_axis();
-        let chain = SimulatedChain::of_machine(&machine, &[], None).unwrap();
+        let chain = SimulatedNetwork::of_machine(&machine, &[], None).unwrap();
         let pulled = Pulled {
             port: Rc::new(RefCell::new(SimulatedPort::new(chain))),
             from_us: Rc::new(Cell::new(u64::MAX)),

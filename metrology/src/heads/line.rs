@@ -272,18 +272,18 @@ impl<P: Port> Line<P> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulated::{ChainModule, DcMotorModel, SimulatedChain, SimulatedPort};
+    use crate::simulated::{DcMotorModel, NetworkModule, SimulatedNetwork, SimulatedPort};
 
     /// A program may leave the modules with other addresses and in another group.
     #[test]
     fn a_module_of_another_kind_is_no_axis() {
-        let servo = ChainModule::Servo {
+        let servo = NetworkModule::Servo {
             version: 4,
             motor: DcMotorModel::PROTOTYPE,
         };
-        let modules = [servo, ChainModule::Io { version: 2 }];
+        let modules = [servo, NetworkModule::Io { version: 2 }];
         let started = |module| {
-            let chain = SimulatedChain::of_modules(&modules, &[], None).unwrap();
+            let chain = SimulatedNetwork::of_modules(&modules, &[], None).unwrap();
             Line::new(SimulatedPort::new(chain)).start_servos(Baud::B19200, [module])
         };
         assert_eq!(started(1).unwrap().devices[1], (2, 2));
@@ -295,7 +295,7 @@ mod tests {
 
     #[test]
     fn modules_in_other_groups_are_found() {
-        let chain = SimulatedChain::new(&[4; 2], &[], None).unwrap();
+        let chain = SimulatedNetwork::new(&[4; 2], &[], None).unwrap();
         let mut line = Line::new(SimulatedPort::new(chain));
         assert_eq!(line.start_up(Baud::B19200).unwrap().modules, 2);
         let group = Group {
@@ -314,7 +314,7 @@ mod tests {
 
     #[test]
     fn a_line_without_modules_is_reported() {
-        let chain = SimulatedChain::new(&[], &[], None).unwrap();
+        let chain = SimulatedNetwork::new(&[], &[], None).unwrap();
         let mut line = Line::new(SimulatedPort::new(chain));
         assert!(matches!(
             line.start_up(Baud::B19200),

@@ -207,14 +207,14 @@ impl<P: Port> Head<P> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulated::{SimulatedChain, SimulatedPort, three_axes};
+    use crate::simulated::{SimulatedNetwork, SimulatedPort, three_axes};
     use husillo_transports::nmc::{Reset, Stop};
 
     type Simulated = Head<SimulatedPort>;
 
     /// A session that has homed X, moved Y and ended.
     fn ended() -> (SimulatedPort, Memory) {
-        let chain = SimulatedChain::new(&[4; 3], &[], None).unwrap();
+        let chain = SimulatedNetwork::new(&[4; 3], &[], None).unwrap();
         let line = Line::new(SimulatedPort::new(chain));
         let mut head = Simulated::start(line, &three_axes(), 1).unwrap();
         head.go_to([100_000, 3_000_000, 0]).unwrap();

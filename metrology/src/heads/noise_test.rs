@@ -3,7 +3,7 @@
 use super::line::Line;
 use super::machine::Machine;
 use super::port::Port as _;
-use crate::simulated::{Contact, SimulatedChain, SimulatedPort, three_axes};
+use crate::simulated::{Contact, SimulatedNetwork, SimulatedPort, three_axes};
 use crate::trouble::Trouble;
 use husillo_probe::UnitVector;
 use husillo_sim::{Damage, Noise, Random};
@@ -99,7 +99,7 @@ fn port(modules: usize, noise: Noise, seed: u64) -> SimulatedPort {
         .flat_map(|module| [format!("{module}:{FACE}"), format!("{module}:..-{FACE}")])
         .map(|face| face.parse().expect("a face"))
         .collect();
-    let chain = SimulatedChain::new(&vec![4; modules], &faces, None).expect("a chain");
+    let chain = SimulatedNetwork::new(&vec![4; modules], &faces, None).expect("a chain");
     SimulatedPort::new(chain.with_faults(noise, seed))
 }
 

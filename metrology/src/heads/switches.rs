@@ -46,7 +46,7 @@ mod tests {
     use super::Switches;
     use crate::heads::head::Head;
     use crate::heads::line::Line;
-    use crate::simulated::{SimulatedChain, SimulatedPort, one_axis};
+    use crate::simulated::{SimulatedNetwork, SimulatedPort, one_axis};
     use crate::trouble::Trouble;
     use husillo_probe::UnitVector;
 
@@ -55,7 +55,7 @@ mod tests {
         let mut machine = one_axis();
         machine.probe.switches = switches;
         let faces = ["1:900", "1:..-700"].map(|face| face.parse().unwrap());
-        let chain = SimulatedChain::of_machine(&machine, &faces, None).unwrap();
+        let chain = SimulatedNetwork::of_machine(&machine, &faces, None).unwrap();
         let port = SimulatedPort::new(chain.with_switches(wired));
         Head::start(Line::new(port), &machine, 1).unwrap()
     }

@@ -3,7 +3,7 @@
 
 use super::{Parameter, Row, Table};
 use crate::heads::{Head, Line, Machine};
-use crate::simulated::{Contact, SimulatedChain, SimulatedPort, one_axis};
+use crate::simulated::{Contact, SimulatedNetwork, SimulatedPort, one_axis};
 use crate::trouble::Trouble;
 use husillo_probe::UnitVector;
 use husillo_transports::nmc::Gains;
@@ -112,7 +112,8 @@ pub fn repeatability() -> Result<Table, String> {
 fn start(machine: &Machine, faces: &[String]) -> Result<SimulatedHead, Trouble> {
     // All are contacts of module 1, which exists.
     let faces: Vec<Contact> = faces.iter().filter_map(|face| face.parse().ok()).collect();
-    let chain = SimulatedChain::new(&[4], &faces, None).unwrap_or_else(|why| unreachable!("{why}"));
+    let chain =
+        SimulatedNetwork::new(&[4], &faces, None).unwrap_or_else(|why| unreachable!("{why}"));
     Head::start(Line::new(SimulatedPort::new(chain)), machine, 1)
 }
 

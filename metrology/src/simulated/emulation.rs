@@ -1,6 +1,6 @@
 //! The simulated chain as an emulated device with a control panel.
 
-use super::SimulatedChain;
+use super::SimulatedNetwork;
 use husillo_sim::device::Emulation;
 
 /// The commands of the panel of a simulated chain.
@@ -14,7 +14,7 @@ pub const IO_PANEL: &str = "pin MODULE PIN high|low, analogue MODULE 1|2|3 VALUE
 const PINS: u8 = 12;
 
 /// Connects a pin of a module to a level.
-fn pin_of(chain: &mut SimulatedChain, module: &str, pin: &str, level: &str) -> Option<String> {
+fn pin_of(chain: &mut SimulatedNetwork, module: &str, pin: &str, level: &str) -> Option<String> {
     let number: u8 = pin.parse().ok().filter(|pin| *pin < PINS)?;
     let is_connected = chain.connect(module.parse().ok()?, |inputs| {
         let mask = 1 << number;
@@ -24,7 +24,12 @@ fn pin_of(chain: &mut SimulatedChain, module: &str, pin: &str, level: &str) -> O
 }
 
 /// Sets the reading of an analogue input of a module.
-fn analogue(chain: &mut SimulatedChain, module: &str, input: &str, value: &str) -> Option<String> {
+fn analogue(
+    chain: &mut SimulatedNetwork,
+    module: &str,
+    input: &str,
+    value: &str,
+) -> Option<String> {
     let place: usize = input.parse().ok().filter(|input| (1..=3).contains(input))?;
     let reading: u8 = value.parse().ok()?;
     let is_connected = chain.connect(module.parse().ok()?, |inputs| {
@@ -34,7 +39,7 @@ fn analogue(chain: &mut SimulatedChain, module: &str, input: &str, value: &str) 
 }
 
 /// Sends pulses to the counter of a module.
-fn pulses(chain: &mut SimulatedChain, module: &str, number: &str) -> Option<String> {
+fn pulses(chain: &mut SimulatedNetwork, module: &str, number: &str) -> Option<String> {
     let number: u32 = number.parse().ok()?;
     let is_connected = chain.connect(module.parse().ok()?, |inputs| {
         inputs.pulses = inputs.pulses.wrapping_add(number);
@@ -43,7 +48,7 @@ fn pulses(chain: &mut SimulatedChain, module: &str, number: &str) -> Option<Stri
 }
 
 /// The outputs of a module.
-fn outputs(chain: &SimulatedChain, module: &str) -> Option<String> {
+fn outputs(chain: &SimulatedNetwork, module: &str) -> Option<String> {
     let (pins, [one, two]) = chain.outputs(module.parse().ok()?)?;
     let pins: Vec<String> = (0..PINS)
         .filter(|pin| pins >> pin & 1 == 1)
@@ -59,7 +64,7 @@ fn outputs(chain: &SimulatedChain, module: &str) -> Option<String> {
     ))
 }
 
-impl Emulation for SimulatedChain {
+impl Emulation for SimulatedNetwork {
     const PERIOD_NS: u64 = super::PERIOD_NS;
 
     fn set_host_rate(&mut self, bits_per_s: Option<u32>) {

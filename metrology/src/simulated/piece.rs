@@ -1,7 +1,7 @@
 //! The simulated work piece before the probe of a simulated machine.
 
 use crate::heads::Machine;
-use husillo_sim::{PointMm, ServoChain, TouchProbe, WorkPiece};
+use husillo_sim::{PointMm, ServoNetwork, TouchProbe, WorkPiece};
 
 /// A work piece and the probe that touches it, in the frame of the machine. Its origin is the
 /// position of the axes when the modules got their supply.
@@ -44,7 +44,7 @@ impl Mounted {
     }
 
     /// Whether the contact of the probe is closed at the present positions of the motors.
-    pub fn is_closed(&mut self, chain: &ServoChain) -> bool {
+    pub fn is_closed(&mut self, chain: &ServoNetwork) -> bool {
         let mut centre: PointMm = [0.0; 3];
         for &(module, coordinate) in &self.axes {
             let motor = chain.motor(module);

@@ -1,6 +1,6 @@
 //! The port of a simulated chain, in simulated time.
 
-use super::chain::{PERIOD_NS, SimulatedChain};
+use super::network::{PERIOD_NS, SimulatedNetwork};
 use crate::heads::Port;
 use husillo_transports::nmc::{Baud, Timing};
 use std::io;
@@ -9,7 +9,7 @@ use std::io;
 #[derive(Clone, Debug)]
 pub struct SimulatedPort {
     /// The simulated chain.
-    pub chain: SimulatedChain,
+    pub chain: SimulatedNetwork,
     /// Time since the port was opened, ns.
     elapsed_ns: u64,
 }
@@ -17,7 +17,7 @@ pub struct SimulatedPort {
 impl SimulatedPort {
     /// The port of a chain, at time 0 and at the rate after power-up.
     #[must_use]
-    pub fn new(mut chain: SimulatedChain) -> Self {
+    pub fn new(mut chain: SimulatedNetwork) -> Self {
         chain.set_host_rate(Some(Baud::default().bits_per_s()));
         Self {
             chain,

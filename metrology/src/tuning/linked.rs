@@ -147,7 +147,7 @@ impl<P: Port> Rig for Linked<P> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulated::{SimulatedChain, SimulatedPort, one_axis};
+    use crate::simulated::{SimulatedNetwork, SimulatedPort, one_axis};
 
     /// The host is silent after a drive: the axis goes to the given end and stays there.
     #[test]
@@ -155,7 +155,7 @@ mod tests {
         let machine = one_axis();
         let file = machine.axes[0];
         for (pwm, end) in [(60, 300), (-60, -300), (255, 150)] {
-            let chain = SimulatedChain::new(&[4], &[], None).unwrap();
+            let chain = SimulatedNetwork::new(&[4], &[], None).unwrap();
             let line = Line::new(SimulatedPort::new(chain));
             let mut linked = Linked::start(line, &machine, &file).unwrap();
             linked.set_gains(&file.gains).unwrap();

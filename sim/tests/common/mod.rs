@@ -2,24 +2,24 @@
 
 #![allow(dead_code, reason = "every test file uses a part of it")]
 
-use husillo_sim::ServoChain;
+use husillo_sim::ServoNetwork;
 use husillo_transports::nmc::{Command, Gains, Stop, StopMode};
 
 /// Sends a packet.
-pub fn send(chain: &mut ServoChain, address: u8, command: Command) {
+pub fn send(chain: &mut ServoNetwork, address: u8, command: Command) {
     for &byte in command.frame(address).bytes() {
         chain.send(byte);
     }
 }
 
 /// Sends a packet and returns the bytes received within 50 ms.
-pub fn ask(chain: &mut ServoChain, address: u8, command: Command) -> Vec<u8> {
+pub fn ask(chain: &mut ServoNetwork, address: u8, command: Command) -> Vec<u8> {
     send(chain, address, command);
     (0..100).flat_map(|_| chain.tick()).collect()
 }
 
 /// Sets the gains and switches the servo on; returns the last reply.
-pub fn switch_on(chain: &mut ServoChain, address: u8, gains: Gains) -> Vec<u8> {
+pub fn switch_on(chain: &mut ServoNetwork, address: u8, gains: Gains) -> Vec<u8> {
     ask(chain, address, Command::SetGain(gains));
     let on = Stop {
         amplifier: true,

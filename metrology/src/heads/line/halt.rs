@@ -60,12 +60,12 @@ impl<P: Port> Line<P> {
 mod tests {
     use super::*;
     use crate::heads::Head;
-    use crate::simulated::{SimulatedChain, SimulatedPort, three_axes};
+    use crate::simulated::{SimulatedNetwork, SimulatedPort, three_axes};
     use husillo_transports::nmc::{Command, Mode, Trajectory};
 
     /// A chain whose program was killed while all axes move, at the rate of the machine.
     fn abandoned(machine: &Machine) -> SimulatedPort {
-        let chain = SimulatedChain::new(&[4; 3], &[], None).unwrap();
+        let chain = SimulatedNetwork::new(&[4; 3], &[], None).unwrap();
         let mut head = Head::start(Line::new(SimulatedPort::new(chain)), machine, 1).unwrap();
         for axis in &machine.axes {
             let far = Trajectory {
@@ -127,7 +127,7 @@ mod tests {
     /// The next start-up finds the modules as ever.
     #[test]
     fn a_stop_of_a_line_after_a_reset_reports_the_silence() {
-        let chain = SimulatedChain::new(&[4; 3], &[], None).unwrap();
+        let chain = SimulatedNetwork::new(&[4; 3], &[], None).unwrap();
         let mut line = Line::new(SimulatedPort::new(chain));
         assert!(matches!(
             line.halt(&three_axes()),

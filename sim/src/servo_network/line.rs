@@ -1,9 +1,9 @@
 //! The bytes of a chain on their line, in the order of their ends.
 
-use super::ServoChain;
+use super::ServoNetwork;
 use super::node::{Byte, Node};
 
-impl ServoChain {
+impl ServoNetwork {
     /// Carries the bytes of both directions that end up to this time, in their order.
     pub(super) fn carry(&mut self, end_ns: u64) -> Vec<u8> {
         let mut heard = Vec::new();

@@ -15,7 +15,7 @@ pub(super) enum Change {
 
 /// A module to put on the line.
 #[derive(Copy, Clone, Debug, PartialEq)]
-pub enum ChainModule {
+pub enum NetworkModule {
     /// A servo module.
     Servo {
         /// 4 for the original chip, 5 or 10.
@@ -60,12 +60,12 @@ pub(super) struct Node {
 }
 
 impl Node {
-    pub(super) fn new(module: ChainModule) -> Node {
+    pub(super) fn new(module: NetworkModule) -> Node {
         let device = match module {
-            ChainModule::Servo { version, motor } => {
+            NetworkModule::Servo { version, motor } => {
                 Device::Servo(Box::new(Servo::new(version, motor)))
             }
-            ChainModule::Io { version } => {
+            NetworkModule::Io { version } => {
                 Device::Io(Box::new(IoModule::new(version)), IoInputs::default())
             }
         };

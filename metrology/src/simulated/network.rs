@@ -5,7 +5,9 @@ use super::piece::Mounted;
 #[cfg(test)]
 use crate::heads::operator::StopButton;
 use crate::heads::{End, Machine, Switches, Wiring};
-use husillo_sim::{ChainModule, DcMotor, DcMotorModel, IoInputs, Noise, ServoChain, Surroundings};
+use husillo_sim::{
+    DcMotor, DcMotorModel, IoInputs, NetworkModule, Noise, ServoNetwork, Surroundings,
+};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Servo period, ns.
@@ -17,8 +19,8 @@ const NOISE_SEED: u64 = 2026;
 /// Modules, their motors, and the faces and the work piece before the probe. Modules count from 1,
 /// as their addresses do.
 #[derive(Clone, Debug)]
-pub struct SimulatedChain {
-    chain: ServoChain,
+pub struct SimulatedNetwork {
+    chain: ServoNetwork,
     /// What the input and output modules are connected to; without use for other modules.
     inputs: Vec<IoInputs>,
     contacts: Vec<Contact>,
@@ -50,7 +52,7 @@ fn set(numbers: &mut BTreeSet<usize>, number: usize, is_in: bool) {
     }
 }
 
-impl SimulatedChain {
+impl SimulatedNetwork {
     /// Servo modules of these versions with the motors of the prototype. The first is at the far
     /// end.
     ///
@@ -63,7 +65,7 @@ impl SimulatedChain {
         piece: Option<Mounted>,
     ) -> Result<Self, String> {
         let motor = DcMotorModel::PROTOTYPE;
-        let servo = |&version| ChainModule::Servo { version, motor };
+        let servo = |&version| NetworkModule::Servo { version, motor };
         let modules: Vec<_> = versions.iter().map(servo).collect();
         Self::of_modules(&modules, contacts, piece)
     }
@@ -78,7 +80,7 @@ impl SimulatedChain {
         contacts: &[Contact],
         piece: Option<Mounted>,
     ) -> Result<Self, String> {
-        let servo = |module| ChainModule::Servo {
+        let servo = |module| NetworkModule::Servo {
             version: 4,
             motor: machine.motor(module),
         };
@@ -97,14 +99,14 @@ impl SimulatedChain {
     ///
     /// A contact of a module that does not exist, or that has no motor.
     pub fn of_modules(
-        modules: &[ChainModule],
+        modules: &[NetworkModule],
         contacts: &[Contact],
         piece: Option<Mounted>,
     ) -> Result<Self, String> {
         for Contact { module, .. } in contacts {
             match modules.get(usize::from(*module) - 1) {
-                Some(ChainModule::Servo { .. }) => {}
-                Some(ChainModule::Io { .. }) => {
+                Some(NetworkModule::Servo { .. }) => {}
+                Some(NetworkModule::Io { .. }) => {
                     return Err(format!("a contact at module {module}, which has no motor"));
                 }
                 None => {
@@ -116,7 +118,7 @@ impl SimulatedChain {
             }
         }
         Ok(Self {
-            chain: ServoChain::of_modules(modules),
+            chain: ServoNetwork::of_modules(modules),
             inputs: vec![IoInputs::default(); modules.len()],
             contacts: contacts.to_vec(),
             piece,
@@ -238,7 +240,7 @@ impl SimulatedChain {
 
     /// The simulated modules.
     #[cfg(test)]
-    pub fn chain(&mut self) -> &mut ServoChain {
+    pub fn chain(&mut self) -> &mut ServoNetwork {
         &mut self.chain
     }
 

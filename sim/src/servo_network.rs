@@ -16,7 +16,7 @@ use husillo_transports::nmc::Baud;
 
 pub use damage::Damage;
 pub use io_module::IoInputs;
-pub use node::ChainModule;
+pub use node::NetworkModule;
 
 use crate::{DcMotor, DcMotorModel, Noise};
 use damage::Account;
@@ -59,9 +59,9 @@ pub struct Surroundings {
 ///
 /// # Examples
 /// ```
-/// use husillo_sim::{DcMotorModel, ServoChain};
+/// use husillo_sim::{DcMotorModel, ServoNetwork};
 ///
-/// let mut chain = ServoChain::new(&[4, 4], DcMotorModel::PROTOTYPE);
+/// let mut chain = ServoNetwork::new(&[4, 4], DcMotorModel::PROTOTYPE);
 /// for byte in [0xaa, 0x00, 0x21, 0x01, 0xff, 0x21] {
 ///     chain.send(byte);
 /// }
@@ -69,7 +69,7 @@ pub struct Surroundings {
 /// assert_eq!(reply, [0x19, 0x19]);
 /// ```
 #[derive(Clone, Debug)]
-pub struct ServoChain {
+pub struct ServoNetwork {
     nodes: Vec<Node>,
     now_ns: u64,
     /// Rate of the host in bits/s.
@@ -90,18 +90,18 @@ pub struct ServoChain {
     account: Account,
 }
 
-impl ServoChain {
+impl ServoNetwork {
     /// Creates servo modules of these versions, all with the same motor. The first module is at the
     /// far end and is addressed first.
-    pub fn new(versions: &[u8], motor: DcMotorModel) -> ServoChain {
-        let servo = |&version| ChainModule::Servo { version, motor };
-        let modules: Vec<ChainModule> = versions.iter().map(servo).collect();
-        ServoChain::of_modules(&modules)
+    pub fn new(versions: &[u8], motor: DcMotorModel) -> ServoNetwork {
+        let servo = |&version| NetworkModule::Servo { version, motor };
+        let modules: Vec<NetworkModule> = versions.iter().map(servo).collect();
+        ServoNetwork::of_modules(&modules)
     }
 
     /// Creates modules of any kind. The first is at the far end and is addressed first.
-    pub fn of_modules(modules: &[ChainModule]) -> ServoChain {
-        ServoChain {
+    pub fn of_modules(modules: &[NetworkModule]) -> ServoNetwork {
+        ServoNetwork {
             nodes: modules.iter().copied().map(Node::new).collect(),
             now_ns: 0,
             host_rate: None,
@@ -117,7 +117,7 @@ impl ServoChain {
     }
 
     /// Adds noise on both pairs of wires; the same seed gives the same noise.
-    pub fn with_noise(mut self, noise: Noise, seed: u64) -> ServoChain {
+    pub fn with_noise(mut self, noise: Noise, seed: u64) -> ServoNetwork {
         let seed = seed.wrapping_mul(2);
         self.there = Pair::new(noise, seed);
         self.back = Pair::new(noise, seed.wrapping_add(1));
@@ -125,13 +125,13 @@ impl ServoChain {
     }
 
     /// Lets a module receive nothing for this time after a reset or when its supply returns.
-    pub fn with_reset_ms(mut self, reset_ms: u32) -> ServoChain {
+    pub fn with_reset_ms(mut self, reset_ms: u32) -> ServoNetwork {
         self.reset_ns = u64::from(reset_ms) * 1_000_000;
         self
     }
 
     /// Switches the times of bytes off. A packet and its reply then arrive within one period.
-    pub fn without_byte_times(mut self) -> ServoChain {
+    pub fn without_byte_times(mut self) -> ServoNetwork {
         self.is_fast = true;
         self
     }

@@ -3,22 +3,22 @@
 mod common;
 
 use common::{ask, switch_on};
-use husillo_sim::{DcMotorModel, ServoChain, Surroundings};
+use husillo_sim::{DcMotorModel, ServoNetwork, Surroundings};
 use husillo_transports::nmc::{Command, Gains, Group, Homing, Items, Mode, Status, Trajectory};
 
-fn run(chain: &mut ServoChain, periods: u32) {
+fn run(chain: &mut ServoNetwork, periods: u32) {
     for _ in 0..periods {
         chain.tick();
     }
 }
 
 /// Sets addresses and gains that suit the prototype motor, and switches the servos on.
-fn started(modules: usize) -> ServoChain {
+fn started(modules: usize) -> ServoNetwork {
     started_with(&vec![4; modules])
 }
 
-fn started_with(versions: &[u8]) -> ServoChain {
-    let mut chain = ServoChain::new(versions, DcMotorModel::PROTOTYPE);
+fn started_with(versions: &[u8]) -> ServoNetwork {
+    let mut chain = ServoNetwork::new(versions, DcMotorModel::PROTOTYPE);
     for address in 1..=versions.len() as u8 {
         let set = Command::SetAddress {
             address,
@@ -126,7 +126,7 @@ fn a_contact_stores_where_it_was_and_stops() {
     assert_eq!(reply[1..5], axis_home_bytes(&chain));
 }
 
-fn axis_home_bytes(chain: &ServoChain) -> [u8; 4] {
+fn axis_home_bytes(chain: &ServoNetwork) -> [u8; 4] {
     chain.axis(0).unwrap().home().to_le_bytes()
 }
 
