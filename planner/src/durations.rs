@@ -54,7 +54,8 @@ pub const fn mul_div_q16(a: u64, b: u64, c: u64) -> u64 {
     quotient.saturating_mul(1 << 16).saturating_add(fraction)
 }
 
-/// Multiplies as [`u64::checked_mul`], as one function: that takes 100 bytes of code on a Cortex-M0.
+/// Multiplies as [`u64::checked_mul`], as one function: that takes 100 bytes of code on a
+/// Cortex-M0.
 #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
 #[cfg_attr(target_pointer_width = "64", inline)]
 pub const fn times(a: u64, b: u64) -> Option<u64> {

@@ -85,7 +85,8 @@ impl Sender {
         Ok(Self {
             session,
             pacing,
-            window: Window::new(RECEIVE_BYTES - 1), // Grbl's buffer has one byte less than it reports
+            // Grbl's buffer has one byte less than it reports.
+            window: Window::new(RECEIVE_BYTES - 1),
             waiting: VecDeque::new(),
             answered: 0,
         })

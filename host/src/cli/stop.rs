@@ -6,8 +6,8 @@ use clap::Args;
 /// `husillo stop`.
 #[derive(Debug, Args)]
 pub struct Stop {
-    /// Machine: micromill, drill, microfactory, cmm, grbl, or a machine file [default: every machine
-    /// that a running husillo drives]
+    /// Machine: micromill, drill, microfactory, cmm, grbl, or a machine file [default: every
+    /// machine that a running husillo drives]
     #[arg(short, long, value_name = "NAME|FILE")]
     pub machine: Option<String>,
     /// Port: a serial device, or tcp:HOST:PORT [default: that of the running husillo]

@@ -84,7 +84,8 @@ fn every_pacing_makes_the_whole_program() {
 }
 
 /// The bytes that wait in the controller never exceed its receive buffer, and it always has some
-/// while lines are left: a move of 0.1 mm at 300 mm/min takes 20 ms, and nothing waits for the host.
+/// while lines are left. A move of 0.1 mm at 300 mm/min takes 20 ms, and nothing waits for the
+/// host.
 #[test]
 fn counted_lines_take_no_longer_than_their_moves() {
     let mut sender = sender(Pacing::Counted, StopRequests::default());

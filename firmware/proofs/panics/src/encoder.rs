@@ -3,8 +3,8 @@
 use core::hint::black_box;
 
 use husillo_encoder::{
-    Byte, Extended, Index, Quadrature, VelocityByCount, VelocityByPeriod, levels, read_running,
-    running_value,
+    Byte, Extended, Index, Quadrature, StepWatch, VelocityByCount, VelocityByPeriod, levels,
+    read_running, running_value,
 };
 
 /// Reads a byte of a counter.
@@ -35,6 +35,20 @@ pub fn keep() {
         running_value as *const (),
     ]);
     velocity();
+    watch();
+}
+
+fn watch() {
+    black_box([
+        StepWatch::new as *const (),
+        StepWatch::step as *const (),
+        StepWatch::behind as *const (),
+        StepWatch::is_tolerable as *const (),
+        StepWatch::is_there as *const (),
+        StepWatch::steps as *const (),
+        StepWatch::legs as *const (),
+        StepWatch::accept as *const (),
+    ]);
 }
 
 fn velocity() {

@@ -7,9 +7,9 @@ use husillo_gcode::contour::{Contours, needs_contours};
 use husillo_gcode::parameters::{Fault, NoMachine, Program, System, Value, needs_program};
 use husillo_gcode::{
     Arc, Axes, Block, Blocks, Command, Commands, Compensated, Compensation, Decimal, Dialect,
-    Direction, Error, ErrorKind, Formatted, LineReader, LineTooLong, Measure, Modal, Plane,
-    Receiver, SpindleDirection, Tokens, Tool, Translator, Word, WordReader, Words, formatted,
-    tokens, words,
+    Direction, Error, ErrorKind, Formatted, LineReader, LineTooLong, Measure, Modal,
+    OrientDirection, Plane, Receiver, SpindleDirection, Tokens, Tool, Translator, Word, WordReader,
+    Words, formatted, tokens, words,
 };
 
 /// Keeps every function in the program.
@@ -123,6 +123,7 @@ pub fn keep() {
         Tool::<3>::of_radius as *const (),
         Command::<3>::end as *const (),
         Command::<3>::shown as *const (),
+        OrientDirection::name as *const (),
         SpindleDirection::name as *const (),
         Direction::is_clockwise as *const (),
         Compensation::<3>::new as *const (),

@@ -4,8 +4,8 @@ use core::hint::black_box;
 
 use husillo_planner::{
     AxisTimers, Burst, Bursts, Direction, Follower, Junction, LookAhead, Piece, Ramp, Recurrence,
-    Replay, SCurve, ServoLine, ServoProfile, Stretch, Timer, Trapezoid, arc_acceleration,
-    arc_speed,
+    Replay, SCurve, ServoLine, ServoProfile, Stretch, SurfaceSpeed, Timer, Trapezoid,
+    arc_acceleration, arc_speed, mul_div, mul_div_q16, share, times,
 };
 
 /// Keeps every function in the program.
@@ -23,6 +23,18 @@ pub fn keep() {
     profiles();
     streams();
     servo();
+    durations();
+}
+
+fn durations() {
+    black_box([
+        mul_div as *const (),
+        mul_div_q16 as *const (),
+        share as *const (),
+        times as *const (),
+        SurfaceSpeed::new as *const (),
+        SurfaceSpeed::at as *const (),
+    ]);
 }
 
 fn path() {
