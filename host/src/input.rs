@@ -7,6 +7,8 @@ use std::fs::{File, Metadata};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
+#[cfg(unix)]
+use std::time::SystemTime;
 
 /// Some editors write these bytes before a text in UTF-8. They are not part of the program.
 pub const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
@@ -17,6 +19,10 @@ pub struct Identity {
     /// Device, and number on the device.
     #[cfg(unix)]
     number: (u64, u64),
+    /// When it was created, where the system says so: it gives the number of a deleted file to a
+    /// new one.
+    #[cfg(unix)]
+    created: Option<SystemTime>,
     /// Path without links.
     #[cfg(not(unix))]
     path: PathBuf,
@@ -34,7 +40,8 @@ impl Identity {
             use std::os::unix::fs::MetadataExt;
             let _ = path;
             let number = (metadata.dev(), metadata.ino());
-            Some(Self { number })
+            let created = metadata.created().ok();
+            Some(Self { number, created })
         }
         #[cfg(not(unix))]
         {

@@ -16,6 +16,9 @@ use husillo_clients::grbl::{BAUD, Heard, Operator, Pacing, Sender, open, too_lon
 use husillo_transports::grbl::{Adjust, Realtime, State};
 use serde_json::json;
 
+/// Lines of a program with their numbers.
+type Numbered = Vec<(usize, String)>;
+
 /// Whether a machine is any controller that speaks Grbl's protocol.
 pub(super) fn is_grbl(machine: Option<&str>) -> bool {
     machine == Some("grbl")
@@ -89,7 +92,7 @@ fn checked(
     args: &Send,
     file: &str,
     out: &mut Told<'_>,
-) -> Result<Option<(Job, Vec<(usize, String)>)>, Failure> {
+) -> Result<Option<(Job, Numbered)>, Failure> {
     let target = Target {
         machine: Some("free".into()),
         dialect: args.target.dialect.clone().or(Some("grbl".into())),
@@ -136,7 +139,7 @@ fn expect_options_of_grbl(args: &Send) -> Result<(), Failure> {
 }
 
 /// The lines of a program that a controller needs: without comments, blank lines and `%`.
-fn lines(job: &Job) -> Result<Vec<(usize, String)>, Failure> {
+fn lines(job: &Job) -> Result<Numbered, Failure> {
     let text = match &job.input {
         Some(input) => input.clone(),
         None => whole(&job.file)?,

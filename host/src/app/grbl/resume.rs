@@ -1,5 +1,6 @@
 //! A program from one of its lines on, with the modes and at the position of the lines before.
 
+use super::Numbered;
 use crate::app::job::{Job, whole};
 use crate::console::stop::stops_asked;
 use crate::console::typed::typed_line;
@@ -15,10 +16,10 @@ use std::io::Cursor;
 /// line `from`, switch on what was on, lower the tool at the feed, and restore the modes.
 pub(super) fn from(
     job: &Job,
-    lines: Vec<(usize, String)>,
+    lines: Numbered,
     from: usize,
     sender: &mut Sender,
-) -> Result<Vec<(usize, String)>, String> {
+) -> Result<Numbered, String> {
     let rest: Vec<_> = lines
         .into_iter()
         .skip_while(|(line, _)| *line < from)
