@@ -16,7 +16,7 @@ mod velocity_by_period;
 
 pub use extended::Extended;
 pub use index::{Index, Passage};
-pub use quadrature::{Direction, Quadrature, Scale, Skipped, levels};
+pub use quadrature::{CountDirection, Quadrature, Scale, Skipped, levels};
 pub use running::{Byte, read_running, running_value};
 pub use step_watch::{AxisEncoder, OnLoss, StepWatch};
 pub use velocity_by_count::VelocityByCount;

@@ -73,7 +73,7 @@ impl core::error::Error for Skipped {}
 /// The direction of counting.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Direction {
+pub enum CountDirection {
     /// Counts rise: A changes before B.
     Forward,
     /// Counts fall.
@@ -167,11 +167,11 @@ impl Quadrature {
     }
 
     /// Returns the direction of the last count. `None` before the first one.
-    pub const fn direction(&self) -> Option<Direction> {
+    pub const fn direction(&self) -> Option<CountDirection> {
         match self.heading {
             0 => None,
-            1 => Some(Direction::Forward),
-            _ => Some(Direction::Backward),
+            1 => Some(CountDirection::Forward),
+            _ => Some(CountDirection::Backward),
         }
     }
 

@@ -1,7 +1,7 @@
 //! What holds for any motion of the encoder.
 
 use husillo_encoder::{
-    Byte, Direction, Extended, Index, Passage, Quadrature, Scale, Skipped, VelocityByCount,
+    Byte, CountDirection, Extended, Index, Passage, Quadrature, Scale, Skipped, VelocityByCount,
     VelocityByPeriod, levels, read_running, running_value,
 };
 use proptest::collection::vec;
@@ -71,8 +71,8 @@ proptest! {
                 prop_assert_eq!(encoder.sample(levels_at(quarters)), Ok(counts as i32));
                 prop_assert_eq!(i64::from(encoder.position()), place(quarters) - place(start));
                 last = match counts {
-                    1 => Some(Direction::Forward),
-                    -1 => Some(Direction::Backward),
+                    1 => Some(CountDirection::Forward),
+                    -1 => Some(CountDirection::Backward),
                     _ => last,
                 };
                 prop_assert_eq!(encoder.direction(), last);

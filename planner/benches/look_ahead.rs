@@ -4,7 +4,7 @@
 use std::{f64::consts::TAU, hint::black_box, time::Duration};
 
 use criterion::{Criterion, Throughput};
-use husillo_planner::{Direction, Junction, Limits, LookAhead, Ramp, Stretch};
+use husillo_planner::{Junction, Limits, LookAhead, Ramp, Stretch, Tangent};
 
 const MOVES: usize = 1_000_000;
 const SPEEDS: [u32; 3] = [100_000_000; 3];
@@ -31,8 +31,8 @@ fn chords() -> Vec<[i64; 3]> {
 }
 
 /// The work of a machine for one line, from the end point to the queue entry.
-fn stretch(way: &[i64; 3], last: &mut Option<Direction<3>>) -> Option<Stretch> {
-    let direction = Direction::new(*way)?;
+fn stretch(way: &[i64; 3], last: &mut Option<Tangent<3>>) -> Option<Stretch> {
+    let direction = Tangent::new(*way)?;
     let ceiling = direction.speed_limit(&SPEEDS);
     let entry_limit_nm_per_s = match &*last {
         Some(last) => JUNCTION.speed(last, &direction),

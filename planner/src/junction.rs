@@ -1,10 +1,10 @@
 //! Highest speed at corners.
 
 use crate::{
-    Direction,
-    direction::{ONE, along},
+    Tangent,
     quotient::quotient,
     stretch::square,
+    tangent::{ONE, along},
 };
 
 /// Components of two directions that differ by at most this (4e-9) are equal except for rounding.
@@ -18,14 +18,14 @@ const ROUNDING: u32 = 4;
 ///
 /// # Examples
 /// ```
-/// use husillo_planner::{Direction, Junction};
+/// use husillo_planner::{Tangent, Junction};
 ///
 /// let corner = Junction {
 ///     jump_nm_per_s: Some([1_000_000, 1_000_000]),
 ///     deviation_nm: None,
 ///     acceleration_nm_per_s2: [100_000_000; 2],
 /// };
-/// let [east, north] = [[1, 0], [0, 1]].map(|way| Direction::new(way).unwrap());
+/// let [east, north] = [[1, 0], [0, 1]].map(|way| Tangent::new(way).unwrap());
 /// assert_eq!(corner.speed(&east, &north), 1_000_000);
 /// assert_eq!(corner.speed(&east, &east), u32::MAX);
 /// assert_eq!(corner.speed(&east, &east.reversed()), 500_000);
@@ -48,7 +48,7 @@ impl<const N: usize> Junction<N> {
     ///
     /// # Cost
     /// Up to three square roots of 64 bits and three divisions of 64 by 32 bits.
-    pub fn speed(&self, before: &Direction<N>, after: &Direction<N>) -> u32 {
+    pub fn speed(&self, before: &Tangent<N>, after: &Tangent<N>) -> u32 {
         let [before, after] = [before.components(), after.components()];
         let mut change = [0_u32; N];
         let mut sum = [0_u32; N];

@@ -5,7 +5,6 @@
 
 mod timer;
 
-mod direction;
 mod durations;
 mod junction;
 mod look_ahead;
@@ -13,6 +12,7 @@ mod quotient;
 mod ramp;
 mod ring;
 mod stretch;
+mod tangent;
 
 mod axis_timers;
 mod bursts;
@@ -28,7 +28,6 @@ mod wide;
 
 pub use axis_timers::AxisTimers;
 pub use bursts::{Burst, Bursts, Replay};
-pub use direction::Direction;
 pub use durations::{mul_div, mul_div_q16, share, times};
 pub use follower::{Due, Follower};
 pub use junction::{Junction, arc_acceleration, arc_speed};
@@ -40,5 +39,6 @@ pub use s_curve::SCurve;
 pub use servo::{ServoLine, ServoMotion, ServoProfile, ServoSetPoint};
 pub use stretch::Stretch;
 pub use surface_speed::SurfaceSpeed;
+pub use tangent::Tangent;
 pub use timer::Timer;
 pub use trapezoid::Trapezoid;

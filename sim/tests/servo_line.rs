@@ -4,7 +4,7 @@
 mod common;
 
 use common::{ask, send, switch_on};
-use husillo_planner::{Direction, ServoLine};
+use husillo_planner::{ServoLine, Tangent};
 use husillo_sim::{DcMotorModel, SERVO_PERIOD_S, ServoNetwork};
 use husillo_transports::nmc::{Command, EVERY_GROUP, Gains, Group, Mode, Trajectory};
 use proptest::prelude::*;
@@ -56,7 +56,7 @@ struct Seen {
 /// As fast as 1200 counts/s and 6000 counts/s^2 per axis allow.
 fn go(chain: &mut ServoNetwork, from: [i32; 3], goal: [i32; 3]) -> Option<Seen> {
     let ways = [0, 1, 2].map(|axis| goal[axis] - from[axis]);
-    let direction = Direction::new(ways.map(i64::from))?;
+    let direction = Tangent::new(ways.map(i64::from))?;
     let velocity = f64::from(direction.speed_limit(&[1200; 3])) * SERVO_PERIOD_S * 65536.0;
     let acceleration = direction.acceleration_limit(&[6000; 3]) as f64 * SERVO_PERIOD_S.powi(2);
     let line = ServoLine::new(ways, velocity as u32, (acceleration * 65536.0) as u32)?;

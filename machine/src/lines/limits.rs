@@ -1,7 +1,7 @@
 //! Limits of the axes in the units of the planner.
 
 use husillo_gcode::PathMode;
-use husillo_planner::{Direction, Junction, Stretch, arc_acceleration, arc_speed, mul_div_q16};
+use husillo_planner::{Junction, Stretch, Tangent, arc_acceleration, arc_speed, mul_div_q16};
 
 use crate::Config;
 use crate::lines::tempo::Tempo;
@@ -59,12 +59,7 @@ impl<const N: usize> Limits<N> {
     }
 
     /// Highest speed from one move to the next.
-    pub(crate) fn junction(
-        &self,
-        mode: PathMode,
-        before: &Direction<N>,
-        after: &Direction<N>,
-    ) -> u32 {
+    pub(crate) fn junction(&self, mode: PathMode, before: &Tangent<N>, after: &Tangent<N>) -> u32 {
         let corner = match mode {
             PathMode::ExactStop => return 0,
             // Only straight continuations and tangents pass without a stop.
@@ -85,7 +80,7 @@ impl<const N: usize> Limits<N> {
 
     /// The move for the look-ahead, without its junction. `along` is its direction, or the
     /// direction of its start.
-    pub(crate) fn stretch(&self, tempo: &Tempo, along: &Direction<N>) -> Stretch {
+    pub(crate) fn stretch(&self, tempo: &Tempo, along: &Tangent<N>) -> Stretch {
         let hz = u64::from(self.timer_hz);
         // 2^32 nm/s is the largest speed of the planner.
         let speed = |ticks_q16: u64| match ticks_q16 {
@@ -139,7 +134,7 @@ impl<const N: usize> Limits<N> {
 }
 
 /// A direction whose components in a plane are combined in the first axis of the plane.
-fn unrolled<const N: usize>(along: &Direction<N>, first: usize, second: usize) -> Direction<N> {
+fn unrolled<const N: usize>(along: &Tangent<N>, first: usize, second: usize) -> Tangent<N> {
     let mut components = along.components();
     let of = |axis: usize| u64::from(components.get(axis).map_or(0, |of| of.unsigned_abs()));
     // Each is at most 2^30, so the sum of the squares is below 2^61.
@@ -151,7 +146,7 @@ fn unrolled<const N: usize>(along: &Direction<N>, first: usize, second: usize) -
     if let Some(component) = components.get_mut(first) {
         *component = size as i32;
     }
-    Direction::from_units(components)
+    Tangent::from_units(components)
 }
 
 fn nm(length: husillo_gcode::Nm) -> u32 {

@@ -2,7 +2,7 @@
 
 use husillo_gcode::{Command, Nm, PathMode};
 use husillo_interp::{Moves, Step};
-use husillo_planner::{Direction, LookAhead, Stretch, share};
+use husillo_planner::{LookAhead, Stretch, Tangent, share};
 
 use crate::lines::limits::Limits;
 use crate::lines::tangent::tangents;
@@ -52,7 +52,7 @@ pub(crate) struct Schedule<const N: usize, P, const QUEUE: usize> {
     mode: PathMode,
     programmed: [Nm; N],
     lattice: [i32; N],
-    direction: Option<Direction<N>>,
+    direction: Option<Tangent<N>>,
     /// Whether the last move belongs to a thread.
     is_thread: bool,
     /// Direction of the last step of each axis; 0 where it is unknown.

@@ -1,7 +1,7 @@
 //! Direction of a move at its start and at its end.
 
 use husillo_gcode::{Command, Direction as Turning};
-use husillo_planner::Direction;
+use husillo_planner::Tangent;
 
 use crate::Segment;
 use crate::lines::arc::in_plane;
@@ -13,7 +13,7 @@ use husillo_planner::mul_div;
 pub(crate) fn tangents<const N: usize>(
     segment: &Segment<N>,
     tempo: &Tempo,
-) -> Option<[Direction<N>; 2]> {
+) -> Option<[Tangent<N>; 2]> {
     let to = match &segment.command {
         Command::Rapid { to }
         | Command::Linear { to, .. }
@@ -27,7 +27,7 @@ pub(crate) fn tangents<const N: usize>(
         *way = to.0.saturating_sub(from.0);
     }
     let (Command::Arc { arc, .. }, Some(round)) = (&segment.command, &tempo.round) else {
-        return Direction::new(straight).map(|direction| [direction; 2]);
+        return Tangent::new(straight).map(|direction| [direction; 2]);
     };
     let flat = in_plane(&segment.from, arc);
     let tangent = |[x, y]: [i64; 2], size: u64| {
@@ -49,7 +49,7 @@ pub(crate) fn tangents<const N: usize>(
                 };
             }
         }
-        Direction::new(way)
+        Tangent::new(way)
     };
     let ([start, end], [start_radius, end_radius]) = (flat.spokes(), flat.radii());
     Some([tangent(start, start_radius)?, tangent(end, end_radius)?])

@@ -2,7 +2,7 @@
 
 use super::head::Head;
 use super::port::Port;
-use husillo_planner::Direction;
+use husillo_planner::Tangent;
 
 /// The reaction of a move outside of a search to a contact. In both cases the contact is a
 /// collision, and all axes stop. Each module stops its own axis without the host.
@@ -26,7 +26,7 @@ impl<P: Port> Head<P> {
             distances[coordinate] = goal.saturating_sub(axis.held);
             accelerations[coordinate] = axis.settings.acceleration.into();
         }
-        let Some(direction) = Direction::new(distances.map(i64::from)) else {
+        let Some(direction) = Tangent::new(distances.map(i64::from)) else {
             // Nothing moves.
             return u32::MAX;
         };

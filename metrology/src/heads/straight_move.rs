@@ -8,7 +8,7 @@ use super::servo::Servo;
 use super::settling::SETTLING_US;
 use super::wiring::End;
 use crate::trouble::Trouble;
-use husillo_planner::{Direction, ServoLine};
+use husillo_planner::{ServoLine, Tangent};
 use husillo_transports::nmc::{Command, EVERY_GROUP, Failure, Homing, Mode, Reply, Trajectory};
 
 /// How often a start command is sent if no module follows it.
@@ -175,7 +175,7 @@ impl<P: Port> Head<P> {
             rates[coordinate] = axis.rate(self.probe.rate);
             accelerations[coordinate] = axis.settings.acceleration.into();
         }
-        let direction = Direction::new(distances.map(i64::from))?;
+        let direction = Tangent::new(distances.map(i64::from))?;
         let rate = direction.speed_limit(&rates).min(rate.unwrap_or(u32::MAX));
         let acceleration = direction.acceleration_limit(&accelerations);
         let (velocity, acceleration) = per_period(rate, acceleration, self.period_s);

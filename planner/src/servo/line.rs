@@ -1,6 +1,6 @@
 //! Straight moves of axes on independent modules.
 
-use crate::direction::Direction;
+use crate::tangent::Tangent;
 
 /// Velocities and accelerations have 31 bits.
 const LARGEST: u32 = i32::MAX as u32;
@@ -67,12 +67,12 @@ impl<const N: usize> ServoLine<N> {
     /// path. Both are taken as at least 1 and at most 2^31 - 1. Returns `None` when all distances
     /// are 0. `N` is at most 15.
     ///
-    /// For the highest path velocity within the limits of the axes see [`Direction::speed_limit`].
+    /// For the highest path velocity within the limits of the axes see [`Tangent::speed_limit`].
     ///
     /// # Cost
     /// No division of more than 64 bits; up to 65 divisions and 32 products of 128 bits per axis.
     pub fn new(distances: [i32; N], path_velocity: u32, path_acceleration: u32) -> Option<Self> {
-        let direction = Direction::new(distances.map(i64::from))?;
+        let direction = Tangent::new(distances.map(i64::from))?;
         let counts = distances.iter().map(|way| way.unsigned_abs()).max()?;
         let part = direction
             .components()

@@ -1,6 +1,6 @@
 //! Directions and corners compared with floating point.
 
-use husillo_planner::{Direction, Junction, arc_acceleration, arc_speed};
+use husillo_planner::{Junction, Tangent, arc_acceleration, arc_speed};
 use proptest::prelude::*;
 
 const UNIT: f64 = (1 << 30) as f64;
@@ -11,7 +11,7 @@ fn vector() -> impl Strategy<Value = [i64; 3]> {
         .prop_map(|(vector, shift)| vector.map(|component| component >> shift))
 }
 
-fn float(direction: &Direction<3>) -> [f64; 3] {
+fn float(direction: &Tangent<3>) -> [f64; 3] {
     direction
         .components()
         .map(|component| f64::from(component) / UNIT)
@@ -30,7 +30,7 @@ proptest! {
     #[test]
     fn directions_are_right(vector in vector()) {
         let exact = vector.map(|component| component as f64);
-        let Some(direction) = Direction::new(vector) else {
+        let Some(direction) = Tangent::new(vector) else {
             prop_assert_eq!(vector, [0; 3]);
             return Ok(());
         };
@@ -46,7 +46,7 @@ proptest! {
         vector in vector(),
         axes in prop::array::uniform3(1_000_u64..1 << 32),
     ) {
-        let Some(direction) = Direction::new(vector) else { return Ok(()) };
+        let Some(direction) = Tangent::new(vector) else { return Ok(()) };
         let parts = float(&direction).map(f64::abs);
         let exact = axes
             .iter()
@@ -68,14 +68,14 @@ proptest! {
         deviation in 10_u32..1_000_000,
         accelerations in prop::array::uniform3(1_000_000_u64..100_000_000_000),
     ) {
-        let Some(before) = Direction::new(from) else { return Ok(()) };
+        let Some(before) = Tangent::new(from) else { return Ok(()) };
         let turn = turn.map(|component| component * 10_f64.powf(angle));
         let to: Vec<i64> = float(&before)
             .iter()
             .zip(turn)
             .map(|(from, turn)| ((from + turn) * 1e15) as i64)
             .collect();
-        let Some(after) = Direction::new([to[0], to[1], to[2]]) else { return Ok(()) };
+        let Some(after) = Tangent::new([to[0], to[1], to[2]]) else { return Ok(()) };
         let [a, b] = [float(&before), float(&after)];
         let change: [f64; 3] = std::array::from_fn(|axis| b[axis] - a[axis]);
         let sum: [f64; 3] = std::array::from_fn(|axis| b[axis] + a[axis]);
@@ -129,8 +129,8 @@ proptest! {
         times in 1_i64..1000,
         jump in any::<u32>(),
     ) {
-        let Some(before) = Direction::new(vector) else { return Ok(()) };
-        let after = Direction::new(vector.map(|component| component * times)).unwrap();
+        let Some(before) = Tangent::new(vector) else { return Ok(()) };
+        let after = Tangent::new(vector.map(|component| component * times)).unwrap();
         let corner = Junction {
             jump_nm_per_s: Some([jump; 3]),
             deviation_nm: Some(20_000),

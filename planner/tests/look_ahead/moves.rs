@@ -1,6 +1,6 @@
 //! Random and regular lists of moves.
 
-use husillo_planner::{Direction, Junction, Stretch};
+use husillo_planner::{Junction, Stretch, Tangent};
 use proptest::prelude::*;
 
 /// A move with its events.
@@ -47,11 +47,11 @@ pub fn corners() -> Junction<2> {
 pub fn polyline(points: &[([i64; 2], u32)]) -> Vec<Move> {
     let corners = corners();
     let mut from = [0; 2];
-    let mut last: Option<Direction<2>> = None;
+    let mut last: Option<Tangent<2>> = None;
     let mut moves = Vec::new();
     for (to, feed) in points {
         let delta = [to[0] - from[0], to[1] - from[1]];
-        let Some(direction) = Direction::new(delta) else {
+        let Some(direction) = Tangent::new(delta) else {
             continue;
         };
         let length = (delta[0] as f64).hypot(delta[1] as f64);

@@ -3,8 +3,8 @@
 use core::hint::black_box;
 
 use husillo_planner::{
-    AxisTimers, Burst, Bursts, Direction, Follower, Junction, LookAhead, Piece, Ramp, Recurrence,
-    Replay, SCurve, ServoLine, ServoProfile, Stretch, SurfaceSpeed, Timer, Trapezoid,
+    AxisTimers, Burst, Bursts, Follower, Junction, LookAhead, Piece, Ramp, Recurrence, Replay,
+    SCurve, ServoLine, ServoProfile, Stretch, SurfaceSpeed, Tangent, Timer, Trapezoid,
     arc_acceleration, arc_speed, mul_div, mul_div_q16, share, times,
 };
 
@@ -63,12 +63,12 @@ fn path() {
         Ramp::is_held as *const (),
         Ramp::stop as *const (),
         Ramp::speed_nm_per_s as *const (),
-        Direction::<3>::new as *const (),
-        Direction::<3>::from_units as *const (),
-        Direction::<3>::components as *const (),
-        Direction::<3>::reversed as *const (),
-        Direction::<3>::speed_limit as *const (),
-        Direction::<3>::acceleration_limit as *const (),
+        Tangent::<3>::new as *const (),
+        Tangent::<3>::from_units as *const (),
+        Tangent::<3>::components as *const (),
+        Tangent::<3>::reversed as *const (),
+        Tangent::<3>::speed_limit as *const (),
+        Tangent::<3>::acceleration_limit as *const (),
         Junction::<3>::speed as *const (),
         arc_speed as *const (),
         arc_acceleration as *const (),

@@ -3,8 +3,8 @@
 use core::hint::black_box;
 
 use husillo_planner::{
-    AxisTimers, Burst, Bursts, Direction, Follower, Junction, Limits, LookAhead, Ramp, Rates,
-    Stretch, Timer, Trapezoid,
+    AxisTimers, Burst, Bursts, Follower, Junction, Limits, LookAhead, Ramp, Rates, Stretch,
+    Tangent, Timer, Trapezoid,
 };
 
 use crate::{Count, time};
@@ -177,7 +177,7 @@ fn junction(count: Count<'_>) {
     count("direction_and_junction", MOVES, &mut || {
         let mut last = None;
         for distance in distances.iter().cycle().take(MOVES as usize) {
-            let Some(direction) = Direction::new(*black_box(distance)) else {
+            let Some(direction) = Tangent::new(*black_box(distance)) else {
                 return;
             };
             black_box(direction.speed_limit(&[100_000_000; 3]));

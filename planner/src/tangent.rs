@@ -5,21 +5,21 @@ use crate::quotient::quotient;
 /// The value of 1.0 in a unit vector.
 pub(crate) const ONE: u32 = 1 << 30;
 
-/// A direction in `N` axes: a unit vector in units of 2^-30. `N` is at most 15.
+/// The direction of a path in `N` axes: a unit vector in units of 2^-30. `N` is at most 15.
 ///
 /// # Examples
 /// ```
-/// use husillo_planner::Direction;
+/// use husillo_planner::Tangent;
 ///
-/// let slope = Direction::new([3_000, 4_000]).unwrap();
+/// let slope = Tangent::new([3_000, 4_000]).unwrap();
 /// assert_eq!(slope.speed_limit(&[6_000_000, 16_000_000]), 10_000_000); // X has its 6 mm/s
-/// assert_eq!(Direction::<2>::new([0, 0]), None);
+/// assert_eq!(Tangent::<2>::new([0, 0]), None);
 /// ```
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Direction<const N: usize>([i32; N]);
+pub struct Tangent<const N: usize>([i32; N]);
 
-impl<const N: usize> Direction<N> {
+impl<const N: usize> Tangent<N> {
     /// Returns the direction of a vector of any length and unit; `None` when the vector is zero.
     ///
     /// Each component is accurate to 2 units of 2^-30.
