@@ -44,7 +44,7 @@ pub struct Placement {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PlacementError {
     /// A position is beyond the range of coordinates.
-    Far,
+    OutOfRange,
     /// There is one reference, which does not determine the turn.
     OneReference,
     /// All references are within a millimetre.
@@ -60,7 +60,7 @@ pub enum PlacementError {
 impl fmt::Display for PlacementError {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Far => out.write_str("the board is moved out of reach"),
+            Self::OutOfRange => out.write_str("the board is moved out of reach"),
             Self::OneReference => out.write_str("one reference does not determine the turn"),
             Self::NearReferences => {
                 out.write_str("the reference holes are less than a millimetre apart")
@@ -215,7 +215,7 @@ impl Placement {
 }
 
 fn move_all(map: &Affine, board: &mut Board) -> Result<(), PlacementError> {
-    let far = PlacementError::Far;
+    let far = PlacementError::OutOfRange;
     for hole in &mut board.holes {
         hole.at_nm = map.place(hole.at_nm).ok_or(far)?;
     }

@@ -76,7 +76,7 @@ fn placement(args: &Layout) -> Result<Placement, String> {
 /// An error with the option that mends it.
 pub(super) fn explained(error: &PlacementError) -> String {
     match error {
-        PlacementError::Far => format!("{error}: see --shift, --turn and --reference"),
+        PlacementError::OutOfRange => format!("{error}: see --shift, --turn and --reference"),
         PlacementError::OneReference => {
             "one --reference does not determine the turn: give two, or use --shift".into()
         }
