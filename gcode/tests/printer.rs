@@ -146,6 +146,8 @@ fn homing_takes_axes_with_and_without_values() {
         ("N7 G28 X Y", "X0 Y0 Z7 E8"),
         ("g28 z0 (top)", "X5 Y6 Z0 E8"),
         ("G28 X0 Y0", "X0 Y0 Z7 E8"),
+        ("G28 (the bed (not X) first) Z", "X5 Y6 Z0 E8"),
+        ("G28 W (no levelling) ; X", "X0 Y0 Z0 E8"),
     ] {
         assert_eq!(run(&[go, home])[1], format!("rapid {end}"), "{home}");
     }

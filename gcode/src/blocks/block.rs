@@ -15,6 +15,8 @@ use crate::error::{Error, ErrorKind};
 use crate::features::EXTENDED;
 use crate::values::decimal::Decimal;
 use crate::values::nm::{Measure, Nm};
+#[cfg(feature = "extended")]
+use crate::words::comment::comment_within;
 use crate::words::word::{Word, words};
 
 /// The letters that are never negative; `NUMBERS` are those that number something.
@@ -181,9 +183,18 @@ impl Block {
     /// The letters X, Y and Z of G28, whatever their values; others are ignored.
     #[cfg(feature = "extended")]
     fn take_homed(&mut self, text: &[u8], from: usize) {
+        let mut behind_comment = from;
         for (at, byte) in (0..text.len()).zip(text).skip(from) {
+            if at < behind_comment {
+                continue;
+            }
             match byte.to_ascii_uppercase() {
-                b';' | b'(' | b'*' => return,
+                b';' | b'*' => return,
+                b'(' => match comment_within(text.get(at..).unwrap_or_default(), false) {
+                    // Both are lengths of parts of the text.
+                    Ok(length) => behind_comment = at.saturating_add(length),
+                    Err(_) => return,
+                },
                 letter @ (b'X' | b'Y' | b'Z') => {
                     let slot = usize::from(slot_of(letter));
                     self.present |= bit(letter);
