@@ -60,9 +60,11 @@ fn blocks(line: &[u8], dialect: &Dialect) -> Vec<Result<(String, bool), ErrorKin
         let block = Block::parse(text, dialect).map_err(|error| error.kind)?;
         let words = (b'A'..=b'Z').filter_map(|letter| {
             let value = block.word(letter)?.to_string();
-            // The normal form keeps the sign of a zero for rotary axes only.
+            // The normal form keeps the sign of a zero for rotary axes only. A printer stores its E
+            // at one of their letters.
             let is_zero = value.bytes().all(|byte| matches!(byte, b'-' | b'0' | b'.'));
-            let is_signed = matches!(letter, b'A'..=b'C') || !is_zero;
+            let is_rotary = matches!(letter, b'A'..=b'C') && dialect.axes().index(letter).is_some();
+            let is_signed = is_rotary || !is_zero;
             let value = if is_signed {
                 &value
             } else {
