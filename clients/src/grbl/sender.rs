@@ -231,6 +231,10 @@ impl Sender {
         while !matches!(self.session.state(), Some(State::Idle | State::Check)) {
             self.intervene(operator)?;
             self.hear(&[], operator)?;
+            if self.session.state() == Some(State::Alarm) {
+                let stands = self.session.stands();
+                return Err(format!("the controller is locked by an alarm; {stands}"));
+            }
         }
         Ok(())
     }

@@ -110,7 +110,12 @@ impl Session {
                 return Err("no answer: check the cable, the rate and the power".into());
             }
         }
-        if self.is_in_motion() {
+        // A held controller answers no line before it goes on.
+        let is_held = matches!(
+            self.state(),
+            Some(State::Hold(_) | State::Door(_) | State::Sleep)
+        );
+        if is_held || self.is_in_motion() {
             return Ok(());
         }
         // The beginning of a line from elsewhere is refused, or does nothing: it has no end.
@@ -118,7 +123,7 @@ impl Session {
         loop {
             match self.turn()? {
                 Some(Heard::Ok | Heard::Refused(_)) => return self.fresh_status().map(|_| ()),
-                _ if self.state() == Some(State::Sleep) => return Ok(()),
+                _ if self.is_stopped() => return Err("interrupted: nothing was sent".into()),
                 _ => {}
             }
         }

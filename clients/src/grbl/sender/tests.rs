@@ -193,6 +193,23 @@ fn a_single_block_may_end_the_program() {
     assert!(why.starts_with("line 5: stopped before G1 X0.3"), "{why}");
 }
 
+/// A held controller answers no line. It is named, and a stop ends the hold.
+#[test]
+fn a_held_controller_is_named() {
+    let mut sender = sender(Pacing::Counted, StopRequests::default());
+    let session = sender.session();
+    session.put(b"G91 G1 X5 F600\n").unwrap();
+    for _ in 0..20 {
+        session.turn().unwrap();
+    }
+    session.put(b"!").unwrap();
+    while session.fresh_status().unwrap().state != State::Hold(false) {}
+    assert_eq!(session.begin(), Ok(()), "it does not wait for an answer");
+    assert_eq!(session.state(), Some(State::Hold(false)));
+    assert_eq!(session.stand(), Ok(()));
+    assert_eq!(session.state(), Some(State::Idle));
+}
+
 /// A killed program leaves part of a line, or lines that are being made.
 #[test]
 fn a_session_begins_after_a_killed_program() {
