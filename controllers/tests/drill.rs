@@ -365,8 +365,8 @@ fn a_home_switch_that_sticks_is_no_home() {
     }
 }
 
-/// A sensor of Z that sticks closed at any height is found. X and Y never move with the bit deep, no
-/// hole counts that is not whole, and a reset without a repair moves neither X nor Y.
+/// A sensor of Z that sticks closed at any height is found. X and Y never move with the bit deep,
+/// no hole counts that is not whole, and a reset without a repair moves neither X nor Y.
 #[test]
 fn a_sensor_of_z_that_sticks_is_found() {
     let heights = (0..=Bench::STROKE).flat_map(|at| [(at, false), (at, true)]);

@@ -69,7 +69,8 @@ impl DrillConfig {
 
     /// The same machine with the errors and omissions of the original corrected.
     pub const FIXED: DrillConfig = DrillConfig {
-        // The original states 35 mm, which are 3745 steps, as a whole number: 1 mm is the tolerance.
+        // The original states 35 mm, which are 3745 steps, in whole millimetres. The tolerance of
+        // 1 mm is chosen by this project.
         shortest_stroke_steps: Some(3638),
         travel_steps: [23_540, 4_815],
         // A motor with four phases loses steps in multiples of four.
