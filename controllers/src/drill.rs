@@ -4,6 +4,7 @@ mod config;
 mod event;
 mod lease;
 mod lights;
+mod stroke;
 mod task;
 
 pub use config::DrillConfig;
@@ -15,6 +16,7 @@ use husillo_transports::drill::{Axis, Device, MachineState, Order};
 use husillo_machine::StepEvent;
 
 use crate::controller::{Controller, Timed};
+use stroke::Stroke;
 use task::{Next, Task};
 
 /// Index of Z among the motors.
@@ -34,8 +36,9 @@ const Z: usize = 2;
 /// After a reset the drill homes Z, Y and X and sends `B`. Positions are steps from home. X moves,
 /// then Y, then Z drills from the upper sensor to the lower one and back. A switch causes a
 /// [`DrillFault`] if it does not close within the longest search, closes too early, or is open at
-/// zero. The spindle then stops, and nothing moves until a reset. A link with extras sends `!` and
-/// then stays silent.
+/// zero. A sensor of Z also causes one if it is closed where the steps of Z
+/// say it cannot be. The spindle then stops, and nothing moves until a reset. A link with extras
+/// sends `!` and then stays silent.
 ///
 /// # Cost
 /// An event takes some comparisons. A record of the program also takes two copies of bytes. The
@@ -78,6 +81,7 @@ pub struct Drill<const N: usize> {
     report: Option<DrillReport>,
     /// The sensors of Z at the last event: up, down.
     sees_z: [bool; 2],
+    stroke: Stroke,
     is_homing: bool,
     /// Whether the lamp of the heartbeat is lit, and whether a wait for its change was given.
     heartbeat: bool,
@@ -172,6 +176,7 @@ impl<const N: usize> Drill<N> {
             spindle: [true, false],
             report: None,
             sees_z: [false; 2],
+            stroke: Stroke::UNKNOWN,
             is_homing: false,
             heartbeat: false,
             waits_for_heartbeat: false,
@@ -186,6 +191,7 @@ impl<const N: usize> Drill<N> {
         self.is_homed = false;
         self.spindle = [true, false];
         self.report = None;
+        self.stroke = Stroke::UNKNOWN;
         self.is_homing = false;
         self.waits_for_heartbeat = false;
     }
@@ -375,6 +381,7 @@ impl<const N: usize> Drill<N> {
             }
             Task::Down { left, is_whole } => self.lower(left, is_whole, inputs),
             Task::Up { left, next } => self.lift(left, next, inputs),
+            Task::OpenUp { left, next } => self.open_up(left, next, inputs),
             Task::JogZ { left } => self.jog_z(left, inputs),
         }
     }
@@ -524,7 +531,7 @@ impl<const N: usize> Drill<N> {
 
     /// Moves down to the depth or the lower sensor, whichever comes first.
     fn lower(&mut self, left: u16, is_whole: bool, inputs: &DrillInputs) -> Option<DrillEvent> {
-        if self.switch_by_hole(true) {
+        if self.finds_stuck_sensor(inputs, false) || self.switch_by_hole(true) {
             return None;
         }
         let is_deep = left == 0 && !is_whole;
@@ -537,11 +544,21 @@ impl<const N: usize> Drill<N> {
             return None;
         };
         self.task = Task::Down { left, is_whole };
-        self.step(Z, 1)
+        self.step_z(1)
     }
 
     fn lift(&mut self, left: u16, next: Next, inputs: &DrillInputs) -> Option<DrillEvent> {
+        if self.finds_stuck_sensor(inputs, true) {
+            return None;
+        }
         if next == Next::Home && self.switch_by_hole(false) {
+            return None;
+        }
+        if inputs.is_up && self.doubts_upper_sensor() {
+            self.task = Task::OpenUp {
+                left: self.config.back_off_steps,
+                next,
+            };
             return None;
         }
         if inputs.is_up {
@@ -562,7 +579,7 @@ impl<const N: usize> Drill<N> {
             return None;
         };
         self.task = Task::Up { left, next };
-        self.step(Z, -1)
+        self.step_z(-1)
     }
 
     /// Switches the spindle if the controller is responsible for it. Returns `true` if the next
@@ -578,6 +595,9 @@ impl<const N: usize> Drill<N> {
 
     /// Jogs Z between the sensors.
     fn jog_z(&mut self, left: i16, inputs: &DrillInputs) -> Option<DrillEvent> {
+        if self.finds_stuck_sensor(inputs, left < 0) {
+            return None;
+        }
         let is_at_end = match left.signum() {
             1 => inputs.is_down,
             -1 => inputs.is_up,
@@ -595,7 +615,7 @@ impl<const N: usize> Drill<N> {
         self.task = Task::JogZ {
             left: left.wrapping_sub(direction),
         };
-        self.step(Z, if direction > 0 { 1 } else { -1 })
+        self.step_z(if direction > 0 { 1 } else { -1 })
     }
 
     fn step(&self, axis: usize, direction: i8) -> Option<DrillEvent> {

@@ -11,6 +11,7 @@ fn config(rules: Rules) -> DrillConfig {
         back_off_steps: 3,
         search_steps: 40,
         stroke_steps: 9,
+        shortest_stroke_steps: rules.has_extras.then_some(6),
         travel_steps: [500, 400],
         spindle_by_hole: !rules.has_extras,
         rules,
@@ -129,14 +130,22 @@ struct Bench {
     answers: Vec<u8>,
     drilled: usize,
     deepest: i32,
+    /// A sensor of Z that sticks closed: 0 for the upper one, 1 for the lower one, the height at
+    /// which it begins, and whether Z rises then.
+    sticks: Option<(usize, i32, bool)>,
+    is_stuck: bool,
 }
 
 impl Bench {
     const STROKE: i32 = 400;
 
+    const BACK_OFF: i32 = 60;
+
     fn homed() -> Self {
         let config = DrillConfig {
+            back_off_steps: Self::BACK_OFF as u16,
             stroke_steps: 1000,
+            shortest_stroke_steps: Some(Self::STROKE as u16 - 3),
             ..DrillConfig::FIXED
         };
         let mut bench = Bench {
@@ -147,6 +156,8 @@ impl Bench {
             answers: Vec::new(),
             drilled: 0,
             deepest: 0,
+            sticks: None,
+            is_stuck: false,
         };
         while bench.go() {}
         assert_eq!(bench.answers, b"B");
@@ -156,10 +167,11 @@ impl Bench {
 
     fn inputs(&self) -> DrillInputs {
         let [x, y, z] = self.place;
+        let sticks = |number| self.is_stuck && self.sticks.is_some_and(|(at, ..)| at == number);
         DrillInputs {
             home: [x <= 0, y <= 0],
-            is_up: z <= 0,
-            is_down: z >= Self::STROKE,
+            is_up: z <= 0 || sticks(0),
+            is_down: z >= Self::STROKE || sticks(1),
         }
     }
 
@@ -188,6 +200,10 @@ impl Bench {
 
     /// The next event, or the end of the lease before it. `false`: the drill is idle.
     fn go(&mut self) -> bool {
+        self.event() != DrillEvent::Idle
+    }
+
+    fn event(&mut self) -> DrillEvent {
         let event = self.drill.next_event(&self.inputs());
         let wait_us = match event {
             DrillEvent::Step(step) => u64::from(step.wait_ticks),
@@ -204,6 +220,12 @@ impl Bench {
             for (place, delta) in self.place.iter_mut().zip(step.delta) {
                 *place += i32::from(delta);
             }
+            let [.., z] = self.place;
+            self.is_stuck |= self.sticks.is_some_and(|(_, at, rises)| match step.delta {
+                [.., 1] => !rises && z >= at,
+                [.., -1] => rises && z <= at,
+                _ => false,
+            });
         }
         self.deepest = self.deepest.max(self.place[2]);
         self.drilled += usize::from(matches!(
@@ -212,7 +234,7 @@ impl Bench {
         ));
         self.answers
             .extend(std::iter::from_fn(|| self.drill.transmit()));
-        event != DrillEvent::Idle
+        event
     }
 }
 
@@ -340,5 +362,90 @@ fn a_home_switch_that_sticks_is_no_home() {
             assert_eq!(fault, DrillFault::StillClosed { axis: number });
             assert!(!drill.is_homed());
         }
+    }
+}
+
+/// A sensor of Z that sticks closed at any height is found. X and Y never move with the bit deep,
+/// no hole counts that is not whole, and a reset without a repair moves neither X nor Y.
+#[test]
+fn a_sensor_of_z_that_sticks_is_found() {
+    let heights = (0..=Bench::STROKE).flat_map(|at| [(at, false), (at, true)]);
+    for (sensor, (at, rises)) in [0, 1]
+        .into_iter()
+        .flat_map(|n| heights.clone().map(move |h| (n, h)))
+    {
+        let context = format!("sensor {sensor} at {at}, rises: {rises}");
+        let mut bench = Bench::homed();
+        bench.say(PROGRAM);
+        bench.sticks = Some((sensor, at, rises));
+        bench.hear(b'e');
+        let (mut faults, mut drilled) = (0, 0);
+        loop {
+            let event = bench.event();
+            match event {
+                DrillEvent::Idle => break,
+                DrillEvent::Step(step) if step.delta[2] == 0 => {
+                    assert!(
+                        bench.place[2] <= Bench::BACK_OFF,
+                        "{context}: {:?}",
+                        bench.place
+                    );
+                }
+                DrillEvent::Report(DrillReport::Fault(_)) => faults += 1,
+                DrillEvent::Report(DrillReport::Drilled { .. }) => {
+                    assert!(
+                        bench.deepest >= Bench::STROKE - 3,
+                        "{context}: {}",
+                        bench.deepest
+                    );
+                    (bench.deepest, drilled) = (0, drilled + 1);
+                }
+                _ => {}
+            }
+        }
+        assert!(
+            faults == 1 && drilled < 2,
+            "{context}: {faults} faults, {drilled} holes"
+        );
+        assert!(
+            !bench.drill.spindle_turns() && !bench.drill.is_homed(),
+            "{context}"
+        );
+        assert_eq!(bench.answers.last(), Some(&b'!'), "{context}");
+        // The button alone repairs nothing.
+        let table = bench.place[..2].to_vec();
+        bench.answers.clear();
+        bench.drill.reset();
+        while bench.go() {}
+        assert_eq!(bench.place[..2], table, "{context}");
+        assert!(!bench.drill.is_homed(), "{context}");
+        // The sensor is repaired.
+        (bench.sticks, bench.is_stuck) = (None, false);
+        bench.answers.clear();
+        bench.drill.reset();
+        while bench.go() {}
+        assert_eq!(
+            (bench.answers.as_slice(), bench.place),
+            (&b"B"[..], [0; 3]),
+            "{context}"
+        );
+    }
+}
+
+/// A jog of Z finds a sensor that sticks closed.
+#[test]
+fn a_jog_finds_a_sensor_of_z_that_sticks() {
+    for (before, begins, sticks) in [
+        (&b"M\xff"[..], b'L', (0, 30, false)),
+        (b"M\xff", b'L', (1, 100, false)),
+        (b"M\xffL", b'U', (0, 150, true)),
+        (b"M\xffLL", b'U', (1, 200, true)),
+    ] {
+        let mut bench = Bench::homed();
+        bench.say(before);
+        bench.sticks = Some(sticks);
+        bench.hear(begins);
+        while bench.go() {}
+        assert_eq!(bench.answers.last(), Some(&b'!'), "{sticks:?}");
     }
 }

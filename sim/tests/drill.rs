@@ -2,7 +2,7 @@
 
 mod drilling;
 
-use drilling::{BOARD, Bench, events, quick, records};
+use drilling::{BOARD, Bench, STROKE, events, quick, records};
 use husillo_controllers::{Drill, DrillConfig, DrillFault, DrillReport};
 use husillo_sim::device::Emulation;
 use husillo_sim::device::drill::Device;
@@ -35,6 +35,7 @@ fn a_hole_is_where_it_should_be() {
     for config in [DrillConfig::ORIGINAL, DrillConfig::FIXED] {
         let mut bench = Bench::<64>::new(DrillConfig {
             stroke_steps: 20,
+            shortest_stroke_steps: config.shortest_stroke_steps.map(|_| STROKE),
             ..config
         });
         bench.all(&[Step::Test]);
@@ -134,6 +135,8 @@ fn a_switch_that_does_not_come_is_a_fault() {
     ];
     for (switch, closed, fault) in faults {
         let mut bench = Bench::<64>::new(DrillConfig {
+            // Z, which has passed its sensor, must leave it within this distance.
+            back_off_steps: 30,
             search_steps: 200,
             ..quick(Rules::FIXED)
         });

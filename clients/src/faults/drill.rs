@@ -4,7 +4,8 @@ use super::{Bench, Fault, State, Subject};
 use crate::drill::{Action, Axis, Client, End, Hand, Operator, Part, Sender, sentence};
 use crate::{StopRequests, Wire};
 use husillo_gcode::Nm;
-use husillo_sim::device::drill::Device;
+use husillo_sim::DrilledHole;
+use husillo_sim::device::drill::{Device, STROKE_STEPS};
 use husillo_transports::drill::Record;
 use std::time::Duration;
 
@@ -21,6 +22,8 @@ pub struct Drill {
     /// `None`: a program runs, or has run.
     hand: Option<Hand>,
     client: Option<Client>,
+    /// Whether the program is reported as drilled.
+    is_drilled: bool,
 }
 
 /// An operator who looks on.
@@ -72,7 +75,10 @@ impl Drill {
         let end = sender.send(false);
         self.client = Some(sender.client);
         match end? {
-            End::Drilled => Ok("drilled".into()),
+            End::Drilled => {
+                self.is_drilled = true;
+                Ok("drilled".into())
+            }
             end => Err(sentence(&end, "send BOARD", HOLES.len())),
         }
     }
@@ -100,6 +106,16 @@ impl Subject for Drill {
             "open down",
             &["free down", "reset"],
         ),
+        Fault::new(
+            "upper sensor stuck closed",
+            "close up",
+            &["free up", "reset"],
+        ),
+        Fault::new(
+            "lower sensor stuck closed",
+            "close down",
+            &["free down", "reset"],
+        ),
         Fault::new("motor X stalled", "block x", &["unblock x", "reset"]).unnoticed(),
         Fault::new("motor Z stalled", "block z", &["unblock z", "reset"]),
     ];
@@ -110,6 +126,7 @@ impl Subject for Drill {
         let mut machine = Self {
             hand: None,
             client: None,
+            is_drilled: false,
         };
         let mut hand = Hand::new(client, |_, _| Ok(()));
         if state != State::FirstHoming {
@@ -143,10 +160,24 @@ impl Subject for Drill {
     }
 
     fn is_true(&mut self) -> bool {
-        let is_right_hole = |at: [i32; 2]| HOLES.iter().any(|hole| hole.map(i32::from) == at);
+        let is_drilled = self.is_drilled;
         let rig = self.device().rig(0).unwrap();
         let [x, y, _] = rig.place();
-        let holes_are_right = rig.holes().iter().all(|hole| is_right_hole(hole.at));
+        if rig.dragged_steps() > 0 {
+            return false;
+        }
+        let whole = HOLES.map(|at| DrilledHole {
+            at: at.map(i32::from),
+            depth: STROKE_STEPS.into(),
+            is_clean: true,
+        });
+        // Work that has ended early leaves a part of the holes.
+        let is_place = |at: [i32; 2]| whole.iter().any(|hole| hole.at == at);
+        let holes_are_right = if is_drilled {
+            rig.holes() == whole
+        } else {
+            rig.holes().iter().all(|hole| is_place(hole.at))
+        };
         let Some(hand) = &mut self.hand else {
             return holes_are_right;
         };

@@ -16,6 +16,11 @@ pub struct DrillConfig {
     pub search_steps: u32,
     /// Longest distance of Z between the sensors, in steps.
     pub stroke_steps: u16,
+    /// Shortest distance of Z between the sensors, in steps. A lower sensor that closes before, an
+    /// upper sensor that is closed more than [`back_off_steps`](Self::back_off_steps) below the
+    /// point where it closed, and both closed at once are faults. `None`: not checked, as in the
+    /// original.
+    pub shortest_stroke_steps: Option<u16>,
     /// Last step of X and Y. A jog ends there, and a record beyond it is a fault. `u16::MAX`: no
     /// limit, as in the original.
     pub travel_steps: [u16; 2],
@@ -52,6 +57,7 @@ impl DrillConfig {
         back_off_steps: 1070,
         search_steps: 47_080,
         stroke_steps: 7490,
+        shortest_stroke_steps: None,
         travel_steps: [u16::MAX; 2],
         switch_play_steps: None,
         raises_first: false,
@@ -63,6 +69,9 @@ impl DrillConfig {
 
     /// The same machine with the errors and omissions of the original corrected.
     pub const FIXED: DrillConfig = DrillConfig {
+        // The original states 35 mm, which are 3745 steps, in whole millimetres. The tolerance of
+        // 1 mm is chosen by this project.
+        shortest_stroke_steps: Some(3638),
         travel_steps: [23_540, 4_815],
         // A motor with four phases loses steps in multiples of four.
         switch_play_steps: Some(3),

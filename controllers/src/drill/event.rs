@@ -69,6 +69,13 @@ pub enum DrillFault {
     NotUp,
     /// The lower sensor did not see the spindle within the longest stroke.
     NotDown,
+    /// The upper sensor is closed although Z is deep, or does not open when Z leaves it. It sticks,
+    /// or Z does not move.
+    UpClosed,
+    /// The lower sensor is closed although Z is above it.
+    DownClosed,
+    /// Both sensors of Z are closed, and the position of Z is not known.
+    BothClosed,
     /// A home switch closed too far from zero, or did not close at zero: steps were lost.
     LostSteps {
         /// 0 for X, 1 for Y.

@@ -36,10 +36,11 @@ impl<const N: usize> Drill<N> {
             }
             Task::Up { left, next } => Task::Up {
                 left,
-                next: match next {
-                    Next::Drilled => next,
-                    Next::Home | Next::Go { .. } | Next::Rest => Next::Rest,
-                },
+                next: next.without_host(),
+            },
+            Task::OpenUp { left, next } => Task::OpenUp {
+                left,
+                next: next.without_host(),
             },
             Task::Idle | Task::Return { .. } | Task::Fault => self.task,
         };

@@ -65,7 +65,7 @@ impl<const N: usize> Drill<N> {
         let axis = axis_of(&self.task);
         let z_moves = matches!(
             self.task,
-            Task::Down { .. } | Task::Up { .. } | Task::JogZ { .. }
+            Task::Down { .. } | Task::Up { .. } | Task::OpenUp { .. } | Task::JogZ { .. }
         );
         DrillLights {
             moves: [axis == Some(0), axis == Some(1)],

@@ -45,6 +45,12 @@ pub(super) enum Task {
         left: u16,
         next: Next,
     },
+    /// Z moves down until its closed upper sensor opens: one that sticks is no home. Z then moves
+    /// up to it again.
+    OpenUp {
+        left: u16,
+        next: Next,
+    },
     /// A jog of Z, positive downwards.
     JogZ {
         left: i16,
@@ -66,4 +72,14 @@ pub(super) enum Next {
     Drilled,
     /// Nothing: the lease has expired.
     Rest,
+}
+
+impl Next {
+    /// What follows if the lease expires: a hole that is drilled counts, the rest ends.
+    pub(super) const fn without_host(self) -> Self {
+        match self {
+            Self::Drilled => self,
+            Self::Home | Self::Go { .. } | Self::Rest => Self::Rest,
+        }
+    }
 }

@@ -37,6 +37,7 @@ impl Device {
             rate_hz: [1000; 3],
             back_off_steps: 8,
             stroke_steps: 20,
+            shortest_stroke_steps: config(is_original).shortest_stroke_steps.map(|_| 6),
             settle_ticks: 1000,
             ..config(is_original)
         };
@@ -174,6 +175,21 @@ fn text(report: DrillReport) -> String {
                 ),
                 DrillFault::NotUp => "the upper sensor does not see the spindle".into(),
                 DrillFault::NotDown => "the lower sensor does not see the spindle".into(),
+                DrillFault::UpClosed => {
+                    "the upper sensor is closed although Z has moved down from it: it sticks, or Z \
+                     does not move; free it, and see that the bit is out of the board"
+                        .into()
+                }
+                DrillFault::DownClosed => {
+                    "the lower sensor is closed although Z is above it: it sticks; free it, and \
+                     drill the present hole again"
+                        .into()
+                }
+                DrillFault::BothClosed => {
+                    "both sensors of Z are closed at once: one sticks; free it, and see that the \
+                     bit is out of the board"
+                        .into()
+                }
                 DrillFault::LostSteps { axis } => format!(
                     "home switch {} closed too early: steps were lost",
                     letter(axis)

@@ -52,6 +52,7 @@ pub fn quick(rules: Rules) -> DrillConfig {
         back_off_steps: 8,
         search_steps: 70_000,
         stroke_steps: 20,
+        shortest_stroke_steps: Some(STROKE),
         travel_steps: [u16::MAX; 2],
         settle_ticks: 1000,
         rules,
