@@ -136,8 +136,8 @@ impl SimulatedNetwork {
         })
     }
 
-    /// The same network with the contacts of such a probe. With one for each sense, a work piece and
-    /// [`hold_probe`](Self::hold_probe) close that of the positive sense.
+    /// The same network with the contacts of such a probe. With one for each sense, a work piece
+    /// and [`hold_probe`](Self::hold_probe) close that of the positive sense.
     #[must_use]
     pub fn with_switches(self, switches: Switches) -> Self {
         Self { switches, ..self }
