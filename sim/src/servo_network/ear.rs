@@ -24,7 +24,7 @@ enum State {
 }
 
 impl Ear {
-    /// Receives a byte that began at this time. Returns what the receiver reads, including the rest of
+    /// Receives a byte that began at this time. Returns what it reads, including the rest of
     /// the silence before. Times of a bit are in ns.
     pub(super) fn byte(
         &mut self,
