@@ -50,7 +50,7 @@ pub struct Surroundings {
     pub encoder_is_silent: bool,
 }
 
-/// A chain of modules behind one host.
+/// A network of modules behind one host.
 ///
 /// Every byte takes time on the line, in both directions: ten bits at the rate of its sender. Each
 /// module has its own rate, which Set Baud changes. At different rates host and module receive each

@@ -365,7 +365,7 @@ mod tests {
         leans: [f64; 3],
         /// Amplitude of the pitch error of all axes, whose period is 40 mm.
         pitch: f64,
-        /// Play of all axes.
+        /// Backlash of all axes.
         play: f64,
         count: i64,
         at: [i64; 3],

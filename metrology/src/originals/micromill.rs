@@ -50,7 +50,7 @@ const LAST_TAKE_UP_UM: [f64; 2] = [204.0, 178.0];
 const LEFT_UM: [f64; 2] = [33.0, 27.0];
 /// Largest error of the reading of a mark, um. It is the spread of any length.
 const READING_UM: f64 = 10.0;
-/// Largest distance between two places of the map of today, mm.
+/// Largest distance between two positions of the map of today, mm.
 const EVERY_MM: f64 = 1.0;
 
 /// Settings of the controller of a mill.

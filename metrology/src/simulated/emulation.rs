@@ -1,12 +1,12 @@
-//! The simulated chain as an emulated device with a control panel.
+//! The simulated network as an emulated device with a control panel.
 
 use super::SimulatedNetwork;
 use husillo_sim::device::Emulation;
 
-/// The commands of the panel of a simulated chain.
+/// The commands of the panel of a simulated network.
 pub const PANEL: &str = "close|open|free probe, close|open|free end MODULE, power off|on, \
                          block MODULE, unblock MODULE, encoder MODULE off|on, unplug, plug";
-/// The commands of the panel for a chain with input and output modules.
+/// The commands of the panel for a network with input and output modules.
 pub const IO_PANEL: &str = "pin MODULE PIN high|low, analogue MODULE 1|2|3 VALUE, \
                             pulses MODULE NUMBER, outputs MODULE";
 

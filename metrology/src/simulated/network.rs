@@ -1,4 +1,4 @@
-//! A simulated chain of modules with a work piece before its probe.
+//! A simulated network of modules with a work piece before its probe.
 
 use super::contact::Contact;
 use super::piece::Mounted;
@@ -136,14 +136,14 @@ impl SimulatedNetwork {
         })
     }
 
-    /// The same chain with the contacts of such a probe. With one for each sense, a work piece and
-    /// [`hold_probe`](Self::hold_probe) close that of the positive sense.
+    /// The same network with the contacts of such a probe. With one for each sense, a work piece
+    /// and [`hold_probe`](Self::hold_probe) close that of the positive sense.
     #[must_use]
     pub fn with_switches(self, switches: Switches) -> Self {
         Self { switches, ..self }
     }
 
-    /// The same chain with end switches. Each is written like a face: the high one closes from a
+    /// The same network with end switches. Each is written like a face: the high one closes from a
     /// count on, the low one up to a count.
     ///
     /// # Errors
@@ -175,7 +175,7 @@ impl SimulatedNetwork {
         Ok(self)
     }
 
-    /// The same chain, whose modules receive nothing for this time after a reset.
+    /// The same network, whose modules receive nothing for this time after a reset.
     #[must_use]
     pub fn with_reset_ms(self, reset_ms: u32) -> Self {
         Self {
@@ -184,7 +184,7 @@ impl SimulatedNetwork {
         }
     }
 
-    /// The same chain on a line on which the transfer of a byte takes no time.
+    /// The same network on a line on which the transfer of a byte takes no time.
     #[must_use]
     pub fn without_byte_times(self) -> Self {
         Self {
@@ -218,7 +218,7 @@ impl SimulatedNetwork {
         self.chain.outputs(module.checked_sub(1)?)
     }
 
-    /// The same chain with noise: `bit_errors` is the share of wrong bits on the line.
+    /// The same network with noise: `bit_errors` is the share of wrong bits on the line.
     #[must_use]
     pub fn with_noise(self, bit_errors: f64) -> Self {
         Self {

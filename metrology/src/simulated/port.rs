@@ -1,21 +1,21 @@
-//! The port of a simulated chain, in simulated time.
+//! The port of a simulated network, in simulated time.
 
 use super::network::{PERIOD_NS, SimulatedNetwork};
 use crate::heads::Port;
 use husillo_transports::nmc::{Baud, Timing};
 use std::io;
 
-/// A port with a chain of simulated modules. Time passes only while the port waits for bytes.
+/// A port with a network of simulated modules. Time passes only while the port waits for bytes.
 #[derive(Clone, Debug)]
 pub struct SimulatedPort {
-    /// The simulated chain.
+    /// The simulated network.
     pub chain: SimulatedNetwork,
     /// Time since the port was opened, ns.
     elapsed_ns: u64,
 }
 
 impl SimulatedPort {
-    /// The port of a chain, at time 0 and at the rate after power-up.
+    /// The port of a network, at time 0 and at the rate after power-up.
     #[must_use]
     pub fn new(mut chain: SimulatedNetwork) -> Self {
         chain.set_host_rate(Some(Baud::default().bits_per_s()));

@@ -1,4 +1,4 @@
-//! The receiver of a UART that hears bytes of another rate.
+//! The receiver of a UART that receives bytes of another rate.
 
 /// A receiver that samples every bit in its middle, at its own rate.
 ///
@@ -24,7 +24,7 @@ enum State {
 }
 
 impl Ear {
-    /// Hears a byte that began at this time. Returns what the receiver reads, including the rest of
+    /// Receives a byte that began at this time. Returns what it reads, including the rest of
     /// the silence before. Times of a bit are in ns.
     pub(super) fn byte(
         &mut self,

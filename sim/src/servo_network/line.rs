@@ -1,4 +1,4 @@
-//! The bytes of a chain on their line, in the order of their ends.
+//! The bytes of a network on their line, in the order of their ends.
 
 use super::ServoNetwork;
 use super::node::{Byte, Node};

@@ -1,4 +1,4 @@
-//! A module on the line: its device, its rate, and what it hears and says.
+//! A module on the line: its device, its rate, and what it receives and sends.
 
 use husillo_transports::nmc::Baud;
 
@@ -37,7 +37,7 @@ pub(super) enum Device {
     Io(Box<IoModule>, IoInputs),
 }
 
-/// A byte on its way from a module.
+/// A byte that a module is sending.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Byte {
     pub(super) value: u8,
@@ -119,7 +119,7 @@ impl Node {
         }
     }
 
-    /// Hears a byte of another rate.
+    /// Receives a byte of another rate.
     pub(super) fn overhear(&mut self, byte: Byte, bit_ns: u64) {
         let own = self.bit_ns();
         let heard = self.ear.byte(byte.value, byte.start_ns, bit_ns, own);

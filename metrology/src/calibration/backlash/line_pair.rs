@@ -24,7 +24,7 @@ pub struct LinePair {
 }
 
 impl LinePair {
-    /// Play at the position, nm. `taken_up_nm` of it were compensated during the test.
+    /// Backlash at the position, nm. `taken_up_nm` of it were compensated during the test.
     #[must_use]
     pub fn lash_nm(&self, taken_up_nm: f64) -> f64 {
         taken_up_nm + self.measured_nm - self.programmed_nm

@@ -63,7 +63,7 @@ mod tests {
     use crate::simulated::{SimulatedNetwork, SimulatedPort, three_axes};
     use husillo_transports::nmc::{Command, Mode, Trajectory};
 
-    /// A chain whose program was killed while all axes move, at the rate of the machine.
+    /// A network whose program was killed while all axes move, at the rate of the machine.
     fn abandoned(machine: &Machine) -> SimulatedPort {
         let chain = SimulatedNetwork::new(&[4; 3], &[], None).unwrap();
         let mut head = Head::start(Line::new(SimulatedPort::new(chain)), machine, 1).unwrap();

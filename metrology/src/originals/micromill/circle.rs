@@ -15,7 +15,7 @@ const BEHIND: f64 = 20.0 * PI / 180.0;
 pub struct Circle {
     /// Its diameters D1 to D8, mm.
     pub diameters_mm: [f64; 8],
-    /// Play that the take-up left at the ends left, right, top, bottom, um.
+    /// Backlash that the take-up left at the ends left, right, top, bottom, um.
     pub ends_um: [f64; 4],
     /// Time, min.
     pub minutes: f64,
@@ -133,7 +133,7 @@ fn radius_at(by_direction: &[(f64, f64)], at: f64) -> f64 {
     nearest.map_or(0.0, |point| point.1)
 }
 
-/// Play that is left at an end: the error on the negative flank less that on the positive one.
+/// Backlash that is left at an end: the error on the negative flank less that on the positive one.
 fn left_at(around: &[Point], end: f64) -> f64 {
     let axis = usize::from(end.cos().abs() < 0.5);
     let off = |at: f64| {

@@ -88,7 +88,7 @@ pub struct Circle {
     pub diameters_mm: [f64; 8],
     pub mean_mm: f64,
     pub sigma_um: f64,
-    /// Play that is left at the ends [left, right, top, bottom], um, without sign.
+    /// Backlash that is left at the ends [left, right, top, bottom], um, without sign.
     pub ends_um: [f64; 4],
     pub minutes: f64,
 }
@@ -140,7 +140,7 @@ const END_AT: [[f64; 2]; 4] = [[-1.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.0, -1.0]]
 pub struct Play {
     /// Position from the middle of the work area, mm.
     pub axis: usize,
-    /// Place from the middle of the work area, mm.
+    /// Position from the middle of the work area, mm.
     pub at_mm: [f64; 2],
     pub lash_um: f64,
 }

@@ -7,8 +7,8 @@ use husillo_sim::LashField;
 use std::fmt;
 use std::sync::Arc;
 
-/// Play of one screw in um: `a + b u + c u^2 + d v + e v^2`, with u and v in mm from the middle of
-/// the work area along the own and the other axis.
+/// Backlash of one screw in um: `a + b u + c u^2 + d v + e v^2`, with u and v in mm from the middle
+/// of the work area along the own and the other axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Screw {
     /// a to e.
