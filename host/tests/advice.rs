@@ -151,7 +151,7 @@ fn machines_ports_and_values_have_advice() {
         ("stop -m cmm --port /dev/nosuch", "there is no such port"),
         (
             "jog home -m router",
-            "name microfactory, drill, micromill, or the file of one",
+            "name microfactory, drill, micromill, the file of one of them, or grbl",
         ),
         (
             "measure -m cmm goto A1",

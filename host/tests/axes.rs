@@ -104,7 +104,7 @@ fn a_machine_without_the_axis_refuses_its_words() {
     let output = run(&["run", &part, "-o", scratch("no-a.html").to_str().unwrap()]);
     assert!(output.status.success(), "{}", text(&output.stderr));
     assert!(
-        text(&output.stderr).contains("for router4"),
+        text(&output.stderr).contains("router4 is the first machine"),
         "{}",
         text(&output.stderr)
     );
@@ -334,7 +334,7 @@ fn a_printer_prints() {
     let output = run(&["run", &part, "-o", scratch("print.html").to_str().unwrap()]);
     assert!(output.status.success(), "{}", text(&output.stderr));
     assert!(
-        text(&output.stderr).contains("for printer"),
+        text(&output.stderr).contains("printer is the first machine"),
         "{}",
         text(&output.stderr)
     );
