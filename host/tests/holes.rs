@@ -413,7 +413,8 @@ fn check_says_whether_it_fits(file: &str, holes: &[[f64; 3]], has_slots: bool) {
         let beyond = format!("beyond the travel of {name}");
         let counted = match off {
             1 => "1 hole ".to_owned(),
-            _ => format!("{off} holes "),
+            0..1000 => format!("{off} holes "),
+            _ => format!("{},{:03} holes ", off / 1000, off % 1000),
         };
         if off > 0 {
             fits = false;
