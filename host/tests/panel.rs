@@ -28,5 +28,5 @@ fn the_panel_of_a_chain() {
         status().success();
     }
     chain.type_line("close probe", "probe: close");
-    chain.type_line("fly", "there are close probe");
+    chain.type_line("fly", "there are close|open|free probe");
 }
