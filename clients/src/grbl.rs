@@ -13,7 +13,7 @@ mod session;
 
 pub use action::Action;
 pub use hand::Hand;
-pub use sender::{Operator, Pacing, Sender, Sent, too_long};
+pub use sender::{Operator, Pacing, Sender, Sent};
 pub use session::{Heard, Session, described};
 
 use crate::Wire;

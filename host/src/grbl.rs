@@ -87,8 +87,11 @@ pub fn jog(args: &Jog, out: &mut Told<'_>) -> Result<bool, String> {
     let [name] = &args.port[..] else {
         return Err("a Grbl controller is driven alone: one --port".into());
     };
-    if args.figure.is_some() || args.without_answers {
-        return Err("--figure and --without-answers are for the microfactory".into());
+    if args.figure.is_some() || args.without_answers || args.inch {
+        return Err("--figure, --without-answers and --inch are not for a Grbl controller".into());
+    }
+    if args.lease.is_some_and(|ms| ms > 0) {
+        return Err("a Grbl controller has no lease: leave --lease out".into());
     }
     let baud = args.baud.unwrap_or(BAUD);
     let stop = stop_requests()?;

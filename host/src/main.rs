@@ -96,7 +96,7 @@ fn answered(error: &clap::Error) -> ExitCode {
         true => text.ansi().to_string(),
         false => text.to_string(),
     };
-    // Nobody to tell that it cannot be told.
+    // An error of the terminal cannot be reported on it.
     let _ = if error.use_stderr() {
         let mut out = io::stderr();
         writeln!(out, "{}", drawn(console::is_coloured(&out)).trim_end())

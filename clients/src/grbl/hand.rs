@@ -1,7 +1,7 @@
 //! A machine moved by hand.
 
 use super::action::Action;
-use super::session::{Heard, Session, alarm};
+use super::session::{Heard, Session};
 use crate::{ByHand, StopRequests, Wire};
 use husillo_sim::device::grbl::Device;
 use husillo_transports::grbl::{SETTINGS, State};
@@ -37,17 +37,23 @@ impl Hand {
         let feed = self.feed;
         self.session
             .request(&format!("$J=G21G{distance}{axes}F{feed}"))?;
-        while self.session.fresh_status()?.state == State::Jog {
+        loop {
             if self.session.is_stopped() {
                 return Err(self.session.halt());
             }
             match self.session.turn()? {
-                Some(Heard::Alarm(number)) => return Err(alarm(number)),
+                Some(Heard::Alarm(number)) => return Err(self.session.alarmed(number)),
                 Some(Heard::Started(_)) => return Err("the controller was reset".into()),
+                Some(Heard::Status(status)) => match status.state {
+                    State::Jog => {}
+                    State::Idle => return Ok(()),
+                    state => {
+                        return Err(format!("the move has ended in the state {}", state.name()));
+                    }
+                },
                 _ => {}
             }
         }
-        Ok(())
     }
 
     /// The settings, one on a line.

@@ -1,9 +1,9 @@
 //! A program to a controller, as fast as its receive buffer takes it.
 
-use super::session::{Heard, Session, alarm, described};
+use super::session::{Heard, Session, described};
 use crate::{StopRequests, Wire};
 use husillo_sim::device::grbl::Device;
-use husillo_transports::grbl::{LINE_CHARACTERS, RECEIVE_BYTES, Realtime, State, Status, Window};
+use husillo_transports::grbl::{RECEIVE_BYTES, Realtime, State, Status, Window};
 use std::collections::VecDeque;
 
 /// How lines are sent.
@@ -47,10 +47,13 @@ pub struct Sender {
     /// Index of each line that is sent and not answered.
     waiting: VecDeque<usize>,
     answered: usize,
+    /// Moves that wait in the queue of the controller, at most.
+    queue: usize,
 }
 
-/// Moves that wait in Grbl's queue, at most.
-const QUEUE: usize = 15;
+/// A dwell of no time. The controller answers it when all moves before it are made. A report of
+/// `Idle` does not say so: it may come before the last move begins.
+const SYNCHRONISE: &str = "G4P0";
 
 impl Sender {
     /// Connects to a controller that stands. Nothing moves.
@@ -82,9 +85,11 @@ impl Sender {
                 ));
             }
         }
+        let queue = queue(&session.request("$I")?)?;
         Ok(Self {
             session,
             pacing,
+            queue,
             // Grbl's buffer has one byte less than it reports.
             window: Window::new(RECEIVE_BYTES - 1),
             waiting: VecDeque::new(),
@@ -102,10 +107,15 @@ impl Sender {
         self.answered
     }
 
-    /// Index of the first line that may not be made: the queue holds at most 15 moves, and one is
-    /// being made.
+    /// Moves that wait in the queue of the controller, at most, as it reports.
+    pub const fn queue(&self) -> usize {
+        self.queue
+    }
+
+    /// Index of the first line that may not be made: the queue may be full, and one move is being
+    /// made. A line is answered when its last move is in the queue.
     pub const fn first_open(&self) -> usize {
-        self.answered.saturating_sub(QUEUE + 1)
+        self.answered.saturating_sub(self.queue + 1)
     }
 
     /// Sends these lines, each with its number, and waits until they are made.
@@ -138,8 +148,11 @@ impl Sender {
                 next += 1;
             }
             self.hear(lines, operator)?;
+            if self.pacing == Pacing::SingleBlock && self.waiting.is_empty() {
+                self.finish(lines, operator)?;
+            }
         }
-        self.finish(operator)?;
+        self.finish(lines, operator)?;
         let status = self.session.fresh_status()?;
         Ok(Sent {
             lines: lines.len(),
@@ -152,11 +165,7 @@ impl Sender {
         let fits = self.window.bytes() + line.len() as u16 + 1 < u16::from(RECEIVE_BYTES);
         match self.pacing {
             Pacing::Counted => fits || self.waiting.is_empty(),
-            Pacing::Answered => self.waiting.is_empty(),
-            Pacing::SingleBlock => {
-                let is_idle = matches!(self.session.state(), Some(State::Idle | State::Check));
-                self.waiting.is_empty() && is_idle
-            }
+            Pacing::Answered | Pacing::SingleBlock => self.waiting.is_empty(),
         }
     }
 
@@ -195,24 +204,12 @@ impl Sender {
                         .map_or((0, ""), |(number, line)| (*number, line));
                     return Err(self.ended(format!("line {number}, {line}: {why}")));
                 }
-                if index.is_some() {
+                if index.is_some_and(|index| index < lines.len()) {
                     self.answered += 1;
                     operator.progress(self.answered);
                 }
-                if self.pacing == Pacing::SingleBlock {
-                    self.session.fresh_status()?;
-                }
             }
-            Heard::Alarm(number) => {
-                // The controller stands. A reset makes it answer again.
-                let reset = self.session.reset();
-                let stands = self.session.stands();
-                let unanswered = reset
-                    .err()
-                    .map(|why| format!("; {why}"))
-                    .unwrap_or_default();
-                return Err(format!("{}; {stands}{unanswered}", alarm(*number)));
-            }
+            Heard::Alarm(number) => return Err(self.session.alarmed(*number)),
             Heard::Started(_) => {
                 self.session.fresh_status()?;
                 let stands = self.session.stands();
@@ -226,15 +223,17 @@ impl Sender {
     }
 
     /// Waits until all moves are made.
-    fn finish(&mut self, operator: &mut dyn Operator) -> Result<(), String> {
-        self.session.fresh_status()?;
-        while !matches!(self.session.state(), Some(State::Idle | State::Check)) {
+    fn finish(
+        &mut self,
+        lines: &[(usize, String)],
+        operator: &mut dyn Operator,
+    ) -> Result<(), String> {
+        self.session.put(format!("{SYNCHRONISE}\n").as_bytes())?;
+        self.window.send(SYNCHRONISE.len() as u8 + 1); // 5 bytes, and nothing else waits
+        self.waiting.push_back(lines.len());
+        while !self.waiting.is_empty() {
             self.intervene(operator)?;
-            self.hear(&[], operator)?;
-            if self.session.state() == Some(State::Alarm) {
-                let stands = self.session.stands();
-                return Err(format!("the controller is locked by an alarm; {stands}"));
-            }
+            self.hear(lines, operator)?;
         }
         Ok(())
     }
@@ -252,15 +251,11 @@ impl Sender {
     }
 }
 
-/// Number of the first line that no controller of Grbl takes. Its buffer has room for the line, and
-/// its parser for the characters without blanks.
-pub fn too_long(lines: &[(usize, String)]) -> Option<usize> {
-    let is_long = |line: &str| {
-        line.len() + 1 >= usize::from(RECEIVE_BYTES)
-            || line.bytes().filter(|byte| *byte > b' ').count() > LINE_CHARACTERS
-    };
-    let found = lines.iter().find(|(_, line)| is_long(line));
-    found.map(|(number, _)| *number)
+/// The number of moves in the queue: `[OPT:V,15,128]` in the answer to `$I`.
+fn queue(lines: &[String]) -> Result<usize, String> {
+    let options = lines.iter().find_map(|line| line.strip_prefix("[OPT:"));
+    let moves = options.and_then(|options| options.split([',', ']']).nth(1)?.parse().ok());
+    moves.ok_or_else(|| "the controller does not report the size of its queue: see $I".into())
 }
 
 #[cfg(test)]

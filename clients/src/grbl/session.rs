@@ -110,12 +110,7 @@ impl Session {
                 return Err("no answer: check the cable, the rate and the power".into());
             }
         }
-        // A held controller answers no line before it goes on.
-        let is_held = matches!(
-            self.state(),
-            Some(State::Hold(_) | State::Door(_) | State::Sleep)
-        );
-        if is_held || self.is_in_motion() {
+        if self.is_held() || self.is_in_motion() {
             return Ok(());
         }
         // The beginning of a line from elsewhere is refused, or does nothing: it has no end.
@@ -146,6 +141,12 @@ impl Session {
     ///
     /// The line is refused, motion is interrupted, the port fails, or a stop is asked for.
     pub fn request(&mut self, line: &str) -> Result<Vec<String>, String> {
+        if let Some(state) = self.state().filter(|_| self.is_held()) {
+            let name = state.name();
+            return Err(format!(
+                "the controller answers no line in the state {name}: `husillo stop -m grbl` ends it"
+            ));
+        }
         self.put(format!("{line}\n").as_bytes())?;
         let mut lines = Vec::new();
         loop {
@@ -155,7 +156,7 @@ impl Session {
             match self.turn()? {
                 Some(Heard::Ok) => return Ok(lines),
                 Some(Heard::Refused(number)) => return Err(described(number)),
-                Some(Heard::Alarm(number)) => return Err(alarm(number)),
+                Some(Heard::Alarm(number)) => return Err(self.alarmed(number)),
                 Some(Heard::Started(_)) => return Err("the controller was reset".into()),
                 Some(Heard::Text(text)) => lines.push(text),
                 Some(Heard::Status(_)) | None => {}
@@ -210,16 +211,28 @@ impl Session {
     ///
     /// # Errors
     ///
-    /// The port failed, or the controller is silent.
+    /// The port failed, the controller is silent, or an alarm has ended the motion.
     pub fn fresh_status(&mut self) -> Result<Status, String> {
         self.status = None;
         self.asked_at = self.elapsed();
         self.put(&[Realtime::Status.byte()])?;
         loop {
-            self.turn()?;
+            if let Some(Heard::Alarm(number)) = self.turn()? {
+                return Err(self.alarmed(number));
+            }
             if let Some(status) = self.status {
                 return Ok(status);
             }
+        }
+    }
+
+    /// The message about an alarm, with the position. After some alarms the controller answers only
+    /// when it is reset, so this resets it. Nothing moves then.
+    pub fn alarmed(&mut self, number: u16) -> String {
+        let why = alarm(number);
+        match self.reset() {
+            Ok(()) => format!("{why}; {}", self.stands()),
+            Err(silent) => format!("{why}; {silent}"),
         }
     }
 
@@ -257,6 +270,12 @@ impl Session {
             self.state(),
             Some(Run | Jog | Home | Hold(true) | Door(2 | 3))
         )
+    }
+
+    /// Whether the last report is one of a controller that answers no line before it goes on.
+    pub fn is_held(&self) -> bool {
+        use State::{Door, Hold, Sleep};
+        matches!(self.state(), Some(Hold(_) | Door(_) | Sleep))
     }
 
     /// Whether a stop is asked for.
@@ -387,7 +406,7 @@ pub fn described(number: u16) -> String {
 }
 
 /// The sentence about an alarm.
-pub(super) fn alarm(number: u16) -> String {
+fn alarm(number: u16) -> String {
     match u8::try_from(number).ok().and_then(Alarm::of) {
         Some(alarm) => format!("alarm {number}: {}", alarm.text()),
         None => format!("alarm {number}, which Grbl 1.1 does not have"),

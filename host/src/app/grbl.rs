@@ -12,8 +12,8 @@ use crate::console::sharing::share;
 use crate::console::stop::{stop_requests, stops_asked};
 use crate::console::told::Told;
 use crate::console::typed::typed_line;
-use husillo_clients::grbl::{BAUD, Heard, Operator, Pacing, Sender, open, too_long};
-use husillo_transports::grbl::{Adjust, Realtime, State};
+use husillo_clients::grbl::{BAUD, Heard, Operator, Pacing, Sender, open};
+use husillo_transports::grbl::{Adjust, LINE_CHARACTERS, Line, LineReader, Realtime, State};
 use serde_json::json;
 
 /// Lines of a program with their numbers.
@@ -60,7 +60,8 @@ pub(super) fn send(args: &Send, out: &mut Told<'_>) -> Result<u8, Failure> {
     if !out.is_json() {
         eprintln!(
             "{port}: if this program is killed, the controller completes the lines that it has: at \
-             most 127 bytes, and 15 moves before them"
+             most 127 bytes, and {} moves before them",
+            sender.queue()
         );
     }
     let mut operator = AtTerminal::new(args, lines.len(), out);
@@ -110,13 +111,13 @@ fn checked(
         }
         return Ok(None);
     }
-    let lines = lines(&job)?;
-    if let Some(number) = too_long(&lines) {
-        let why = format!("line {number} has more characters than Grbl takes: shorten it");
-        out.failed(job.name(), &why);
-        return Ok(None);
-    }
-    Ok(Some((job, lines)))
+    Ok(match lines(&job)? {
+        Ok(lines) => Some((job, lines)),
+        Err(why) => {
+            out.failed(job.name(), &why);
+            None
+        }
+    })
 }
 
 fn counted_lines(count: usize) -> String {
@@ -138,29 +139,33 @@ fn expect_options_of_grbl(args: &Send) -> Result<(), Failure> {
     }
 }
 
-/// The lines of a program that a controller needs: without comments, blank lines and `%`.
-fn lines(job: &Job) -> Result<Numbered, Failure> {
+/// The lines of a program as the controller reads them: without comments, blanks, and `%`. The
+/// error is a line that it does not take.
+fn lines(job: &Job) -> Result<Result<Numbered, String>, Failure> {
     let text = match &job.input {
         Some(input) => input.clone(),
         None => whole(&job.file)?,
     };
-    let text = String::from_utf8_lossy(&text);
-    let lines = (1..).zip(text.lines().map(without_comments));
-    let is_needed = |line: &str| !line.is_empty() && !line.starts_with('%');
-    Ok(lines.filter(|(_, line)| is_needed(line)).collect())
-}
-
-/// A line without `(...)`, `;...` and blanks at its ends.
-fn without_comments(line: &str) -> String {
-    let before = line.split(';').next().unwrap_or_default();
-    let mut rest = before;
-    let mut kept = String::new();
-    while let Some((text, comment)) = rest.split_once('(') {
-        kept += text;
-        rest = comment.split_once(')').map_or("", |(_, after)| after);
+    let mut lines = Vec::new();
+    for (number, line) in (1..).zip(text.split(|byte| *byte == b'\n')) {
+        let mut reader = LineReader::new();
+        for byte in line.iter().filter(|byte| **byte != b'\r') {
+            reader.push(*byte);
+        }
+        match reader.push(b'\n') {
+            Some(Line::Text(text)) if !text.is_empty() && !text.starts_with(b"%") => {
+                lines.push((number, String::from_utf8_lossy(text).into_owned()));
+            }
+            Some(Line::TooLong) => {
+                return Ok(Err(format!(
+                    "line {number} has more than {LINE_CHARACTERS} characters, which Grbl does not \
+                     take: shorten it"
+                )));
+            }
+            _ => {}
+        }
     }
-    kept += rest;
-    kept.trim().to_owned()
+    Ok(Ok(lines))
 }
 
 /// The operator at the terminal of this program.
@@ -253,22 +258,5 @@ impl Operator for AtTerminal<'_, '_> {
         let before = stops_asked();
         eprintln!("{line} Enter sends it (or q to end)");
         typed_line(before).is_some_and(|answer| !answer.trim().eq_ignore_ascii_case("q"))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn comments_are_not_sent() {
-        for (line, sent) in [
-            ("G1 X1 (to the left) Y2 ; end", "G1 X1  Y2"),
-            ("(only a comment)", ""),
-            ("G1 X1 (not closed", "G1 X1"),
-            ("  ; nothing", ""),
-        ] {
-            assert_eq!(without_comments(line), sent);
-        }
     }
 }

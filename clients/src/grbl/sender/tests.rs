@@ -229,9 +229,32 @@ fn a_session_begins_after_a_killed_program() {
     }
 }
 
+/// A switch that ends a jog is an alarm and no success.
 #[test]
-fn lines_that_no_controller_takes_are_found_before() {
-    let lines = [(1, "G1 X1".to_owned()), (3, "G1 X1 ".repeat(20))];
-    assert_eq!(too_long(&lines), Some(3));
-    assert_eq!(too_long(&lines[..1]), None);
+fn a_jog_into_a_switch_fails() {
+    use crate::ByHand as _;
+    use crate::grbl::{Action, Hand};
+    let mut hand = Hand::new(open("sim", BAUD).unwrap(), StopRequests::default()).unwrap();
+    for (number, value) in [(21, "1"), (110, "2000")] {
+        hand.carry_out(&Action::Set(number, value.into())).unwrap();
+    }
+    let why = hand.carry_out(&Action::By("X30".into())).unwrap_err();
+    assert!(why.starts_with("alarm 1: "), "{why}");
+}
+
+/// Moves of a line that was answered are part of the program.
+#[test]
+fn a_program_ends_where_its_last_move_ends() {
+    let mut sender = sender(Pacing::Counted, StopRequests::default());
+    let lines = [(1, "G21 G91 G1 X2 F600".to_owned())];
+    let sent = sender.send(&lines, &mut Script::default()).unwrap();
+    assert_eq!((x(&sent.status), sent.status.state), (2.0, State::Idle));
+}
+
+#[test]
+fn the_queue_has_the_size_that_the_controller_reports() {
+    let lines = ["[VER:1.1f.20230107:]", "[OPT:VNMSL,35,1024,3,0]"].map(str::to_owned);
+    assert_eq!(queue(&lines), Ok(35));
+    assert!(queue(&lines[..1]).is_err());
+    assert_eq!(sender(Pacing::Counted, StopRequests::default()).queue(), 15);
 }

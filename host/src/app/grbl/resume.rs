@@ -83,8 +83,8 @@ fn before(job: &Job, from: usize) -> Result<(Modal<AXES>, Nm), String> {
 }
 
 fn approach(modal: &Modal<AXES>, high: Nm, has_code: bool) -> Result<Vec<String>, &'static str> {
-    if modal.work_offset() != [Nm(0); AXES] {
-        return Err("the lines before move the work zero: cut the program by hand");
+    if [modal.work_offset(), modal.tool_length()] != [[Nm(0); AXES]; 2] {
+        return Err("the lines before move the work zero or set a tool length: begin at line 1");
     }
     let [x, y, z, ..] = modal.work_position();
     let mut lines = vec![
