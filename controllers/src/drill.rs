@@ -33,7 +33,8 @@ const Z: usize = 2;
 /// | the transmitter is free | [`transmit`](Drill::transmit) |
 /// | the button R is pressed, or power returns | [`reset`](Drill::reset) |
 ///
-/// After a reset the drill homes Z, Y and X and sends `B`. Positions are steps from home. X moves,
+/// After a reset the drill homes Z, Y and X and sends `B`. Z leaves its upper sensor and finds it
+/// again before Y moves, because a sensor that sticks on the way up closes, too. Positions are steps from home. X moves,
 /// then Y, then Z drills from the upper sensor to the lower one and back. A switch causes a
 /// [`DrillFault`] if it does not close within the longest search, closes too early, or is open at
 /// zero. A sensor of Z also causes one if it is closed where the steps of Z
@@ -556,7 +557,7 @@ impl<const N: usize> Drill<N> {
         }
         if inputs.is_up && self.doubts_upper_sensor() {
             self.task = Task::OpenUp {
-                left: self.config.back_off_steps,
+                left: self.config.upper_opens_steps,
                 next,
             };
             return None;

@@ -12,6 +12,7 @@ fn config(rules: Rules) -> DrillConfig {
         search_steps: 40,
         stroke_steps: 9,
         shortest_stroke_steps: rules.has_extras.then_some(6),
+        upper_opens_steps: 3,
         travel_steps: [500, 400],
         spindle_by_hole: !rules.has_extras,
         rules,
@@ -141,16 +142,20 @@ impl Bench {
 
     const BACK_OFF: i32 = 60;
 
-    fn homed() -> Self {
+    const UPPER_OPENS: i32 = 20;
+
+    /// A drill whose power comes on with Z at a depth.
+    fn switched_on(depth: i32) -> Self {
         let config = DrillConfig {
             back_off_steps: Self::BACK_OFF as u16,
             stroke_steps: 1000,
             shortest_stroke_steps: Some(Self::STROKE as u16 - 3),
+            upper_opens_steps: Self::UPPER_OPENS as u16,
             ..DrillConfig::FIXED
         };
-        let mut bench = Bench {
+        Bench {
             drill: Drill::new(config),
-            place: [30, 20, 10],
+            place: [30, 20, depth],
             now_us: 0,
             heard_us: 0,
             answers: Vec::new(),
@@ -158,7 +163,11 @@ impl Bench {
             deepest: 0,
             sticks: None,
             is_stuck: false,
-        };
+        }
+    }
+
+    fn homed() -> Self {
+        let mut bench = Self::switched_on(10);
         while bench.go() {}
         assert_eq!(bench.answers, b"B");
         bench.answers.clear();
@@ -429,6 +438,88 @@ fn a_sensor_of_z_that_sticks_is_found() {
             (&b"B"[..], [0; 3]),
             "{context}"
         );
+    }
+}
+
+/// The power comes on with the bit in the board, at any depth, and the upper sensor sticks closed
+/// while Z rises, at any height, or was closed before. X and Y do not move, and the bit goes down a
+/// little only, never beyond the lower sensor.
+#[test]
+fn the_first_homing_finds_an_upper_sensor_that_sticks() {
+    let heights = (0..=Bench::STROKE).flat_map(|from| {
+        let below = (1..from).step_by(7).chain([from - 1, from]);
+        below.filter(|at| *at > 0).map(move |at| (from, at))
+    });
+    for (from, at) in heights {
+        let context = format!("from {from}, sticks at {at}");
+        let mut bench = Bench::switched_on(from);
+        bench.sticks = Some((0, at, true));
+        bench.is_stuck = at == from;
+        let [x, y, _] = bench.place;
+        while bench.event() != DrillEvent::Idle {
+            assert_eq!(bench.place[..2], [x, y], "{context}");
+            let lowest = (at + Bench::UPPER_OPENS).min(Bench::STROKE).max(from);
+            assert!(bench.place[2] <= lowest, "{context}: {:?}", bench.place);
+        }
+        assert_eq!(bench.answers, b"!", "{context}");
+        // The button alone repairs nothing.
+        bench.answers.clear();
+        bench.drill.reset();
+        while bench.go() {}
+        assert_eq!(bench.place[..2], [x, y], "{context}");
+        assert_eq!(bench.answers, b"!", "{context}");
+        // The sensor is repaired.
+        (bench.sticks, bench.is_stuck) = (None, false);
+        bench.answers.clear();
+        bench.drill.reset();
+        while bench.go() {}
+        assert_eq!(
+            (bench.answers.as_slice(), bench.place),
+            (&b"B"[..], [0; 3]),
+            "{context}"
+        );
+    }
+}
+
+/// An upper sensor that works is seen to open and to close again before X or Y moves, wherever Z
+/// stands first and however far below the closing point it opens. Z goes no deeper than that.
+#[test]
+fn the_first_homing_leaves_the_upper_sensor_and_finds_it_again() {
+    let starts = (-3..30).flat_map(|from| [0, 1, 16].map(|play| (from, play)));
+    for (from, play) in starts {
+        let mut bench = Bench::switched_on(from);
+        let (mut deepest, mut is_up, mut closings) = (from, from <= 0, 0);
+        loop {
+            let z = bench.place[2];
+            let was_up = is_up;
+            is_up = z <= if was_up { play } else { 0 };
+            closings += u32::from(is_up && !was_up);
+            deepest = deepest.max(z);
+            let mut inputs = bench.inputs();
+            inputs.is_up = is_up;
+            match bench.drill.next_event(&inputs) {
+                DrillEvent::Step(step) => {
+                    let is_sure = closings >= if from > 0 { 2 } else { 1 };
+                    assert!(
+                        step.delta[2] != 0 || is_sure,
+                        "from {from}: X or Y moves first"
+                    );
+                    for (place, delta) in bench.place.iter_mut().zip(step.delta) {
+                        *place += i32::from(delta);
+                    }
+                }
+                DrillEvent::Report(DrillReport::Homed) => break,
+                DrillEvent::Report(report) => panic!("{report:?} from {from}, play {play}"),
+                _ => {}
+            }
+        }
+        assert_eq!(bench.place, [0; 3], "from {from}, play {play}");
+        assert_eq!(
+            closings,
+            if from > 0 { 2 } else { 1 },
+            "from {from}, play {play}"
+        );
+        assert_eq!(deepest, from.max(play + 1), "from {from}, play {play}");
     }
 }
 

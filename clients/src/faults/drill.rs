@@ -1,12 +1,13 @@
 //! The drill with its faults.
 
 use super::{Bench, Fault, State, Subject};
-use crate::drill::{Action, Axis, Client, End, Hand, Operator, Part, Sender, sentence};
+use crate::drill::{Action, Axis, Client, End, Hand, Operator, Part, Sender, Trouble, sentence};
 use crate::{StopRequests, Wire};
 use husillo_gcode::Nm;
 use husillo_sim::DrilledHole;
+use husillo_sim::device::Emulation as _;
 use husillo_sim::device::drill::{Device, STROKE_STEPS};
-use husillo_transports::drill::Record;
+use husillo_transports::drill::{Failure, Record};
 use std::time::Duration;
 
 /// Rate of the line, bits/s.
@@ -15,6 +16,10 @@ const BAUD: u32 = 2400;
 const UP_MS: u64 = 20_000;
 /// The steps of a short move.
 const SHORT: i32 = 40;
+/// The longest search for a switch, and some more.
+const LONGEST: Duration = Duration::from_secs(220);
+/// Depth of the bit in the board where the power was lost, in steps below the upper sensor.
+const DEEP: i32 = 3500;
 /// The holes of the board.
 const HOLES: [[u16; 2]; 2] = [[300, 100], [350, 100]];
 
@@ -55,6 +60,19 @@ impl Drill {
         self.client().device().unwrap()
     }
 
+    /// A drill that homes does not answer.
+    fn wait_until_homed(&mut self) -> Result<String, String> {
+        let client = self.client();
+        let end = client.elapsed() + LONGEST;
+        loop {
+            match client.reach() {
+                Ok(()) => return Ok("homed".into()),
+                Err(Trouble::Link(Failure::Silent)) if client.elapsed() < end => {}
+                Err(trouble) => return Err(trouble.text()),
+            }
+        }
+    }
+
     fn board(&mut self) -> Result<String, String> {
         let hole = |[x, y]: [u16; 2]| [Record::X(x), Record::Y(y), Record::Drill(0)];
         let parts = [Part {
@@ -88,7 +106,7 @@ impl Subject for Drill {
     const MACHINE: &'static str = "Drill";
     const STATES: &'static [(State, u64)] = &[
         (State::Idle, 0),
-        (State::FirstHoming, 1000),
+        (State::FirstHoming, 5000),
         (State::Homing, 1000),
         (State::Jog, 3000),
         (State::Program, 30_000),
@@ -129,8 +147,17 @@ impl Subject for Drill {
             is_drilled: false,
         };
         let mut hand = Hand::new(client, |_, _| Ok(()));
-        if state != State::FirstHoming {
-            hand.carry_out(&Action::Home).unwrap();
+        hand.carry_out(&Action::Home).unwrap();
+        if state == State::FirstHoming {
+            // The power was lost with the bit in the board, and is back.
+            let [x, y] = HOLES[0].map(i32::from);
+            for (axis, steps) in [(Axis::X, x), (Axis::Y, y), (Axis::Z, DEEP)] {
+                hand.carry_out(&Action::Steps(axis, steps)).unwrap();
+            }
+            let device = hand.client().device().unwrap();
+            device.control("power off");
+            device.control("power on");
+            drop(device.made());
         }
         if state == State::Program {
             let device = std::mem::replace(hand.client().device().unwrap(), Device::quick(false));
@@ -147,7 +174,8 @@ impl Subject for Drill {
 
     fn act(&mut self, state: State) -> Result<String, String> {
         let action = match state {
-            State::FirstHoming | State::Homing => Action::Home,
+            State::FirstHoming => return self.wait_until_homed(),
+            State::Homing => Action::Home,
             State::Jog => Action::Jog(Axis::X, true, Duration::from_secs(8)),
             State::Idle | State::Program | State::Guarded | State::Probing => {
                 Action::Steps(Axis::X, SHORT)

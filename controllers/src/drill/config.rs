@@ -21,6 +21,12 @@ pub struct DrillConfig {
     /// point where it closed, and both closed at once are faults. `None`: not checked, as in the
     /// original.
     pub shortest_stroke_steps: Option<u16>,
+    /// Longest distance that Z moves down until its upper sensor opens, in steps. After power-on and
+    /// after a reset Z leaves the sensor and finds it again before X or Y moves, because a sensor
+    /// that sticks also closes with the bit in the board. It must be short: the bit of a drill whose
+    /// sensor sticks moves down by as much. Not used without
+    /// [`shortest_stroke_steps`](Self::shortest_stroke_steps).
+    pub upper_opens_steps: u16,
     /// Last step of X and Y. A jog ends there, and a record beyond it is a fault. `u16::MAX`: no
     /// limit, as in the original.
     pub travel_steps: [u16; 2],
@@ -58,6 +64,7 @@ impl DrillConfig {
         search_steps: 47_080,
         stroke_steps: 7490,
         shortest_stroke_steps: None,
+        upper_opens_steps: 0,
         travel_steps: [u16::MAX; 2],
         switch_play_steps: None,
         raises_first: false,
@@ -72,6 +79,8 @@ impl DrillConfig {
         // The original states 35 mm, which are 3745 steps, in whole millimetres. The tolerance of
         // 1 mm is chosen by this project.
         shortest_stroke_steps: Some(3638),
+        // 2 mm, chosen by this project: photo sensors and switches open within 1 mm.
+        upper_opens_steps: 214,
         travel_steps: [23_540, 4_815],
         // A motor with four phases loses steps in multiples of four.
         switch_play_steps: Some(3),

@@ -8,7 +8,9 @@ use super::{Drill, DrillConfig, DrillEvent, DrillFault, DrillInputs, Z};
 pub(super) struct Stroke {
     /// Steps below the point where the upper sensor closed last. `None`: not known.
     depth: Option<u16>,
-    /// Whether the upper sensor was open since it closed last.
+    /// Whether the upper sensor was ever closed. One that was not may stick when it closes.
+    has_closed: bool,
+    /// Whether the upper sensor has opened since it closed last.
     has_opened: bool,
     /// Whether the lower sensor was closed at the last check.
     was_down: bool,
@@ -18,6 +20,7 @@ impl Stroke {
     /// The state after power-on or a reset.
     pub(super) const UNKNOWN: Self = Self {
         depth: None,
+        has_closed: false,
         has_opened: false,
         was_down: false,
     };
@@ -53,7 +56,8 @@ impl Stroke {
         if is_up && rises && self.has_opened {
             (self.depth, self.has_opened) = (Some(0), false);
         }
-        self.has_opened |= !is_up;
+        self.has_closed |= is_up;
+        self.has_opened |= self.has_closed && !is_up;
         None
     }
 }
@@ -68,12 +72,13 @@ impl<const N: usize> Drill<N> {
         fault.is_some()
     }
 
-    /// Whether Z has to leave the upper sensor: it is closed, and was not seen to be open.
+    /// Whether Z has to leave the upper sensor: it is closed, and was not seen to open and to close
+    /// again. One that sticks on the way up closes, too, with the bit in the board.
     pub(super) const fn doubts_upper_sensor(&self) -> bool {
         self.config.shortest_stroke_steps.is_some() && self.stroke.depth.is_none()
     }
 
-    /// Moves down until the upper sensor opens.
+    /// Moves down until the upper sensor opens. It then closes again not far above.
     pub(super) fn open_up(
         &mut self,
         left: u16,
@@ -84,7 +89,10 @@ impl<const N: usize> Drill<N> {
             return None;
         }
         if !inputs.is_up {
-            self.task = self.raise(next);
+            self.task = Task::Up {
+                left: self.config.back_off_steps,
+                next,
+            };
             return None;
         }
         let Some(left) = left.checked_sub(1) else {

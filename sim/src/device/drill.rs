@@ -38,6 +38,7 @@ impl Device {
             back_off_steps: 8,
             stroke_steps: 20,
             shortest_stroke_steps: config(is_original).shortest_stroke_steps.map(|_| 6),
+            upper_opens_steps: 2,
             settle_ticks: 1000,
             ..config(is_original)
         };
