@@ -23,8 +23,8 @@ const FACE: &str = "1:3018";
 /// The end switches, both on one input of the module. The high one is before the end of the probe's
 /// over-travel.
 const ENDS: [&str; 2] = ["1:..-600", "1:3100"];
-/// The mechanical end beyond the low one.
-const LOW_STOP: i64 = -640;
+/// The mechanical ends beyond them.
+const STOPS: [i64; 2] = [-640, 3140];
 /// The time without power of a reset, us.
 const OUTAGE_US: u64 = 100_000;
 
@@ -37,8 +37,8 @@ struct SimulatedLine {
     /// Where it was when it last moved by more than four counts, and when.
     rested: i64,
     moved_us: u64,
-    /// Where the axis meets its mechanical end. It stays there until the fault is repaired.
-    low_stop: Option<i64>,
+    /// Where the axis meets its mechanical ends. It stays there until the fault is repaired.
+    stops: Option<[i64; 2]>,
 }
 
 impl SimulatedLine {
@@ -56,7 +56,7 @@ impl SimulatedLine {
                 }
                 // The operator turns the axis away from its mechanical end.
                 "turn" => {
-                    self.low_stop = None;
+                    self.stops = None;
                     self.port.chain.block(MODULE, false);
                 }
                 line => drop(self.port.chain.control(line)),
@@ -70,7 +70,7 @@ impl SimulatedLine {
             self.rested = counts;
             self.moved_us = self.port.elapsed_us();
         }
-        if self.low_stop.is_some_and(|stop| counts <= stop) {
+        if (self.stops).is_some_and(|[low, high]| counts <= low || counts >= high) {
             self.port.chain.block(MODULE, true);
         }
         if self.is_plugged { bytes } else { Vec::new() }
@@ -180,24 +180,40 @@ const FAULTS: &[Fault] = &[
     LINE,
     RESET,
     POWER,
-    Fault::new("contact stuck open", "open probe", &["free probe"]),
-    Fault::new("contact stuck closed", "close probe", &["free probe"]).ends_within(1000),
-    // the limit of the position error at the slowest rate
-    Fault::new("encoder silent", "encoder 1 off", &["encoder 1 on"]).ends_within(11_000),
-    Fault::new("motor stalled", "block 1", &["unblock 1"]).ends_within(1000),
+    CONTACT_OPEN,
+    CONTACT_CLOSED,
+    ENCODER,
+    MOTOR,
 ];
-/// The faults that are others with end switches.
+/// Those of a machine with end switches. An axis that was at its mechanical end is turned by hand.
 const FAULTS_WITH_ENDS: &[Fault] = &[
     LINE,
     RESET,
     POWER,
+    CONTACT_OPEN,
+    CONTACT_CLOSED,
     Fault::new(
         "end switch stuck open",
         "open end 1",
         &["free end 1", "turn"],
     ),
     Fault::new("end switch stuck closed", "close end 1", &["free end 1"]),
+    Fault {
+        ends: &["encoder 1 on", "turn"],
+        ..ENCODER
+    },
+    Fault {
+        ends: &["unblock 1", "turn"],
+        ..MOTOR
+    },
 ];
+const CONTACT_OPEN: Fault = Fault::new("contact stuck open", "open probe", &["free probe"]);
+const CONTACT_CLOSED: Fault =
+    Fault::new("contact stuck closed", "close probe", &["free probe"]).ends_within(1000);
+/// The limit of the position error at the slowest rate.
+const ENCODER: Fault =
+    Fault::new("encoder silent", "encoder 1 off", &["encoder 1 on"]).ends_within(11_000);
+const MOTOR: Fault = Fault::new("motor stalled", "block 1", &["unblock 1"]).ends_within(1000);
 /// The move ends at its goal.
 const LINE: Fault = Fault::new("host killed, cable pulled", "unplug", &["plug"]);
 /// Without a drive it coasts.
@@ -239,7 +255,7 @@ impl<const HAS_ENDS: bool> Subject for Cmm<HAS_ENDS> {
             counts: 0,
             rested: 0,
             moved_us: 0,
-            low_stop: HAS_ENDS.then_some(LOW_STOP),
+            stops: HAS_ENDS.then_some(STOPS),
         })));
         let head = match state {
             State::FirstHoming => switched_on(&bench, HAS_ENDS),
