@@ -139,8 +139,6 @@ impl<M: Machine> Bench for Device<M> {
 /// A machine with its client.
 trait Subject: Sized {
     const MACHINE: &'static str;
-    /// Whether homing compares where the switches close with where they closed before.
-    const COMPARES: bool = true;
     /// What moves without a host has ended after this time, ms.
     const REST_MS: u64 = 200_000;
     const FAULTS: &'static [Fault];

@@ -11,7 +11,7 @@ pub use config::MicrofactoryConfig;
 pub use event::{MicrofactoryEvent, MicrofactoryInputs};
 pub use station::MicrofactoryStation;
 
-use husillo_transports::microfactory::{Order, Report, Status};
+use husillo_transports::microfactory::{Order, Report, Status, Switches};
 
 use figure::FigureMove;
 use husillo_backlash::Play;
@@ -99,6 +99,9 @@ pub struct Microfactory<F> {
     /// Switches that were closed at the last step, and switches that have closed since.
     were_closed: [bool; 3],
     close: [bool; 3],
+    /// Motor steps of X, Y and Z since their zeros were found. `None`: not since the reset.
+    since_zero: [Option<i32>; 3],
+    switches: Switches,
 }
 
 /// A step that is decided and not yet made.
@@ -129,6 +132,11 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
             last: None,
             were_closed: [true; 3],
             close: [false; 3],
+            since_zero: [None; 3],
+            switches: Switches {
+                are_compared: false,
+                lost_steps: [0; 3],
+            },
         }
     }
 
@@ -183,6 +191,13 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
             return false;
         }
         if command == Order::Home {
+            if self.is_homed {
+                // A homing that does not end adds to what the next one finds.
+                self.switches = Switches {
+                    are_compared: true,
+                    ..Switches::default()
+                };
+            }
             // The machine is homed again when all of homing has succeeded.
             self.is_homed = false;
         }
@@ -207,6 +222,8 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
         self.was_reset = false;
         self.report = None;
         self.last = None;
+        self.since_zero = [None; 3];
+        self.switches = Switches::default();
     }
 
     /// Ends a task because the host is silent. The machine reports it, and its position stays
@@ -243,6 +260,12 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
             is_homed: self.is_homed,
             position_steps: self.position_steps(),
         }
+    }
+
+    /// Returns where the home switches closed at the last homing, compared with the homing before:
+    /// the answer to [`Order::Switches`].
+    pub const fn switches(&self) -> Switches {
+        self.switches
     }
 
     /// Returns the figure.
@@ -479,6 +502,7 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
             // The switch was open before, so this direction has moved the load, whichever flank was
             // engaged.
             self.engage_negative(axis);
+            self.compare(axis);
             self.task = Task::BackOff {
                 axis,
                 left: self.config.back_off_steps,
@@ -498,6 +522,22 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
             forward: false,
         };
         self.one_step(turn, inputs).map(|(due, _)| due)
+    }
+
+    /// Homing: compares the step at which a switch has closed with the step at which it closed
+    /// before. From there to zero the motor takes up its backlash and backs off, whatever the real
+    /// backlash is.
+    fn compare(&mut self, axis: u8) {
+        let index = usize::from(axis);
+        let since_zero = self.since_zero.get(index).copied().flatten();
+        let lash = self.config.lash_steps.get(index).copied();
+        let lost = self.switches.lost_steps.get_mut(index);
+        let (Some(since_zero), Some(lash), Some(lost)) = (since_zero, lash, lost) else {
+            return;
+        };
+        // The sum of two u16 fits. The steps wrap as the positions do.
+        let back = i32::from(lash).wrapping_add(i32::from(self.config.back_off_steps));
+        *lost = lost.wrapping_sub(since_zero).wrapping_sub(back);
     }
 
     /// Backs off a switch. In homing the next axis follows.
@@ -532,6 +572,9 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
         }
         if let Some(play) = self.plays.get_mut(usize::from(axis)) {
             play.set_zero();
+        }
+        if let Some(since_zero) = self.since_zero.get_mut(usize::from(axis)) {
+            *since_zero = Some(0);
         }
         if axis < 2 {
             self.task = Task::Look {
@@ -621,6 +664,9 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
             if direction != 0 {
                 play.step(direction > 0);
             }
+        }
+        for (since_zero, direction) in self.since_zero.iter_mut().zip(delta) {
+            *since_zero = since_zero.map(|steps| steps.wrapping_add(direction.into()));
         }
         let [.., turn] = delta;
         // At 64 steps per second, 2^32 steps take more than two years.

@@ -112,6 +112,55 @@ fn homing_frees_every_switch_by_its_back_off() {
     assert_eq!(model.resets, 1);
 }
 
+/// Motors without encoders lose steps unseen. The next homing finds them, whatever the real
+/// backlash is, and a homing that was stopped hides none.
+#[test]
+fn homing_finds_the_steps_that_were_lost() {
+    let found = |machine: &mut Microfactory<Vec<[i16; 2]>>, model: &mut Model| {
+        assert!(machine.command(Order::Home));
+        assert_eq!(model.run(machine).0, [MicrofactoryReport::Homed]);
+        let switches = machine.switches();
+        switches.are_compared.then_some(switches.lost_steps)
+    };
+    let (mut machine, mut model) = homed();
+    assert!(!machine.switches().are_compared, "it was not homed before");
+    model.lash = [150, 20, 200];
+    for (motor, forward) in [(0, true), (1, false), (2, true), (0, false)] {
+        let count = 99;
+        machine.command(Order::Steps {
+            motor,
+            forward,
+            count,
+        });
+        model.run(&mut machine);
+        assert_eq!(found(&mut machine, &mut model), Some([0; 3]));
+    }
+    // A blocked motor.
+    for axis in [0, 2] {
+        model.motor[axis] -= 40;
+    }
+    assert_eq!(found(&mut machine, &mut model), Some([-40, 0, -40]));
+    assert_eq!(found(&mut machine, &mut model), Some([0; 3]));
+    // X was compared before the stop.
+    model.motor[0] += 8;
+    machine.command(Order::Home);
+    for _ in 0..1000 {
+        match machine.next_event(&model.inputs()) {
+            MicrofactoryEvent::Step(step) => model.apply(step),
+            MicrofactoryEvent::Enable(on) => model.has_current = on,
+            _ => {}
+        }
+    }
+    machine.command(Order::Stop);
+    model.run(&mut machine);
+    assert_eq!(machine.switches().lost_steps, [8, 0, 0]);
+    model.motor[1] -= 12;
+    assert_eq!(found(&mut machine, &mut model), Some([8, -12, 0]));
+    // A reset loses the positions.
+    machine.reset();
+    assert_eq!(found(&mut machine, &mut model), None);
+}
+
 #[test]
 fn homing_without_a_switch_ends() {
     let config = MicrofactoryConfig::ORIGINAL;

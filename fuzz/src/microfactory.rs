@@ -22,6 +22,11 @@ pub fn microfactory(data: &[u8]) {
     check_microfactory(&mut bytes);
 }
 
+/// Whether a report is asked for, which is answered in every state.
+const fn is_question(command: Order) -> bool {
+    matches!(command, Order::Ask | Order::Switches)
+}
+
 fn check_link(bytes: &mut Bytes<'_>) {
     let room = u16::from(bytes.byte() & 3);
     let mut link = Device::new(ByteTable::DEFAULT)
@@ -46,9 +51,9 @@ fn check_link(bytes: &mut Bytes<'_>) {
             assert!(!(is_stopped && is_taken), "taken behind an emergency stop");
             continue;
         };
-        assert!(received.reply == Some(byte) && (!is_stopped || command == Order::Ask));
+        assert!(received.reply == Some(byte) && (!is_stopped || is_question(command)));
         match command {
-            Order::Ask | Order::Lease(_) => {}
+            Order::Ask | Order::Switches | Order::Lease(_) => {}
             Order::Clear => moves = Some(0),
             Order::Line(_) => {
                 moves = moves.map(|moves| moves + 1);

@@ -3,7 +3,7 @@
 //! ```text
 //! table      the byte of each command
 //! figure     moves on the line, and their check
-//! status     the answer of a device to a status request
+//! status     the answers of a device to a status request, and to one for its home switches
 //! ```
 //!
 //! The original (9600 baud, no echo, no reply) states its modes but no byte values. The values here
@@ -22,7 +22,7 @@ mod status;
 mod table;
 
 pub use figure::{figure_check, move_bytes};
-pub use status::{Report, STATUS_BYTES, Status};
+pub use status::{Report, STATUS_BYTES, SWITCHES_BYTES, Status, Switches};
 pub use table::{ByteTable, MOTORS};
 
 use figure::{checked, move_of};
@@ -63,6 +63,8 @@ pub enum Order {
     Keep,
     /// Report. The bytes of a [`Status`] follow the answer.
     Ask,
+    /// Report where the home switches closed. The bytes of [`Switches`] follow the answer.
+    Switches,
     /// From now on a motion ends when the line is silent for this time, in units of 10 ms. 0: a
     /// motion needs no host. A reset sets 0.
     Lease(u8),
@@ -74,7 +76,7 @@ impl Order {
     pub const fn is_a_motion(self) -> bool {
         !matches!(
             self,
-            Self::Clear | Self::Line(_) | Self::Keep | Self::Ask | Self::Lease(_)
+            Self::Clear | Self::Line(_) | Self::Keep | Self::Ask | Self::Switches | Self::Lease(_)
         )
     }
 }
@@ -253,6 +255,9 @@ impl Device {
         // Without acknowledgement there are no answers.
         if byte == table.ask && self.acknowledges {
             return Some(Some(Order::Ask));
+        }
+        if byte == table.switches && self.acknowledges {
+            return Some(Some(Order::Switches));
         }
         if self.is_pair && table.machines.contains(&byte) {
             self.turn_to(byte);
@@ -523,9 +528,11 @@ mod tests {
     fn it_is_asked_at_any_time_where_it_answers() {
         let mut link = Device::new(ByteTable::DEFAULT);
         assert_eq!(link.receive(b'5', true).command, None);
+        assert_eq!(link.receive(b'w', true).command, None);
         let mut link = link.acknowledging();
         link.receive(b'!', true);
         assert_eq!(link.receive(b'5', true).command, Some(Order::Ask));
+        assert_eq!(link.receive(b'w', true).command, Some(Order::Switches));
         assert_eq!(link.receive(b'H', false).command, None);
     }
 

@@ -41,7 +41,6 @@ impl Microfactory {
 
 impl Subject for Microfactory {
     const MACHINE: &'static str = "Microfactory";
-    const COMPARES: bool = false;
     const STATES: &'static [(State, u64)] = &[
         (State::Idle, 0),
         (State::FirstHoming, 700),

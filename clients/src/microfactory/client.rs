@@ -7,7 +7,8 @@ use husillo_gcode::Nm;
 use husillo_sim::device::microfactory::{self as device, Device};
 use husillo_sim::text::counted;
 use husillo_transports::microfactory::{
-    ByteTable, REJECTED, Report, STATUS_BYTES, Status, figure_check, move_bytes,
+    ByteTable, REJECTED, Report, STATUS_BYTES, SWITCHES_BYTES, Status, Switches, figure_check,
+    move_bytes,
 };
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -40,6 +41,10 @@ const STOPS: usize = 6;
 const TRIES: usize = 3;
 /// More bytes than this without a pause are noise.
 const NOISE: usize = 1000;
+/// A report with a wrong check.
+const NOISY: &str = "the answer was damaged: the line is noisy";
+/// A stepping motor loses steps in multiples of four: a turn of its field.
+const LEAST_LOSS_STEPS: u32 = 4;
 
 /// The right to use the link to a controller of two machines. The value says whether the last use
 /// succeeded.
@@ -236,7 +241,11 @@ impl Client {
             Action::Home => {
                 self.is_homed = false;
                 self.command(&[self.table.home])?;
-                self.finished(HOMING, Report::Homed)
+                let how = self.finished(HOMING, Report::Homed)?;
+                Ok(match self.lost()? {
+                    Some(lost) => format!("{how}; {lost}"),
+                    None => how,
+                })
             }
             Action::Load(figure) => self.load(&figure.moves),
             Action::Figure => self.cut(),
@@ -649,6 +658,48 @@ impl Client {
         Ok(status)
     }
 
+    /// Asks a device that has homed where its switches closed. Returns a sentence if steps were lost
+    /// since the homing before. `None`: none was lost, or there is nothing to compare.
+    fn lost(&mut self) -> Result<Option<String>, String> {
+        if !self.answers {
+            return Ok(None);
+        }
+        let Switches {
+            are_compared,
+            lost_steps: [x, y, z],
+        } = self.talk(Self::ask_for_switches)?;
+        let is_lost = [x, y, z]
+            .iter()
+            .any(|lost| lost.unsigned_abs() >= LEAST_LOSS_STEPS);
+        Ok((are_compared && is_lost).then(|| {
+            format!(
+                "before homing the motors were x {x:+} y {y:+} z {z:+} steps from where they were \
+                 reported: since the last homing steps were lost. Measure what was made in between"
+            )
+        }))
+    }
+
+    /// Asks until there is an answer. The device stands, so that no lease runs. One that does not
+    /// know the question compares nothing.
+    fn ask_for_switches(&mut self) -> Result<Switches, String> {
+        let mut trouble = String::new();
+        for _ in 0..TRIES {
+            let answer = self.send(self.table.switches).and_then(|answer| {
+                if answer == Answer::Rejected {
+                    return Ok(Switches::default());
+                }
+                Switches::of(&self.block::<SWITCHES_BYTES>()?).ok_or_else(|| NOISY.into())
+            });
+            match answer {
+                Ok(switches) => return Ok(switches),
+                Err(error) => trouble = error,
+            }
+            // The answer to an earlier question may be late.
+            self.answers_to(0)?;
+        }
+        Err(trouble)
+    }
+
     /// Asks until there is an answer. All tries but the last end early enough to renew the lease.
     fn ask_again(&mut self, waits: Waits) -> Result<Status, String> {
         let mut trouble = String::new();
@@ -676,13 +727,18 @@ impl Client {
         if self.send(self.table.ask)? == Answer::Rejected {
             return Err("the device does not report its position".into());
         }
-        let mut bytes = [0; STATUS_BYTES];
+        Status::of(&self.block::<STATUS_BYTES>()?).ok_or_else(|| NOISY.into())
+    }
+
+    /// The bytes that follow an answer.
+    fn block<const N: usize>(&mut self) -> Result<[u8; N], String> {
+        let mut bytes = [0; N];
         for byte in &mut bytes {
             *byte = self
                 .get(self.waits.answer)?
                 .ok_or("the answer was cut off")?;
         }
-        Status::of(&bytes).ok_or_else(|| "the answer was damaged: the line is noisy".into())
+        Ok(bytes)
     }
 
     /// Sends a byte and waits for its answer, or for the time of the byte if the device does not

@@ -548,11 +548,33 @@ fn every_motion_has_a_lease() {
     }
 }
 
+/// A device that does not know the question where its switches closed homes as before.
+#[test]
+fn a_device_that_does_not_compare_its_switches_homes() {
+    let mut settings = settings();
+    settings.table.switches = b'V'; // not that of the device
+    let config = settings.config;
+    let table = Settings::ORIGINAL.table;
+    let device = Device::new(config, table, 0, &[[500, 500]], true, 9600, 1).unwrap();
+    let stop = StopRequests::default();
+    let mut client = Client::new(Wire::simulated(device), settings.table, true, stop);
+    for _ in 0..2 {
+        assert_eq!(client.carry_out(&Action::Home), Ok("homed".into()));
+        client.device().control("block x");
+        let steps = Action::Steps {
+            motor: 0,
+            steps: 40,
+        };
+        client.carry_out(&steps).unwrap();
+        client.device().control("unblock x");
+    }
+}
+
 /// A device without a lease is refused unless that is accepted.
 #[test]
 fn a_device_without_a_lease_is_not_trusted() {
     let mut settings = settings();
-    settings.table.lease = b'w'; // not that of the device
+    settings.table.lease = b'W'; // not that of the device
     for (lease, is_taken) in [(25, false), (0, true)] {
         let config = settings.config;
         let table = Settings::ORIGINAL.table;

@@ -147,7 +147,7 @@ impl<const MOVES: usize, const MACHINES: usize> MicrofactoryStation<MOVES, MACHI
     }
 
     /// Carries out commands without motion: those for the figure of a machine and for the lease,
-    /// and status requests.
+    /// and requests for a report.
     fn keep(&mut self, machine: u8, command: Order) {
         if let Order::Lease(time) = command {
             self.lease = time;
@@ -159,6 +159,10 @@ impl<const MOVES: usize, const MACHINES: usize> MicrofactoryStation<MOVES, MACHI
         if command == Order::Ask {
             let status = machine.status();
             return self.answer(&status.bytes());
+        }
+        if command == Order::Switches {
+            let switches = machine.switches();
+            return self.answer(&switches.bytes());
         }
         // Nothing moves while a figure is received, so the figure is available. The link counts its
         // moves.

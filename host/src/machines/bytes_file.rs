@@ -20,6 +20,7 @@ pub fn read(table: &mut Table<'_, '_>) -> ByteTable {
         ("line", &mut bytes.line),
         ("keep", &mut bytes.keep),
         ("ask", &mut bytes.ask),
+        ("switches", &mut bytes.switches),
         ("first", first),
         ("second", second),
         ("lease", &mut bytes.lease),

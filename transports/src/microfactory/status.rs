@@ -1,4 +1,5 @@
-//! The report of a device: how its last task ended, and its positions.
+//! The reports of a device: how its last task ended, its positions, and where its home switches
+//! closed.
 
 use super::figure::checked;
 
@@ -108,44 +109,85 @@ impl Status {
     pub fn bytes(&self) -> [u8; STATUS_BYTES] {
         let report = self.report.map_or(NOTHING, Report::byte);
         let flags = u8::from(self.is_moving) | u8::from(self.is_homed) << 1;
-        let places = self.position_steps.map(i32::to_le_bytes);
-        let content = [report, flags]
-            .into_iter()
-            .chain(places.into_iter().flatten());
-        let mut check = 0;
-        let mut bytes = [0; STATUS_BYTES];
-        for (place, byte) in bytes.iter_mut().zip(content) {
-            *place = byte;
-            check = checked(check, &[byte]);
-        }
-        if let Some(end) = bytes.last_chunk_mut() {
-            *end = check.to_le_bytes();
-        }
-        bytes
+        with_check([report, flags].into_iter(), &self.position_steps)
     }
 
     /// Reads the bytes of a device. `None` if the check is wrong.
     pub fn of(bytes: &[u8; STATUS_BYTES]) -> Option<Self> {
-        let (content, check) = bytes.split_last_chunk::<2>()?;
-        if checked(0, content) != u16::from_le_bytes(*check) {
-            return None;
-        }
-        let ([report, flags], places) = content.split_first_chunk::<2>()?;
+        let ([report, flags], places) = content(bytes)?.split_first_chunk::<2>()?;
         let report = match *report {
             NOTHING => None,
             byte => Some(Report::of(byte)?),
         };
-        let mut position_steps = [0; 4];
-        for (steps, bytes) in position_steps.iter_mut().zip(places.chunks_exact(4)) {
-            *steps = i32::from_le_bytes(*bytes.first_chunk()?);
-        }
         Some(Self {
             report,
             is_moving: flags & 1 != 0,
             is_homed: flags & 2 != 0,
-            position_steps,
+            position_steps: steps_of(places),
         })
     }
+}
+
+/// Bytes of [`Switches`] on the line.
+pub const SWITCHES_BYTES: usize = 15;
+
+/// Where the home switches closed at the last homing, compared with the homing before. A switch
+/// that closes at another step shows that steps were lost, which no encoder does here.
+#[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Switches {
+    /// Whether the machine was homed before that homing. Otherwise there is nothing to compare.
+    pub are_compared: bool,
+    /// **Steps** of the motors of X, Y and Z: how far from its counted position each one was when
+    /// its switch closed. 0 if no step was lost.
+    pub lost_steps: [i32; 3],
+}
+
+impl Switches {
+    /// Flag, steps with low bytes first, check.
+    pub fn bytes(&self) -> [u8; SWITCHES_BYTES] {
+        with_check([self.are_compared.into()].into_iter(), &self.lost_steps)
+    }
+
+    /// Reads the bytes of a device. `None` if the check is wrong.
+    pub fn of(bytes: &[u8; SWITCHES_BYTES]) -> Option<Self> {
+        let (flag, steps) = content(bytes)?.split_first()?;
+        Some(Self {
+            are_compared: flag & 1 != 0,
+            lost_steps: steps_of(steps),
+        })
+    }
+}
+
+/// Bytes, steps with low bytes first, and the check of all of them. `N` is their number.
+fn with_check<const N: usize>(first: impl Iterator<Item = u8>, steps: &[i32]) -> [u8; N] {
+    let content = first.chain(steps.iter().flat_map(|steps| steps.to_le_bytes()));
+    let mut check = 0;
+    let mut bytes = [0; N];
+    for (place, byte) in bytes.iter_mut().zip(content) {
+        *place = byte;
+        check = checked(check, &[byte]);
+    }
+    if let Some(end) = bytes.last_chunk_mut() {
+        *end = check.to_le_bytes();
+    }
+    bytes
+}
+
+/// The bytes before the check. `None` if the check is wrong.
+fn content(bytes: &[u8]) -> Option<&[u8]> {
+    let (content, check) = bytes.split_last_chunk::<2>()?;
+    (checked(0, content) == u16::from_le_bytes(*check)).then_some(content)
+}
+
+/// Steps with low bytes first.
+fn steps_of<const N: usize>(bytes: &[u8]) -> [i32; N] {
+    let mut all = [0; N];
+    let (steps, _) = bytes.as_chunks();
+    for (place, steps) in all.iter_mut().zip(steps) {
+        *place = i32::from_le_bytes(*steps);
+    }
+    all
 }
 
 #[cfg(test)]
@@ -169,6 +211,23 @@ mod tests {
                 let mut wrong = bytes;
                 wrong[bit / 8] ^= 1 << (bit % 8);
                 assert_eq!(Status::of(&wrong), None);
+            }
+        }
+    }
+
+    #[test]
+    fn where_switches_closed_comes_back_and_no_flipped_bit_does() {
+        for are_compared in [false, true] {
+            let switches = Switches {
+                are_compared,
+                lost_steps: [-40, i32::MAX, i32::MIN],
+            };
+            let bytes = switches.bytes();
+            assert_eq!(Switches::of(&bytes), Some(switches));
+            for bit in 0..8 * SWITCHES_BYTES {
+                let mut wrong = bytes;
+                wrong[bit / 8] ^= 1 << (bit % 8);
+                assert_eq!(Switches::of(&wrong), None);
             }
         }
     }

@@ -32,6 +32,8 @@ pub struct ByteTable {
     pub keep: u8,
     /// Report the positions of the axes and how the last task ended.
     pub ask: u8,
+    /// Report where the home switches closed at the last homing.
+    pub switches: u8,
     /// The following commands are for the first or the second machine of the controller.
     pub machines: [u8; 2],
     /// A motion ends when the line is silent for a time. The time follows in one byte, in units of
@@ -41,7 +43,7 @@ pub struct ByteTable {
 
 impl ByteTable {
     /// `H J N G`, `X x Y y Z z C c`, `A`, `E`, `!`, and commands that the original lacks:
-    /// `< 3 6 5`, `o t`, one and two, and `l`. A single wrong bit in one of the latter makes no
+    /// `< 3 6 5 w`, `o t`, one and two, and `l`. A single wrong bit in one of the latter makes no
     /// other command.
     pub const DEFAULT: ByteTable = ByteTable {
         home: b'H',
@@ -56,6 +58,7 @@ impl ByteTable {
         line: b'3',
         keep: b'6',
         ask: b'5',
+        switches: b'w',
         machines: *b"ot",
         lease: b'l',
     };
@@ -84,6 +87,7 @@ impl ByteTable {
             self.line,
             self.keep,
             self.ask,
+            self.switches,
             first,
             second,
             self.lease,
@@ -128,12 +132,13 @@ mod tests {
             table.line,
             table.keep,
             table.ask,
+            table.switches,
             first,
             second,
             table.lease,
         ];
         for byte in ours {
-            for other in *b"HJNGXxYyZzCcAE!?<365otl" {
+            for other in *b"HJNGXxYyZzCcAE!?<365wotl" {
                 assert_ne!((byte ^ other).count_ones(), 1, "{byte} {other}");
             }
         }
