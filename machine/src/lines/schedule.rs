@@ -209,7 +209,7 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
             return;
         }
         let mut stretch = match counts_q16 {
-            None => self.join(&segment, &tempo),
+            None => self.join(config, &segment, &tempo),
             // The speed of the spindle is not planned, so the path stops before and after the move.
             Some(_) => {
                 self.direction = None;
@@ -264,11 +264,11 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
     }
 
     /// The move with its junction to the previous one; its end direction replaces the stored one.
-    fn join(&mut self, segment: &Segment<N>, tempo: &Tempo) -> Stretch {
+    fn join(&mut self, config: &Config<N>, segment: &Segment<N>, tempo: &Tempo) -> Stretch {
         let Some(limits) = &self.limits else {
             return STAND;
         };
-        let Some([first, last]) = tangents(segment, tempo) else {
+        let Some([first, last]) = tangents(config, segment, tempo, P::HAS_ELLIPSES) else {
             self.direction = None;
             return STAND;
         };
