@@ -418,7 +418,7 @@ fn fits_narrow(start: &Start, reach: u64) -> bool {
     // go in two directions only. So it lags there by r s^2 / 2, and F by r^2 s^2 2^f. With a change
     // q of F per step, r s is q / 2^(f + 1). Taken twice.
     let change = start.quotient.unsigned_abs();
-    let lag = change.saturating_mul(change) / (2 * start.one.unsigned_abs());
+    let lag = (change.saturating_mul(change) >> 1).wrapping_shr(start.one.trailing_zeros());
     // The state needs 3 (r + 4) 2^f plus the change of radius over a few steps, plus the lag.
     let needed = reach
         .wrapping_mul(3)
