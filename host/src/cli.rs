@@ -43,7 +43,7 @@ pub use zero::{LETTERS, Zero};
         husillo run examples/circles.nc     simulate a part and look at the report\n  \
         husillo check part.nc               find all errors without running it\n\n\
         Exit status: 0 ok, 1 the program has errors, 2 bad command line or file,\n\
-        3 trouble in measuring, 4 collision of the probe, 5 end switch, 130 stopped by Ctrl-C"
+        3 error in measuring, 4 collision of the probe, 5 end switch, 130 stopped by Ctrl-C"
 )]
 pub struct Cli {
     /// What to do.
@@ -307,7 +307,7 @@ pub struct Run {
     /// Leave the backlash of the machine uncompensated
     #[arg(long)]
     pub no_compensation: bool,
-    /// Simulate the screws with the backlash of the table simulated_lash, which varies with the
+    /// Simulate the screws with the backlash of the table simulated_backlash, which varies with the
     /// position
     #[arg(long)]
     pub worn: bool,

@@ -7,6 +7,7 @@
 //! ```
 
 mod approach;
+mod axis_position;
 mod collision;
 mod ends;
 mod head;
@@ -27,12 +28,12 @@ mod straight_move;
 mod switches;
 mod touching;
 mod view;
-mod whereabouts;
 mod wiring;
 
 pub(crate) use straight_move::per_period;
 
 pub use approach::Approach;
+pub use axis_position::AxisPosition;
 pub use head::Head;
 pub use line::Line;
 pub use machine::{
@@ -44,5 +45,4 @@ pub use port::Port;
 pub use prober::{Probed, Prober, Touched};
 pub use switches::Switches;
 pub use view::{Errors, View};
-pub use whereabouts::Whereabouts;
 pub use wiring::{End, Wiring};

@@ -30,7 +30,7 @@ pub(crate) struct Axis {
     /// Last jump of the field. It gives the direction of the next ambiguous jump.
     last_jump: i16,
     nut: i64,
-    lash: i64,
+    backlash: i64,
     /// Zero of the step count: the nominal angle of the first levels.
     zero: i64,
     step: i64,
@@ -76,7 +76,7 @@ impl Axis {
             slip: 0,
             last_jump: 0,
             nut: start,
-            lash: i64::from(model.lash_steps) * step,
+            backlash: i64::from(model.backlash_steps) * step,
             zero: (start + quarter / 2) / quarter * quarter,
             step,
             is_blocked: false,
@@ -119,8 +119,8 @@ impl Axis {
     }
 
     /// Sets another backlash in steps. If it shrinks, a flank pushes the nut.
-    pub(crate) fn set_lash(&mut self, steps: f64) {
-        self.lash = (steps * self.step as f64).round() as i64;
+    pub(crate) fn set_backlash(&mut self, steps: f64) {
+        self.backlash = (steps * self.step as f64).round() as i64;
         self.turn(0);
     }
 
@@ -170,7 +170,7 @@ impl Axis {
     #[inline]
     fn turn(&mut self, jump: i64) {
         self.rotor += jump;
-        self.nut = self.nut.max(self.rotor).min(self.rotor + self.lash);
+        self.nut = self.nut.max(self.rotor).min(self.rotor + self.backlash);
     }
 
     /// Handles a change that the rotor cannot simply follow.

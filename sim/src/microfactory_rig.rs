@@ -50,11 +50,11 @@ impl MicrofactoryRig {
         face: i32,
         pull_out_ticks: u32,
     ) -> MicrofactoryRig {
-        let [x, y, z] = config.lash_steps.map(u32::from);
+        let [x, y, z] = config.backlash_steps.map(u32::from);
         let model = AxisModel::coils(Driver::L297, Mode::Full).with_pull_out_ticks(pull_out_ticks);
-        let axis = |lash, above| {
-            let end_below = u32::from(above) + lash + END_BELOW_SWITCH_STEPS;
-            model.with_lash(lash).with_end_below(end_below)
+        let axis = |backlash, above| {
+            let end_below = u32::from(above) + backlash + END_BELOW_SWITCH_STEPS;
+            model.with_backlash(backlash).with_end_below(end_below)
         };
         let [above_x, above_y, above_z] = above_switches;
         let mut chip = L297::new();

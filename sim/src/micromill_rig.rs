@@ -42,9 +42,9 @@ impl MicromillRig {
         let [above_x, above_y, above_z] = above_switches;
         let axis = |axis: &husillo_machine::Axis, above: u32| {
             let model = AxisModel::coils(driver, Mode::Full)
-                .with_lash(axis.lash_steps)
+                .with_backlash(axis.backlash_steps)
                 .with_pull_out_ticks(pull_out_ticks)
-                .with_end_below(above + axis.lash_steps + END_STEPS);
+                .with_end_below(above + axis.backlash_steps + END_STEPS);
             let high = axis.travel.and_then(|[_, high]| axis.scale.nearest(high.0));
             match high {
                 Some(steps) => {

@@ -9,7 +9,7 @@ use husillo_stepper::{Driver, Mode, PulseTiming};
 pub struct AxisModel {
     pub(crate) stage: Stage,
     pub(crate) steps_per_full: u8,
-    pub(crate) lash_steps: u32,
+    pub(crate) backlash_steps: u32,
     pub(crate) pull_out_ticks: u32,
     pub(crate) reversed: bool,
     pub(crate) ends_steps: [Option<u32>; 2],
@@ -52,7 +52,7 @@ impl AxisModel {
         AxisModel {
             stage,
             steps_per_full,
-            lash_steps: 0,
+            backlash_steps: 0,
             pull_out_ticks: 0,
             reversed: false,
             ends_steps: [None; 2],
@@ -61,8 +61,11 @@ impl AxisModel {
 
     /// Sets the backlash of the screw in drive steps.
     #[must_use]
-    pub const fn with_lash(self, lash_steps: u32) -> AxisModel {
-        AxisModel { lash_steps, ..self }
+    pub const fn with_backlash(self, backlash_steps: u32) -> AxisModel {
+        AxisModel {
+            backlash_steps,
+            ..self
+        }
     }
 
     /// Sets the shortest interval between two steps (changes of levels, or counted edges of STEP)

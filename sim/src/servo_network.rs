@@ -61,11 +61,11 @@ pub struct Surroundings {
 /// ```
 /// use husillo_sim::{DcMotorModel, ServoNetwork};
 ///
-/// let mut chain = ServoNetwork::new(&[4, 4], DcMotorModel::PROTOTYPE);
+/// let mut network = ServoNetwork::new(&[4, 4], DcMotorModel::PROTOTYPE);
 /// for byte in [0xaa, 0x00, 0x21, 0x01, 0xff, 0x21] {
-///     chain.send(byte);
+///     network.send(byte);
 /// }
-/// let reply: Vec<u8> = (0..20).flat_map(|_| chain.tick()).collect();
+/// let reply: Vec<u8> = (0..20).flat_map(|_| network.tick()).collect();
 /// assert_eq!(reply, [0x19, 0x19]);
 /// ```
 #[derive(Clone, Debug)]

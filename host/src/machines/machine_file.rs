@@ -24,8 +24,8 @@ pub use step_mode::StepMode;
 pub use travel::Travel;
 
 use crate::diagnostics::{Finding, Place};
+use crate::machines::backlash_file::BacklashFile;
 use crate::machines::bytes_file;
-use crate::machines::lash_file::LashFile;
 use crate::machines::table::{Table, document};
 use crate::programs::program::Frames;
 use built_in::BUILT_IN;
@@ -77,7 +77,7 @@ pub struct MachineFile {
     /// Axes that may move at once; more give a warning.
     pub simultaneous_axes: u32,
     /// Backlash by position.
-    pub lash: LashFile,
+    pub backlash: BacklashFile,
     /// The bytes of the link of a microfactory, which takes byte commands.
     pub bytes: Option<ByteTable>,
     /// Motor current at standstill.
@@ -173,7 +173,7 @@ impl MachineFile {
             .optional_table("idle", Idle::read)
             .unwrap_or(Idle::Hold);
         let first = axes.as_ref().map(|(first, _)| first);
-        let lash = LashFile::read(&mut root, [0, 1, 2].map(|axis| step(first, axis)));
+        let backlash = BacklashFile::read(&mut root, [0, 1, 2].map(|axis| step(first, axis)));
         let bytes = root.optional_table("bytes", bytes_file::read);
         let axes = axes.and_then(all_axes);
         let letters = axes.as_deref().and_then(letters_of);
@@ -210,7 +210,7 @@ impl MachineFile {
                 },
                 probe,
                 tools,
-                lash,
+                backlash,
                 bytes,
                 idle,
                 view: view.unwrap_or([0, 1]),
@@ -362,7 +362,7 @@ mod tests {
     #[test]
     fn built_in_machines_are_read() {
         let micromill = MachineFile::load("micromill").unwrap();
-        assert_eq!(micromill.xyz(|axis| axis.lash_steps), [1457, 1271, 0]);
+        assert_eq!(micromill.xyz(|axis| axis.backlash_steps), [1457, 1271, 0]);
         assert_eq!(micromill.axes[0].travel, Travel::Range([0, 10_000_000]));
         assert_eq!(micromill.axes[2].travel, Travel::Unknown);
         let free = MachineFile::load("free").unwrap();

@@ -1,9 +1,9 @@
 //! A stop of a measuring machine whose program was killed.
 
 use super::memory_file::MemoryFile;
-use super::port::ChainPort;
+use super::port::NetworkPort;
 use super::{Stopped, error_text, machine_file};
-use crate::console::told::Told;
+use crate::console::reporter::Reporter;
 use husillo_metrology::heads::{Line, Machine};
 use husillo_sim::text::position;
 use husillo_transports::nmc::{Auxiliary, Reply};
@@ -14,12 +14,12 @@ use serde_json::json;
 /// # Errors
 ///
 /// [`Stopped`]: the port, or an axis that does not confirm.
-pub fn halt(machine: &str, port: &str, out: &mut Told<'_>) -> Result<(), Stopped> {
+pub fn halt(machine: &str, port: &str, out: &mut Reporter<'_>) -> Result<(), Stopped> {
     let file = machine_file::load(machine).map_err(Stopped::File)?;
-    let opened = ChainPort::open(port).map_err(|error| format!("{port}: {error}"))?;
-    let replies = Line::new(opened).halt(&file).map_err(|trouble| {
+    let opened = NetworkPort::open(port).map_err(|error| format!("{port}: {error}"))?;
+    let replies = Line::new(opened).halt(&file).map_err(|error| {
         let advice = "the stop was sent and is not confirmed: be ready to switch off the machine";
-        Stopped::Machine(format!("{}\n{port}: {advice}", error_text(&trouble)))
+        Stopped::Machine(format!("{}\n{port}: {advice}", error_text(&error)))
     })?;
     keep(machine, port, &file, &replies);
     for (axis, reply) in file.axes.iter().zip(replies) {

@@ -110,7 +110,7 @@ impl<'a> Checker<'a> {
             checks: husillo_machine::Checker::new(),
             turns: Turns::new(
                 // `run` reports a backlash that is out of range.
-                setup::maps(machine).unwrap_or_else(|_| setup::no_lash()),
+                setup::maps(machine).unwrap_or_else(|_| setup::no_backlash()),
                 machine.each(1.0, |axis| axis.step.num as f64 / axis.step.den as f64),
             ),
             unknown_travel: [false; AXES],

@@ -6,7 +6,7 @@ use crate::programs::setup::{ClosedEngine, Engine};
 use crate::programs::source::Source;
 use crate::programs::spindle_time::Turning;
 use crate::simulation::work_piece::WorkPiece;
-use husillo_backlash::Lash;
+use husillo_backlash::BacklashModel;
 use husillo_gcode::{Block, Error};
 use husillo_machine::{Alarm, Event, Followed, Pause, Refused};
 use husillo_sim::observers::AXES;
@@ -20,7 +20,7 @@ use std::ops::ControlFlow;
 ///
 /// Reading or writing fails, the machine refuses a line, or a probe finds nothing. It refuses no
 /// line of a program that was checked before, unless a line depends on what a probe has found.
-pub fn feed<L: Lash<AXES> + 'static>(
+pub fn feed<L: BacklashModel<AXES> + 'static>(
     source: &mut Source,
     machine: &mut Engine<L>,
     piece: &WorkPiece,
@@ -109,7 +109,7 @@ pub fn feed_followed(
 
 /// Feeds lines to a machine, `M`, until it pauses for good or the text ends. `pull` takes an event.
 /// Returns whether the program has ended.
-fn feed_lines<L: Lash<AXES> + 'static, M>(
+fn feed_lines<L: BacklashModel<AXES> + 'static, M>(
     source: &mut Source,
     machine: &mut M,
     engine: impl Fn(&M) -> &Engine<L>,
@@ -148,7 +148,7 @@ fn feed_lines<L: Lash<AXES> + 'static, M>(
 }
 
 /// Gives a block to a machine that has room for it.
-fn take<L: Lash<AXES>>(
+fn take<L: BacklashModel<AXES>>(
     machine: &mut Engine<L>,
     given: &Given<'_>,
     block: Result<Block, Error>,
@@ -160,7 +160,7 @@ fn take<L: Lash<AXES>>(
 }
 
 /// The moves that still wait for a corner at the end of the text.
-fn finish<L: Lash<AXES>>(machine: &mut Engine<L>) -> io::Result<()> {
+fn finish<L: BacklashModel<AXES>>(machine: &mut Engine<L>) -> io::Result<()> {
     machine
         .finish()
         .map_err(|refused| io::Error::other(refused.to_string()))
@@ -171,7 +171,7 @@ fn at_line(given: &Given<'_>, why: &dyn std::fmt::Display) -> io::Error {
 }
 
 /// What expressions can read of a machine.
-fn reading<L: Lash<AXES>>(machine: &Engine<L>) -> Reading<'_, AXES> {
+fn reading<L: BacklashModel<AXES>>(machine: &Engine<L>) -> Reading<'_, AXES> {
     let probed = machine.probed();
     Reading {
         modal: machine.modal(),
@@ -181,7 +181,7 @@ fn reading<L: Lash<AXES>>(machine: &Engine<L>) -> Reading<'_, AXES> {
 
 /// Sets the input of the probe, if the machine needs it.
 #[inline]
-fn touch<L: Lash<AXES>>(machine: &mut Engine<L>, piece: &WorkPiece) {
+fn touch<L: BacklashModel<AXES>>(machine: &mut Engine<L>, piece: &WorkPiece) {
     if machine.needs_probe() {
         let steps = machine.position_steps();
         let scales = machine.config().axes.each_ref().map(|axis| axis.scale);
@@ -206,7 +206,7 @@ enum Pulled {
 impl Pulled {
     /// The kind of an event. A request for an input is answered.
     #[inline]
-    fn of<L: Lash<AXES>>(machine: &mut Engine<L>, event: &Event<AXES>) -> Self {
+    fn of<L: BacklashModel<AXES>>(machine: &mut Engine<L>, event: &Event<AXES>) -> Self {
         match event {
             Event::Pause(Pause::End { .. }) => Self::End,
             Event::Alarm(alarm) => Self::Alarm(*alarm),
@@ -221,7 +221,7 @@ impl Pulled {
 
 /// The simulated spindle reverses at once, so no step beyond the ends of a tap is made.
 #[inline]
-fn turned_back<L: Lash<AXES>>(machine: &mut Engine<L>, event: &Event<AXES>) -> bool {
+fn turned_back<L: BacklashModel<AXES>>(machine: &mut Engine<L>, event: &Event<AXES>) -> bool {
     let turns = matches!(event, Event::Follow(_)) && machine.awaits_reversal();
     if turns {
         machine.spindle_reversed(false);
@@ -230,7 +230,7 @@ fn turned_back<L: Lash<AXES>>(machine: &mut Engine<L>, event: &Event<AXES>) -> b
 }
 
 #[inline]
-fn pull<L: Lash<AXES>>(
+fn pull<L: BacklashModel<AXES>>(
     machine: &mut Engine<L>,
     piece: &WorkPiece,
     each: &mut impl FnMut(&Engine<L>, &Event<AXES>) -> io::Result<()>,

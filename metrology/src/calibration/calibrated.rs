@@ -1,7 +1,7 @@
 //! A machine with known errors: positions and goals are true positions.
 
-use crate::heads::{Errors, Head, Memory, Port, Probed, Prober, Touched, View, Whereabouts};
-use crate::trouble::Trouble;
+use crate::error::Error;
+use crate::heads::{AxisPosition, Errors, Head, Memory, Port, Probed, Prober, Touched, View};
 use husillo_backlash::{ErrorTable, Flank};
 use husillo_probe::{Edge, Measurement, UnitVector};
 use std::cmp::Ordering;
@@ -42,7 +42,7 @@ impl<P: Prober> Calibrated<P> {
     }
 
     /// Returns the readings of the last goal, or of the present position if there is none.
-    fn from(&mut self) -> Result<[i64; 3], Trouble> {
+    fn from(&mut self) -> Result<[i64; 3], Error> {
         match self.sent {
             Some(sent) => Ok(sent),
             None => self.prober.position(),
@@ -60,12 +60,12 @@ impl<P: Prober> Calibrated<P> {
     ///
     /// # Errors
     ///
-    /// [`Trouble::NotHomed`].
-    fn begin(&mut self) -> Result<(), Trouble> {
+    /// [`Error::NotHomed`].
+    fn begin(&mut self) -> Result<(), Error> {
         let tables = self.errors.axes.iter().zip(&self.view.errors.axes);
         for (axis, (whole, in_force)) in "XYZ".chars().zip(tables) {
             if whole != in_force {
-                return Err(Trouble::NotHomed { axis });
+                return Err(Error::NotHomed { axis });
             }
         }
         self.prober.see_as(&self.view);
@@ -91,25 +91,25 @@ impl<P: Prober> Calibrated<P> {
     }
 
     /// After a failure the direction of the last move of the axes is unknown.
-    fn lost(&mut self, trouble: Trouble) -> Trouble {
-        if trouble.has_moved() {
+    fn lost(&mut self, error: Error) -> Error {
+        if error.has_moved() {
             self.view.flanks = [Flank::Unknown; 3];
         }
-        trouble
+        error
     }
 
     /// Makes a move. `go` gets the prober and the readings of the goal.
     fn go_with(
         &mut self,
         goal: [i64; 3],
-        go: impl FnOnce(&mut P, [i64; 3]) -> Result<Probed, Trouble>,
-    ) -> Result<Probed, Trouble> {
+        go: impl FnOnce(&mut P, [i64; 3]) -> Result<Probed, Error>,
+    ) -> Result<Probed, Error> {
         self.begin()?;
         let from = self.from()?;
         let (reading, flanks) = self.reading_of(from, goal);
         // A move that fails leaves the axes at any position.
         self.sent = None;
-        let ended = go(&mut self.prober, reading).map_err(|trouble| self.lost(trouble))?;
+        let ended = go(&mut self.prober, reading).map_err(|error| self.lost(error))?;
         self.view.flanks = flanks;
         if ended.changed_nm.is_none() {
             self.sent = Some(reading);
@@ -127,8 +127,8 @@ impl<P: Prober> Calibrated<P> {
         &mut self,
         direction: &UnitVector,
         distance: u64,
-        touch: impl FnOnce(&mut P, &UnitVector, u64) -> Result<T, Trouble>,
-    ) -> Result<(T, [Flank; 3]), Trouble> {
+        touch: impl FnOnce(&mut P, &UnitVector, u64) -> Result<T, Error>,
+    ) -> Result<(T, [Flank; 3]), Error> {
         self.begin()?;
         let start = self.from()?;
         let from = self.view.position_from(start, self.view.flanks);
@@ -144,7 +144,7 @@ impl<P: Prober> Calibrated<P> {
         let length = squares.sum::<f64>().sqrt() / (part.max(1) as f64) * distance as f64;
         self.sent = None;
         let touched = touch(&mut self.prober, &leaned, length.round() as u64)
-            .map_err(|trouble| self.lost(trouble))?;
+            .map_err(|error| self.lost(error))?;
         // The probe has backed off, so the axes that moved have reversed.
         let ways = along.into_iter().zip(flanks);
         for (flank, (along, at_contact)) in self.view.flanks.iter_mut().zip(ways) {
@@ -160,17 +160,17 @@ impl<P: Prober> Calibrated<P> {
 }
 
 impl<P: Prober> Prober for Calibrated<P> {
-    fn position(&mut self) -> Result<[i64; 3], Trouble> {
+    fn position(&mut self) -> Result<[i64; 3], Error> {
         let readings = self.prober.position()?;
         Ok(self.view.position_from(readings, self.view.flanks))
     }
 
-    fn go_to(&mut self, goal_nm: [i64; 3]) -> Result<[i64; 3], Trouble> {
+    fn go_to(&mut self, goal_nm: [i64; 3]) -> Result<[i64; 3], Error> {
         self.go_with(goal_nm, |prober, goal| Ok(undisturbed(prober.go_to(goal)?)))
             .map(|ended| ended.at_nm)
     }
 
-    fn guarded_to(&mut self, goal_nm: [i64; 3]) -> Result<[i64; 3], Trouble> {
+    fn guarded_to(&mut self, goal_nm: [i64; 3]) -> Result<[i64; 3], Error> {
         self.go_with(goal_nm, |prober, goal| {
             Ok(undisturbed(prober.guarded_to(goal)?))
         })
@@ -178,7 +178,7 @@ impl<P: Prober> Prober for Calibrated<P> {
     }
 
     // The errors of the axes are below the required accuracy of a speed.
-    fn feed_to(&mut self, goal_nm: [i64; 3], nm_per_min: u64) -> Result<[i64; 3], Trouble> {
+    fn feed_to(&mut self, goal_nm: [i64; 3], nm_per_min: u64) -> Result<[i64; 3], Error> {
         self.go_with(goal_nm, |prober, goal| {
             Ok(undisturbed(prober.feed_to(goal, nm_per_min)?))
         })
@@ -190,7 +190,7 @@ impl<P: Prober> Prober for Calibrated<P> {
         goal_nm: [i64; 3],
         nm_per_min: u64,
         until: Edge,
-    ) -> Result<Probed, Trouble> {
+    ) -> Result<Probed, Error> {
         self.go_with(goal_nm, |prober, goal| {
             prober.probe_to(goal, nm_per_min, until)
         })
@@ -200,7 +200,7 @@ impl<P: Prober> Prober for Calibrated<P> {
         self.prober.has_collided()
     }
 
-    fn touch(&mut self, direction: &UnitVector, distance_nm: u64) -> Result<Touched, Trouble> {
+    fn touch(&mut self, direction: &UnitVector, distance_nm: u64) -> Result<Touched, Error> {
         let (touched, flanks) = self.touch_with(direction, distance_nm, P::touch)?;
         Ok(Touched {
             centre_nm: self.view.position_from(touched.centre_nm, flanks),
@@ -229,7 +229,7 @@ impl<P: Port> Calibrated<Head<P>> {
     /// # Errors
     ///
     /// No answer.
-    pub fn whereabouts(&mut self) -> Result<Vec<Whereabouts>, Trouble> {
+    pub fn axis_positions(&mut self) -> Result<Vec<AxisPosition>, Error> {
         let replies = self.prober.read_twice()?;
         let readings = self.prober.place_of(&replies);
         let place = self.view.errors.position_nm(readings, self.view.flanks);
@@ -237,7 +237,7 @@ impl<P: Port> Calibrated<Head<P>> {
         let axes = axes.map(|(axis, reply)| {
             let coordinate = axis.settings.coordinate();
             let machine = place[coordinate];
-            Whereabouts {
+            AxisPosition {
                 coordinate,
                 machine: axis.is_homed.then_some(machine),
                 work: machine.saturating_sub(self.view.zero[coordinate]),
@@ -253,7 +253,7 @@ impl<P: Port> Calibrated<Head<P>> {
     /// # Errors
     ///
     /// No answer, or an axis that does not come to rest.
-    pub fn memory(&mut self) -> Result<Memory, Trouble> {
+    pub fn memory(&mut self) -> Result<Memory, Error> {
         let mut memory = self.prober.memory()?;
         for axis in &mut memory.axes {
             let coordinate = "XYZ".find(axis.letter).unwrap_or_default();
@@ -283,7 +283,7 @@ impl<P: Port> Calibrated<Head<P>> {
     /// # Errors
     ///
     /// There is no such axis, or no answer.
-    pub fn set_zero(&mut self, coordinate: usize) -> Result<(), Trouble> {
+    pub fn set_zero(&mut self, coordinate: usize) -> Result<(), Error> {
         self.prober.index(coordinate)?;
         let present = self.position()?;
         self.view.zero[coordinate] += present[coordinate];
@@ -296,12 +296,12 @@ impl<P: Port> Calibrated<Head<P>> {
     /// # Errors
     ///
     /// Those of [`Head::home`].
-    pub fn home(&mut self, coordinate: usize) -> Result<(), Trouble> {
+    pub fn home(&mut self, coordinate: usize) -> Result<(), Error> {
         self.sent = None;
         self.prober.see_as(&self.view);
         self.prober
             .home(coordinate)
-            .map_err(|trouble| self.lost(trouble))?;
+            .map_err(|error| self.lost(error))?;
         self.set_homed(coordinate);
         // The axis ran beyond the index and came back.
         self.view.flanks[coordinate] = Flank::Negative;
@@ -319,12 +319,12 @@ impl<P: Port> Calibrated<Head<P>> {
         is_positive: bool,
         seconds: f64,
         is_slow: bool,
-    ) -> Result<(), Trouble> {
+    ) -> Result<(), Error> {
         self.sent = None;
         self.prober.see_as(&self.view);
         self.prober
             .jog(coordinate, is_positive, seconds, is_slow)
-            .map_err(|trouble| self.lost(trouble))?;
+            .map_err(|error| self.lost(error))?;
         self.view.flanks[coordinate] = if is_positive {
             Flank::Positive
         } else {
@@ -338,11 +338,7 @@ impl<P: Port> Calibrated<Head<P>> {
     /// # Errors
     ///
     /// Those of [`Head::touch`].
-    pub fn measure(
-        &mut self,
-        direction: &UnitVector,
-        distance: u64,
-    ) -> Result<Measurement, Trouble> {
+    pub fn measure(&mut self, direction: &UnitVector, distance: u64) -> Result<Measurement, Error> {
         let (mut measurement, flanks) = self.touch_with(direction, distance, Head::touch)?;
         let touch = &mut measurement.touch;
         touch.position = self.view.position_from(touch.position, flanks);
@@ -440,11 +436,11 @@ mod tests {
             false
         }
 
-        fn position(&mut self) -> Result<[i64; 3], Trouble> {
+        fn position(&mut self) -> Result<[i64; 3], Error> {
             Ok(self.at)
         }
 
-        fn go_to(&mut self, goal: [i64; 3]) -> Result<[i64; 3], Trouble> {
+        fn go_to(&mut self, goal: [i64; 3]) -> Result<[i64; 3], Error> {
             for ((at, flank), goal) in self.at.iter_mut().zip(&mut self.flanks).zip(goal) {
                 let to = (goal as f64 / self.count as f64).round() as i64 * self.count;
                 *flank = Flank::towards((to - *at).signum() as i8).unwrap_or(*flank);
@@ -453,16 +449,16 @@ mod tests {
             Ok(self.at)
         }
 
-        fn guarded_to(&mut self, goal: [i64; 3]) -> Result<[i64; 3], Trouble> {
+        fn guarded_to(&mut self, goal: [i64; 3]) -> Result<[i64; 3], Error> {
             self.go_to(goal)
         }
 
-        fn feed_to(&mut self, goal: [i64; 3], _: u64) -> Result<[i64; 3], Trouble> {
+        fn feed_to(&mut self, goal: [i64; 3], _: u64) -> Result<[i64; 3], Error> {
             self.go_to(goal)
         }
 
         /// Moves in steps of a count of the longest distance.
-        fn probe_to(&mut self, goal: [i64; 3], _: u64, until: Edge) -> Result<Probed, Trouble> {
+        fn probe_to(&mut self, goal: [i64; 3], _: u64, until: Edge) -> Result<Probed, Error> {
             let from = self.at;
             let way = [0, 1, 2].map(|axis: usize| goal[axis] - from[axis]);
             let steps = way.iter().map(|way| way.abs()).max().unwrap_or(0) / self.count;
@@ -480,7 +476,7 @@ mod tests {
             Ok(undisturbed(self.at))
         }
 
-        fn touch(&mut self, direction: &UnitVector, way: u64) -> Result<Touched, Trouble> {
+        fn touch(&mut self, direction: &UnitVector, way: u64) -> Result<Touched, Error> {
             let from = self.at;
             // Bisection of the distance to the face.
             let (mut free, mut beyond) = (0, way as i64);

@@ -1,8 +1,8 @@
 //! Calibration of the probe on a face at a known position.
 
+use crate::error::Error;
 use crate::heads::Stylus;
 use crate::scale::Scale;
-use crate::trouble::Trouble;
 use husillo_probe::{Measurement, PreTravel, UnitVector};
 
 /// A face at right angles to an axis.
@@ -31,7 +31,7 @@ impl Face {
         measurement: &Measurement,
         scale: Scale,
         over_travel: u32,
-    ) -> Result<Stylus, Trouble> {
+    ) -> Result<Stylus, Error> {
         let face = surface_nm(&stylus, measurement)[self.axis];
         let direction = measurement.touch.direction;
         let parts = |vector: &UnitVector| vector.components().map(|part| part.to_num::<f64>());
@@ -44,7 +44,7 @@ impl Face {
         let found = i64::from(stylus.pre_travel.along(&direction)) + beyond as i64;
         let possible = scale.of_counts(-2)..=scale.of_counts(over_travel.into());
         if !possible.contains(&found) {
-            return Err(Trouble::PreTravel {
+            return Err(Error::PreTravel {
                 found: scale.text(found),
                 most: scale.text(*possible.end()),
             });
@@ -110,7 +110,7 @@ mod tests {
         }
     }
 
-    fn calibrated(stylus: Stylus, z: i64) -> Result<Stylus, Trouble> {
+    fn calibrated(stylus: Stylus, z: i64) -> Result<Stylus, Error> {
         let face = Face {
             axis: 2,
             position: -5_000_000,
@@ -139,7 +139,7 @@ mod tests {
         assert!(calibrated(stylus, -3_996_000).is_ok());
         for z in [-3_990_000, -4_300_000] {
             let none = calibrated(stylus, z);
-            assert!(matches!(none, Err(Trouble::PreTravel { .. })), "{none:?}");
+            assert!(matches!(none, Err(Error::PreTravel { .. })), "{none:?}");
         }
     }
 

@@ -1,7 +1,7 @@
 //! Calibration of the probe on a body of known size.
 
+use crate::error::Error;
 use crate::heads::{Prober, Stylus};
-use crate::trouble::Trouble;
 use husillo_probe::{
     Calibration, FitError, PreTravel, Reference, Residuals, Tip, Touch, UnitVector,
 };
@@ -79,13 +79,13 @@ impl ReferenceBody {
     ///
     /// # Errors
     ///
-    /// [`Trouble`] of the machine, and [`Trouble::Fit`] if the touches do not lie on such a body.
+    /// [`Error`] of the machine, and [`Error::Fit`] if the touches do not lie on such a body.
     pub fn calibrate(
         &self,
         prober: &mut impl Prober,
         tip_radius: i32,
         clearance: i64,
-    ) -> Result<FoundProbe, Trouble> {
+    ) -> Result<FoundProbe, Error> {
         match self.body {
             Body::Sphere => self.calibrate_sphere(prober, tip_radius, clearance),
             Body::Ring => self.calibrate_ring(prober, tip_radius, clearance),
@@ -97,7 +97,7 @@ impl ReferenceBody {
         prober: &mut impl Prober,
         tip_radius: i32,
         clearance: i64,
-    ) -> Result<FoundProbe, Trouble> {
+    ) -> Result<FoundProbe, Error> {
         let touching = self.radius + i64::from(tip_radius);
         // A chord between neighbouring points stays at least 0.89 of this distance from the centre.
         let far = touching + touching / 4 + self.doubt();
@@ -129,12 +129,12 @@ impl ReferenceBody {
                     direction,
                 });
             }
-            Ok::<_, Trouble>(touches)
+            Ok::<_, Error>(touches)
         };
         // The pole and the upper rings determine the centre.
         let touches = pass(&normals[..FIRST], centre, self.doubt())?;
         let one = Calibration::fit(touches, &reference, Some(tip_radius), [UnitVector::Z]);
-        centre = one.map_err(Trouble::Fit)?.centre_nm;
+        centre = one.map_err(Error::Fit)?.centre_nm;
         let touches = pass(&normals, centre, clearance)?;
         // The last touch is at the side of the sphere. A straight move to its top would go through
         // it.
@@ -151,7 +151,7 @@ impl ReferenceBody {
         prober: &mut impl Prober,
         tip_radius: i32,
         clearance: i64,
-    ) -> Result<FoundProbe, Trouble> {
+    ) -> Result<FoundProbe, Error> {
         let touching = self.radius - i64::from(tip_radius);
         let [x, y, _] = self.centre;
         let [_, _, from_z] = prober.position()?;
@@ -175,11 +175,11 @@ impl ReferenceBody {
                 });
             }
             prober.guarded_to(centre)?;
-            Ok::<_, Trouble>(touches)
+            Ok::<_, Error>(touches)
         };
         let touches = pass(3, self.centre, self.doubt())?;
         let one = Calibration::fit(touches, &reference, Some(tip_radius), [UnitVector::X]);
-        let [x, y, _] = one.map_err(Trouble::Fit)?.centre_nm;
+        let [x, y, _] = one.map_err(Error::Fit)?.centre_nm;
         let touches = pass(1, [x, y, self.centre[2]], clearance)?;
         fitted::<12>(touches, &reference, tip_radius, directions.to_vec())
     }
@@ -191,14 +191,14 @@ impl ReferenceBody {
 }
 
 /// The failure of a table that cannot be made.
-const NONE: Trouble = Trouble::Fit(FitError::TooFewPoints);
+const NONE: Error = Error::Fit(FitError::TooFewPoints);
 
 fn fitted<const K: usize>(
     touches: Vec<Touch>,
     reference: &Reference,
     tip_radius: i32,
     directions: Vec<[i64; 3]>,
-) -> Result<FoundProbe, Trouble> {
+) -> Result<FoundProbe, Error> {
     let units: Vec<UnitVector> = directions
         .iter()
         .map(|direction| unit(*direction))
@@ -211,7 +211,7 @@ fn fitted<const K: usize>(
         [UnitVector::Z],
     );
     let found = Calibration::fit(touches, reference, Some(tip_radius), units);
-    let (uniform, found) = (uniform.map_err(Trouble::Fit)?, found.map_err(Trouble::Fit)?);
+    let (uniform, found) = (uniform.map_err(Error::Fit)?, found.map_err(Error::Fit)?);
     let entries = found.tip.pre_travel.entries();
     let table = directions.iter().zip(entries);
     Ok(FoundProbe {
@@ -281,8 +281,8 @@ mod tests {
         };
         let file = three_axes();
         let mounted = Mounted::new(piece, &file).unwrap();
-        let chain = SimulatedNetwork::new(&[4; 3], &[], Some(mounted)).unwrap();
-        let line = Line::new(SimulatedPort::new(chain));
+        let network = SimulatedNetwork::new(&[4; 3], &[], Some(mounted)).unwrap();
+        let line = Line::new(SimulatedPort::new(network));
         Head::start(line, &file, 1).unwrap()
     }
 

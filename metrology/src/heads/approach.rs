@@ -40,9 +40,9 @@ impl<P: Port> Head<P> {
 
 #[cfg(test)]
 mod tests {
+    use crate::error::Error;
     use crate::heads::{Head, Line, Port, Prober};
     use crate::simulated::{SimulatedNetwork, SimulatedPort, three_axes};
-    use crate::trouble::Trouble;
     use husillo_transports::nmc::{Baud, Timing};
     use std::cell::Cell;
     use std::io;
@@ -79,7 +79,12 @@ mod tests {
             let end_us = self.elapsed_us() + u64::from(wait_us.max(1));
             while self.elapsed_us() < end_us {
                 let bytes = self.port.receive(1)?;
-                let counts = self.port.chain.chain().motor(0).map(|motor| motor.counts());
+                let counts = self
+                    .port
+                    .network
+                    .servo_network()
+                    .motor(0)
+                    .map(|motor| motor.counts());
                 let farthest = self.farthest.get().max(counts.unwrap_or_default());
                 self.farthest.set(farthest);
                 if !bytes.is_empty() {
@@ -98,10 +103,10 @@ mod tests {
             axis.acceleration = acceleration;
         }
         let face = format!("1:{FACE}").parse().unwrap();
-        let chain = SimulatedNetwork::of_machine(&machine, &[face], None).unwrap();
+        let network = SimulatedNetwork::of_machine(&machine, &[face], None).unwrap();
         let farthest = Rc::new(Cell::new(0));
         let port = Noting {
-            port: SimulatedPort::new(chain),
+            port: SimulatedPort::new(network),
             farthest: farthest.clone(),
         };
         let mut head = Head::start(Line::new(port), &machine, 1).unwrap();
@@ -121,7 +126,7 @@ mod tests {
                 head.go_to([from, 0, 0]).unwrap();
                 let met = head.guarded_to([9 * MM, across, 0]);
                 let context = format!("{over_travel} {acceleration} from {from}: {met:?}");
-                let Err(Trouble::Collision {
+                let Err(Error::Collision {
                     axes,
                     at,
                     speed: Some(_),
@@ -159,7 +164,7 @@ mod tests {
             } else {
                 head.go_to(goal)
             };
-            let Err(Trouble::Collision {
+            let Err(Error::Collision {
                 speed: Some(speed),
                 beyond: Some(beyond),
                 ..
@@ -191,7 +196,7 @@ mod tests {
         assert!((3.0..4.2).contains(&seconds), "{seconds} s");
         // Towards the face again: it is watched again.
         let again = head.guarded_to([9 * MM, 0, 0]);
-        assert!(matches!(again, Err(Trouble::Collision { .. })), "{again:?}");
+        assert!(matches!(again, Err(Error::Collision { .. })), "{again:?}");
     }
 
     /// A guarded move ends at its goal as any other.

@@ -5,8 +5,8 @@ use super::head::{Head, is_done};
 use super::port::Port;
 use super::search::{Search, searches};
 use super::straight_move::FinishedMove;
+use crate::error::Error;
 use crate::scale::Scale;
-use crate::trouble::Trouble;
 use husillo_transports::nmc::{Homing, Reply, StopMode};
 use std::collections::VecDeque;
 
@@ -91,7 +91,7 @@ impl<P: Port> Head<P> {
         goal: &[i32],
         rate: Option<u32>,
         approach: Approach,
-    ) -> Result<FinishedMove, Trouble> {
+    ) -> Result<FinishedMove, Error> {
         if !self.is_touching()? {
             return Ok(self.go_free(goal, rate, false, approach)?.0);
         }
@@ -113,7 +113,7 @@ impl<P: Port> Head<P> {
     }
 
     /// Retracts after a touch, which may have ended in contact or just before it.
-    pub(super) fn retract(&mut self, goal: &[i32], rate: u32) -> Result<FinishedMove, Trouble> {
+    pub(super) fn retract(&mut self, goal: &[i32], rate: u32) -> Result<FinishedMove, Error> {
         self.supervised(|head| Ok(head.go_free(goal, Some(rate), true, Approach::Rapid)?.0))
     }
 
@@ -125,7 +125,7 @@ impl<P: Port> Head<P> {
         rate: Option<u32>,
         is_touching: bool,
         approach: Approach,
-    ) -> Result<(FinishedMove, Watch), Trouble> {
+    ) -> Result<(FinishedMove, Watch), Error> {
         let mut watch = Watch {
             approach,
             ..self.watch(goal)
@@ -186,7 +186,7 @@ impl<P: Port> Head<P> {
         &mut self,
         watch: &mut Watch,
         is_touching: bool,
-    ) -> Result<(), Trouble> {
+    ) -> Result<(), Error> {
         watch.is_armed = !is_touching;
         let contacts = self.contact_watch(watch.approach);
         if is_touching {
@@ -197,7 +197,7 @@ impl<P: Port> Head<P> {
     }
 
     /// The modules stop watching the contact. Returns whether they watched it.
-    pub(super) fn end_watch(&mut self, watch: &mut Watch) -> Result<bool, Trouble> {
+    pub(super) fn end_watch(&mut self, watch: &mut Watch) -> Result<bool, Error> {
         let was_armed = std::mem::take(&mut watch.is_armed);
         if was_armed {
             self.disarm(self.contact_watch(watch.approach))?;
@@ -209,8 +209,8 @@ impl<P: Port> Head<P> {
     ///
     /// # Errors
     ///
-    /// [`Trouble::Collision`]. The axes are stopped then.
-    pub(super) fn look(&mut self, watch: &mut Watch, replies: &[Reply]) -> Result<(), Trouble> {
+    /// [`Error::Collision`]. The axes are stopped then.
+    pub(super) fn look(&mut self, watch: &mut Watch, replies: &[Reply]) -> Result<(), Error> {
         let is_touching = self.is_closed(replies);
         if watch.is_armed {
             if is_touching || !replies.iter().all(searches) {
@@ -244,7 +244,7 @@ impl<P: Port> Head<P> {
         search: Search,
         watch: &mut Watch,
         replies: &[Reply],
-    ) -> Result<(), Trouble> {
+    ) -> Result<(), Error> {
         if !search.is_touch() && self.is_closed(replies) {
             return Err(self.collision(watch));
         }
@@ -253,7 +253,7 @@ impl<P: Port> Head<P> {
     }
 
     /// Whether the probe is pressed. The axes stand.
-    pub(super) fn is_touching(&mut self) -> Result<bool, Trouble> {
+    pub(super) fn is_touching(&mut self) -> Result<bool, Error> {
         let mut replies = self.read()?;
         if self.is_closed(&replies) {
             // A single reading may be wrong and undetected. Two equal readings are right.
@@ -272,19 +272,19 @@ impl<P: Port> Head<P> {
     }
 
     /// Stops all axes and returns the reason: a collision if a second reading confirms the contact.
-    pub(super) fn collision(&mut self, watch: &Watch) -> Trouble {
+    pub(super) fn collision(&mut self, watch: &Watch) -> Error {
         let has_collided = self.has_collided;
         self.has_collided = true;
         match self.met(watch) {
-            Ok(Some(trouble)) | Err(trouble) => trouble,
+            Ok(Some(error)) | Err(error) => error,
             Ok(None) => {
                 self.has_collided = has_collided;
-                Trouble::DoubtfulContact
+                Error::DoubtfulContact
             }
         }
     }
 
-    fn met(&mut self, watch: &Watch) -> Result<Option<Trouble>, Trouble> {
+    fn met(&mut self, watch: &Watch) -> Result<Option<Error>, Error> {
         self.stop(match watch.approach {
             Approach::Rapid => StopMode::Abrupt,
             Approach::Guarded => StopMode::Smooth,
@@ -309,7 +309,7 @@ impl<P: Port> Head<P> {
         if has_latched || self.contact_at.is_none() {
             self.contact_at = Some(at);
         }
-        Ok(Some(Trouble::Collision {
+        Ok(Some(Error::Collision {
             axes: watch.axes.clone(),
             at: self.text(place),
             speed: watch.speed(self.scale),

@@ -5,7 +5,7 @@ use super::head::Head;
 use super::port::Port;
 use super::search::{Search, searches};
 use super::wiring::End;
-use crate::trouble::Trouble;
+use crate::error::Error;
 use husillo_transports::nmc::{Homing, Reply};
 
 /// Number of consecutive readings after which an end switch counts as open. More than one is
@@ -23,8 +23,8 @@ impl<P: Port> Head<P> {
     ///
     /// # Errors
     ///
-    /// [`Trouble::EndSwitch`].
-    pub(super) fn look_at_ends(&mut self, replies: &[Reply]) -> Result<(), Trouble> {
+    /// [`Error::EndSwitch`].
+    pub(super) fn look_at_ends(&mut self, replies: &[Reply]) -> Result<(), Error> {
         let mut met = None;
         for (index, (axis, reply)) in self.axes.iter_mut().zip(replies).enumerate() {
             if !axis.settings.is_end_closed(reply) {
@@ -55,9 +55,9 @@ impl<P: Port> Head<P> {
         Err(self.end_switch(index, counts))
     }
 
-    fn end_switch(&self, index: usize, counts: i32) -> Trouble {
+    fn end_switch(&self, index: usize, counts: i32) -> Error {
         let axis = &self.axes[index];
-        Trouble::EndSwitch {
+        Error::EndSwitch {
             axis: axis.settings.letter,
             end: axis.end,
             at: self.axis_text(index, counts),
@@ -66,9 +66,9 @@ impl<P: Port> Head<P> {
     }
 
     /// Reads moving axes. The failure of an end switch includes their speed.
-    pub(super) fn read_moving(&mut self, watch: &Watch) -> Result<Vec<Reply>, Trouble> {
-        self.read().map_err(|trouble| match trouble {
-            Trouble::EndSwitch { axis, end, at, .. } => Trouble::EndSwitch {
+    pub(super) fn read_moving(&mut self, watch: &Watch) -> Result<Vec<Reply>, Error> {
+        self.read().map_err(|error| match error {
+            Error::EndSwitch { axis, end, at, .. } => Error::EndSwitch {
                 axis,
                 end,
                 at,
@@ -82,8 +82,8 @@ impl<P: Port> Head<P> {
     ///
     /// # Errors
     ///
-    /// [`Trouble::EndSwitch`].
-    pub(super) fn check_ends(&mut self, goal: &[i32]) -> Result<(), Trouble> {
+    /// [`Error::EndSwitch`].
+    pub(super) fn check_ends(&mut self, goal: &[i32]) -> Result<(), Error> {
         if self.axes.iter().all(|axis| axis.settings.end().is_none()) {
             return Ok(());
         }
@@ -98,7 +98,7 @@ impl<P: Port> Head<P> {
                     return Err(self.end_switch(index, axis.held));
                 }
                 None if ahead.unsigned_abs() > u64::from(self.leaving().unsigned_abs()) => {
-                    return Err(Trouble::UnknownEnd {
+                    return Err(Error::UnknownEnd {
                         axis: axis.settings.letter,
                         at: self.axis_text(index, axis.held),
                         most: self.scale.text(self.scale.of_counts(self.leaving().into())),
@@ -115,9 +115,9 @@ impl<P: Port> Head<P> {
     ///
     /// # Errors
     ///
-    /// [`Trouble::NoEndSwitch`] if the switch does not close over the length of the travel, or does
+    /// [`Error::NoEndSwitch`] if the switch does not close over the length of the travel, or does
     /// not open soon afterwards, and the errors of a move.
-    pub(super) fn search_end(&mut self, index: usize, end: End) -> Result<(), Trouble> {
+    pub(super) fn search_end(&mut self, index: usize, end: End) -> Result<(), Error> {
         let [quick, slow] = [self.probe.rate, self.probe.slow_rate];
         let clear = i32::try_from(self.probe.back_off).unwrap_or(i32::MAX);
         let outwards = end.sign();
@@ -141,7 +141,7 @@ impl<P: Port> Head<P> {
 
     /// Reads an axis that stands until it is certain whether its end switch is open. The switch may
     /// have opened since the last move.
-    fn read_end(&mut self, index: usize) -> Result<(), Trouble> {
+    fn read_end(&mut self, index: usize) -> Result<(), Error> {
         self.axes[index].is_end_sought = true;
         let read = (0..OPEN_READINGS).try_for_each(|_| self.read().map(drop));
         self.axes[index].is_end_sought = false;
@@ -151,7 +151,7 @@ impl<P: Port> Head<P> {
     /// Leaves an end switch that is not the one of a search. Returns where it opens, and the sign
     /// of the direction. If the end is not known, the axis tries both directions, each over a short
     /// distance.
-    fn leave_end(&mut self, index: usize) -> Result<(i32, i32), Trouble> {
+    fn leave_end(&mut self, index: usize) -> Result<(i32, i32), Error> {
         let (slow, short) = (self.probe.slow_rate, self.leaving());
         let left = match self.axes[index].end {
             Some(end) => {
@@ -162,7 +162,7 @@ impl<P: Port> Head<P> {
                 )
             }
             None => match self.seek_end(index, 1, slow, short) {
-                Err(Trouble::NoEndSwitch { .. }) => {
+                Err(Error::NoEndSwitch { .. }) => {
                     // Back to the start, and as far to the other side.
                     let twice = short.saturating_mul(2);
                     (self.seek_end(index, -1, slow, twice)?, -1)
@@ -187,13 +187,7 @@ impl<P: Port> Head<P> {
     }
 
     /// Moves an axis until its end switch changes, at most by a length. Returns where.
-    fn seek_end(
-        &mut self,
-        index: usize,
-        sign: i32,
-        rate: u32,
-        length: i32,
-    ) -> Result<i32, Trouble> {
+    fn seek_end(&mut self, index: usize, sign: i32, rate: u32, length: i32) -> Result<i32, Error> {
         let axis = &mut self.axes[index];
         axis.is_end_sought = true;
         let goal = axis.held.saturating_add(sign.saturating_mul(length));
@@ -211,7 +205,7 @@ impl<P: Port> Head<P> {
         let finished = finished?;
         match finished.is_found {
             true => Ok(finished.replies[index].readings.home),
-            false => Err(Trouble::NoEndSwitch {
+            false => Err(Error::NoEndSwitch {
                 axis: letter,
                 length: self.scale.text(self.scale.of_counts(length.into())),
             }),
@@ -241,17 +235,17 @@ mod tests {
     /// It stands this far from its end switch, which closes at this count.
     fn head(end: End, switch: &str) -> Simulated {
         let machine = machine(end);
-        let chain = SimulatedNetwork::of_machine(&machine, &[], None).unwrap();
-        let chain = chain.with_ends(&[switch.parse().unwrap()]).unwrap();
-        Simulated::start(Line::new(SimulatedPort::new(chain)), &machine, 1).unwrap()
+        let network = SimulatedNetwork::of_machine(&machine, &[], None).unwrap();
+        let network = network.with_ends(&[switch.parse().unwrap()]).unwrap();
+        Simulated::start(Line::new(SimulatedPort::new(network)), &machine, 1).unwrap()
     }
 
     fn motors(head: &mut Simulated) -> [i64; 3] {
-        let chain = &mut head.line.port().chain;
+        let network = &mut head.line.port().network;
         for _ in 0..2000 {
-            chain.tick();
+            network.tick();
         }
-        [0, 1, 2].map(|module| chain.chain().motor(module).unwrap().counts())
+        [0, 1, 2].map(|module| network.servo_network().motor(module).unwrap().counts())
     }
 
     #[test]
@@ -260,7 +254,7 @@ mod tests {
             let mut head = head(end, switch);
             head.axes.iter_mut().for_each(|axis| axis.is_homed = true);
             let met = head.go_to([sign * 4 * MM, 4 * MM, 0]);
-            let Err(Trouble::EndSwitch {
+            let Err(Error::EndSwitch {
                 axis,
                 end: at_end,
                 at,
@@ -283,10 +277,10 @@ mod tests {
             // Farther out nothing moves, and Y alone may.
             for goal in [sign * 2 * MM, sign * 40 * MM] {
                 let farther = head.go_to([goal, MM, 0]);
-                assert!(matches!(farther, Err(Trouble::EndSwitch { .. })));
+                assert!(matches!(farther, Err(Error::EndSwitch { .. })));
             }
             let jog = head.jog(0, sign > 0, 1.0, false);
-            assert!(matches!(jog, Err(Trouble::EndSwitch { .. })), "{jog:?}");
+            assert!(matches!(jog, Err(Error::EndSwitch { .. })), "{jog:?}");
             let held = motors(&mut head);
             assert!(held[0].abs_diff(at[0]) <= 2, "{held:?} {at:?}");
             // Off it slowly: 1 mm at 0.4 mm/s, then at full speed.
@@ -302,10 +296,10 @@ mod tests {
                 _ => husillo_probe::UnitVector::X.reversed(),
             };
             let touch = head.touch(&direction, 4_000_000);
-            assert!(matches!(touch, Err(Trouble::EndSwitch { .. })), "{touch:?}");
+            assert!(matches!(touch, Err(Error::EndSwitch { .. })), "{touch:?}");
             head.go_to([0, 0, 0]).unwrap();
             let jog = head.jog(0, sign > 0, 60.0, false);
-            assert!(matches!(jog, Err(Trouble::EndSwitch { .. })), "{jog:?}");
+            assert!(matches!(jog, Err(Error::EndSwitch { .. })), "{jog:?}");
         }
     }
 
@@ -329,7 +323,7 @@ mod tests {
     fn an_axis_that_begins_at_its_end_switch_leaves_it() {
         let mut head = head(End::High, "1:-40");
         let farther = head.go_to([MM, 0, 0]);
-        assert!(matches!(farther, Err(Trouble::EndSwitch { .. })));
+        assert!(matches!(farther, Err(Error::EndSwitch { .. })));
         head.go_to([-MM, 0, 0]).unwrap();
         head.home(0).unwrap();
         assert_eq!(head.axes[0].origin.rem_euclid(400) % 399 % 398, 0);
@@ -341,7 +335,7 @@ mod tests {
         head.axes[0].settings.travel = [-500, 500];
         let home = head.home(0);
         assert!(
-            matches!(home, Err(Trouble::NoEndSwitch { axis: 'X', .. })),
+            matches!(home, Err(Error::NoEndSwitch { axis: 'X', .. })),
             "{home:?}"
         );
     }
@@ -352,15 +346,15 @@ mod tests {
         let mut head = head(End::Low, "1:..-500");
         head.go_to([-MM, 0, 0]).unwrap_err();
         let before = motors(&mut head)[0];
-        head.line.port().chain.hold_ends(1, Some(true));
+        head.line.port().network.hold_ends(1, Some(true));
         let home = head.home(0);
-        let Err(Trouble::NoEndSwitch { axis: 'X', length }) = home else {
+        let Err(Error::NoEndSwitch { axis: 'X', length }) = home else {
             panic!("{home:?}")
         };
         assert_eq!(length, "0.6400 mm");
         let moved = motors(&mut head)[0] - before;
         assert!((300..=340).contains(&moved), "{moved}");
-        head.line.port().chain.hold_ends(1, None);
+        head.line.port().network.hold_ends(1, None);
         head.home(0).unwrap();
     }
 
@@ -369,10 +363,10 @@ mod tests {
     fn between(switches: [&str; 2]) -> Simulated {
         let mut machine = three_axes();
         machine.axes[0].limits = [Wiring::Probe, Wiring::Ends];
-        let chain = SimulatedNetwork::of_machine(&machine, &[], None).unwrap();
+        let network = SimulatedNetwork::of_machine(&machine, &[], None).unwrap();
         let ends = switches.map(|switch| switch.parse().unwrap());
-        let chain = chain.with_ends(&ends).unwrap();
-        Simulated::start(Line::new(SimulatedPort::new(chain)), &machine, 1).unwrap()
+        let network = network.with_ends(&ends).unwrap();
+        Simulated::start(Line::new(SimulatedPort::new(network)), &machine, 1).unwrap()
     }
 
     #[test]
@@ -381,7 +375,7 @@ mod tests {
         head.axes.iter_mut().for_each(|axis| axis.is_homed = true);
         for (end, sign) in [(End::High, 1), (End::Low, -1), (End::High, 1)] {
             let met = head.go_to([sign * 4 * MM, 0, 0]);
-            let Err(Trouble::EndSwitch {
+            let Err(Error::EndSwitch {
                 end: at_end,
                 speed: Some(_),
                 ..
@@ -392,11 +386,11 @@ mod tests {
             assert_eq!(at_end, Some(end));
             let farther = head.go_to([sign * 40 * MM, 0, 0]);
             assert!(
-                matches!(farther, Err(Trouble::EndSwitch { speed: None, .. })),
+                matches!(farther, Err(Error::EndSwitch { speed: None, .. })),
                 "{farther:?}"
             );
             let jog = head.jog(0, sign > 0, 1.0, false);
-            assert!(matches!(jog, Err(Trouble::EndSwitch { .. })), "{jog:?}");
+            assert!(matches!(jog, Err(Error::EndSwitch { .. })), "{jog:?}");
             head.go_to([0; 3]).unwrap();
         }
     }
@@ -411,7 +405,7 @@ mod tests {
         for goal in [MM, -MM] {
             let far = head.go_to([goal, 0, 0]);
             assert!(
-                matches!(far, Err(Trouble::UnknownEnd { axis: 'X', .. })),
+                matches!(far, Err(Error::UnknownEnd { axis: 'X', .. })),
                 "{far:?}"
             );
         }
@@ -419,7 +413,7 @@ mod tests {
         head.jog(0, true, 60.0, true).unwrap();
         assert!(motors(&mut head)[0].abs_diff(160) <= 2);
         let far = head.go_to([MM, 0, 0]);
-        assert!(matches!(far, Err(Trouble::UnknownEnd { .. })), "{far:?}");
+        assert!(matches!(far, Err(Error::UnknownEnd { .. })), "{far:?}");
         head.jog(0, false, 60.0, true).unwrap();
         head.jog(0, false, 60.0, true).unwrap();
         // The switch is open: the axis is free.
@@ -463,7 +457,7 @@ mod tests {
             panic!("the modules were not recognised");
         };
         let farther = head.go_to([4 * MM, 0, 0]);
-        let Err(Trouble::EndSwitch {
+        let Err(Error::EndSwitch {
             end: Some(End::High),
             ..
         }) = farther

@@ -3,7 +3,7 @@
 use super::head::{Head, is_done, stop};
 use super::port::Port;
 use super::straight_move::per_period;
-use crate::trouble::Trouble;
+use crate::error::Error;
 use husillo_transports::nmc::{Command, Mode, StopMode, Trajectory};
 
 impl<P: Port> Head<P> {
@@ -13,14 +13,14 @@ impl<P: Port> Head<P> {
     ///
     /// # Errors
     ///
-    /// [`Trouble`]. All axes are stopped then.
+    /// [`Error`]. All axes are stopped then.
     pub fn jog(
         &mut self,
         coordinate: usize,
         is_positive: bool,
         seconds: f64,
         is_slow: bool,
-    ) -> Result<(), Trouble> {
+    ) -> Result<(), Error> {
         let index = self.index(coordinate)?;
         self.supervised(|head| head.run(index, is_positive, seconds, is_slow))
     }
@@ -31,7 +31,7 @@ impl<P: Port> Head<P> {
         is_positive: bool,
         seconds: f64,
         is_slow: bool,
-    ) -> Result<(), Trouble> {
+    ) -> Result<(), Error> {
         let axis = self.axes[index];
         let [low, high] = axis.travel_counts();
         // The axis may stop this far beyond its goal.
@@ -159,9 +159,9 @@ mod tests {
     /// homed where it stands.
     fn jogged(seconds: f64, is_positive: bool, pulled_us: u64) -> i64 {
         let machine = one_axis();
-        let chain = SimulatedNetwork::of_machine(&machine, &[], None).unwrap();
+        let network = SimulatedNetwork::of_machine(&machine, &[], None).unwrap();
         let pulled = Pulled {
-            port: Rc::new(RefCell::new(SimulatedPort::new(chain))),
+            port: Rc::new(RefCell::new(SimulatedPort::new(network))),
             from_us: Rc::new(Cell::new(u64::MAX)),
         };
         let mut head = Head::start(Line::new(pulled.clone()), &machine, 1).unwrap();
@@ -173,9 +173,9 @@ mod tests {
         assert_eq!(ended.is_ok(), pulled_us == u64::MAX, "{ended:?}");
         let mut port = pulled.port.borrow_mut();
         for _ in 0..40_000 {
-            port.chain.tick();
+            port.network.tick();
         }
-        port.chain.motor(1).unwrap().counts()
+        port.network.motor(1).unwrap().counts()
     }
 
     /// 1200 counts/s: without its host a jog goes as far as with it, not to the end of the travel

@@ -8,7 +8,7 @@ use super::machine::Machine;
 use super::port::Port;
 use super::settling::SETTLING_US;
 use super::wiring::End;
-use crate::trouble::Trouble;
+use crate::error::Error;
 use husillo_backlash::Flank;
 use husillo_transports::nmc::{Auxiliary, Baud, Command, Items, Reply, StopMode};
 
@@ -91,7 +91,7 @@ impl<P: Port> Head<P> {
         machine: &Machine,
         touches: u8,
         memory: &Memory,
-    ) -> Result<Rejoined<P>, Trouble> {
+    ) -> Result<Rejoined<P>, Error> {
         let mut head = Self::of(line, machine, touches)?;
         let axes = machine.axes.iter().map(|axis| (axis.letter, axis.module));
         let left = memory.axes.iter().map(|axis| (axis.letter, axis.module));
@@ -124,7 +124,7 @@ impl<P: Port> Head<P> {
     }
 
     /// Returns the versions of the modules if all are unchanged.
-    fn versions_if_as_left(&mut self, memory: &Memory) -> Result<Vec<u8>, Trouble> {
+    fn versions_if_as_left(&mut self, memory: &Memory) -> Result<Vec<u8>, Error> {
         let modules: Vec<u8> = self.axes.iter().map(|axis| axis.settings.module).collect();
         self.line.rejoin(memory.baud, &modules)?;
         for module in &modules {
@@ -140,7 +140,7 @@ impl<P: Port> Head<P> {
         for (axis, left) in pairs {
             let reply = self.read_axis_twice(&axis, LEFT.with(Items::DEVICE))?;
             if !memory.in_use && !left.is_still_true(&reply, axis.settings.in_position) {
-                return Err(Trouble::NoModules);
+                return Err(Error::NoModules);
             }
             versions.push(reply.readings.version);
         }
@@ -153,7 +153,7 @@ impl<P: Port> Head<P> {
     /// # Errors
     ///
     /// No answer, or an axis that does not come to rest.
-    pub(crate) fn memory(&mut self) -> Result<Memory, Trouble> {
+    pub(crate) fn memory(&mut self) -> Result<Memory, Error> {
         self.rest()?;
         let axes = self.axes.clone();
         let axes = axes.iter().map(|axis| {
@@ -172,7 +172,7 @@ impl<P: Port> Head<P> {
                 end: axis.end.filter(|_| axis.is_at_end),
             })
         });
-        let axes: Result<Vec<_>, Trouble> = axes.collect();
+        let axes: Result<Vec<_>, Error> = axes.collect();
         Ok(Memory {
             axes: axes?,
             baud: self.line.baud(),
@@ -181,7 +181,7 @@ impl<P: Port> Head<P> {
     }
 
     /// Waits until the axes stand. A fault of an axis is no error here.
-    fn rest(&mut self) -> Result<(), Trouble> {
+    fn rest(&mut self) -> Result<(), Error> {
         let end_us = self.line.elapsed_us() + self.braking_us() + SETTLING_US;
         let mut before: Vec<i32> = Vec::new();
         loop {
@@ -214,8 +214,8 @@ mod tests {
 
     /// A session that has homed X, moved Y and ended.
     fn ended() -> (SimulatedPort, Memory) {
-        let chain = SimulatedNetwork::new(&[4; 3], &[], None).unwrap();
-        let line = Line::new(SimulatedPort::new(chain));
+        let network = SimulatedNetwork::new(&[4; 3], &[], None).unwrap();
+        let line = Line::new(SimulatedPort::new(network));
         let mut head = Simulated::start(line, &three_axes(), 1).unwrap();
         head.go_to([100_000, 3_000_000, 0]).unwrap();
         head.home(0).unwrap();
@@ -252,9 +252,9 @@ mod tests {
         type Change = fn(&mut SimulatedPort);
         let changes: [Change; 4] = [
             |port| {
-                port.chain.set_power(false);
+                port.network.set_power(false);
                 port.receive(2_000).unwrap();
-                port.chain.set_power(true);
+                port.network.set_power(true);
             },
             |port| {
                 let reset = Command::ResetPosition(Reset::Zero);
@@ -266,7 +266,7 @@ mod tests {
                 port.send(there.frame(3).bytes()).unwrap();
                 port.receive(2_000).unwrap();
                 for _ in 0..1000 {
-                    port.chain.tick();
+                    port.network.tick();
                 }
             },
             |port| {
@@ -341,7 +341,7 @@ mod tests {
             port.send(far.frame(1).bytes()).unwrap();
             port.receive(100_000).unwrap();
             for _ in 0..600 {
-                port.chain.tick();
+                port.network.tick();
             }
             let memory = Memory {
                 in_use: true,
@@ -354,7 +354,14 @@ mod tests {
         let Rejoined::AsLeft(mut head) = rejoin(port, &three_axes(), &memory) else {
             panic!("the modules were not recognised");
         };
-        let counts = head.line.port().chain.chain().motor(0).unwrap().counts();
+        let counts = head
+            .line
+            .port()
+            .network
+            .servo_network()
+            .motor(0)
+            .unwrap()
+            .counts();
         // 2 um per count.
         let wanted = (counts - i64::from(origin)) * 2000;
         let [x, y, _] = head.held();
@@ -367,9 +374,9 @@ mod tests {
 
         // The supply was off since, or another program has set the modules up.
         let (mut port, memory) = killed();
-        port.chain.set_power(false);
+        port.network.set_power(false);
         port.receive(2_000).unwrap();
-        port.chain.set_power(true);
+        port.network.set_power(true);
         let changed = rejoin(port, &three_axes(), &memory);
         assert!(matches!(changed, Rejoined::Changed(_)));
         for items in [Items::NONE, Items::AUXILIARY, LEFT] {

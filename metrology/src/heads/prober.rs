@@ -1,7 +1,7 @@
 //! The interface of measuring routines to a machine.
 
 use super::view::View;
-use crate::trouble::Trouble;
+use crate::error::Error;
 use husillo_probe::{Edge, UnitVector};
 
 /// A machine that moves a probe in straight lines. Positions are those of the centre of the tip in
@@ -13,14 +13,14 @@ pub trait Prober {
     /// # Errors
     ///
     /// No answer.
-    fn position(&mut self) -> Result<[i64; 3], Trouble>;
+    fn position(&mut self) -> Result<[i64; 3], Error>;
 
     /// Goes to the goal in a straight line and returns where the axes stand.
     ///
     /// # Errors
     ///
-    /// [`Trouble`]. If the goal is outside of the travel, nothing moves.
-    fn go_to(&mut self, goal_nm: [i64; 3]) -> Result<[i64; 3], Trouble>;
+    /// [`Error`]. If the goal is outside of the travel, nothing moves.
+    fn go_to(&mut self, goal_nm: [i64; 3]) -> Result<[i64; 3], Error>;
 
     /// Goes to the goal in a guarded move. A contact is a collision, but the axes stop gently,
     /// within the over-travel of the probe. See [`Approach::Guarded`](super::Approach::Guarded).
@@ -28,14 +28,14 @@ pub trait Prober {
     /// # Errors
     ///
     /// Those of [`go_to`](Self::go_to).
-    fn guarded_to(&mut self, goal_nm: [i64; 3]) -> Result<[i64; 3], Trouble>;
+    fn guarded_to(&mut self, goal_nm: [i64; 3]) -> Result<[i64; 3], Error>;
 
     /// Goes to the goal with at most this speed along the path.
     ///
     /// # Errors
     ///
     /// Those of [`go_to`](Self::go_to).
-    fn feed_to(&mut self, goal_nm: [i64; 3], nm_per_min: u64) -> Result<[i64; 3], Trouble>;
+    fn feed_to(&mut self, goal_nm: [i64; 3], nm_per_min: u64) -> Result<[i64; 3], Error>;
 
     /// Goes towards a goal in a straight line until the contact is made or broken. Then it brakes
     /// and stays at that position. The speed along the path is at most `nm_per_min` and at most
@@ -43,14 +43,14 @@ pub trait Prober {
     ///
     /// # Errors
     ///
-    /// [`Trouble`]. Nothing moves if the goal is outside of the travel, or if the contact already
+    /// [`Error`]. Nothing moves if the goal is outside of the travel, or if the contact already
     /// has the wanted state at the start.
     fn probe_to(
         &mut self,
         goal_nm: [i64; 3],
         nm_per_min: u64,
         until: Edge,
-    ) -> Result<Probed, Trouble>;
+    ) -> Result<Probed, Error>;
 
     /// Whether there was a collision. Then no result is valid.
     fn has_collided(&self) -> bool;
@@ -63,8 +63,8 @@ pub trait Prober {
     ///
     /// # Errors
     ///
-    /// [`Trouble`], including a failure of the probing cycle.
-    fn touch(&mut self, direction: &UnitVector, distance_nm: u64) -> Result<Touched, Trouble>;
+    /// [`Error`], including a failure of the probing cycle.
+    fn touch(&mut self, direction: &UnitVector, distance_nm: u64) -> Result<Touched, Error>;
 }
 
 /// The end of a move that watches the contact.

@@ -2,8 +2,8 @@
 
 use super::machine::AxisSettings;
 use super::wiring::End;
+use crate::error::Error;
 use crate::scale::Scale;
-use crate::trouble::Trouble;
 use husillo_transports::nmc::{Reply, Status};
 
 /// An axis behind a module. Counts are those of the module. They are 0 at the position of its
@@ -104,14 +104,14 @@ impl Servo {
     /// # Errors
     ///
     /// The fault that the module reports.
-    pub fn check(&self, reply: &Reply, at: impl FnOnce() -> String) -> Result<(), Trouble> {
+    pub fn check(&self, reply: &Reply, at: impl FnOnce() -> String) -> Result<(), Error> {
         if !reply.status.contains(Status::POWER_ON) {
             let axis = self.settings.letter;
-            Err(Trouble::NoPower { axis })
+            Err(Error::NoPower { axis })
         } else if reply.status.contains(Status::OVERCURRENT) {
-            Err(Trouble::OverCurrent { at: at() })
+            Err(Error::OverCurrent { at: at() })
         } else if reply.status.contains(Status::POSITION_ERROR) {
-            Err(Trouble::PositionError { at: at() })
+            Err(Error::PositionError { at: at() })
         } else {
             Ok(())
         }

@@ -2,7 +2,7 @@
 
 use super::head::{Head, is_done};
 use super::port::Port;
-use crate::trouble::Trouble;
+use crate::error::Error;
 use husillo_transports::nmc::Reply;
 
 /// Longest time from the end of a profile until the axes stand, us.
@@ -13,7 +13,7 @@ const STILL_READINGS: u32 = 3;
 
 impl<P: Port> Head<P> {
     /// Waits until all axes stand, at the goal or at the position where they have stopped.
-    pub(super) fn stand(&mut self, goal: Option<&[i32]>) -> Result<Vec<Reply>, Trouble> {
+    pub(super) fn stand(&mut self, goal: Option<&[i32]>) -> Result<Vec<Reply>, Error> {
         let end_us = self.line.elapsed_us() + self.braking_us() + SETTLING_US;
         let (mut still, mut before): (u32, Option<Vec<i32>>) = (0, None);
         loop {
@@ -43,7 +43,7 @@ impl<P: Port> Head<P> {
 
     /// Waits until the axes have stopped, reads them until two readings agree, and holds them at
     /// their positions.
-    pub(super) fn settle(&mut self) -> Result<Vec<Reply>, Trouble> {
+    pub(super) fn settle(&mut self) -> Result<Vec<Reply>, Error> {
         self.stand(None)?;
         let replies = self.read_twice()?;
         for (index, reply) in replies.iter().enumerate() {
@@ -66,7 +66,7 @@ impl<P: Port> Head<P> {
     /// The failure of axes that are late. It names an axis that still moves, or the axis that is
     /// farthest from its goal. Without a goal it names the axis that is farthest from its position
     /// `before`.
-    pub(super) fn late(&self, goal: Option<&[i32]>, before: &[i32], replies: &[Reply]) -> Trouble {
+    pub(super) fn late(&self, goal: Option<&[i32]>, before: &[i32], replies: &[Reply]) -> Error {
         let meant = goal.unwrap_or(before);
         let far = |index: &usize| replies[*index].readings.position.abs_diff(meant[*index]);
         let farthest = (0..self.axes.len()).max_by_key(far).unwrap_or_default();
@@ -74,11 +74,11 @@ impl<P: Port> Head<P> {
         let index = moving.unwrap_or(farthest);
         let at = self.axis_text(index, replies[index].readings.position);
         match (moving, goal) {
-            (None, Some(goal)) => Trouble::NotThere {
+            (None, Some(goal)) => Error::NotThere {
                 goal: self.axis_text(index, goal[index]),
                 at,
             },
-            _ => Trouble::StillMoving { at },
+            _ => Error::StillMoving { at },
         }
     }
 }

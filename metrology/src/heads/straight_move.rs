@@ -7,7 +7,7 @@ use super::search::{Search, searches};
 use super::servo::Servo;
 use super::settling::SETTLING_US;
 use super::wiring::End;
-use crate::trouble::Trouble;
+use crate::error::Error;
 use husillo_planner::{ServoLine, Tangent};
 use husillo_transports::nmc::{Command, EVERY_GROUP, Failure, Homing, Mode, Reply, Trajectory};
 
@@ -43,13 +43,13 @@ impl<P: Port> Head<P> {
     ///
     /// # Errors
     ///
-    /// [`Trouble`]. All axes are stopped then.
+    /// [`Error`]. All axes are stopped then.
     pub fn travel(
         &mut self,
         goal: &[i32],
         rate: Option<u32>,
         search: Option<Search>,
-    ) -> Result<FinishedMove, Trouble> {
+    ) -> Result<FinishedMove, Error> {
         let Some(search) = search else {
             return self.go(goal, rate, Approach::Rapid);
         };
@@ -65,7 +65,7 @@ impl<P: Port> Head<P> {
         goal: &[i32],
         rate: Option<u32>,
         approach: Approach,
-    ) -> Result<FinishedMove, Trouble> {
+    ) -> Result<FinishedMove, Error> {
         self.supervised(|head| {
             head.check_ends(goal)?;
             head.go_clear(goal, rate, approach)
@@ -77,7 +77,7 @@ impl<P: Port> Head<P> {
         goal: &[i32],
         rate: Option<u32>,
         search: Search,
-    ) -> Result<FinishedMove, Trouble> {
+    ) -> Result<FinishedMove, Error> {
         let mut watch = self.watch(goal);
         let Some(line) = self.line_to(goal, rate) else {
             let replies = self.stand(Some(goal))?;
@@ -99,13 +99,13 @@ impl<P: Port> Head<P> {
                 let found = search.found_by(&replies);
                 if let Some((index, _)) = found.iter().find(|(_, is_found)| !is_found) {
                     let axis = self.axes[*index].settings.letter;
-                    return Err(Trouble::NotSeen { axis });
+                    return Err(Error::NotSeen { axis });
                 }
                 let replies = self.settle()?;
                 // A single reading may be wrong and undetected. Two equal readings are right.
                 if let Some(index) = replies.iter().position(searches) {
                     let axis = self.axes[index].settings.letter;
-                    return Err(Trouble::NotSeen { axis });
+                    return Err(Error::NotSeen { axis });
                 }
                 self.look_in_search(search, &mut watch, &replies)?;
                 return Ok(FinishedMove {
@@ -129,7 +129,7 @@ impl<P: Port> Head<P> {
     }
 
     /// Arms the search on the searching axes.
-    pub(super) fn arm(&mut self, search: Search) -> Result<(), Trouble> {
+    pub(super) fn arm(&mut self, search: Search) -> Result<(), Error> {
         for (index, axis) in self.axes.iter_mut().enumerate() {
             if !search.is_for(index) {
                 continue;
@@ -144,7 +144,7 @@ impl<P: Port> Head<P> {
             let reply = self.line.command(axis.settings.module, command)?;
             if !searches(&reply) {
                 // The module has received another command, and its latch belongs to another search.
-                return Err(Trouble::Link {
+                return Err(Error::Link {
                     module: self.line.name(axis.settings.module),
                     failure: Failure::Uncertain,
                 });
@@ -154,7 +154,7 @@ impl<P: Port> Head<P> {
     }
 
     /// Ends the search.
-    pub(super) fn disarm(&mut self, search: Search) -> Result<(), Trouble> {
+    pub(super) fn disarm(&mut self, search: Search) -> Result<(), Error> {
         for (index, axis) in self.axes.iter_mut().enumerate() {
             if search.is_for(index) {
                 axis.is_end_armed = false;
@@ -207,7 +207,7 @@ impl<P: Port> Head<P> {
         goal: &[i32],
         line: &ServoLine<3>,
         search: Option<Search>,
-    ) -> Result<(), Trouble> {
+    ) -> Result<(), Error> {
         self.announce(goal);
         self.head_for(goal);
         let is_alone = self.axes.len() == 1;
@@ -249,16 +249,16 @@ impl<P: Port> Head<P> {
 
     /// Starts all axes by one command. Only the leader answers, so each module is asked whether it
     /// has begun.
-    fn start_group(&mut self, goal: &[i32], search: Option<Search>) -> Result<(), Trouble> {
+    fn start_group(&mut self, goal: &[i32], search: Option<Search>) -> Result<(), Error> {
         for _ in 0..STARTS {
             match self.line.command(EVERY_GROUP, Command::StartMotion) {
                 // If the answer of the leader is missing, the following readings decide.
                 Ok(_)
-                | Err(Trouble::Link {
+                | Err(Error::Link {
                     failure: Failure::Uncertain,
                     ..
                 }) => {}
-                Err(trouble) => return Err(trouble),
+                Err(error) => return Err(error),
             }
             let replies = self.read()?;
             // In a short move the readings do not show the start. Such moves are checked at their
@@ -282,6 +282,6 @@ impl<P: Port> Head<P> {
                 break;
             }
         }
-        Err(Trouble::NotTogether)
+        Err(Error::NotTogether)
     }
 }

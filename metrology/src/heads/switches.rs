@@ -44,10 +44,10 @@ impl Switches {
 #[cfg(test)]
 mod tests {
     use super::Switches;
+    use crate::error::Error;
     use crate::heads::head::Head;
     use crate::heads::line::Line;
     use crate::simulated::{SimulatedNetwork, SimulatedPort, one_axis};
-    use crate::trouble::Trouble;
     use husillo_probe::UnitVector;
 
     /// A head of one axis between two faces, whose contacts are wired as `wired`.
@@ -55,8 +55,8 @@ mod tests {
         let mut machine = one_axis();
         machine.probe.switches = switches;
         let faces = ["1:900", "1:..-700"].map(|face| face.parse().unwrap());
-        let chain = SimulatedNetwork::of_machine(&machine, &faces, None).unwrap();
-        let port = SimulatedPort::new(chain.with_switches(wired));
+        let network = SimulatedNetwork::of_machine(&machine, &faces, None).unwrap();
+        let port = SimulatedPort::new(network.with_switches(wired));
         Head::start(Line::new(port), &machine, 1).unwrap()
     }
 
@@ -86,7 +86,7 @@ mod tests {
         for goal in [1500, -1500] {
             let mut head = head(Switches::PerSense, Switches::PerSense);
             let hit = head.go_to([goal, 0, 0]);
-            assert!(matches!(hit, Err(Trouble::Collision { .. })), "{hit:?}");
+            assert!(matches!(hit, Err(Error::Collision { .. })), "{hit:?}");
         }
     }
 
@@ -98,10 +98,7 @@ mod tests {
         assert!(head.touch(&UnitVector::X, 3000).is_ok());
         head.go_to([0; 3]).unwrap();
         let touch = head.touch(&UnitVector::X.reversed(), 3000);
-        assert!(
-            matches!(touch, Err(Trouble::OtherSense { .. })),
-            "{touch:?}"
-        );
+        assert!(matches!(touch, Err(Error::OtherSense { .. })), "{touch:?}");
     }
 
     /// A second contact that the machine does not have is not looked at.
@@ -111,6 +108,6 @@ mod tests {
         assert!(head.touch(&UnitVector::X, 3000).is_ok());
         head.go_to([0; 3]).unwrap();
         let touch = head.touch(&UnitVector::X.reversed(), 3000);
-        assert!(matches!(touch, Err(Trouble::NoContact { .. })), "{touch:?}");
+        assert!(matches!(touch, Err(Error::NoContact { .. })), "{touch:?}");
     }
 }

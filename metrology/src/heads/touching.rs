@@ -5,7 +5,7 @@ use super::port::Port;
 use super::prober::Probed;
 use super::search::Search;
 use super::straight_move::FinishedMove;
-use crate::trouble::Trouble;
+use crate::error::Error;
 use husillo_probe::{Cycle, Edge, Failure, Input, Measurement, Plan, Request, UnitVector};
 use husillo_transports::nmc::{Homing, Reply};
 
@@ -15,16 +15,16 @@ impl<P: Port> Head<P> {
     ///
     /// # Errors
     ///
-    /// [`Trouble`]. Nothing moves if the goal is outside of the travel, or if the contact already
+    /// [`Error`]. Nothing moves if the goal is outside of the travel, or if the contact already
     /// has the wanted state at the start.
-    pub fn search_to(&mut self, goal: [i64; 3], rate: u32, until: Edge) -> Result<Probed, Trouble> {
+    pub fn search_to(&mut self, goal: [i64; 3], rate: u32, until: Edge) -> Result<Probed, Error> {
         self.find_again()?;
         let replies = self.read_twice()?;
         // The modules look for any change, made or broken.
         if self.is_closed(&replies) == until.level() {
             return Err(match until {
-                Edge::Made => Trouble::Probe(Failure::ContactAtStart),
-                Edge::Broken => Trouble::NotTouching,
+                Edge::Made => Error::Probe(Failure::ContactAtStart),
+                Edge::Broken => Error::NotTouching,
             });
         }
         let meant = goal;
@@ -39,7 +39,7 @@ impl<P: Port> Head<P> {
         let at_nm = self.place_of(&finished.replies);
         if !finished.is_found {
             if self.is_closed(&finished.replies) == until.level() {
-                return Err(Trouble::NotLatched {
+                return Err(Error::NotLatched {
                     at: self.text(at_nm),
                 });
             }
@@ -57,7 +57,7 @@ impl<P: Port> Head<P> {
             .sqrt();
         let over_travel = self.scale.of_counts(self.probe.over_travel.into());
         if until == Edge::Made && beyond > over_travel as f64 {
-            return Err(Trouble::Probe(Failure::OverTravel));
+            return Err(Error::Probe(Failure::OverTravel));
         }
         Ok(Probed {
             changed_nm: Some(changed_nm),
@@ -71,14 +71,14 @@ impl<P: Port> Head<P> {
     ///
     /// # Errors
     ///
-    /// [`Trouble`], also that of the probing cycle.
-    pub fn touch(&mut self, direction: &UnitVector, distance: u64) -> Result<Measurement, Trouble> {
+    /// [`Error`], also that of the probing cycle.
+    pub fn touch(&mut self, direction: &UnitVector, distance: u64) -> Result<Measurement, Error> {
         self.find_again()?;
         let from = self.held();
         let search = distance.min(self.room(direction)).min(u32::MAX.into());
         // Limited to 32 bits above.
         let plan = self.plan(from, direction, search as u32);
-        let mut cycle = Cycle::new(&plan).map_err(Trouble::Plan)?;
+        let mut cycle = Cycle::new(&plan).map_err(Error::Plan)?;
         let mut finished = FinishedMove {
             replies: self.read()?,
             is_found: false,
@@ -146,7 +146,7 @@ impl<P: Port> Head<P> {
     }
 
     /// Checks that the contact of the other sense has not closed alone.
-    fn check_sense(&self, direction: &UnitVector, replies: &[Reply]) -> Result<(), Trouble> {
+    fn check_sense(&self, direction: &UnitVector, replies: &[Reply]) -> Result<(), Error> {
         // A probe with a contact for each sense is on a single axis.
         let (Some(axis), [reply]) = (self.axes.first(), replies) else {
             return Ok(());
@@ -156,7 +156,7 @@ impl<P: Port> Head<P> {
         let is_positive = direction.length_along(unit) > 0;
         let [positive, negative] = self.probe.switches.are_closed(reply);
         if positive != negative && positive != is_positive {
-            return Err(Trouble::OtherSense {
+            return Err(Error::OtherSense {
                 at: self.text(self.place_of(replies)),
             });
         }
@@ -191,16 +191,16 @@ impl<P: Port> Head<P> {
         failure: Failure,
         unlatched: Option<[i64; 3]>,
         [from, to]: [[i64; 3]; 2],
-    ) -> Trouble {
+    ) -> Error {
         match (failure, unlatched) {
             (Failure::NoContact | Failure::LostContact, Some(at)) => {
-                Trouble::NotLatched { at: self.text(at) }
+                Error::NotLatched { at: self.text(at) }
             }
-            (Failure::NoContact, None) => Trouble::NoContact {
+            (Failure::NoContact, None) => Error::NoContact {
                 from: self.text(from),
                 to: self.text(to),
             },
-            (failure, _) => Trouble::Probe(failure),
+            (failure, _) => Error::Probe(failure),
         }
     }
 }

@@ -2,9 +2,9 @@
 //! number for each.
 
 use super::{Parameter, Row, Table};
+use crate::error::Error;
 use crate::heads::{Head, Line, Machine};
 use crate::simulated::{Contact, SimulatedNetwork, SimulatedPort, one_axis};
-use crate::trouble::Trouble;
 use husillo_probe::UnitVector;
 use husillo_transports::nmc::Gains;
 
@@ -50,7 +50,7 @@ type SimulatedHead = Head<SimulatedPort>;
 /// The simulated machine reports a failure.
 pub fn repeatability() -> Result<Table, String> {
     let today = one_axis();
-    let said = |trouble: Trouble| trouble.to_string();
+    let said = |error: Error| error.to_string();
     let with = |dead_band| {
         let mut machine = one_axis();
         machine.axes[0].gains = Gains { dead_band, ..GAINS };
@@ -109,16 +109,16 @@ pub fn repeatability() -> Result<Table, String> {
     })
 }
 
-fn start(machine: &Machine, faces: &[String]) -> Result<SimulatedHead, Trouble> {
+fn start(machine: &Machine, faces: &[String]) -> Result<SimulatedHead, Error> {
     // All are contacts of module 1, which exists.
     let faces: Vec<Contact> = faces.iter().filter_map(|face| face.parse().ok()).collect();
-    let chain =
+    let network =
         SimulatedNetwork::new(&[4], &faces, None).unwrap_or_else(|why| unreachable!("{why}"));
-    Head::start(Line::new(SimulatedPort::new(chain)), machine, 1)
+    Head::start(Line::new(SimulatedPort::new(network)), machine, 1)
 }
 
 /// Returns the position at which the axis comes to rest, counts.
-fn position(head: &mut SimulatedHead) -> Result<i64, Trouble> {
+fn position(head: &mut SimulatedHead) -> Result<i64, Error> {
     let mut last = head.status(0)?.readings.position;
     let mut same = 0;
     while same < AT_REST {
@@ -130,7 +130,7 @@ fn position(head: &mut SimulatedHead) -> Result<i64, Trouble> {
 }
 
 /// Moves back and forth and returns the largest distance from a goal, counts.
-fn farthest(machine: &Machine) -> Result<f64, Trouble> {
+fn farthest(machine: &Machine) -> Result<f64, Error> {
     let mut head = start(machine, &[])?;
     let mut farthest = 0;
     for _ in 0..TIMES {
@@ -146,12 +146,12 @@ fn farthest(machine: &Machine) -> Result<f64, Trouble> {
 
 /// Touches both faces from several distances. Returns half of the larger range of the latched
 /// positions, counts.
-fn touched(machine: &Machine) -> Result<f64, Trouble> {
+fn touched(machine: &Machine) -> Result<f64, Error> {
     let faces = [format!("1:{FACE}"), format!("1:..-{FACE}")];
     let mut head = start(machine, &faces)?;
     let mut range = 0;
     for side in [1, -1] {
-        let along = UnitVector::new([side, 0, 0]).ok_or(Trouble::NotTouching)?;
+        let along = UnitVector::new([side, 0, 0]).ok_or(Error::NotTouching)?;
         let mut latched = Vec::new();
         for _ in 0..TIMES {
             for from in FROM {

@@ -26,7 +26,7 @@ pub use squares::squares;
 pub use supply::supply;
 
 use super::Parameter;
-use crate::calibration::backlash::{Bench, PlaceTable, RUN_UP_MM, cut_all, place_table};
+use crate::calibration::backlash::{BacklashTable, Bench, RUN_UP_MM, backlash_table, cut_all};
 use crate::quantity::Fraction;
 use std::fmt;
 
@@ -59,7 +59,7 @@ pub struct Settings {
     /// Step of the axes in nm.
     pub step: Fraction,
     /// Backlash that it takes up on X and Y.
-    pub take_up: [PlaceTable; 2],
+    pub take_up: [BacklashTable; 2],
 }
 
 impl Settings {
@@ -74,11 +74,11 @@ impl Settings {
 }
 
 /// The same backlash at every position.
-fn everywhere(um: f64) -> PlaceTable {
-    PlaceTable {
+fn everywhere(um: f64) -> BacklashTable {
+    BacklashTable {
         axes: [0, 1],
-        places_mm: [vec![0.0], vec![0.0]],
-        lash_um: vec![um],
+        positions_mm: [vec![0.0], vec![0.0]],
+        backlash_um: vec![um],
     }
 }
 
@@ -149,14 +149,15 @@ fn mapped(screws: &Screws, build: &Build<'_>) -> Result<Settings, String> {
     for axis in 0..2 {
         let map = settings.take_up[axis].map(TRUE_STEP, [TRUE_STEP; 3]);
         let map = map.map_err(|why| why.to_string())?;
-        let lash: Vec<_> = pairs
+        let backlash: Vec<_> = pairs
             .iter()
             .map(|pair| {
                 let taken_up_nm = pair.taken_up_nm(&map, step_nm, TRAVEL_MM);
-                (*pair, pair.lash_nm(taken_up_nm))
+                (*pair, pair.backlash_nm(taken_up_nm))
             })
             .collect();
-        settings.take_up[axis] = place_table(axis, &lash)?.ok_or("no position was measured")?;
+        settings.take_up[axis] =
+            backlash_table(axis, &backlash)?.ok_or("no position was measured")?;
     }
     Ok(settings)
 }

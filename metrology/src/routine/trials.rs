@@ -309,7 +309,7 @@ fn a_missing_surface_is_trouble() {
     );
     assert!(matches!(
         failed,
-        Err(Failure::Machine(crate::Trouble::NoContact { .. }))
+        Err(Failure::Machine(crate::Error::NoContact { .. }))
     ));
 }
 

@@ -20,7 +20,7 @@ const NOISE_SEED: u64 = 2026;
 /// as their addresses do.
 #[derive(Clone, Debug)]
 pub struct SimulatedNetwork {
-    chain: ServoNetwork,
+    network: ServoNetwork,
     /// What the input and output modules are connected to; without use for other modules.
     inputs: Vec<IoInputs>,
     contacts: Vec<Contact>,
@@ -85,11 +85,11 @@ impl SimulatedNetwork {
             motor: machine.motor(module),
         };
         let modules: Vec<_> = (1..=machine.modules()).map(servo).collect();
-        let chain = Self::of_modules(&modules, contacts, piece)?;
+        let network = Self::of_modules(&modules, contacts, piece)?;
         let axes = machine.axes.iter();
         Ok(Self {
             wiring: axes.map(|axis| (axis.module, axis.limits)).collect(),
-            ..chain.with_switches(machine.probe.switches)
+            ..network.with_switches(machine.probe.switches)
         })
     }
 
@@ -118,7 +118,7 @@ impl SimulatedNetwork {
             }
         }
         Ok(Self {
-            chain: ServoNetwork::of_modules(modules),
+            network: ServoNetwork::of_modules(modules),
             inputs: vec![IoInputs::default(); modules.len()],
             contacts: contacts.to_vec(),
             piece,
@@ -179,7 +179,7 @@ impl SimulatedNetwork {
     #[must_use]
     pub fn with_reset_ms(self, reset_ms: u32) -> Self {
         Self {
-            chain: self.chain.with_reset_ms(reset_ms),
+            network: self.network.with_reset_ms(reset_ms),
             ..self
         }
     }
@@ -188,14 +188,14 @@ impl SimulatedNetwork {
     #[must_use]
     pub fn without_byte_times(self) -> Self {
         Self {
-            chain: self.chain.without_byte_times(),
+            network: self.network.without_byte_times(),
             ..self
         }
     }
 
     /// Sets the rate of the host in bits/s. `None`: every module understands it.
     pub fn set_host_rate(&mut self, bits_per_s: Option<u32>) {
-        self.chain.set_host_rate(bits_per_s);
+        self.network.set_host_rate(bits_per_s);
     }
 
     /// Changes what an input and output module is connected to. `false` where there is no such
@@ -204,26 +204,26 @@ impl SimulatedNetwork {
         let Some(place) = module.checked_sub(1) else {
             return false;
         };
-        if self.chain.outputs(place).is_none() {
+        if self.network.outputs(place).is_none() {
             return false;
         }
         change(&mut self.inputs[place]);
-        self.chain.connect(place, self.inputs[place]);
+        self.network.connect(place, self.inputs[place]);
         true
     }
 
     /// Levels of the outputs of an input and output module, and the duties of its PWM outputs.
     #[must_use]
     pub fn outputs(&self, module: usize) -> Option<(u16, [u8; 2])> {
-        self.chain.outputs(module.checked_sub(1)?)
+        self.network.outputs(module.checked_sub(1)?)
     }
 
     /// The same network with noise: `bit_errors` is the share of wrong bits on the line.
     #[must_use]
     pub fn with_noise(self, bit_errors: f64) -> Self {
         Self {
-            chain: self
-                .chain
+            network: self
+                .network
                 .with_noise(Noise::of_bits(bit_errors), NOISE_SEED),
             ..self
         }
@@ -233,15 +233,15 @@ impl SimulatedNetwork {
     #[cfg(test)]
     pub fn with_faults(self, noise: Noise, seed: u64) -> Self {
         Self {
-            chain: self.chain.with_noise(noise, seed),
+            network: self.network.with_noise(noise, seed),
             ..self
         }
     }
 
     /// The simulated modules.
     #[cfg(test)]
-    pub fn chain(&mut self) -> &mut ServoNetwork {
-        &mut self.chain
+    pub fn servo_network(&mut self) -> &mut ServoNetwork {
+        &mut self.network
     }
 
     /// Interrupts the supply of a module for half a second. The supply returns after `periods`,
@@ -285,24 +285,24 @@ impl SimulatedNetwork {
 
     /// The motor of a module. `None` if it has none.
     pub fn motor(&self, module: usize) -> Option<&DcMotor> {
-        self.chain.motor(module.checked_sub(1)?)
+        self.network.motor(module.checked_sub(1)?)
     }
 
     /// Switches the supply of all modules.
     pub fn set_power(&mut self, is_on: bool) {
-        for module in 0..self.chain.len() {
-            self.chain.set_dead(module, !is_on);
+        for module in 0..self.network.len() {
+            self.network.set_dead(module, !is_on);
         }
     }
 
     /// Sends a byte to the modules.
     pub fn send(&mut self, byte: u8) {
-        self.chain.send(byte);
+        self.network.send(byte);
     }
 
     /// Number of bytes that have not arrived at the modules yet.
     pub fn on_the_line(&self) -> usize {
-        self.chain.waiting()
+        self.network.waiting()
     }
 
     /// Simulates a servo period and returns the bytes that the modules send in it.
@@ -312,15 +312,15 @@ impl SimulatedNetwork {
         // Faces that are touched in positive direction, and those in negative direction.
         let mut closed = [false; 2];
         for contact in &self.contacts {
-            let motor = self.chain.motor(usize::from(contact.module - 1));
+            let motor = self.network.motor(usize::from(contact.module - 1));
             let is_closed = contact.is_closed(motor.map_or(0, DcMotor::counts));
             closed[usize::from(!contact.is_touched_upwards())] |= is_closed;
         }
-        let chain = &self.chain;
+        let network = &self.network;
         closed[0] |= self
             .piece
             .as_mut()
-            .is_some_and(|piece| piece.is_closed(chain));
+            .is_some_and(|piece| piece.is_closed(network));
         let [positive, negative] = match self.held {
             Some(is_closed) => [is_closed, false],
             None => closed,
@@ -337,13 +337,13 @@ impl SimulatedNetwork {
                 ..Surroundings::default()
             },
         };
-        for module in 0..self.chain.len() {
+        for module in 0..self.network.len() {
             let mut around = around;
             around.is_blocked = self.blocked.contains(&(module + 1));
             around.encoder_is_silent = self.silent.contains(&(module + 1));
             for (switch, input) in &self.ends {
                 if usize::from(switch.module) == module + 1 {
-                    let motor = self.chain.motor(module);
+                    let motor = self.network.motor(module);
                     let held = self.held_ends.get(&(module + 1)).copied();
                     let is_closed = || switch.is_closed(motor.map_or(0, DcMotor::counts));
                     let is_closed = held.unwrap_or_else(is_closed);
@@ -353,9 +353,9 @@ impl SimulatedNetwork {
                     }
                 }
             }
-            self.chain.surround(module, around);
+            self.network.surround(module, around);
         }
-        self.chain.tick()
+        self.network.tick()
     }
 
     #[cfg(test)]
@@ -370,12 +370,12 @@ impl SimulatedNetwork {
         };
         self.interruption = match self.interruption.take() {
             Some((module, 0)) => {
-                self.chain.set_dead(module, false);
+                self.network.set_dead(module, false);
                 None
             }
             Some((module, left)) => {
                 if left == OUTAGE {
-                    self.chain.set_dead(module, true);
+                    self.network.set_dead(module, true);
                 }
                 Some((module, left - 1))
             }

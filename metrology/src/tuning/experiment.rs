@@ -8,7 +8,7 @@ use super::stand::{Stand, Trace};
 use super::step::step;
 use super::stepwise::stepwise;
 use super::ultimate::ultimate;
-use crate::trouble::Trouble;
+use crate::error::Error;
 use husillo_pid::tuning::{Rule, Ultimate};
 use husillo_transports::nmc::Gains;
 use std::fmt;
@@ -46,7 +46,7 @@ pub struct Experiment {
 #[derive(Debug)]
 pub enum Failed {
     /// A limit was passed, or the link failed.
-    Trouble(Trouble),
+    Machine(Error),
     /// Not even the largest gain and the slowest servo make the axis oscillate steadily.
     NoUltimate,
     /// The relay found no ultimate point.
@@ -55,16 +55,16 @@ pub enum Failed {
     NoGains,
 }
 
-impl From<Trouble> for Failed {
-    fn from(trouble: Trouble) -> Self {
-        Self::Trouble(trouble)
+impl From<Error> for Failed {
+    fn from(error: Error) -> Self {
+        Self::Machine(error)
     }
 }
 
 impl fmt::Display for Failed {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Trouble(trouble) => trouble.fmt(out),
+            Self::Machine(error) => error.fmt(out),
             Self::NoUltimate => out.write_str(
                 "not even p = 32767 and a rate divisor of 32 make the axis oscillate steadily: no \
                  ultimate gain was found",
@@ -115,7 +115,7 @@ impl Experiment {
             }
             Method::Relay => {
                 let (figures, found) = relay(stand, self.relay).map_err(|none| match none {
-                    NoRelay::Trouble(trouble) => Failed::Trouble(trouble),
+                    NoRelay::Machine(error) => Failed::Machine(error),
                     none => Failed::NoRelay(none),
                 })?;
                 outcome.relay = Some(figures);

@@ -1,7 +1,7 @@
 //! The check of gains: moves, and their distances from the goals.
 
 use super::stand::Stand;
-use crate::trouble::Trouble;
+use crate::error::Error;
 use husillo_transports::nmc::{Gains, Status};
 use serde::Serialize;
 
@@ -43,7 +43,7 @@ impl Moves {
 /// # Errors
 ///
 /// A limit is passed, or the link fails.
-pub fn check(stand: &mut Stand, gains: &Gains, moves: u32) -> Result<Moves, Trouble> {
+pub fn check(stand: &mut Stand, gains: &Gains, moves: u32) -> Result<Moves, Error> {
     stand.engage(gains)?;
     let mut result = Moves::default();
     let mut goal = stand.sample(true)?.position;
@@ -76,7 +76,7 @@ pub fn check(stand: &mut Stand, gains: &Gains, moves: u32) -> Result<Moves, Trou
 }
 
 /// Makes a move and returns how far from its goal it ends.
-fn one(stand: &mut Stand, goal: i32) -> Result<u32, Trouble> {
+fn one(stand: &mut Stand, goal: i32) -> Result<u32, Error> {
     stand.start_move(goal)?;
     // The latest end of the move, set at the end of its profile, and the start of its time at the
     // goal.

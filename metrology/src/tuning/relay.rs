@@ -2,7 +2,7 @@
 
 use super::stand::{Stand, Trace};
 use super::swing::{PERIOD_S, fundamental};
-use crate::trouble::Trouble;
+use crate::error::Error;
 use husillo_pid::tuning::{Oscillation, Relay, Ultimate, oscillation};
 use serde::Serialize;
 
@@ -57,7 +57,7 @@ pub fn relay(
     let centre = stand.centre;
     // Duties are within 255.
     let law = |position: i32| relay.update(f64::from(centre - position)) as i16;
-    let (trace, command_us) = stand.drive_by(RELAY_US, law).map_err(NoRelay::Trouble)?;
+    let (trace, command_us) = stand.drive_by(RELAY_US, law).map_err(NoRelay::Machine)?;
     let sample_us = stand.sample_us();
     let result = evaluate(&trace, settings, centre, sample_us, command_us);
     stand.traces.push(Trace {
@@ -127,7 +127,7 @@ pub fn note(figures: &RelayFigures) -> Option<String> {
 #[derive(Debug)]
 pub enum NoRelay {
     /// The experiment was aborted.
-    Trouble(Trouble),
+    Machine(Error),
     /// There is no steady oscillation.
     Still,
     /// The oscillation is no larger than the hysteresis.
@@ -146,7 +146,7 @@ impl std::error::Error for NoRelay {}
 impl std::fmt::Display for NoRelay {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::Trouble(trouble) => trouble.fmt(out),
+            Self::Machine(error) => error.fmt(out),
             Self::Still => out.write_str("the relay makes no steady oscillation"),
             Self::WithinHysteresis => out.write_str("the oscillation is within the hysteresis"),
             Self::TooSlow {

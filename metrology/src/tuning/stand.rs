@@ -1,8 +1,8 @@
 //! The axis on the test stand, with the limits that are watched during an experiment.
 
 use super::rig::{Rig, Sample};
+use crate::error::Error;
 use crate::heads::AxisSettings;
-use crate::trouble::Trouble;
 use husillo_sim::text::position;
 use husillo_transports::nmc::{Gains, Status};
 use std::fmt;
@@ -51,7 +51,7 @@ impl Stand {
     /// # Errors
     ///
     /// The link fails.
-    pub fn new(mut rig: Box<dyn Rig>, settings: AxisSettings) -> Result<Self, Trouble> {
+    pub fn new(mut rig: Box<dyn Rig>, settings: AxisSettings) -> Result<Self, Error> {
         let centre = rig.sample()?.position;
         Ok(Self {
             rig,
@@ -83,7 +83,7 @@ impl Stand {
     /// # Errors
     ///
     /// The link fails.
-    pub(super) fn engage(&mut self, gains: &Gains) -> Result<(), Trouble> {
+    pub(super) fn engage(&mut self, gains: &Gains) -> Result<(), Error> {
         self.rig.set_gains(gains)?;
         self.rig.engage()
     }
@@ -94,7 +94,7 @@ impl Stand {
     /// # Errors
     ///
     /// A limit is passed, or the link fails.
-    pub(super) fn there_and_back(&mut self, size: i32) -> Result<[i32; 2], Trouble> {
+    pub(super) fn there_and_back(&mut self, size: i32) -> Result<[i32; 2], Error> {
         let from = self.sample(true)?.position;
         let there = if from > self.centre {
             from - size
@@ -109,7 +109,7 @@ impl Stand {
     /// # Errors
     ///
     /// A limit is passed, or the link fails.
-    pub(super) fn step_to(&mut self, target: i32, us: u64) -> Result<Trace, Trouble> {
+    pub(super) fn step_to(&mut self, target: i32, us: u64) -> Result<Trace, Error> {
         let start_us = self.rig.now_us();
         self.rig.hold(target)?;
         let mut samples = Vec::new();
@@ -136,7 +136,7 @@ impl Stand {
         &mut self,
         us: u64,
         mut law: impl FnMut(i32) -> i16,
-    ) -> Result<(Trace, f64), Trouble> {
+    ) -> Result<(Trace, f64), Error> {
         // This switches the amplifier on and sets the current limit.
         let gains = self.settings.gains;
         self.engage(&gains)?;
@@ -174,7 +174,7 @@ impl Stand {
     /// # Errors
     ///
     /// The link fails.
-    pub(super) fn start_move(&mut self, goal: i32) -> Result<(), Trouble> {
+    pub(super) fn start_move(&mut self, goal: i32) -> Result<(), Error> {
         self.rig
             .go_to(goal, self.settings.rate, self.settings.acceleration)
     }
@@ -184,7 +184,7 @@ impl Stand {
     /// # Errors
     ///
     /// A limit is passed, or the link fails.
-    pub(super) fn sample(&mut self, is_servo_on: bool) -> Result<Sample, Trouble> {
+    pub(super) fn sample(&mut self, is_servo_on: bool) -> Result<Sample, Error> {
         let before_us = self.rig.now_us();
         let sample = self.rig.sample()?;
         self.samples += 1;
@@ -199,15 +199,15 @@ impl Stand {
             sample.position.abs_diff(self.centre) > u32::from(self.settings.gains.error_limit)
         };
         if !sample.status.contains(Status::POWER_ON) {
-            Err(Trouble::NoPower {
+            Err(Error::NoPower {
                 axis: self.settings.letter,
             })
         } else if sample.status.contains(Status::OVERCURRENT) {
-            Err(Trouble::OverCurrent { at: at() })
+            Err(Error::OverCurrent { at: at() })
         } else if is_lost {
-            Err(Trouble::PositionError { at: at() })
+            Err(Error::PositionError { at: at() })
         } else if !(low..=high).contains(&sample.position) {
-            Err(Trouble::OutsideTravel {
+            Err(Error::OutsideTravel {
                 goal: at(),
                 travel: [counts(low), counts(high)],
             })

@@ -2,7 +2,7 @@
 
 use super::stand::{Stand, Trace};
 use super::swing::PERIOD_S;
-use crate::trouble::Trouble;
+use crate::error::Error;
 use husillo_pid::tuning::step_response;
 use husillo_transports::nmc::Gains;
 use serde::Serialize;
@@ -34,7 +34,7 @@ pub struct StepFigures {
 /// # Errors
 ///
 /// A limit is passed, or the link fails.
-pub fn step(stand: &mut Stand, gains: &Gains, size: i32) -> Result<(StepFigures, Trace), Trouble> {
+pub fn step(stand: &mut Stand, gains: &Gains, size: i32) -> Result<(StepFigures, Trace), Error> {
     stand.engage(gains)?;
     let from = stand.sample(true)?.position;
     // Within the travel: both are far from 2^31.

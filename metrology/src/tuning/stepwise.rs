@@ -7,7 +7,7 @@ use super::stand::{Stand, Trace};
 use super::step::{StepFigures, figures};
 use super::swing::Swing;
 use super::trial::{LARGEST, Trial};
-use crate::trouble::Trouble;
+use crate::error::Error;
 use husillo_transports::nmc::Gains;
 
 /// The proportional gain during the search for the derivative gain. It brings the axis back.
@@ -103,7 +103,7 @@ pub fn stepwise(
     size: i32,
     trials: &mut Vec<Trial>,
     notes: &mut Vec<String>,
-) -> Result<Gains, Trouble> {
+) -> Result<Gains, Error> {
     // Derivative gain: up to vibration, then half of it.
     let mut gains = Gains {
         integration_limit: 0,
@@ -186,8 +186,8 @@ impl Raised {
 fn raise(
     first: u16,
     bound: u16,
-    mut is_too_much: impl FnMut(u16) -> Result<bool, Trouble>,
-) -> Result<Raised, Trouble> {
+    mut is_too_much: impl FnMut(u16) -> Result<bool, Error>,
+) -> Result<Raised, Error> {
     let mut gain = first;
     loop {
         let is_found = is_too_much(gain)?;
@@ -208,7 +208,7 @@ fn attempt(
     gains: &Gains,
     size: i32,
     trials: &mut Vec<Trial>,
-) -> Result<Shown, Trouble> {
+) -> Result<Shown, Error> {
     let number = Trial::begin(trials, stage, gains);
     stand.engage(gains)?;
     let mut shown = Shown {

@@ -3,7 +3,7 @@
 use super::stand::{Stand, Trace};
 use super::swing::Swing;
 use super::trial::{LARGEST, Trial};
-use crate::trouble::Trouble;
+use crate::error::Error;
 use husillo_pid::tuning::Ultimate;
 use husillo_transports::nmc::Gains;
 
@@ -30,7 +30,7 @@ const SLOWEST: u8 = 32;
 pub fn ultimate(
     stand: &mut Stand,
     trials: &mut Vec<Trial>,
-) -> Result<Option<(Ultimate, u8)>, Trouble> {
+) -> Result<Option<(Ultimate, u8)>, Error> {
     let mut divisor = stand.settings.gains.rate_divisor.max(1);
     let mut first = FIRST;
     loop {
@@ -53,7 +53,7 @@ fn at_divisor(
     divisor: u8,
     first: u16,
     trials: &mut Vec<Trial>,
-) -> Result<Option<Ultimate>, Trouble> {
+) -> Result<Option<Ultimate>, Error> {
     let (mut calm, mut swinging) = (0_u16, None);
     let mut proportional = first;
     loop {
@@ -93,7 +93,7 @@ fn attempt(
     proportional: u16,
     rate_divisor: u8,
     trials: &mut Vec<Trial>,
-) -> Result<(Trace, Swing), Trouble> {
+) -> Result<(Trace, Swing), Error> {
     let gains = Gains {
         integration_limit: 0,
         rate_divisor,

@@ -32,7 +32,7 @@ pub struct AxisFile {
     /// Span of the travel in the file, for messages.
     pub travel_span: Range<usize>,
     /// Backlash, whole motor steps.
-    pub lash_steps: u32,
+    pub backlash_steps: u32,
     /// Rate at which a move may start, steps/s.
     pub start_rate: u32,
     /// Largest rate, steps/s.
@@ -88,7 +88,7 @@ impl AxisFile {
         let is_wrapped = is_rotary && table.boolean("wrapped").unwrap_or(false);
         let step = step::read(table, is_rotary);
         let (travel, travel_span) = Travel::read(table, step);
-        let lash = table.quantity(
+        let backlash = table.quantity(
             "backlash",
             "a length as in \"204 um\", or steps",
             |quantity| match quantity {
@@ -118,7 +118,7 @@ impl AxisFile {
             step,
             travel,
             travel_span,
-            lash_steps: lash.unwrap_or(0),
+            backlash_steps: backlash.unwrap_or(0),
             // Without an acceleration there are no ramps.
             start_rate: rates.start.unwrap_or(match acceleration {
                 Some(_) => 0,

@@ -1,9 +1,9 @@
 //! Conversion of the counts of the axes to positions, and back.
 
 use super::Head;
+use crate::error::Error;
 use crate::heads::port::Port;
 use crate::heads::servo::Servo;
-use crate::trouble::Trouble;
 use husillo_probe::UnitVector;
 use husillo_transports::nmc::Reply;
 
@@ -70,10 +70,10 @@ impl<P: Port> Head<P> {
     /// # Errors
     ///
     /// A coordinate is not 0, and the machine does not have its axis.
-    pub(crate) fn counts(&self, place: [i64; 3]) -> Result<Vec<i32>, Trouble> {
+    pub(crate) fn counts(&self, place: [i64; 3]) -> Result<Vec<i32>, Error> {
         for (axis, position) in "XYZ".chars().zip(place) {
             if position != 0 && !self.axes.iter().any(|there| there.settings.letter == axis) {
-                return Err(Trouble::NoAxis { axis });
+                return Err(Error::NoAxis { axis });
             }
         }
         let of = |axis: &Servo| axis.counts(self.scale, place[axis.settings.coordinate()]);
@@ -86,13 +86,13 @@ impl<P: Port> Head<P> {
     /// # Errors
     ///
     /// The first axis that may not.
-    pub(crate) fn check_travel(&self, goal: &[i32], meant: [i64; 3]) -> Result<(), Trouble> {
+    pub(crate) fn check_travel(&self, goal: &[i32], meant: [i64; 3]) -> Result<(), Error> {
         for (index, (axis, goal)) in self.axes.iter().zip(goal).enumerate() {
             let [low, high] = axis.travel_counts();
             if !(low..=high).contains(goal) {
                 let there = self.view.position(meant)[axis.settings.coordinate()];
                 let text = |counts| self.scale.text(self.seen(index, meant, counts));
-                return Err(Trouble::OutsideTravel {
+                return Err(Error::OutsideTravel {
                     goal: format!("{} {}", axis.settings.letter, self.scale.text(there)),
                     travel: axis.travel_counts().map(text),
                 });

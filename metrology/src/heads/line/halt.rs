@@ -1,9 +1,9 @@
 //! A stop for modules that another program has set up and left running.
 
 use super::Line;
+use crate::error::Error;
 use crate::heads::head::{READ, stop};
 use crate::heads::{AxisSettings, Machine, Port};
-use crate::trouble::Trouble;
 use husillo_transports::nmc::{Baud, EVERY_GROUP, Group, Items, Reply, StopMode};
 
 /// Silence after which all replies to the stop commands have ended, us.
@@ -19,8 +19,8 @@ impl<P: Port> Line<P> {
     ///
     /// # Errors
     ///
-    /// [`Trouble`] of the axis that does not confirm. The stop was sent to all axes at both rates.
-    pub fn halt(&mut self, machine: &Machine) -> Result<Vec<Reply>, Trouble> {
+    /// [`Error`] of the axis that does not confirm. The stop was sent to all axes at both rates.
+    pub fn halt(&mut self, machine: &Machine) -> Result<Vec<Reply>, Error> {
         match self.halt_at(machine.baud, &machine.axes) {
             Err(_) if machine.baud != Baud::default() => {
                 self.halt_at(Baud::default(), &machine.axes)
@@ -29,7 +29,7 @@ impl<P: Port> Line<P> {
         }
     }
 
-    fn halt_at(&mut self, baud: Baud, axes: &[AxisSettings]) -> Result<Vec<Reply>, Trouble> {
+    fn halt_at(&mut self, baud: Baud, axes: &[AxisSettings]) -> Result<Vec<Reply>, Error> {
         self.port.set_baud(baud)?;
         self.host.set_timing(self.port.timing_of_known(baud));
         let command = stop(StopMode::Abrupt);
@@ -65,8 +65,8 @@ mod tests {
 
     /// A network whose program was killed while all axes move, at the rate of the machine.
     fn abandoned(machine: &Machine) -> SimulatedPort {
-        let chain = SimulatedNetwork::new(&[4; 3], &[], None).unwrap();
-        let mut head = Head::start(Line::new(SimulatedPort::new(chain)), machine, 1).unwrap();
+        let network = SimulatedNetwork::new(&[4; 3], &[], None).unwrap();
+        let mut head = Head::start(Line::new(SimulatedPort::new(network)), machine, 1).unwrap();
         for axis in &machine.axes {
             let far = Trajectory {
                 position: Some(50_000),
@@ -85,7 +85,7 @@ mod tests {
     }
 
     fn counts(port: &mut SimulatedPort) -> [i64; 3] {
-        [0, 1, 2].map(|module| port.chain.chain().motor(module).unwrap().counts())
+        [0, 1, 2].map(|module| port.network.servo_network().motor(module).unwrap().counts())
     }
 
     #[test]
@@ -106,7 +106,7 @@ mod tests {
             let mut port = line.into_port();
             let halted = counts(&mut port);
             for _ in 0..2000 {
-                port.chain.tick();
+                port.network.tick();
             }
             let later = counts(&mut port);
             for (axis, position) in positions.iter().enumerate() {
@@ -127,12 +127,9 @@ mod tests {
     /// The next start-up finds the modules as ever.
     #[test]
     fn a_stop_of_a_line_after_a_reset_reports_the_silence() {
-        let chain = SimulatedNetwork::new(&[4; 3], &[], None).unwrap();
-        let mut line = Line::new(SimulatedPort::new(chain));
-        assert!(matches!(
-            line.halt(&three_axes()),
-            Err(Trouble::Link { .. })
-        ));
+        let network = SimulatedNetwork::new(&[4; 3], &[], None).unwrap();
+        let mut line = Line::new(SimulatedPort::new(network));
+        assert!(matches!(line.halt(&three_axes()), Err(Error::Link { .. })));
         assert_eq!(line.start_up(Baud::B19200).unwrap().modules, 3);
     }
 }

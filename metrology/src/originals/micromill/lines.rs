@@ -38,7 +38,7 @@ pub fn lines(shop: &Shop<'_>) -> Result<Table, String> {
             Row::new(
                 format!("{name}: backlash"),
                 "um",
-                region.lash_um,
+                region.backlash_um,
                 LEFT_UM[axis],
             )
             .rebuilt(1e3 * (there - back))

@@ -12,13 +12,13 @@ pub struct Region {
     pub third: f64,
     pub programmed_mm: f64,
     pub measured_mm: f64,
-    pub lash_um: f64,
+    pub backlash_um: f64,
 }
 
 const fn region(
     name: &'static str,
     (axis, third): (usize, f64),
-    [programmed_mm, measured_mm, lash_um]: [f64; 3],
+    [programmed_mm, measured_mm, backlash_um]: [f64; 3],
 ) -> Region {
     Region {
         name,
@@ -26,7 +26,7 @@ const fn region(
         third,
         programmed_mm,
         measured_mm,
-        lash_um,
+        backlash_um,
     }
 }
 
@@ -142,7 +142,7 @@ pub struct Play {
     pub axis: usize,
     /// Position from the middle of the work area, mm.
     pub at_mm: [f64; 2],
-    pub lash_um: f64,
+    pub backlash_um: f64,
 }
 
 /// The middle of a third of the work area along an axis, mm from the middle of the area.
@@ -178,7 +178,7 @@ pub fn plays(choice: &Choice) -> Vec<Play> {
         Play {
             axis: region.axis,
             at_mm,
-            lash_um: region.lash_um,
+            backlash_um: region.backlash_um,
         }
     });
     let squares = SQUARES.iter().flat_map(|square| {
@@ -190,7 +190,7 @@ pub fn plays(choice: &Choice) -> Vec<Play> {
             Play {
                 axis,
                 at_mm: [0, 1].map(|index| middle[index] + corner[index]),
-                lash_um: FIRST_TAKE_UP_UM[axis] * scale() + square.left_um[axis],
+                backlash_um: FIRST_TAKE_UP_UM[axis] * scale() + square.left_um[axis],
             }
         })
     });
@@ -200,7 +200,8 @@ pub fn plays(choice: &Choice) -> Vec<Play> {
             Play {
                 axis,
                 at_mm: END_AT[end].map(|part| part * circle.radius_mm),
-                lash_um: LAST_TAKE_UP_UM[axis] * scale() + choice.signs[end] * circle.ends_um[end],
+                backlash_um: LAST_TAKE_UP_UM[axis] * scale()
+                    + choice.signs[end] * circle.ends_um[end],
             }
         })
     });

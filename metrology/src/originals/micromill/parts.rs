@@ -72,8 +72,8 @@ fn place_mm(part: &Part, screws: &Screws) -> [f64; 2] {
         ];
         let off = |axis: usize| {
             let [own, other] = corners[axis];
-            let lash_um = screws.axes()[axis].lash_um(own, other);
-            let left_um = lash_um - LAST_TAKE_UP_UM[axis] * scale();
+            let backlash_um = screws.axes()[axis].backlash_um(own, other);
+            let left_um = backlash_um - LAST_TAKE_UP_UM[axis] * scale();
             let size_um = 1e3 * part.programmed_mm[axis] * scale() - left_um + width_um;
             let points = part.left_um[axis].iter();
             let points = points.map(|(_, um)| (um - left_um.abs()).powi(2));

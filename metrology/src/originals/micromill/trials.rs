@@ -12,7 +12,7 @@ const LENGTH_UM: f64 = 12.0;
 /// The error on the negative flank of an axis, um.
 fn left_um(screws: &Screws, axis: usize, from_mm: [f64; 2]) -> f64 {
     let [own, other] = [from_mm[axis], from_mm[1 - axis]];
-    screws.axes()[axis].lash_um(own, other) - LAST_TAKE_UP_UM[axis] * scale()
+    screws.axes()[axis].backlash_um(own, other) - LAST_TAKE_UP_UM[axis] * scale()
 }
 
 /// The deviation of the tool from a clockwise circle, in a direction, um.
@@ -81,7 +81,7 @@ fn sizes(screws: &Screws) -> f64 {
 fn plays_left(screws: &Screws, choice: &Choice) -> f64 {
     let left = plays(choice).into_iter().map(|play| {
         let [own, other] = [play.at_mm[play.axis], play.at_mm[1 - play.axis]];
-        screws.axes()[play.axis].lash_um(own, other) - play.lash_um
+        screws.axes()[play.axis].backlash_um(own, other) - play.backlash_um
     });
     left.map(|left| left * left).sum()
 }

@@ -3,13 +3,13 @@
 /// Backlash of each axis as a function of the tool position, all in drive steps.
 ///
 /// It has to change by less than a step from one tool step to the next, as on a real screw.
-pub trait LashField<const N: usize>: Send + Sync {
+pub trait BacklashField<const N: usize>: Send + Sync {
     /// Backlash of each axis, not negative, with the tool at `tool`.
-    fn lash_steps(&self, tool: [f64; N]) -> [f64; N];
+    fn backlash_steps(&self, tool: [f64; N]) -> [f64; N];
 }
 
-impl<const N: usize, F: Fn([f64; N]) -> [f64; N] + Send + Sync> LashField<N> for F {
-    fn lash_steps(&self, tool: [f64; N]) -> [f64; N] {
+impl<const N: usize, F: Fn([f64; N]) -> [f64; N] + Send + Sync> BacklashField<N> for F {
+    fn backlash_steps(&self, tool: [f64; N]) -> [f64; N] {
         self(tool)
     }
 }

@@ -7,7 +7,7 @@ use std::io;
 
 /// Why an action has no result. Lengths and positions are texts with their unit.
 #[derive(Debug)]
-pub enum Trouble {
+pub enum Error {
     /// The port failed.
     Port(io::Error),
     /// The link failed.
@@ -179,7 +179,7 @@ pub enum Trouble {
     Fit(husillo_probe::FitError),
 }
 
-impl Trouble {
+impl Error {
     /// Whether axes may have moved before it.
     pub const fn has_moved(&self) -> bool {
         !matches!(
@@ -195,7 +195,7 @@ impl Trouble {
     }
 }
 
-impl fmt::Display for Trouble {
+impl fmt::Display for Error {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Port(error) => write!(out, "the port failed: {error}"),
@@ -310,15 +310,15 @@ const fn switch(end: Option<End>) -> &'static str {
     }
 }
 
-impl std::error::Error for Trouble {}
+impl std::error::Error for Error {}
 
-impl From<io::Error> for Trouble {
+impl From<io::Error> for Error {
     fn from(error: io::Error) -> Self {
         Self::Port(error)
     }
 }
 
-impl From<nmc::Refused> for Trouble {
+impl From<nmc::Refused> for Error {
     fn from(refused: nmc::Refused) -> Self {
         Self::Refused(refused)
     }
