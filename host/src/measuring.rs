@@ -95,7 +95,7 @@ pub fn measure(args: &Measure, out: &mut dyn Write, table: &mut Vec<u8>) -> Resu
     }
 }
 
-/// What follows after the actions.
+/// What follows the actions.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Last<'a> {
     /// Run a routine.
@@ -206,7 +206,7 @@ fn measure_by(
         }
         (result, _) => result.map_err(|error| Stopped::Machine(error_text(&error)))?,
     }
-    // The state of the machine outranks a failed output, for example a closed pipe.
+    // The state of the machine matters more than a failed output, for example a closed pipe.
     if let Some(status) = mishap {
         return Err(Stopped::Reported(status));
     }
@@ -216,7 +216,7 @@ fn measure_by(
     written.map_err(Stopped::Output)
 }
 
-/// The exit status of what an axis has run into, if it has.
+/// The exit status after a collision or an end switch. `None` without either.
 fn mishap_of(head: &mut Calibrated<Head<AnyPort>>) -> Option<u8> {
     if head.has_collided() {
         return Some(COLLISION);
@@ -226,7 +226,7 @@ fn mishap_of(head: &mut Calibrated<Head<AnyPort>>) -> Option<u8> {
 
 /// Carries out actions as they are typed, one line at a time, until `end` or the end of the input.
 /// A line that is not understood, or fails, is reported, and the session continues. Returns whether
-/// there was such a line.
+/// a line failed.
 ///
 /// # Errors
 ///

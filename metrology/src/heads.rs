@@ -1,5 +1,5 @@
-//! The head that carries a probe: one to three servo axes on a line. They move together in straight
-//! lines.
+//! The head that carries a probe: one to three servo axes whose modules are on one line. The axes
+//! move together along straight paths.
 //!
 //! ```text
 //! Prober ◄── Head ──► servo, straight_move, touching, homing, jog, collision ──► Line ──► Port

@@ -2,7 +2,8 @@
 
 /// Backlash of each axis as a function of the tool position, all in drive steps.
 ///
-/// It has to change by less than a step from one tool step to the next, as on a real screw.
+/// As on a real screw, the backlash must change by less than a step from one step of the tool to
+/// the next.
 pub trait BacklashField<const N: usize>: Send + Sync {
     /// Backlash of each axis, not negative, with the tool at `tool`.
     fn backlash_steps(&self, tool: [f64; N]) -> [f64; N];

@@ -1,4 +1,4 @@
-//! Coil levels in, tool position out: a simulated machine that does not get the commanded path.
+//! Coil levels in, tool position out: a simulated machine that does not know the commanded path.
 //!
 //! ```text
 //!  Levels ──► coil currents ──► electrical angle ──► rotor ──► screw ──► nut = tool
@@ -6,7 +6,7 @@
 //!                                                    equilibrium
 //! ```
 //!
-//! The rotor loses steps that are too fast, and steps of half an electrical cycle at once.
+//! The rotor loses steps that follow each other too fast, and jumps of half an electrical cycle.
 //! [`Rig::lost_steps`] counts them.
 //!
 //! ```

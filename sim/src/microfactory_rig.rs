@@ -27,7 +27,8 @@ pub struct MicrofactoryRig {
     ticks: u64,
 }
 
-/// Inputs without current and without an edge; RESET and ENABLE are changed from these.
+/// Inputs without current and without an edge. RESET and ENABLE differ from them while the motors
+/// run.
 const REST: L297Inputs = L297Inputs {
     clock: false,
     clockwise: true,
@@ -36,13 +37,15 @@ const REST: L297Inputs = L297Inputs {
     enable: false,
 };
 
-/// Distance of the mechanical end of an axis below its home switch. The original states none.
+/// Distance of the mechanical end of an axis below its home switch. The description of the original
+/// does not state it.
 const END_BELOW_SWITCH_STEPS: u32 = 100;
 
 impl MicrofactoryRig {
-    /// Creates a rig with the axes the given load steps above their home switches, and the work
-    /// piece the given steps of Y above the axis. The motors lose steps closer than
-    /// `pull_out_ticks` timer ticks; with 0 they lose none.
+    /// Creates a rig. `above_switches` has the first positions of the axes, in load steps above
+    /// their home switches. `face` is the distance of Y to the work piece, in load steps. A motor
+    /// loses a step that follows the previous one in less than `pull_out_ticks` timer ticks. With 0
+    /// no step is lost.
     #[must_use]
     pub fn new(
         config: &MicrofactoryConfig,

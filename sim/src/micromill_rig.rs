@@ -21,15 +21,16 @@ pub struct MicromillRig {
     tool: u8,
 }
 
-/// Distance of the mechanical ends of an axis beyond its travel, below the home switch and above.
-/// The original states none.
+/// Distance of the mechanical ends of an axis beyond both ends of its travel. The description of
+/// the original does not state it.
 const END_STEPS: u32 = 300;
 
 impl MicromillRig {
-    /// Creates a rig with the axes the given load steps above their home switches, and with the
-    /// backlash of the configuration.
+    /// Creates a rig with the backlash of the configuration. `above_switches` has the first
+    /// positions of the axes, in load steps above their home switches.
     ///
-    /// Motors lose steps that are shorter than `pull_out_ticks` timer ticks. With 0 they lose none.
+    /// A motor loses a step that follows the previous one in less than `pull_out_ticks` timer
+    /// ticks. With 0 no step is lost.
     #[must_use]
     pub fn new(
         config: &MicromillConfig,

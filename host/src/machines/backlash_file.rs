@@ -11,7 +11,7 @@ use std::ops::Range;
 use std::sync::Arc;
 use toml::de::DeValue;
 
-/// The table of an axis, as it is written in a machine file.
+/// The text of the table of an axis in a machine file.
 pub fn section(table: &BacklashTable, letter: u8) -> String {
     let list = |values: &[f64]| {
         let texts = values.iter().map(|value| shortest(*value, 2));

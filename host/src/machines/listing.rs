@@ -35,13 +35,13 @@ struct ShownFrame {
 #[derive(Serialize)]
 struct ShownAxis {
     axis: char,
-    /// Lengths are degrees: a millionth of a degree as a nanometre.
+    /// Whether its lengths are degrees. A nanometre then stands for a millionth of a degree.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     is_rotary: bool,
     /// nm per step.
     step_nm: f64,
     travel_mm: Option<[f64; 2]>,
-    /// The machine alone moves this axis; programs cannot.
+    /// Programs cannot move this axis. The machine moves it by itself.
     is_fixed: bool,
     backlash_steps: u32,
     backlash_um: f64,
@@ -302,7 +302,7 @@ pub struct Listed {
 ///
 /// # Errors
 ///
-/// The file of one is wrong.
+/// The file of a built-in machine has a mistake.
 pub fn machines() -> Result<Vec<Listed>, String> {
     let mut machines = Vec::new();
     for name in MachineFile::names() {
@@ -335,8 +335,8 @@ mod tests {
     use super::*;
     use husillo_metrology::originals::microfactory::Coils;
 
-    /// The currents are those that were fitted to the measured ones. The machine lost steps above
-    /// 131.2 Hz.
+    /// The currents equal those of the model that was fitted to measured ones. The machine lost
+    /// steps above 131.2 Hz.
     #[test]
     fn current_and_pull_out_of_the_microfactory_equal_the_measured_ones() {
         let machine = MachineFile::load("microfactory").unwrap();

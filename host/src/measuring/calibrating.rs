@@ -34,7 +34,7 @@ pub fn calibrate_axis(args: &AxisArgs, out: &mut Reporter<'_>) -> Result<(), Sto
             };
             Ok(Reading {
                 nominal: length(&machine, &row, "nominal")?,
-                // Takes back the correction that the machine file makes already.
+                // Removes the correction by which the machine file has changed the reading.
                 reading: machine.errors.axes[index]
                     .reading_nm(length(&machine, &row, "reading")?, flank),
                 flank,

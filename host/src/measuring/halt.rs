@@ -1,4 +1,4 @@
-//! A stop of a measuring machine whose program was killed.
+//! Stops a measuring machine whose program was killed.
 
 use super::memory_file::MemoryFile;
 use super::port::NetworkPort;
@@ -9,11 +9,11 @@ use husillo_sim::text::position;
 use husillo_transports::nmc::{Auxiliary, Reply};
 use serde_json::json;
 
-/// Stops all axes of a measuring machine at a port, resets nothing, and writes where they stand.
+/// Stops all axes of a measuring machine at a port, and reports their positions. It resets nothing.
 ///
 /// # Errors
 ///
-/// [`Stopped`]: the port, or an axis that does not confirm.
+/// [`Stopped`]: the port fails, or an axis does not confirm.
 pub fn halt(machine: &str, port: &str, out: &mut Reporter<'_>) -> Result<(), Stopped> {
     let file = machine_file::load(machine).map_err(Stopped::File)?;
     let opened = NetworkPort::open(port).map_err(|error| format!("{port}: {error}"))?;
@@ -33,9 +33,8 @@ pub fn halt(machine: &str, port: &str, out: &mut Reporter<'_>) -> Result<(), Sto
     Ok(())
 }
 
-/// A session that was killed has left homes and zeros that are still true, as nothing was reset.
-/// They are kept with the positions at which the axes stand now. Other sessions have kept their
-/// own.
+/// Keeps homes and zeros of a session that was killed, with the present positions of the axes. They
+/// are still valid, because nothing was reset. A session that ended has kept its own.
 fn keep(name: &str, port: &str, machine: &Machine, replies: &[Reply]) {
     let Some(file) = MemoryFile::at(name, port, machine) else {
         return;

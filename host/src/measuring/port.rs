@@ -25,8 +25,9 @@ impl heads::Port for NetworkPort {
         Timing::patient(baud)
     }
 
-    /// The vendor's 50 ms until a reply are enough for an adapter. But this computer, or a
-    /// simulated network on it, may delay the bytes for longer. A late reply costs a flush.
+    /// The vendor waits 50 ms for a reply, which is enough for an adapter. But this computer, or a
+    /// simulated network on it, may delay the bytes for longer. After a late reply the line must be
+    /// flushed.
     fn timing_of_known(&self, baud: Baud) -> Timing {
         Timing {
             reply_us: 250_000,

@@ -22,7 +22,7 @@ use husillo_transports::nmc::{Auxiliary, Reply, Status};
 /// The port of a machine: simulated or real.
 pub type AnyPort = Box<dyn Port>;
 
-/// A session with a machine: its settings, and the probe as far as it is calibrated.
+/// A session with a machine: its settings, and the calibration of the probe so far.
 pub struct Session {
     /// The unit of the machine.
     pub scale: Scale,
@@ -35,7 +35,7 @@ pub struct Session {
     reference: Option<i64>,
     /// Lengths of `where` are in inches.
     is_inch: bool,
-    /// What the next session gets to know. The simulated port has none.
+    /// What the next session needs. The simulated port has no memory.
     memory: Option<MemoryFile>,
 }
 
@@ -63,13 +63,13 @@ impl Session {
         })
     }
 
-    /// The probe, as calibrated so far.
+    /// The probe with its calibration so far.
     pub const fn stylus(&self) -> Stylus {
         self.stylus
     }
 
-    /// Switches the servos on. It continues where the session before has left the modules, or else
-    /// starts the line and says what is lost.
+    /// Switches the servos on. Continues with the state in which the last session left the modules.
+    /// If that is not possible, starts the line and reports what is lost.
     ///
     /// # Errors
     ///
@@ -119,7 +119,8 @@ impl Session {
         Ok(head)
     }
 
-    /// Keeps homes, zeros and positions in case the program is killed. The axes stand.
+    /// Keeps homes, zeros and positions in case the program is killed. Call it while the axes stand
+    /// still.
     pub fn keep(&self, head: &mut Calibrated<Head<AnyPort>>) {
         if let Some(file) = &self.memory {
             // Without an answer the next action fails, too.
@@ -133,7 +134,8 @@ impl Session {
         }
     }
 
-    /// Keeps homes, zeros and positions for the next session, and says what is left.
+    /// Keeps homes, zeros and positions for the next session, and reports whether the servos still
+    /// hold.
     pub fn end(&self, head: &mut Calibrated<Head<AnyPort>>) {
         let Some(file) = &self.memory else { return };
         let memory = match head.memory() {
@@ -254,7 +256,7 @@ impl Session {
         Ok(())
     }
 
-    /// Carries out the actions in turn. `report` gets each result.
+    /// Carries out the actions in turn. `report` receives each result.
     ///
     /// # Errors
     ///

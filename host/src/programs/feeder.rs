@@ -13,13 +13,13 @@ use husillo_sim::observers::AXES;
 use std::io;
 use std::ops::ControlFlow;
 
-/// Runs a program to its end. `each` gets the machine and each of its events. A probe touches
-/// `piece`, and every input meets the condition that is waited for.
+/// Runs a program to its end. `each` receives the machine and each of its events. A probe touches
+/// `piece`. When the program waits for an input, the input has the value that it waits for.
 ///
 /// # Errors
 ///
-/// Reading or writing fails, the machine refuses a line, or a probe finds nothing. It refuses no
-/// line of a program that was checked before, unless a line depends on what a probe has found.
+/// Reading or writing fails, the machine refuses a line, or a probe finds nothing. The machine
+/// refuses no line of a checked program, except a line that depends on the result of a probe.
 pub fn feed<L: BacklashModel<AXES> + 'static>(
     source: &mut Source,
     machine: &mut Engine<L>,
@@ -53,8 +53,8 @@ pub fn feed<L: BacklashModel<AXES> + 'static>(
     }
 }
 
-/// Runs a program on a machine with encoders, to its end or until the machine stops. `each` gets
-/// every entry and returns the counts after it.
+/// Runs a program on a machine with encoders, to its end or until the machine stops. `each`
+/// receives every event and returns the encoder counts after it.
 ///
 /// # Errors
 ///
@@ -107,8 +107,8 @@ pub fn feed_followed(
     Ok(())
 }
 
-/// Feeds lines to a machine, `M`, until it pauses for good or the text ends. `pull` takes an event.
-/// Returns whether the program has ended.
+/// Feeds lines to a machine, `M`, until its program or the text ends. `pull` takes an event from
+/// it. Returns whether the program has ended.
 fn feed_lines<L: BacklashModel<AXES> + 'static, M>(
     source: &mut Source,
     machine: &mut M,
@@ -126,7 +126,8 @@ fn feed_lines<L: BacklashModel<AXES> + 'static, M>(
         |machine, given, block| {
             take(engine_mut(machine), given, block)?;
             let has_ended = engine(machine).has_ended();
-            // Takes events until there is room for another line, and the results of this one.
+            // Takes events until there is room for another line, and until the results of this one
+            // are known.
             while !engine(machine).has_room() {
                 match pull(machine)? {
                     Pulled::End => ended = true,
@@ -147,7 +148,7 @@ fn feed_lines<L: BacklashModel<AXES> + 'static, M>(
     Ok(ended)
 }
 
-/// Gives a block to a machine that has room for it.
+/// Passes a block to a machine that has room for it.
 fn take<L: BacklashModel<AXES>>(
     machine: &mut Engine<L>,
     given: &Given<'_>,
@@ -159,7 +160,7 @@ fn take<L: BacklashModel<AXES>>(
         .map_err(|refused| at_line(given, &refused))
 }
 
-/// The moves that still wait for a corner at the end of the text.
+/// Makes the moves that wait for the next corner when the text ends.
 fn finish<L: BacklashModel<AXES>>(machine: &mut Engine<L>) -> io::Result<()> {
     machine
         .finish()
@@ -236,8 +237,8 @@ fn pull<L: BacklashModel<AXES>>(
     each: &mut impl FnMut(&Engine<L>, &Event<AXES>) -> io::Result<()>,
 ) -> io::Result<Pulled> {
     touch(machine, piece);
-    // By reference for speed: a move would read the event as a whole right after it was written in
-    // parts, and the processor would wait for the writes.
+    // By reference for speed. A copy would read the event as a whole right after it was written in
+    // parts, and the processor would wait for these writes.
     let Some(ref event) = machine.next_event() else {
         return Ok(Pulled::Nothing);
     };

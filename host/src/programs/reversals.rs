@@ -23,14 +23,14 @@ pub struct Turns {
 pub struct TakenUp {
     /// Sum.
     pub steps: u64,
-    /// Smallest; `u32::MAX` without any.
+    /// Smallest; `u32::MAX` if there are none.
     pub least: u32,
     /// Largest.
     pub most: u32,
 }
 
 impl Turns {
-    /// Starts after homing: each axis has left its switch in positive direction.
+    /// Starts after homing, in which each axis has left its switch in the positive direction.
     pub fn new(maps: [Map; AXES], steps_nm: [f64; AXES]) -> Self {
         Self {
             direction: [1; AXES],
@@ -104,7 +104,7 @@ impl Turns {
         let is_forward = arc.direction == Direction::CounterClockwise;
         let sweep = turn::sweep(angle(from), angle(arc.to), is_forward);
         let sense = if is_forward { 1.0 } else { -1.0 };
-        // Clockwise is the mirror image: the second axis moves in the opposite direction.
+        // A clockwise arc is the mirror image, with the second axis in the opposite direction.
         let start = turn::turned(0.0, angle(from), is_forward) / FRAC_PI_2;
         let first = (start + 1e-9).floor();
         let last = (start + sweep / FRAC_PI_2 - 1e-9).floor();

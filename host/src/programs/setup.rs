@@ -15,11 +15,11 @@ use std::sync::Arc;
 
 /// The backlash of an axis. A single value is a map with one position.
 pub type Screw = MappedBacklash<Arc<[i32]>, Arc<[u32]>>;
-/// The engine with all commands, and with this backlash.
+/// The engine with all commands, and with the backlash model `L`.
 pub type Engine<L> = Machine<AXES, Path<AXES>, L, 16, Extended<AXES>>;
-/// The engine with such screws.
+/// The engine with backlash maps.
 pub type MappedEngine = Engine<Screw>;
-/// The engine with such screws and with encoders.
+/// The engine with backlash maps and encoders.
 pub type ClosedEngine = ClosedLoop<AXES, Path<AXES>, Screw, 16, Extended<AXES>>;
 
 /// The backlash that the controller takes up: the maps of the file, or one value for an axis
@@ -52,7 +52,7 @@ pub fn maps(file: &MachineFile) -> Result<[Map; AXES], String> {
 /// Largest backlash of an axis, steps.
 const MOST_BACKLASH_STEPS: u32 = (1 << 20) - 1;
 
-/// One value per axis; the maps of the file are ignored.
+/// One backlash value per axis. The maps of the file are ignored.
 pub fn one_value(file: &MachineFile) -> [Map; AXES] {
     file.each(flat(0), |axis| flat(axis.backlash_steps))
 }
@@ -81,7 +81,8 @@ pub fn with_maps(config: Config<AXES>, maps: [Map; AXES]) -> MappedEngine {
     )
 }
 
-/// The dialect of a program: the requested one, or that of the file name, or that of the machine.
+/// The dialect of a program. It is the requested one, otherwise that of the file name, otherwise
+/// that of the machine.
 ///
 /// # Errors
 ///
@@ -118,8 +119,8 @@ pub fn encoders(file: &MachineFile) -> [Option<AxisEncoder>; AXES] {
     })
 }
 
-/// The dialect of a program on this machine: with its axes and its tolerance of arcs. Programs of
-/// CAM systems may begin with axis words, which are taken as G0, with a warning.
+/// Adapts a dialect to this machine: to its axes and its tolerance of arcs. A program of a CAM
+/// system may begin with axis words. They are taken as G0, with a warning.
 pub fn on_axes(dialect: Dialect, file: &MachineFile) -> Dialect {
     let is_of_cam = [
         Dialect::RS274,
@@ -173,7 +174,7 @@ pub fn config(file: &MachineFile, dialect: Dialect) -> Result<Config<AXES>, Stri
     })
 }
 
-/// The tip of the probe, if its positions are corrected.
+/// The tip of the probe, if reported positions are corrected for it.
 pub fn tip(file: &MachineFile) -> Option<Tip<6>> {
     let probe = file.probe.as_ref().filter(|probe| probe.corrects)?;
     let narrow = |nm: i64| i32::try_from(nm).unwrap_or(i32::MAX);

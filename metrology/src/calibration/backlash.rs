@@ -1,5 +1,5 @@
-//! Backlash by position: measured with pairs of lines or with circles, and the error that remains
-//! with a map of it.
+//! Backlash by position. It is measured with pairs of lines, or with circles. The error that
+//! remains with a map is measured, too.
 //!
 //! ```text
 //! Bench ◄── two_lines ─► line_pair ─► table ─► Map

@@ -1,4 +1,4 @@
-//! A machine with known errors: positions and goals are true positions.
+//! A machine whose known errors are corrected. Positions and goals are true positions.
 
 use crate::error::Error;
 use crate::heads::{AxisPosition, Errors, Head, Memory, Port, Probed, Prober, Touched, View};
@@ -13,10 +13,10 @@ use std::rc::Rc;
 pub struct Calibrated<P> {
     prober: P,
     errors: Errors,
-    /// The errors in use. The table of an axis is in use after homing.
+    /// The errors in use. The table of an axis is used only after homing.
     view: View,
-    /// The readings of the last goal, while the machine is there. An axis with the same goal again
-    /// does not reverse, even if it stands slightly off.
+    /// The readings of the last goal, while the machine is there. If an axis has the same goal
+    /// again, it does not move, even if it stands slightly off. So it does not reverse.
     sent: Option<[i64; 3]>,
 }
 
@@ -25,7 +25,7 @@ impl<P: Prober> Calibrated<P> {
     pub fn new(prober: P, errors: Errors) -> Self {
         let mut in_force = errors.clone();
         for axis in &mut in_force.axes {
-            // The same scale without entries. The scale is valid, as it comes from a table.
+            // The same scale without entries. The scale is valid, because it comes from a table.
             *axis = ErrorTable::new(axis.scale_ppb(), Vec::new()).unwrap_or_default();
         }
         Self {
@@ -49,7 +49,7 @@ impl<P: Prober> Calibrated<P> {
         }
     }
 
-    /// From now on the readings of an axis count from its index, and its table is in use.
+    /// Begins to use the table of an axis, because its readings now count from its index.
     pub fn set_homed(&mut self, coordinate: usize) {
         let in_force = Rc::make_mut(&mut self.view.errors);
         in_force.axes[coordinate].clone_from(&self.errors.axes[coordinate]);
@@ -72,12 +72,12 @@ impl<P: Prober> Calibrated<P> {
         Ok(())
     }
 
-    /// Returns the readings of a goal for a move from these readings, and the flanks after the
+    /// Returns the readings of a goal for a move that begins at `from`, and the flanks after the
     /// move.
     fn reading_of(&self, from: [i64; 3], goal: [i64; 3]) -> ([i64; 3], [Flank; 3]) {
         let goal = [0, 1, 2].map(|axis: usize| goal[axis].saturating_add(self.view.zero[axis]));
-        // On leaning axes a move along one coordinate moves other axes too. So only the readings
-        // show which axes reverse.
+        // If axes are not square, a move along one coordinate also moves other axes. So only the
+        // readings show which axes reverse.
         let there = self.view.errors.reading_nm(goal, self.view.flanks);
         let mut flanks = self.view.flanks;
         for (flank, (from, to)) in flanks.iter_mut().zip(from.into_iter().zip(there)) {
@@ -98,7 +98,7 @@ impl<P: Prober> Calibrated<P> {
         error
     }
 
-    /// Makes a move. `go` gets the prober and the readings of the goal.
+    /// Makes a move. `go` receives the prober and the readings of the goal.
     fn go_with(
         &mut self,
         goal: [i64; 3],
@@ -121,8 +121,8 @@ impl<P: Prober> Calibrated<P> {
         })
     }
 
-    /// Makes a touch. `touch` gets the prober, and the direction and the distance on its axes.
-    /// Returns its result and the flanks at the contact.
+    /// Makes a touch. `touch` receives the prober, and the direction and the distance on its axes.
+    /// Returns the result of `touch` and the flanks at the contact.
     fn touch_with<T>(
         &mut self,
         direction: &UnitVector,
@@ -132,7 +132,7 @@ impl<P: Prober> Calibrated<P> {
         self.begin()?;
         let start = self.from()?;
         let from = self.view.position_from(start, self.view.flanks);
-        // A straight line is also straight in readings, apart from the bend due to a table. A
+        // A straight line is also straight in readings, except that a table bends it slightly. A
         // distance of 17 m gives the direction accurately enough.
         let part = distance.min(1 << 34);
         let ahead = direction.scaled(part as i64);
@@ -177,7 +177,7 @@ impl<P: Prober> Prober for Calibrated<P> {
         .map(|ended| ended.at_nm)
     }
 
-    // The errors of the axes are below the required accuracy of a speed.
+    // The errors of the axes are too small to matter for a speed.
     fn feed_to(&mut self, goal_nm: [i64; 3], nm_per_min: u64) -> Result<[i64; 3], Error> {
         self.go_with(goal_nm, |prober, goal| {
             Ok(undisturbed(prober.feed_to(goal, nm_per_min)?))
@@ -263,7 +263,7 @@ impl<P: Port> Calibrated<Head<P>> {
         Ok(memory)
     }
 
-    /// Takes zeros, homes and directions of approach from an earlier session. The head must have
+    /// Restores zeros, homes and directions of approach of an earlier session. The head must have
     /// rejoined the same modules.
     pub fn recall(&mut self, memory: &Memory) {
         for axis in &memory.axes {
@@ -277,8 +277,8 @@ impl<P: Port> Calibrated<Head<P>> {
         self.sent = None;
     }
 
-    /// Makes the present position of an axis 0. The held position may differ slightly and does not
-    /// change.
+    /// Makes the measured position of an axis 0. The held position may differ from it slightly, and
+    /// does not change.
     ///
     /// # Errors
     ///
@@ -342,7 +342,7 @@ impl<P: Port> Calibrated<Head<P>> {
         let (mut measurement, flanks) = self.touch_with(direction, distance, Head::touch)?;
         let touch = &mut measurement.touch;
         touch.position = self.view.position_from(touch.position, flanks);
-        // On leaning axes the direction of the readings was different.
+        // If axes are not square, the direction of the readings was different.
         touch.direction = *direction;
         Ok(measurement)
     }
@@ -366,7 +366,7 @@ mod tests {
         count: i64,
         at: [i64; 3],
         flanks: [Flank; 3],
-        /// True position of a face at right angles to X.
+        /// True position of a face perpendicular to X.
         face: f64,
     }
 
@@ -501,7 +501,8 @@ mod tests {
         }
     }
 
-    /// The errors found by three passes of reference lengths every 10 mm, and by a bar of 250 mm.
+    /// The errors that are found with three passes of reference lengths every 10 mm, and with a bar
+    /// of 250 mm.
     fn calibrated(machine: &Wrong) -> Errors {
         let mut errors = Errors::default();
         for axis in 0..3 {
@@ -512,7 +513,7 @@ mod tests {
                 for flank in [Flank::Positive, Flank::Negative] {
                     let mut truth = [0.0; 3];
                     truth[axis] = nominal * 1e6;
-                    // The lengths lie along the axis, even if it leans.
+                    // The reference lengths lie along the axis, even if it is not square.
                     let alone = Wrong {
                         leans: [0.0; 3],
                         ..*machine
@@ -549,15 +550,15 @@ mod tests {
         errors
     }
 
-    /// The machine with its known errors, homed where it stands.
+    /// The machine with its known errors. Its present position is its home.
     fn homed(machine: Wrong, errors: Errors) -> Calibrated<Wrong> {
         let mut calibrated = Calibrated::new(machine, errors);
         (0..3).for_each(|axis| calibrated.set_homed(axis));
         calibrated
     }
 
-    /// Largest error of the calibrated machine over its range, relative to the first position, in
-    /// nm: of its reported position, and of its goal.
+    /// Largest error of the reported position, and of the goal, over the range of the calibrated
+    /// machine, nm. Errors are relative to the first position.
     fn worst(machine: &Wrong, errors: Errors) -> [f64; 2] {
         let mut calibrated = homed(*machine, errors);
         let mut worst = [0.0f64; 2];
@@ -633,13 +634,13 @@ mod tests {
         let touched = calibrated.touch(&UnitVector::X, 60_000_000).unwrap();
         let [x, y, z] = touched.centre_nm;
         assert!(x.abs_diff(31_234_567) < 200, "{touched:?}");
-        // The touch went at right angles to the face, not along the axis.
+        // The touch was perpendicular to the face, not along the axis.
         assert!(
             y.abs_diff(90_000_000) < 200 && z.abs_diff(70_000_000) < 200,
             "{touched:?}"
         );
-        // To the face and off it: the contact changes at the same position, and the machine stops
-        // beyond it.
+        // On the way to the face and off it the contact changes at the same position. The machine
+        // stops beyond this position.
         for (goal, until) in [
             (32_000_000, Edge::Made),
             (30_000_000, Edge::Broken),

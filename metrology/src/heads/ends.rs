@@ -1,4 +1,4 @@
-//! End switches. An axis that reaches one stops, and all others stop with it.
+//! End switches. If an axis reaches one, all axes stop.
 
 use super::collision::Watch;
 use super::head::Head;
@@ -8,8 +8,8 @@ use super::wiring::End;
 use crate::error::Error;
 use husillo_transports::nmc::{Homing, Reply};
 
-/// Number of consecutive readings after which an end switch counts as open. More than one is
-/// needed, because contacts bounce.
+/// An end switch counts as open after this number of consecutive readings. One is not enough,
+/// because contacts bounce.
 const OPEN_READINGS: u32 = 2;
 
 impl<P: Port> Head<P> {
@@ -18,8 +18,8 @@ impl<P: Port> Head<P> {
         self.has_met_end
     }
 
-    /// Checks a reading of all axes for an end switch that has closed. Each closing is reported
-    /// once, so that the axis can leave it.
+    /// Checks a reading of all axes for an end switch that has closed. A closed switch is reported
+    /// only once, so that the axis can leave it.
     ///
     /// # Errors
     ///
@@ -65,7 +65,7 @@ impl<P: Port> Head<P> {
         }
     }
 
-    /// Reads moving axes. The failure of an end switch includes their speed.
+    /// Reads moving axes. The error of an end switch contains their speed.
     pub(super) fn read_moving(&mut self, watch: &Watch) -> Result<Vec<Reply>, Error> {
         self.read().map_err(|error| match error {
             Error::EndSwitch { axis, end, at, .. } => Error::EndSwitch {
@@ -110,8 +110,8 @@ impl<P: Port> Head<P> {
         Ok(())
     }
 
-    /// Moves an axis to its end switch and off it again until it opens. The axis then is at twice
-    /// the back-off from the switch.
+    /// Moves an axis to its end switch, and off it until the switch opens. In the end the axis is
+    /// twice the back-off away from the switch.
     ///
     /// # Errors
     ///
@@ -132,14 +132,15 @@ impl<P: Port> Head<P> {
         if !self.axes[index].is_at_end {
             self.seek_end(index, outwards, quick, length)?;
         }
-        // A switch that sticks closed must not lead the axis to the other end, or to a part.
+        // The distance is limited. Otherwise a switch that sticks closed would send the axis to the
+        // other end, or into a part.
         let open = self.seek_end(index, -outwards, slow, self.off_switch())?;
         self.axes[index].is_at_end = false;
         let inside = open.saturating_sub(outwards.saturating_mul(clear));
         self.only(index, inside, None, quick).map(drop)
     }
 
-    /// Reads an axis that stands until it is certain whether its end switch is open. The switch may
+    /// Reads an axis at rest until it is certain whether its end switch is open. The switch may
     /// have opened since the last move.
     fn read_end(&mut self, index: usize) -> Result<(), Error> {
         self.axes[index].is_end_sought = true;
@@ -148,9 +149,9 @@ impl<P: Port> Head<P> {
         read
     }
 
-    /// Leaves an end switch that is not the one of a search. Returns where it opens, and the sign
-    /// of the direction. If the end is not known, the axis tries both directions, each over a short
-    /// distance.
+    /// Leaves an end switch to which no search has led. Returns the position at which the switch
+    /// opens, and the sign of the direction. If it is not known which end it is, the axis tries
+    /// both directions, each over a short distance.
     fn leave_end(&mut self, index: usize) -> Result<(i32, i32), Error> {
         let (slow, short) = (self.probe.slow_rate, self.leaving());
         let left = match self.axes[index].end {
@@ -163,7 +164,7 @@ impl<P: Port> Head<P> {
             }
             None => match self.seek_end(index, 1, slow, short) {
                 Err(Error::NoEndSwitch { .. }) => {
-                    // Back to the start, and as far to the other side.
+                    // Back to the start, and the same distance to the other side.
                     let twice = short.saturating_mul(2);
                     (self.seek_end(index, -1, slow, twice)?, -1)
                 }
@@ -174,8 +175,9 @@ impl<P: Port> Head<P> {
         Ok(left)
     }
 
-    /// The longest move off a switch that the axis has met, counts: the distance over which it may
-    /// leave an unknown end, and as much for the way in which it came to rest.
+    /// The longest move off a switch that the axis has met, counts. It is twice the distance over
+    /// which an axis may leave an unknown end: once for this distance, and once for the distance in
+    /// which the axis came to rest beyond the switch.
     fn off_switch(&self) -> i32 {
         self.leaving().saturating_mul(2)
     }
@@ -186,7 +188,8 @@ impl<P: Port> Head<P> {
         high.saturating_sub(low)
     }
 
-    /// Moves an axis until its end switch changes, at most by a length. Returns where.
+    /// Moves an axis until its end switch changes, at most by `length`. Returns the position of the
+    /// change.
     fn seek_end(&mut self, index: usize, sign: i32, rate: u32, length: i32) -> Result<i32, Error> {
         let axis = &mut self.axes[index];
         axis.is_end_sought = true;
@@ -232,7 +235,7 @@ mod tests {
         machine
     }
 
-    /// It stands this far from its end switch, which closes at this count.
+    /// A head whose end switch closes at this count.
     fn head(end: End, switch: &str) -> Simulated {
         let machine = machine(end);
         let network = SimulatedNetwork::of_machine(&machine, &[], None).unwrap();
@@ -274,7 +277,7 @@ mod tests {
             assert!((450..600).contains(&at[1]), "{at:?}");
             assert!(head.has_met_end());
 
-            // Farther out nothing moves, and Y alone may.
+            // A move farther out is refused. A move of Y alone is not.
             for goal in [sign * 2 * MM, sign * 40 * MM] {
                 let farther = head.go_to([goal, MM, 0]);
                 assert!(matches!(farther, Err(Error::EndSwitch { .. })));
@@ -283,14 +286,14 @@ mod tests {
             assert!(matches!(jog, Err(Error::EndSwitch { .. })), "{jog:?}");
             let held = motors(&mut head);
             assert!(held[0].abs_diff(at[0]) <= 2, "{held:?} {at:?}");
-            // Off it slowly: 1 mm at 0.4 mm/s, then at full speed.
+            // The axis leaves the switch slowly, 1 mm at 0.4 mm/s, and then has its full speed.
             let before = head.line.elapsed_us();
             head.go_to([0, 0, 0]).unwrap();
             assert!(head.line.elapsed_us() - before > 2_500_000);
             let before = head.line.elapsed_us();
             head.go_to([-sign * MM, 0, 0]).unwrap();
             assert!(head.line.elapsed_us() - before < 1_500_000);
-            // It is watched again, also in a search and in a jog.
+            // The switch is watched again, also in a search and in a jog.
             let direction = match sign {
                 1 => husillo_probe::UnitVector::X,
                 _ => husillo_probe::UnitVector::X.reversed(),
@@ -421,7 +424,7 @@ mod tests {
         assert!(low < -2000);
     }
 
-    /// Wherever the axis stands at power-up, also in either switch: home is at the low switch.
+    /// Wherever the axis is at power-up, even at one of the switches, home is at the low switch.
     #[test]
     fn home_between_two_switches_is_at_the_low_one() {
         // The length of the axis is 1800 counts. It stands at 0.

@@ -1,5 +1,5 @@
-//! The head of a measuring machine: one to three servo axes on a line that move together in
-//! straight lines.
+//! The head of a measuring machine: one to three servo axes that move together along straight
+//! paths.
 
 mod positions;
 mod supervision;
@@ -30,21 +30,21 @@ pub struct Head<P> {
     pub(crate) axes: Vec<Servo>,
     pub(super) probe: ProbeSettings,
     pub(super) scale: Scale,
-    /// Converts readings to the positions of messages.
+    /// Converts readings to positions for messages.
     view: View,
     /// Period of the modules' profiles, s.
     pub(super) period_s: f64,
     /// Number of slow touches to average.
     pub(super) touches: u8,
-    /// A failure has stopped the axes, so their held positions are unknown.
+    /// Whether a failure has stopped the axes, so that their held positions are unknown.
     is_astray: bool,
-    /// The axis whose module has reported a fault, until the module gets a stop command.
+    /// The axis whose module has reported a fault, until its module receives a stop command.
     given_up: Option<usize>,
     /// First contact of a probe that is pressed now, counts.
     pub(super) contact_at: Option<Vec<i32>>,
-    /// There was a collision.
+    /// Whether there was a collision.
     pub(super) has_collided: bool,
-    /// An axis has met an end switch.
+    /// Whether an axis has met an end switch.
     pub(super) has_met_end: bool,
 }
 
@@ -53,8 +53,8 @@ impl<P: Port> Head<P> {
     ///
     /// # Errors
     ///
-    /// No answer, fewer modules than the machine has or other ones, different periods, no motor
-    /// power, or a machine without axes.
+    /// There is no answer, a module is missing or of another kind, periods differ, a motor has no
+    /// power, or the machine has no axes.
     pub fn start(line: Line<P>, machine: &Machine, touches: u8) -> Result<Self, Error> {
         let mut head = Self::of(line, machine, touches)?;
         let modules = machine.axes.iter().map(|axis| axis.module);
@@ -67,7 +67,7 @@ impl<P: Port> Head<P> {
         let versions: Vec<u8> = versions.collect();
         head.set_period(&versions)?;
         // The reset has put all modules into this group. So the reset of the next session reaches
-        // them too.
+        // them, too.
         head.lead_group()?;
         for index in 0..head.axes.len() {
             head.switch_on(index)?;
@@ -180,7 +180,8 @@ impl<P: Port> Head<P> {
         self.read_axis_twice(&axis, items)
     }
 
-    /// Goes to a position in a straight line. Returns the position at which the axes stand.
+    /// Moves to a position along a straight path. Returns the position at which the axes come to
+    /// rest.
     ///
     /// # Errors
     ///
@@ -189,7 +190,7 @@ impl<P: Port> Head<P> {
         self.go_at(goal, None, Approach::Rapid)
     }
 
-    /// Goes there in a guarded move, see [`Approach::Guarded`].
+    /// Moves to a position in a guarded move: see [`Approach::Guarded`].
     ///
     /// # Errors
     ///
@@ -198,7 +199,7 @@ impl<P: Port> Head<P> {
         self.go_at(goal, None, Approach::Guarded)
     }
 
-    /// Goes there with at most `rate` counts/s.
+    /// Moves to a position with at most `rate` counts/s.
     fn go_at(
         &mut self,
         goal: [i64; 3],
@@ -332,7 +333,7 @@ mod tests {
             "{:?}",
             head.held()
         );
-        // The travel is 2 mm to each side of where it stood.
+        // The travel is 2 mm to each side of the first position.
         let beyond = head.go_to([2_100_000, 0, 0]);
         assert!(matches!(beyond, Err(Error::OutsideTravel { .. })));
         // The next index is at 1200 counts. From there the travel is 2 mm to each side.
@@ -411,7 +412,7 @@ mod tests {
         let [at, later] = motors(&mut head);
         assert!((100..2900).contains(&at[0]), "{at:?}");
         assert!((0..3).all(|axis| at[axis].abs_diff(later[axis]) <= 1));
-        // The head holds the axes where they stand, so this is a straight move.
+        // The head holds the axes at their positions, so this is a straight move.
         let there = head.go_to([5 * MM, 2 * MM, MM]).unwrap();
         let wanted = [5 * MM, 2 * MM, MM];
         assert!((0..3).all(|axis| there[axis].abs_diff(wanted[axis]) <= 2_000));
@@ -461,7 +462,8 @@ mod tests {
         assert!(at[2].abs_diff(-2000) <= 25, "{at:?}");
         assert!((0..3).all(|axis| at[axis].abs_diff(later[axis]) <= 1));
 
-        // Deeper in steps: at most by what a probe takes, 100 counts.
+        // The probe may be pressed deeper step by step, but not beyond its over-travel of 100
+        // counts.
         let mut depth = 0;
         let stopped = loop {
             depth += 1;
@@ -479,7 +481,7 @@ mod tests {
         assert!(there.unwrap()[2].abs_diff(0) <= 2_000);
         assert!((2.2..3.8).contains(&time), "{time} s");
         assert!(head.go_to([0, 0, -3 * MM]).is_ok());
-        // A jog meets it as well.
+        // A jog detects the contact, too.
         let met = head.jog(2, false, 60.0, false);
         assert!(matches!(met, Err(Error::Collision { .. })), "{met:?}");
         let [at, _] = motors(&mut head);
@@ -495,7 +497,7 @@ mod tests {
         assert!(matches!(met, Err(Error::Collision { .. })), "{met:?}");
         let [at, _] = motors(&mut head);
         assert!(at[2].abs_diff(150) <= 4, "{at:?}");
-        // Homing does not begin in contact.
+        // Homing does not begin while the probe is in contact.
         let begun = head.home(2);
         assert!(
             matches!(begun, Err(Error::Probe(Failure::ContactAtStart))),

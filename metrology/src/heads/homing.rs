@@ -11,14 +11,14 @@ use husillo_transports::nmc::{Auxiliary, Homing};
 
 impl<P: Port> Head<P> {
     /// Searches the index of an axis in the positive direction, first at the speed of a search and
-    /// then slowly. Every turn of the encoder has an index, and only its edge from this side
-    /// counts. The index becomes position 0, and the axis goes there. An axis with an end switch
-    /// first goes to the switch and off it, so home is always the index next to the switch.
+    /// then slowly. Every turn of the encoder has an index. Its edge is always approached from this
+    /// side. The index becomes position 0, and the axis moves there. An axis with an end switch
+    /// first moves to the switch and off it, so home is always the index next to the switch.
     ///
     /// # Errors
     ///
-    /// [`Error::NoIndex`] up to the end of the travel, a contact at the start, and those of
-    /// [`travel`](Self::travel).
+    /// [`Error::NoIndex`] if there is none up to the end of the travel, a contact at the start, and
+    /// those of [`travel`](Self::travel).
     pub fn home(&mut self, coordinate: usize) -> Result<(), Error> {
         let index = self.index(coordinate)?;
         // The operator has requested it, so no message about an axis that is not homed is needed.
@@ -39,7 +39,8 @@ impl<P: Port> Head<P> {
         if let Some(end) = self.axes[index].settings.end() {
             self.search_end(index, end)?;
             if end == End::High {
-                // The next index below the switch. It is then met from below, as always.
+                // Finds the next index below the switch. Afterwards it is approached from below, as
+                // always.
                 self.search_index(index, End::Low, quick)?;
             }
         }
@@ -55,7 +56,7 @@ impl<P: Port> Head<P> {
         self.only(index, found, None, quick).map(drop)
     }
 
-    /// Goes to the back-off distance before a count.
+    /// Moves to the back-off distance before a count.
     fn back_from(&mut self, index: usize, count: i32) -> Result<(), Error> {
         let [low, _] = self.axes[index].travel_counts();
         let back_off = i32::try_from(self.probe.back_off).unwrap_or(i32::MAX);
@@ -80,7 +81,7 @@ impl<P: Port> Head<P> {
             (Some(_), to) => axis.held.saturating_add(to.sign().saturating_mul(length)),
         };
         let search = Search {
-            // A contact ends the search as well: a collision.
+            // A contact, which is a collision, ends the search, too.
             events: Homing::INDEX.with(self.probe.switches.events()),
             stop: Homing::ABRUPT,
             only: Some(index),

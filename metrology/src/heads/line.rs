@@ -49,8 +49,8 @@ impl<P: Port> Line<P> {
         }
     }
 
-    /// Returns the line with an operator. No step begins while the operator requests a stop that is
-    /// not carried out yet.
+    /// Adds an operator to the line. While a stop that the operator has requested is not carried
+    /// out, no step begins.
     #[must_use]
     pub fn with_operator(self, operator: impl Operator + 'static) -> Self {
         Self {
@@ -105,8 +105,8 @@ impl<P: Port> Line<P> {
     /// The port fails, no module answers, or the answers are damaged.
     pub fn start_up(&mut self, baud: Baud) -> Result<Chain, Error> {
         match self.start_by(baud, Startup::new(baud)) {
-            // An earlier session may have left the modules in groups that do not hear the common
-            // reset.
+            // An earlier session may have put the modules into groups that the common reset does
+            // not address.
             Err(Error::NoModules) => self.start_by(baud, Startup::new(baud).resetting_each()),
             other => other,
         }
@@ -141,7 +141,7 @@ impl<P: Port> Line<P> {
     }
 
     /// Joins modules that an earlier session has set up, without a reset. The first of several
-    /// leads their group. The modules are not asked.
+    /// modules leads their group. Nothing is sent to the modules.
     ///
     /// # Errors
     ///
@@ -274,7 +274,7 @@ mod tests {
     use super::*;
     use crate::simulated::{DcMotorModel, NetworkModule, SimulatedNetwork, SimulatedPort};
 
-    /// A program may leave the modules with other addresses and in another group.
+    /// A program may have left the modules with other addresses and in another group.
     #[test]
     fn a_module_of_another_kind_is_no_axis() {
         let servo = NetworkModule::Servo {

@@ -18,8 +18,8 @@ const FACE: i64 = 3000;
 /// Nanometres of a count.
 const COUNT: i64 = 2000;
 
-/// Largest error of a result, counts: one as on a good line, and one that a servo at rest may move
-/// by.
+/// Largest error of a result, counts: one as on a good line, and one because a servo may move at
+/// rest.
 const TOLERANCE: i64 = 2;
 
 /// The results of all sessions.
@@ -49,7 +49,7 @@ impl Tally {
         self.reported.values().sum()
     }
 
-    /// Reported collisions. In these sessions there are no real ones.
+    /// Number of reported collisions. In these sessions there are no real ones.
     fn collisions(&self) -> u64 {
         let errors = self.reported.iter();
         let collisions = errors.filter(|(words, _)| words.starts_with("collision"));
@@ -128,7 +128,7 @@ struct Plan {
     /// Largest number of sessions.
     sessions: u64,
     seed: u64,
-    /// In every session one module fails once.
+    /// Whether one module fails once in every session.
     has_outages: bool,
 }
 
@@ -254,7 +254,7 @@ const NOISY: Plan = Plan {
     has_outages: false,
 };
 
-/// Twenty minutes on a line with ten times the wrong bits of a bad one.
+/// Twenty minutes on a line with ten times as many wrong bits as on a bad one.
 #[test]
 fn a_noisy_line_gives_right_results_or_errors() {
     let tally = sessions(NOISY);

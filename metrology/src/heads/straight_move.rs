@@ -11,7 +11,7 @@ use crate::error::Error;
 use husillo_planner::{ServoLine, Tangent};
 use husillo_transports::nmc::{Command, EVERY_GROUP, Failure, Homing, Mode, Reply, Trajectory};
 
-/// How often a start command is sent if no module follows it.
+/// Number of times that a start command is sent if no module follows it.
 const STARTS: u32 = 3;
 
 /// A finished move of the axes.
@@ -26,20 +26,21 @@ pub struct FinishedMove {
 /// Converts counts/s and counts/s^2 to the units of a module: 2^-16 counts per period and per
 /// period^2. The results are at least 1.
 pub(crate) fn per_period(rate: u32, acceleration: u64, period_s: f64) -> (u32, u32) {
-    // No motor reaches 2^31, so the saturation of the casts does no harm.
+    // No motor reaches 2^31, so it does not matter that the casts saturate.
     let velocity = (f64::from(rate) * period_s * 65536.0).round() as u32;
     let acceleration = (acceleration as f64 * period_s * period_s * 65536.0).round() as u32;
     (velocity.max(1), acceleration.max(1))
 }
 
 impl<P: Port> Head<P> {
-    /// Goes in a straight line to `goal` in counts and waits until all axes stand. The speed is the
-    /// highest that the axes can reach, but at most `rate` counts/s. With a `search` each module
-    /// latches its position at the event and stops its axis, without the host. Without an event the
-    /// move ends at its goal, even if the host has gone. Without a search a contact is a collision.
+    /// Moves along a straight path to `goal`, in counts, and waits until all axes are at rest. The
+    /// speed is the highest that the axes can reach, but at most `rate` counts/s. With a `search`
+    /// each module latches its position at the event and stops its axis, without the host. Without
+    /// an event the move ends at its goal, even without the host. Without a search a contact is a
+    /// collision.
     ///
-    /// The trapezoids of the axes have one time law ([`ServoLine`]). They are loaded first and
-    /// started by one command to the group.
+    /// The trapezoids of all axes have the same ratio of time to path ([`ServoLine`]). They are
+    /// loaded first and started by one command to the group.
     ///
     /// # Errors
     ///
@@ -114,7 +115,7 @@ impl<P: Port> Head<P> {
                 });
             }
             if replies.iter().all(is_done) {
-                // An event while the axes settle does not count: the search ends here.
+                // The search ends here, so an event while the axes settle does not count.
                 self.disarm(search)?;
                 let replies = self.stand(Some(goal))?;
                 return Ok(FinishedMove {
@@ -215,7 +216,8 @@ impl<P: Port> Head<P> {
         for (index, goal) in goal.iter().enumerate() {
             let axis = &mut self.axes[index];
             let of = |all: [u32; 3]| match all[axis.settings.coordinate()] {
-                // An axis that does not move gets the highest rate, so that it ends immediately.
+                // An axis that does not move has the highest rate, so that its profile ends
+                // immediately.
                 0 => fastest(all),
                 part => part,
             };
@@ -252,7 +254,8 @@ impl<P: Port> Head<P> {
     fn start_group(&mut self, goal: &[i32], search: Option<Search>) -> Result<(), Error> {
         for _ in 0..STARTS {
             match self.line.command(EVERY_GROUP, Command::StartMotion) {
-                // If the answer of the leader is missing, the following readings decide.
+                // If the answer of the leader is missing, the following readings show whether the
+                // move has begun.
                 Ok(_)
                 | Err(Error::Link {
                     failure: Failure::Uncertain,
@@ -278,7 +281,7 @@ impl<P: Port> Head<P> {
                 return Ok(());
             }
             if begun.contains(&true) {
-                // The moving axes would leave the straight line.
+                // If some axes begin later, the path is no longer straight.
                 break;
             }
         }

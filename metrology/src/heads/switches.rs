@@ -8,13 +8,13 @@ pub enum Switches {
     /// One contact, at limit 1 of every module.
     #[default]
     One,
-    /// One for each sense of the only axis, as on the prototype: a touch in positive direction
-    /// closes limit 1, one in negative direction closes limit 2.
+    /// One contact for each direction of the only axis, as on the prototype. A touch in the
+    /// positive direction closes limit 1. A touch in the negative direction closes limit 2.
     PerSense,
 }
 
 impl Switches {
-    /// The events of a module that are a change of a contact.
+    /// The events of a module that report a change of a contact.
     #[must_use]
     pub const fn events(self) -> Homing {
         match self {
@@ -29,8 +29,8 @@ impl Switches {
         self.are_closed(reply)[0] || self.are_closed(reply)[1]
     }
 
-    /// Whether the contact is closed that a touch in positive direction closes, and that of a touch
-    /// in negative direction.
+    /// Whether the contact for touches in the positive direction is closed, and whether the contact
+    /// for touches in the negative direction is closed.
     #[must_use]
     pub const fn are_closed(self, reply: &Reply) -> [bool; 2] {
         let one = reply.status.contains(Status::LIMIT_1);
@@ -90,8 +90,8 @@ mod tests {
         }
     }
 
-    /// With a single contact at limit 1, a touch in negative direction closes that of the positive
-    /// one.
+    /// With a single contact at limit 1, a touch in the negative direction closes the contact for
+    /// the positive direction.
     #[test]
     fn the_contact_of_the_other_sense_is_refused() {
         let mut head = head(Switches::PerSense, Switches::One);
@@ -101,7 +101,7 @@ mod tests {
         assert!(matches!(touch, Err(Error::OtherSense { .. })), "{touch:?}");
     }
 
-    /// A second contact that the machine does not have is not looked at.
+    /// The input of a second contact that the machine does not have is ignored.
     #[test]
     fn a_single_contact_is_at_limit_1() {
         let mut head = head(Switches::One, Switches::PerSense);

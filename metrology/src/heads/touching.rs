@@ -10,8 +10,8 @@ use husillo_probe::{Cycle, Edge, Failure, Input, Measurement, Plan, Request, Uni
 use husillo_transports::nmc::{Homing, Reply};
 
 impl<P: Port> Head<P> {
-    /// Goes towards a goal in a straight line until the contact is made or broken. It stays where
-    /// it has come to rest. The speed is at most `rate` counts/s and at most that of a search.
+    /// Moves towards a goal along a straight path until the contact is made or broken. It stays
+    /// where it comes to rest. The speed is at most `rate` counts/s, and at most that of a search.
     ///
     /// # Errors
     ///
@@ -20,7 +20,7 @@ impl<P: Port> Head<P> {
     pub fn search_to(&mut self, goal: [i64; 3], rate: u32, until: Edge) -> Result<Probed, Error> {
         self.find_again()?;
         let replies = self.read_twice()?;
-        // The modules look for any change, made or broken.
+        // The modules detect any change of the contact, made or broken.
         if self.is_closed(&replies) == until.level() {
             return Err(match until {
                 Edge::Made => Error::Probe(Failure::ContactAtStart),
@@ -83,8 +83,8 @@ impl<P: Port> Head<P> {
             replies: self.read()?,
             is_found: false,
         };
-        // Whether the last move was a search without a contact, and the position of a contact
-        // without a latch.
+        // Whether the last move was a search without a contact, and the position of a contact that
+        // was not latched.
         let (mut is_in_vain, mut unlatched) = (false, None);
         // The goal of a move of the cycle that is outside of the travel.
         let mut beyond: Option<(Vec<i32>, [i64; 3])> = None;
@@ -97,7 +97,7 @@ impl<P: Port> Head<P> {
             }
             let input = Input {
                 position,
-                // The latch reports a contact once. The level shows whether it lasts.
+                // The latch reports a contact once. The level shows whether it is still closed.
                 contact: finished.is_found || (is_closed && !is_in_vain),
                 latched: self.latched(&finished.replies),
                 // Each request is carried out before the next one.
@@ -133,7 +133,7 @@ impl<P: Port> Head<P> {
                 Request::Done(measurement) => return Ok(measurement),
                 Request::Failed(failure) => {
                     if let (Failure::StuckContact, Some((wanted, target))) = (failure, &beyond) {
-                        // There was no room in which to leave the contact.
+                        // Within the travel there was no room to leave the contact.
                         self.check_travel(wanted, *target)?;
                     }
                     // At most 2^32 - 1.
@@ -145,9 +145,9 @@ impl<P: Port> Head<P> {
         }
     }
 
-    /// Checks that the contact of the other sense has not closed alone.
+    /// Checks that not only the contact for the other direction has closed.
     fn check_sense(&self, direction: &UnitVector, replies: &[Reply]) -> Result<(), Error> {
-        // A probe with a contact for each sense is on a single axis.
+        // A probe with a contact for each direction is on a single axis.
         let (Some(axis), [reply]) = (self.axes.first(), replies) else {
             return Ok(());
         };
@@ -184,8 +184,8 @@ impl<P: Port> Head<P> {
         }
     }
 
-    /// The failure of a search between two points. `unlatched` is the position of a contact without
-    /// a latch.
+    /// The error of a search between two points. `unlatched` is the position of a contact that was
+    /// not latched.
     fn failure(
         &self,
         failure: Failure,
@@ -225,7 +225,7 @@ impl<P: Port> Head<P> {
             .map(|(axis, goal)| {
                 let delta = (f64::from(*goal) - f64::from(axis.held)) * part;
                 let [low, high] = axis.travel_counts();
-                // Rounding may lead beyond the travel by half a count.
+                // Rounding may exceed the travel by half a count.
                 (f64::from(axis.held) + delta.round()).clamp(low.into(), high.into()) as i32
             })
             .collect()

@@ -8,7 +8,7 @@ use crate::simulated::{Contact, SimulatedNetwork, SimulatedPort, one_axis};
 use husillo_probe::UnitVector;
 use husillo_transports::nmc::Gains;
 
-/// Stated for positions and for touches, in counts and in both directions.
+/// The stated repeatability of positions and of touches, in counts, in both directions.
 const STATED_COUNTS: f64 = 1.0;
 /// The gains of the original. It does not state the other settings of its modules.
 const GAINS: Gains = Gains {
@@ -31,11 +31,11 @@ const DEAD_BAND: u8 = 14;
 const NEAR: u32 = 30;
 /// Lengths of the moves, counts. They are repeated in both directions.
 const MOVES: [i64; 10] = [1, 2, 5, 13, 40, 99, 250, 777, 1200, 2503];
-/// Where the work piece is, counts.
+/// Position of the face, counts.
 const FACE: i64 = 1000;
 /// Distances from which the face is touched, counts.
 const FROM: [i64; 8] = [150, 163, 201, 250, 333, 418, 505, 777];
-/// Equal readings after which the axis is at rest.
+/// The axis is at rest after this number of equal readings.
 const AT_REST: u32 = 20;
 /// How often each distance and each move is repeated.
 const TIMES: usize = 3;
@@ -110,7 +110,7 @@ pub fn repeatability() -> Result<Table, String> {
 }
 
 fn start(machine: &Machine, faces: &[String]) -> Result<SimulatedHead, Error> {
-    // All are contacts of module 1, which exists.
+    // All contacts are of module 1, which exists.
     let faces: Vec<Contact> = faces.iter().filter_map(|face| face.parse().ok()).collect();
     let network =
         SimulatedNetwork::new(&[4], &faces, None).unwrap_or_else(|why| unreachable!("{why}"));
@@ -178,11 +178,11 @@ mod tests {
             table.rows.iter().all(|row| row.today <= Some(1.0)),
             "{table:?}"
         );
-        // Without the dead band it is far away.
         assert!(farthest(&one_axis()).unwrap() <= 1.0);
         let mut plain = one_axis();
         plain.axes[0].gains = GAINS;
         plain.axes[0].in_position = NEAR;
+        // Without the dead band the axis stops far from its goals.
         assert!(farthest(&plain).unwrap() > 5.0);
     }
 }

@@ -1,5 +1,5 @@
-//! The micro mill: lines, squares, circles and parts cut on screws with the backlash of the
-//! original.
+//! The micro mill: lines, squares, circles and parts that are cut with the backlash of the original
+//! screws.
 
 mod choices;
 mod circle;
@@ -34,7 +34,7 @@ use std::fmt;
 pub const MIDDLE_MM: [f64; 2] = [5.0, 3.5];
 /// The work area, mm.
 const TRAVEL_MM: [[f64; 2]; 2] = [[0.0, 10.0], [0.0, 7.0]];
-/// The step that the original calculated with.
+/// The length of a step with which the original calculates.
 pub const NOMINAL_STEP: Fraction = Fraction { num: 140, den: 1 };
 /// The step of a screw of 0.5 mm per turn behind 28 steps and a gear of 1:128: 139.51 nm.
 pub const TRUE_STEP: Fraction = Fraction {
@@ -45,10 +45,10 @@ pub const TRUE_STEP: Fraction = Fraction {
 const FIRST_TAKE_UP_UM: [f64; 2] = [192.5, 168.5];
 /// Take-up of the original when it cut the circles of table 15, and later, um.
 const LAST_TAKE_UP_UM: [f64; 2] = [204.0, 178.0];
-/// Backlash that remained in the work according to the original, um. It is the spread of any
-/// backlash.
+/// Backlash that remained in the work according to the original, um. It is used as the spread of
+/// every backlash value.
 const LEFT_UM: [f64; 2] = [33.0, 27.0];
-/// Largest error of the reading of a mark, um. It is the spread of any length.
+/// Largest error of the reading of a mark, um. It is used as the spread of every length.
 const READING_UM: f64 = 10.0;
 /// Largest distance between two positions of the map of today, mm.
 const EVERY_MM: f64 = 1.0;
@@ -123,7 +123,7 @@ impl<'a> Shop<'a> {
     }
 }
 
-/// True length per length that the original calculated with.
+/// True length divided by the length with which the original calculates.
 fn scale() -> f64 {
     nm(TRUE_STEP) / nm(NOMINAL_STEP)
 }
@@ -132,8 +132,8 @@ fn nm(step: Fraction) -> f64 {
     step.num as f64 / step.den as f64
 }
 
-/// The settings of today: the true step, and a map by position from two-line tests all over the
-/// work area of these screws.
+/// The settings of today: the true step, and a backlash map from two-line tests over the whole work
+/// area.
 fn mapped(screws: &Screws, build: &Build<'_>) -> Result<Settings, String> {
     let mut settings = Settings {
         step: TRUE_STEP,

@@ -24,7 +24,7 @@ use std::collections::HashMap;
 /// The G-code dialect of measuring programs.
 pub const DIALECT: Dialect = Dialect::RS274;
 
-/// A program with room for parameters and calls.
+/// A program with its capacities for parameters and calls.
 type Whole<'t> = Program<'t, 4096, 2048, 128>;
 
 /// The names of the cycles that a program can call.
@@ -214,8 +214,7 @@ fn carry_out(
             let travel =
                 UnitVector::new(displacement).ok_or_else(|| at.failed(Failure::NoDirection))?;
             let speed = nm_per_min(feed, displacement).ok_or_else(|| at.foreign())?;
-            // At the end of the contact the stylus is still bent from the travel towards the
-            // surface.
+            // When the contact opens, the stylus is still bent by the travel towards the surface.
             let (until, approach) = if away {
                 (Edge::Broken, travel.reversed())
             } else {
@@ -238,7 +237,7 @@ fn carry_out(
             };
             state.modal.set_position(here);
         }
-        // The axes stand before every line anyway.
+        // The axes are at rest before every line, so these commands have no effect.
         Command::Dwell { .. }
         | Command::Path { .. }
         | Command::ToolLength { .. }

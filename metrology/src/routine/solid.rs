@@ -95,8 +95,8 @@ impl Ideal {
     }
 }
 
-/// Combines the distances from two faces at right angles. Outside of both it is the distance from
-/// their edge.
+/// Combines the distances from two perpendicular faces. Outside of both the result is the distance
+/// from their edge.
 fn joined(a: f64, b: f64) -> f64 {
     a.max(0.0).hypot(b.max(0.0)) + a.max(b).min(0.0)
 }

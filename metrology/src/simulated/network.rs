@@ -16,21 +16,22 @@ pub const PERIOD_NS: u64 = 512_000;
 /// Seed of the noise, the same in every run.
 const NOISE_SEED: u64 = 2026;
 
-/// Modules, their motors, and the faces and the work piece before the probe. Modules count from 1,
-/// as their addresses do.
+/// Modules, their motors, and the faces and the work piece that the probe touches. Modules are
+/// counted from 1, as their addresses are.
 #[derive(Clone, Debug)]
 pub struct SimulatedNetwork {
     network: ServoNetwork,
-    /// What the input and output modules are connected to; without use for other modules.
+    /// External levels and readings of each input and output module. They are not used for other
+    /// modules.
     inputs: Vec<IoInputs>,
     contacts: Vec<Contact>,
     piece: Option<Mounted>,
     switches: Switches,
-    /// End switches, each with the place of its module and the limit input it is wired to, 0 or 1.
+    /// End switches. Each has the number of its limit input, 0 or 1.
     ends: Vec<(Contact, usize)>,
-    /// What the limit inputs of the modules of axes are wired to.
+    /// The wiring of the limit inputs of each module with an axis.
     wiring: Vec<(u8, [Wiring; 2])>,
-    /// The contact of the probe is held closed or open by hand.
+    /// Whether the contact of the probe is held closed or open by hand. `None`: it is not held.
     held: Option<bool>,
     /// Modules whose end switches are held closed or open by hand.
     held_ends: BTreeMap<usize, bool>,
@@ -97,7 +98,7 @@ impl SimulatedNetwork {
     ///
     /// # Errors
     ///
-    /// A contact of a module that does not exist, or that has no motor.
+    /// The module of a contact does not exist, or has no motor.
     pub fn of_modules(
         modules: &[NetworkModule],
         contacts: &[Contact],
@@ -136,19 +137,19 @@ impl SimulatedNetwork {
         })
     }
 
-    /// The same network with the contacts of such a probe. With one for each sense, a work piece
-    /// and [`hold_probe`](Self::hold_probe) close that of the positive sense.
+    /// Sets the contacts of the probe. With one contact for each direction, a work piece and
+    /// [`hold_probe`](Self::hold_probe) close the contact for the positive direction.
     #[must_use]
     pub fn with_switches(self, switches: Switches) -> Self {
         Self { switches, ..self }
     }
 
-    /// The same network with end switches. Each is written like a face: the high one closes from a
-    /// count on, the low one up to a count.
+    /// Adds end switches. Each is described like a face: the high switch is closed from a count on,
+    /// the low switch up to a count.
     ///
     /// # Errors
     ///
-    /// A module to which the machine has no such end switch wired.
+    /// The machine has no such end switch at this module.
     pub fn with_ends(mut self, ends: &[Contact]) -> Result<Self, String> {
         for switch in ends {
             let end = match switch.is_touched_upwards() {
@@ -175,7 +176,7 @@ impl SimulatedNetwork {
         Ok(self)
     }
 
-    /// The same network, whose modules receive nothing for this time after a reset.
+    /// Sets the time after a reset in which the modules receive nothing.
     #[must_use]
     pub fn with_reset_ms(self, reset_ms: u32) -> Self {
         Self {
@@ -184,7 +185,7 @@ impl SimulatedNetwork {
         }
     }
 
-    /// The same network on a line on which the transfer of a byte takes no time.
+    /// Lets the transfer of a byte on the line take no time.
     #[must_use]
     pub fn without_byte_times(self) -> Self {
         Self {
@@ -193,13 +194,13 @@ impl SimulatedNetwork {
         }
     }
 
-    /// Sets the rate of the host in bits/s. `None`: every module understands it.
+    /// Sets the rate of the host in bits/s. With `None` every module understands the host.
     pub fn set_host_rate(&mut self, bits_per_s: Option<u32>) {
         self.network.set_host_rate(bits_per_s);
     }
 
-    /// Changes what an input and output module is connected to. `false` where there is no such
-    /// module.
+    /// Changes the external levels and readings of an input and output module. Returns `false` if
+    /// there is no such module.
     pub fn connect(&mut self, module: usize, change: impl FnOnce(&mut IoInputs)) -> bool {
         let Some(place) = module.checked_sub(1) else {
             return false;
@@ -218,7 +219,7 @@ impl SimulatedNetwork {
         self.network.outputs(module.checked_sub(1)?)
     }
 
-    /// The same network with noise: `bit_errors` is the share of wrong bits on the line.
+    /// Adds noise to the line. `bit_errors` is the share of wrong bits.
     #[must_use]
     pub fn with_noise(self, bit_errors: f64) -> Self {
         Self {
@@ -229,7 +230,7 @@ impl SimulatedNetwork {
         }
     }
 
-    /// As [`with_noise`](Self::with_noise), with noise of any kind and any seed.
+    /// Adds noise of any kind, with any seed.
     #[cfg(test)]
     pub fn with_faults(self, noise: Noise, seed: u64) -> Self {
         Self {
@@ -251,19 +252,20 @@ impl SimulatedNetwork {
         self.interruption = Some((module, periods));
     }
 
-    /// Presses the button after this number of periods.
+    /// Presses the stop button after this number of periods.
     #[cfg(test)]
     pub fn ask_after(&mut self, periods: u64, button: StopButton) {
         self.question = Some((periods, button));
     }
 
-    /// Holds the contact of the probe closed or open, whatever it touches. `None` releases it.
+    /// Holds the contact of the probe closed or open, whether or not it touches anything. `None`
+    /// releases it.
     pub const fn hold_probe(&mut self, is_closed: Option<bool>) {
         self.held = is_closed;
     }
 
     /// Holds the end switches of a module closed or open, wherever the axis is. `None` releases
-    /// them. `false` where there are none.
+    /// them. Returns `false` if the module has none.
     pub fn hold_ends(&mut self, module: usize, is_closed: Option<bool>) -> bool {
         match is_closed {
             Some(is_closed) => self.held_ends.insert(module, is_closed),
@@ -309,7 +311,8 @@ impl SimulatedNetwork {
     pub fn tick(&mut self) -> Vec<u8> {
         #[cfg(test)]
         self.fail();
-        // Faces that are touched in positive direction, and those in negative direction.
+        // Whether faces that are touched in the positive direction are touched, and whether those
+        // in the negative direction are.
         let mut closed = [false; 2];
         for contact in &self.contacts {
             let motor = self.network.motor(usize::from(contact.module - 1));

@@ -4,7 +4,7 @@ use crate::heads::Machine;
 use husillo_sim::{PointMm, ServoNetwork, TouchProbe, WorkPiece};
 
 /// A work piece and the probe that touches it, in the frame of the machine. Its origin is the
-/// position of the axes when the modules got their supply.
+/// position of the axes at power-up.
 #[derive(Clone, Debug)]
 pub struct Piece {
     /// The work piece.

@@ -5,7 +5,7 @@ use crate::heads::Port;
 use husillo_transports::nmc::{Baud, Timing};
 use std::io;
 
-/// A port with a network of simulated modules. Time passes only while the port waits for bytes.
+/// A port to a network of simulated modules. Time passes only while the port waits for bytes.
 #[derive(Clone, Debug)]
 pub struct SimulatedPort {
     /// The simulated network.

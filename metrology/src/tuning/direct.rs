@@ -24,7 +24,7 @@ pub struct Direct {
 }
 
 impl Direct {
-    /// A motor at rest, servo off.
+    /// A motor at rest, with its servo off.
     pub fn new(model: DcMotorModel) -> Self {
         let mut direct = Self {
             axis: ServoAxis::new(servo_law(&Gains::default(), VERSION)),

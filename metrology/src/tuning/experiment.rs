@@ -16,7 +16,7 @@ use std::fmt;
 /// The method that finds the gains.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
-    /// None: a step with the gains of the axis.
+    /// No method: only a step with the gains of the axis.
     Step,
     /// The proportional gain is raised until the axis oscillates steadily.
     Ultimate,
@@ -33,8 +33,8 @@ pub struct Experiment {
     pub method: Method,
     /// The rule that computes gains from an ultimate point. It is a rule for a PID controller.
     pub rule: Rule,
-    /// Length of steps, counts. It is below the `error_limit` of the axis, and the travel has room
-    /// for twice this length.
+    /// Length of steps, counts. It must be below the `error_limit` of the axis, and the travel must
+    /// have room for twice this length.
     pub size: i32,
     /// Settings of the relay, for [`Method::Relay`].
     pub relay: RelaySettings,
@@ -47,11 +47,11 @@ pub struct Experiment {
 pub enum Failed {
     /// A limit was passed, or the link failed.
     Machine(Error),
-    /// Not even the largest gain and the slowest servo make the axis oscillate steadily.
+    /// The axis does not oscillate steadily, even with the largest gain and the slowest servo.
     NoUltimate,
     /// The relay found no ultimate point.
     NoRelay(NoRelay),
-    /// The module cannot have the gains of the ultimate point.
+    /// The gains that follow from the ultimate point are out of the range of the module.
     NoGains,
 }
 
@@ -92,8 +92,8 @@ const RULES: [(Rule, &str, &str); 2] = [
 ];
 
 impl Experiment {
-    /// Finds gains, makes a step with them, and checks them with moves. The results go to `outcome`
-    /// as they are found, and the traces to be drawn go to the stand.
+    /// Finds gains, makes a step with them, and checks them with moves. Adds each result to
+    /// `outcome` when it is found, and the traces for the pictures to the stand.
     ///
     /// # Errors
     ///

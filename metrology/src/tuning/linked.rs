@@ -14,7 +14,7 @@ pub struct Linked<P> {
     line: Line<P>,
     module: u8,
     gains: Gains,
-    /// The duty that the gains are set for, during a drive.
+    /// During a drive, the duty for which the gains are set.
     duty: Option<u8>,
 }
 
@@ -29,7 +29,7 @@ impl<P: Port> Linked<P> {
     ///
     /// # Errors
     ///
-    /// No answer, no servo module at this address, no motor power.
+    /// There is no answer, no servo module at this address, or no motor power.
     pub fn start(mut line: Line<P>, machine: &Machine, file: &AxisSettings) -> Result<Self, Error> {
         line.start_servos(machine.baud, [file.module])?;
         let mut linked = Self {
@@ -91,9 +91,9 @@ impl<P: Port> Rig for Linked<P> {
         Ok(())
     }
 
-    /// Does not use the PWM mode of the module, which would continue without the host. Instead the
-    /// servo goes to `end` with at most this duty and holds the axis there. It uses the full duty
-    /// from an error of two counts on.
+    /// Does not use the PWM mode of the module, because that would continue without the host.
+    /// Instead the servo moves to `end` with at most this duty, and holds the axis there. From an
+    /// error of two counts on it uses the full duty.
     fn drive(&mut self, pwm: i16, end: i32) -> Result<(), Error> {
         let duty = pwm.unsigned_abs().min(255) as u8;
         if duty == 0 {

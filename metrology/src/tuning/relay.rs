@@ -8,7 +8,7 @@ use serde::Serialize;
 
 /// Time for which the relay drives, us.
 const RELAY_US: u64 = 4_000_000;
-/// Part of that time in which the oscillation becomes steady, us.
+/// Part of this time at the start in which the oscillation becomes steady, us.
 const START_US: u64 = 1_000_000;
 /// Least number of readings per period. Fewer do not show the amplitude.
 const READINGS: f64 = 6.0;
@@ -34,14 +34,14 @@ pub struct RelayFigures {
     pub period_ms: f64,
     /// Number of whole periods.
     pub periods: u32,
-    /// Delay from a crossing to the drive that follows, ms. It is the time for reading and
-    /// commanding through a line. 0 if the relay acts in every servo period.
+    /// Delay from a zero crossing to the change of the drive, ms: the time for reading and
+    /// commanding over a line. 0 if the relay acts in every servo period.
     pub late_ms: f64,
 }
 
-/// Lets the axis oscillate, and returns the figures and the ultimate point by the describing
-/// function. Through a line the point belongs to a loop with the delay of the line. Its gain is
-/// lower and its period longer than those of the module's own loop.
+/// Lets the axis oscillate. Returns the figures, and the ultimate point according to the describing
+/// function. Over a line, the point is that of a loop with the delay of the line. Its gain is lower
+/// and its period is longer than those of the module's own loop.
 ///
 /// # Errors
 ///
@@ -103,7 +103,7 @@ fn evaluate(
         period_ms: found.period_s * 1e3,
         periods: found.periods,
         late_ms: if command_us > 0.0 {
-            // On average a crossing is seen half a reading later.
+            // On average a reading shows a crossing half a sampling time later.
             (0.5 * sample_us + command_us) * 1e-3
         } else {
             0.0
@@ -112,7 +112,7 @@ fn evaluate(
     Ok((figures, of_loop))
 }
 
-/// A note on a relay through a line.
+/// A note about a relay over a line.
 pub fn note(figures: &RelayFigures) -> Option<String> {
     (figures.late_ms > 0.0).then(|| {
         format!(

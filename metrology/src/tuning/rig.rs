@@ -61,7 +61,7 @@ pub trait Rig {
     /// The link fails.
     fn release(&mut self) -> Result<(), Error>;
 
-    /// The next reading, as soon as the axis gives one.
+    /// Waits for the next reading and returns it.
     ///
     /// # Errors
     ///

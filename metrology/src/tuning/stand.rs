@@ -25,7 +25,7 @@ pub struct Trace {
 /// An axis with its limits.
 pub struct Stand {
     rig: Box<dyn Rig>,
-    /// Settings of the axis. The limits in its gains hold for all trials.
+    /// Settings of the axis. The limits in its gains apply to all trials.
     pub settings: AxisSettings,
     /// Position around which the experiments are made, counts.
     pub centre: i32,
@@ -63,7 +63,7 @@ impl Stand {
         })
     }
 
-    /// These gains with the limits of the machine file.
+    /// Adds the limits of the machine file to gains.
     pub(super) fn gains(&self, proportional: u16, integral: u16, derivative: u16) -> Gains {
         Gains {
             proportional,
@@ -88,8 +88,8 @@ impl Stand {
         self.rig.engage()
     }
 
-    /// The present position, and a position `size` counts away towards the centre. Steps back and
-    /// forth between them stay around the centre.
+    /// The present position, and a position `size` counts away in the direction of the centre. So
+    /// steps back and forth between them stay near the centre.
     ///
     /// # Errors
     ///
@@ -192,7 +192,7 @@ impl Stand {
         let at = || counts(sample.position);
         let [low, high] = self.settings.travel;
         // Without the servo the module always reports a position error, and a drive needs twice the
-        // limit. So the limit is watched here.
+        // limit of a module. So the limit is checked here.
         let is_lost = if is_servo_on {
             sample.status.contains(Status::POSITION_ERROR)
         } else {
@@ -216,7 +216,7 @@ impl Stand {
         }
     }
 
-    /// Switches the drive off after any outcome. A failed link has been reported already.
+    /// Switches the drive off. A failure is ignored, because a failed link was reported before.
     pub fn release(&mut self) {
         let _ = self.rig.release();
     }

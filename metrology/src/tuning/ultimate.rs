@@ -14,7 +14,7 @@ const TRIAL_US: u64 = 1_800_000;
 /// First gain, and the factor by which it is raised until the axis oscillates.
 const FIRST: u16 = 256;
 const FACTOR: f64 = 1.5;
-/// The gain is found to this ratio.
+/// The search ends when the interval of the gain is at most this ratio.
 const EXACT: f64 = 1.02;
 /// Rate divisor of the slowest servo that is tried.
 const SLOWEST: u8 = 32;
@@ -37,8 +37,8 @@ pub fn ultimate(
         if let Some(found) = at_divisor(stand, divisor, first, trials)? {
             return Ok(Some((found, divisor)));
         }
-        // With twice the period the ultimate gain is at most half as large. The other half is
-        // margin.
+        // With twice the period the ultimate gain is at most half as large. The search begins at a
+        // quarter, which leaves a margin.
         first = LARGEST / 4;
         divisor = divisor.saturating_mul(2);
         if divisor > SLOWEST {
@@ -66,7 +66,7 @@ fn at_divisor(
         let top = swinging.as_ref().map(|(gain, ..)| *gain);
         proportional = match top {
             Some(top) if f64::from(top) <= f64::from(calm.max(1)) * EXACT => break,
-            // The geometric mean, which is between both ends.
+            // The geometric mean of both ends of the interval.
             Some(top) => (f64::from(calm.max(1)) * f64::from(top)).sqrt() as u16,
             None if calm == LARGEST => break,
             None => (f64::from(calm) * FACTOR).min(LARGEST.into()) as u16,

@@ -38,8 +38,8 @@ pub enum Routine {
 }
 
 impl Routine {
-    /// Reads and checks a file. The end of its name marks G-code. Prints mistakes and then returns
-    /// `None`.
+    /// Reads and checks a file. The ending of its name marks G-code. If the file has mistakes,
+    /// prints them and returns `None`.
     ///
     /// # Errors
     ///
@@ -86,7 +86,7 @@ impl Routine {
         name
     }
 
-    /// Carries it out. `each` gets each feature when it is measured.
+    /// Carries the routine out. `each` receives each feature when it is measured.
     fn carry_out(
         &self,
         runner: &mut Runner<'_>,
@@ -195,7 +195,7 @@ pub fn recorded(
     out: &mut dyn Write,
 ) -> io::Result<Ending> {
     let mut runner = Runner::new(Site::new(prober, stylus));
-    // The file keeps the lines so far, however the session ends.
+    // The file has the lines so far, however the session ends.
     let mut outputs = Outputs::record();
     let mut routine = outputs.create(path)?;
     let mut input = BufReader::new(crate::input::bounded(io::stdin()));
@@ -234,6 +234,6 @@ fn pause(line: usize) {
 
 fn tell(finding: &Finding) {
     let is_colour = crate::console::is_coloured(&io::stderr());
-    // If standard error is closed, there is no place left for a message.
+    // If standard error is closed, no message can be shown.
     let _ = finding.print(Format::Text, is_colour, &mut io::stderr());
 }

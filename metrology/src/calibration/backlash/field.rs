@@ -1,10 +1,10 @@
-//! Error that compensation leaves, by cell of the work area.
+//! The error that remains with compensation, for each cell of the work area.
 
 use super::line_pair::LinePair;
 use super::survey::{CELLS, Leftover};
 use super::table::{BacklashTable, Map};
 
-/// The remaining error by cell.
+/// The remaining error of each cell.
 #[derive(Clone, Debug)]
 pub struct Field {
     /// Borders of the columns and of the rows, mm.
@@ -31,8 +31,8 @@ impl Field {
     }
 
     /// Computes the error that a map leaves at measured pairs of lines. `backlash` has the pairs
-    /// and the backlash that each shows, nm. A cell has the largest error at its position and
-    /// reaches halfway to the next position.
+    /// and the backlash that each shows, nm. A cell reaches halfway to the next position, and has
+    /// the largest error that was measured at its own.
     #[must_use]
     pub fn measured(
         axis: usize,

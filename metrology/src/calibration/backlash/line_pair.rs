@@ -1,12 +1,12 @@
-//! Results of the two-line test, and the table by position that is made from them.
+//! Results of the two-line test, and the table of backlash by position that they give.
 
 use super::table::{BacklashTable, Map};
 
-/// Largest error of the reading of a mark, um. A measured backlash down to this much below zero
-/// counts as none.
+/// Largest error of the reading of a mark, um. A measured backlash that is negative by at most this
+/// much counts as zero.
 const NOISE_UM: f64 = 10.0;
 
-/// Positions with a smaller distance than this are the same position, mm.
+/// Positions that are less than this apart are the same, mm.
 const SAME_MM: f64 = 0.001;
 
 /// Two lines of the two-line test, and the measured distance between them.
@@ -14,7 +14,8 @@ const SAME_MM: f64 = 0.001;
 pub struct LinePair {
     /// The axis: 0 for X, 1 for Y.
     pub axis: usize,
-    /// Position of the line from above, mm. `None` on the axis along which bands lie.
+    /// Position of the line that was reached from above, mm. `None` on an axis along which the
+    /// backlash counts as constant.
     pub position_mm: [Option<f64>; 2],
     /// Programmed signed distance from the line that was reached from below to the one that was
     /// reached from above, nm.
@@ -24,14 +25,14 @@ pub struct LinePair {
 }
 
 impl LinePair {
-    /// Backlash at the position, nm. `taken_up_nm` of it were compensated during the test.
+    /// Backlash at the position, nm. The controller took up `taken_up_nm` of it during the test.
     #[must_use]
     pub fn backlash_nm(&self, taken_up_nm: f64) -> f64 {
         taken_up_nm + self.measured_nm - self.programmed_nm
     }
 
-    /// Take-up of a map at the position of the pair, nm. For bands it is taken in the middle of the
-    /// travel along them.
+    /// Take-up of a map at the position of the pair, nm. On an axis without a position this is in
+    /// the middle of the travel.
     #[must_use]
     pub fn taken_up_nm(&self, map: &Map, step_nm: [f64; 3], travel_mm: [[f64; 2]; 2]) -> f64 {
         let at = map.axes().map(|axis| {
@@ -69,8 +70,7 @@ impl LinePair {
 ///
 /// # Errors
 ///
-/// A sentence: a position of the grid has no reading, or there are readings of both bands and
-/// positions.
+/// A sentence: a position of the grid has no reading, or the readings have different axes.
 pub fn backlash_table(
     axis: usize,
     pairs: &[(LinePair, f64)],

@@ -1,5 +1,5 @@
-//! Survey of the error that compensation leaves: the axes go back and forth over the whole work
-//! area while the tool is observed.
+//! Survey of the error that remains with compensation. The axes move back and forth over the whole
+//! work area while the tool is observed.
 
 use super::bench::Bench;
 
@@ -15,7 +15,7 @@ pub struct Leftover {
     pub span_um: [f64; 2],
 }
 
-/// Goes along X through the middle of every row of cells and back, then along Y through the middle
+/// Moves along X through the middle of every row of cells and back, then along Y through the middle
 /// of every column and back. Returns the errors of X from the rows and those of Y from the columns.
 ///
 /// # Errors

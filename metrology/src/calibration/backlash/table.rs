@@ -10,9 +10,9 @@ pub type Map = BacklashMap<Arc<[i32]>, Arc<[u32]>>;
 /// Backlash by position: positions along one or two axes in mm, and the backlash there in um.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BacklashTable {
-    /// Numbers of the axes in rising order. A table along one axis has it twice.
+    /// Numbers of the axes in rising order. A table along one axis has its number twice.
     pub axes: [usize; 2],
-    /// Positions along these axes. An axis without influence has one position.
+    /// Positions along these axes. An axis that does not change the backlash has one position.
     pub positions_mm: [Vec<f64>; 2],
     /// Backlash of all positions of the first axis at the first position of the second, and so on.
     pub backlash_um: Vec<f64>,

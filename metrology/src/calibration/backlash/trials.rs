@@ -27,7 +27,7 @@ impl Screws {
         }
     }
 
-    /// One step of the screw. The nut follows when the backlash is used up.
+    /// Makes one step of the screw. The nut follows when the backlash is taken up.
     fn turn(&mut self, axis: usize, way: i64) {
         self.behind_um[axis] = (self.behind_um[axis] + way).clamp(0, self.play_um[axis]);
     }
@@ -45,8 +45,8 @@ impl Screws {
         each(&self.moment(false));
     }
 
-    /// The machine is homed in the positive direction: while an axis moves in it, the tool is at
-    /// its commanded position.
+    /// The machine is homed in the positive direction. While an axis moves in this direction, the
+    /// tool is at its commanded position.
     fn moment(&self, is_take_up: bool) -> Moment {
         let nm = |um: i64| um as f64 * 1e3;
         let tool = |axis: usize| {
@@ -68,7 +68,7 @@ impl Screws {
 }
 
 impl Bench for Screws {
-    /// Moves X first, then Y. Nothing here is measured on oblique moves.
+    /// Moves X first, then Y, because these tests measure nothing on oblique moves.
     fn make(&mut self, block: &str, each: &mut dyn FnMut(&Moment)) -> Result<(), String> {
         for (axis, letter) in ["X", "Y"].into_iter().enumerate() {
             let word = block

@@ -1,5 +1,5 @@
-//! Supervision that stops every axis after a failure: checked readings, stops, and the recovery
-//! after a stop.
+//! Supervision, which stops every axis after a failure: checked readings, stops, and the recovery
+//! from a stop.
 
 use super::{Head, READ, stop};
 use crate::error::Error;
@@ -31,8 +31,8 @@ impl<P: Port> Head<P> {
     }
 
     /// Carries out `what`, which moves axes. After any failure, also of the link, and after a stop
-    /// by the operator, all axes are commanded to stop. The next motion begins at their positions
-    /// then.
+    /// by the operator, all axes are commanded to stop. The next motion begins at the positions at
+    /// which they came to rest.
     ///
     /// # Errors
     ///
@@ -116,8 +116,8 @@ impl<P: Port> Head<P> {
         Ok(())
     }
 
-    /// Stops all axes. Each gets its command, regardless of the answers of the others. An axis with
-    /// a fault stays without drive, because something blocks it or its motor has too much current.
+    /// Stops all axes. Each is sent its command, whether or not the others answer. An axis with a
+    /// fault stays without drive, because something blocks it or its motor current is too high.
     pub(crate) fn stop(&mut self, mode: StopMode) -> Result<(), Error> {
         let given_up = self.given_up.take();
         let mut result = Ok(());

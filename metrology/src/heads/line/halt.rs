@@ -10,8 +10,8 @@ use husillo_transports::nmc::{Baud, EVERY_GROUP, Group, Items, Reply, StopMode};
 const SILENCE_US: u32 = 50_000;
 
 impl<P: Port> Line<P> {
-    /// Stops every axis of the machine abruptly, with its servo on, and waits until each stands.
-    /// Returns their readings, with the latched positions. The modules keep their addresses,
+    /// Stops every axis of the machine abruptly, with its servo on, and waits until each axis is at
+    /// rest. Returns their readings with the latched positions. The modules keep their addresses,
     /// positions and settings.
     ///
     /// For a machine whose program was killed. The modules answer at the rate of the machine or, if
@@ -34,12 +34,14 @@ impl<P: Port> Line<P> {
         self.host.set_timing(self.port.timing_of_known(baud));
         let command = stop(StopMode::Abrupt);
         let addresses = axes.iter().map(|axis| axis.module);
-        // A long row of zeros ends a command that was cut off. It may also hide the first command.
-        // So the group of all modules gets a command, and then each module.
+        // A long sequence of zeros completes a command that was cut off. The first command after it
+        // may be lost. So a command is sent to the group of all modules first, and then one to each
+        // module.
         self.port.send(&[0; 20])?;
         for address in [EVERY_GROUP].into_iter().chain(addresses.clone()) {
             self.port.send(command.frame(address).bytes())?;
-            // A line that is never silent must not hold up the next stop.
+            // The wait is limited, so that a line that is never silent does not delay the next
+            // stop.
             let end_us = self.port.elapsed_us() + 2 * u64::from(SILENCE_US);
             while self.port.elapsed_us() < end_us && !self.port.receive(SILENCE_US)?.is_empty() {}
         }
@@ -124,7 +126,7 @@ mod tests {
         }
     }
 
-    /// The next start-up finds the modules as ever.
+    /// The next start-up finds the modules as usual.
     #[test]
     fn a_stop_of_a_line_after_a_reset_reports_the_silence() {
         let network = SimulatedNetwork::new(&[4; 3], &[], None).unwrap();

@@ -1,6 +1,6 @@
 //! The backlash of the screws over the work area.
 
-use super::measured::{Choice, Play, plays};
+use super::measured::{Choice, MeasuredBacklash, backlash_values};
 use super::{MIDDLE_MM, TRUE_STEP, nm};
 use crate::least_squares::least_squares;
 use husillo_sim::BacklashField;
@@ -42,7 +42,7 @@ pub struct Screws {
 }
 
 impl Screws {
-    /// The screws of the original: the least sum of squares over its measured backlash values.
+    /// The screws of the original, fitted to its measured backlash values by least squares.
     #[must_use]
     pub fn fitted() -> Self {
         Self::of(&Choice::BEST)
@@ -50,9 +50,9 @@ impl Screws {
 
     /// The screws that fit the backlash values of a choice.
     pub(super) fn of(choice: &Choice) -> Self {
-        let plays = plays(choice);
+        let values = backlash_values(choice);
         let axes = [0, 1].map(|axis| {
-            let own = plays.iter().filter(|play| play.axis == axis);
+            let own = values.iter().filter(|value| value.axis == axis);
             let rows = own.map(|play| (row(play), play.backlash_um));
             // There are 12 backlash values of each axis, at positions that determine five terms.
             let terms = least_squares(rows, [true; 5]).unwrap_or_default();
@@ -93,7 +93,7 @@ impl Screws {
     }
 }
 
-fn row(play: &Play) -> [f64; 5] {
+fn row(play: &MeasuredBacklash) -> [f64; 5] {
     powers(play.at_mm[play.axis], play.at_mm[1 - play.axis])
 }
 
@@ -102,13 +102,13 @@ mod tests {
     use super::super::LEFT_UM;
     use super::*;
 
-    /// Five terms for twelve backlash values: each is within what the original says remained, 33
-    /// and 27 um.
+    /// Five terms fit twelve backlash values. The residual of each is at most what remained
+    /// according to the original, 33 and 27 um.
     #[test]
     fn every_measured_play_is_within_the_stated_rest() {
         let screws = Screws::fitted();
         let mut squares = [0.0; 2];
-        for play in plays(&Choice::BEST) {
+        for play in backlash_values(&Choice::BEST) {
             let [own, other] = [play.axis, 1 - play.axis].map(|axis| play.at_mm[axis]);
             let off = screws.axes()[play.axis].backlash_um(own, other) - play.backlash_um;
             assert!(off.abs() < 0.7 * LEFT_UM[play.axis], "{play:?}: {off}");
