@@ -89,7 +89,8 @@ proptest! {
     /// take-up.
     #[test]
     fn the_nut_is_where_it_was_sent(backlash in [0u32..20, 0u32..20], walk in walk()) {
-        let mut stage = Compensator::new(backlash.map(|steps| Backlash::new(steps, Flank::Positive)));
+        let axes = backlash.map(|steps| Backlash::new(steps, Flank::Positive));
+        let mut stage = Compensator::new(axes);
         let (mut motor, mut nut, mut load) = ([0i32; 2], [0i32; 2], [0i32; 2]);
         for delta in walk {
             let owed = stage.before(&delta, load);

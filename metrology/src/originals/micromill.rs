@@ -171,7 +171,7 @@ fn parameters(screws: &Screws) -> Vec<Parameter> {
     )];
     for (name, screw) in ["X", "Y"].iter().zip(screws.axes()) {
         parameters.push(Parameter::new(
-            format!("play of {name}"),
+            format!("backlash of {name}"),
             screw.to_string(),
             "fitted to the plays of tables 13, 14 and 15: um, with u and v in mm from the middle \
              along the own and the other axis",

@@ -32,7 +32,7 @@ pub fn part(number: &str, shop: &Shop<'_>) -> Result<Table, String> {
     parameters.push(Parameter::new(
         "position of the part",
         format!("X {x:.1} Y {y:.1} mm"),
-        "fitted to its backlash values and sizes, on a grid of 0.5 mm; the original states no position",
+        "fitted to its backlash and sizes, on a grid of 0.5 mm; the original does not state it",
     ));
     if !part.details.is_empty() {
         parameters.push(Parameter::new(
