@@ -326,7 +326,7 @@ fn an_end_switch_is_a_fault_with_an_exit_status_of_its_own() {
     husillo().args(met).assert().code(5).stderr(
         contains("error: the low end switch of X has closed at X -500 counts, at about ")
             .and(contains(" counts/s; all axes have been stopped"))
-            .and(contains("  help: go back the other way")),
+            .and(contains("  help: move in the opposite direction")),
     );
     // A session goes on, away from the switch.
     let session = husillo()

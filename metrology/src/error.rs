@@ -287,9 +287,11 @@ impl fmt::Display for Error {
                 "a second reading does not confirm a reported contact: all axes have been stopped",
             ),
             Self::OtherSense { at } => {
-                write!(out, "the contact of the other sense has closed at {at}")
+                write!(out, "the contact for the other direction has closed at {at}")
             }
-            Self::NotTouching => out.write_str("nothing to leave: no contact at start"),
+            Self::NotTouching => {
+                out.write_str("no contact at the start, so there is nothing to leave")
+            }
             Self::NotLatched { at } => write!(out, "contact, not latched, at {at}"),
             Self::Kept { from, to } => {
                 write!(out, "the contact lasted from {from} to {to}")

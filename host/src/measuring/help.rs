@@ -73,12 +73,12 @@ pub const fn help(error: &Error) -> Option<&'static str> {
              machine needs --contact or --piece"
         }
         Error::Collision { .. } => {
-            "look at the stylus, go back along the same path (slowly, until the contact opens), \
-             and calibrate the probe again. `safe` in a routine leads over the part"
+            "look at the stylus, move back along the same path (slowly, until the contact opens), \
+             and calibrate the probe again. With `safe` a routine moves over the part"
         }
         Error::EndSwitch { .. } => {
-            "go back the other way: slowly, until the switch opens. Then `home` the axis. Check \
-             that `travel` lies within the switches"
+            "move in the opposite direction, slowly, until the switch opens. Then `home` the axis. \
+             Check that `travel` lies within the switches"
         }
         Error::UnknownEnd { .. } => {
             "jog it a little in one direction. If the switch does not open, jog it in the other \
@@ -90,8 +90,8 @@ pub const fn help(error: &Error) -> Option<&'static str> {
         }
         Error::DoubtfulContact => "the line is disturbed; --raw shows the bytes",
         Error::OtherSense { .. } => {
-            "a touch in positive direction closes limit 1, one in negative direction limit 2: are \
-             the two contacts of the probe exchanged, or was it pushed from behind?"
+            "a touch in the positive direction closes limit 1, and one in the negative direction \
+             limit 2: are the two contacts exchanged, or was the probe pushed from behind?"
         }
         Error::NotTouching => "touch the surface first: G38.2 stops at the contact and stays there",
         Error::NotLatched { .. } => {
