@@ -287,7 +287,10 @@ impl fmt::Display for Error {
                 "a second reading does not confirm a reported contact: all axes have been stopped",
             ),
             Self::OtherSense { at } => {
-                write!(out, "the contact for the other direction has closed at {at}")
+                write!(
+                    out,
+                    "the contact for the other direction has closed at {at}"
+                )
             }
             Self::NotTouching => {
                 out.write_str("no contact at the start, so there is nothing to leave")
