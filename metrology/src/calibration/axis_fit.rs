@@ -18,7 +18,7 @@ pub struct Reading {
 /// The errors of an axis, found from readings.
 #[derive(Clone, Debug)]
 pub struct AxisFit {
-    /// The table. It has no knots if they would be noise.
+    /// The table of errors. It is empty if the residuals are only noise.
     pub table: ErrorTable<Vec<Knot>>,
     /// Number of different lengths.
     pub places: usize,
@@ -34,12 +34,12 @@ type Place = [(f64, f64); 3];
 
 impl AxisFit {
     /// Fits a straight line to the means of both directions by least squares, and puts the
-    /// residuals into the table. `resolution` is the length of a count in nm: readings are not more
+    /// residuals into the table. `resolution` is the length of a count in nm. Readings are not more
     /// accurate than this.
     ///
     /// # Errors
     ///
-    /// A sentence: there are too few lengths, or the errors are larger than those of any screw or
+    /// A sentence: there are too few lengths, or the errors are too large for any real screw or
     /// scale.
     pub fn new(readings: &[Reading], resolution: f64, no_table: bool) -> Result<Self, String> {
         let mut places: BTreeMap<i64, Place> = BTreeMap::new();
@@ -89,7 +89,7 @@ impl AxisFit {
             .iter()
             .flat_map(|knot| [knot.positive_nm, knot.negative_nm]);
         let squares: f64 = squares.map(|nm| f64::from(nm) * f64::from(nm)).sum();
-        // Two means always lie on a line. Their residuals are backlash.
+        // With two lengths the means always lie on a line. Their residuals are backlash.
         let is_noise = squares / (2.0 * means.len() as f64) < (1.5 * noise).powi(2);
         let kept = if no_table || is_noise {
             Vec::new()
@@ -121,7 +121,7 @@ const fn index(flank: Flank) -> usize {
     }
 }
 
-/// Mean reading of each direction. A direction without a reading gets the mean of the other one.
+/// Mean reading of each direction. A direction without a reading has the mean of the other one.
 fn means([positive, negative, both]: &Place) -> [f64; 2] {
     let mean = |one: (f64, f64), other: (f64, f64)| {
         let (sum, number) = (one.0 + both.0, one.1 + both.1);
@@ -135,7 +135,7 @@ fn means([positive, negative, both]: &Place) -> [f64; 2] {
 }
 
 /// Standard deviation of the mean reading of a length in one direction, from repeated readings. It
-/// is at least that of rounding to counts.
+/// is at least the standard deviation of rounding to counts.
 fn noise(readings: &[Reading], places: &BTreeMap<i64, Place>, resolution: f64) -> f64 {
     let (mut squares, mut free) = (0.0, 0.0);
     for reading in readings {
@@ -211,7 +211,7 @@ mod tests {
         assert_eq!((fit.places, fit.table.knots().len()), (81, 81));
         assert!(fit.spans[0] > 20_000.0 && fit.spans[1] > 7_000.0, "{fit:?}");
         assert!(fit.spans[2] < 50.0, "{fit:?}");
-        // The errors are right between the lengths as well.
+        // The table is right between the lengths, too.
         let shift =
             truth(0.0, Flank::Unknown) + 1000.0 - fit.table.position_nm(0, Flank::Unknown) as f64;
         for step in -390..=390 {
