@@ -13,7 +13,7 @@ fn config(acceleration_mm_per_s2: [u32; 3]) -> Config<3> {
             scale: Scale::new(2_500, 1).unwrap(),
             travel: None,
             max_rate_hz: 40_000,
-            lash_steps: 0,
+            backlash_steps: 0,
             ramp: Some(AxisRamp {
                 acceleration_hz_per_s: acceleration * 400,
                 start_rate_hz: 0,
@@ -101,10 +101,10 @@ fn no_axis_exceeds_its_acceleration_on_arcs() {
         "G1 X1 F6000\nG3 X1.5 Y1 I0 J0.6",
         "G1 X1 F6000\nG3 X1.1 Y0.4 I0 J0.6\nG1 X2",
         "G3 X2.6 Y3 I0 J3 P3 F6000\nG1 X2",
-        // About a whole turn stays a spiral. 0.05 mm is what a program may be off by default.
-        "G3 X0 Y0.05 I0 J3 F6000\nG1 X2",
-        "G3 X-0.02 Y-0.05 I0 J3 F6000\nG1 X2",
-        "G2 X0 Y-0.05 I0 J3 P4 F6000\nG1 X-2",
+        // About a whole turn stays a spiral.
+        "G3 X0 Y0.4 I0 J3 F6000\nG1 X2",
+        "G3 X-0.3 Y-0.4 I0 J3 F6000\nG1 X2",
+        "G1 X2 F6000\nG2 X2 Y-0.4 I0 J3 P4\nG1 X-2",
     ];
     let scales = [[100; 3], [100, 100, 125]];
     for (number, program) in programs.into_iter().enumerate() {

@@ -54,8 +54,8 @@ impl<const N: usize> Config<N> {
     /// A spiral of part of a turn has its direction at neither end at a right angle to the spoke,
     /// and its speed changes. So it is made as the circle through its ends with the nearest centre,
     /// which keeps the acceleration of the axes. About a whole turn stays a spiral: its slope is below
-    /// a fifth of the difference of the radii per radius. Its speed changes as 1 / radius, which
-    /// the junctions at its ends do not consider.
+    /// a fifth of the difference of the radii per radius. Its speed changes as 1 / radius, so the
+    /// path stops at its ends.
     ///
     /// # Errors
     /// As [`ProgrammedArc::as_circle`] on axes of different steps, where every arc is a circle, and

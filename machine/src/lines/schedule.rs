@@ -277,11 +277,13 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
             self.direction = None;
             return STAND;
         };
+        // The speed of a spiral is not planned at its ends, so the path stops there.
+        let is_spiral = tempo.round.is_some_and(|round| round.is_spiral());
         let entry_limit_nm_per_s = match &self.direction {
-            Some(before) => limits.junction(self.mode, before, &first),
-            None => 0,
+            Some(before) if !is_spiral => limits.junction(self.mode, before, &first),
+            _ => 0,
         };
-        self.direction = Some(last);
+        self.direction = (!is_spiral).then_some(last);
         Stretch {
             entry_limit_nm_per_s,
             ..limits.stretch(tempo, &first)

@@ -36,6 +36,13 @@ pub(crate) struct Round {
     pub(crate) radius_nm: u64,
 }
 
+impl Round {
+    /// Whether the speed changes with the radius.
+    pub(crate) const fn is_spiral(&self) -> bool {
+        self.fastest_nm != self.around_nm
+    }
+}
+
 impl Tempo {
     /// Limits the speed to the fastest of the planner, 2^32 - 1 nm/s.
     pub(crate) fn limited(mut self, timer_hz: u32) -> Tempo {
