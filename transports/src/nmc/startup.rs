@@ -18,8 +18,8 @@ pub struct Network {
     /// Bit i is set if address i + 1 did not answer at the end: it missed the change of the rate,
     /// or it is dead.
     pub silent: u32,
-    /// Whether the line was silent after the last module. Otherwise an address is in doubt: noise, or two modules
-    /// that answer.
+    /// Whether the line was silent after the last module. Otherwise an address is in doubt: noise,
+    /// or two modules that answer.
     pub is_complete: bool,
 }
 
