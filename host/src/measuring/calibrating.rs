@@ -59,7 +59,7 @@ pub fn calibrate_axis(args: &AxisArgs, out: &mut Reporter<'_>) -> Result<(), Sto
             "# {letter}: {} of {}, a mean of them good to {noise:.2} um\n\
              # errors span {before:.2} um; {scaled:.2} um with the scale; {table}\n{}",
             count(readings.len() as u64, "reading"),
-            count(fit.places as u64, "length"),
+            count(fit.lengths as u64, "length"),
             lines.trim_end()
         ),
         || {
@@ -74,7 +74,7 @@ pub fn calibrate_axis(args: &AxisArgs, out: &mut Reporter<'_>) -> Result<(), Sto
             json!({
                 "axis": letter,
                 "readings": readings.len(),
-                "lengths": fit.places,
+                "lengths": fit.lengths,
                 "noise_um": noise,
                 "error_span_um": before,
                 "error_span_with_scale_um": scaled,

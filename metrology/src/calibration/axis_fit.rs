@@ -21,7 +21,7 @@ pub struct AxisFit {
     /// The table of errors. It is empty if the residuals are only noise.
     pub table: ErrorTable<Vec<Knot>>,
     /// Number of different lengths.
-    pub places: usize,
+    pub lengths: usize,
     /// Largest minus smallest error of a reading, nm: without the table, with the scale alone, and
     /// with the whole table.
     pub spans: [f64; 3],
@@ -30,7 +30,7 @@ pub struct AxisFit {
 }
 
 /// Sum and number of the readings of one length, for positive, negative and unknown direction.
-type Place = [(f64, f64); 3];
+type Passes = [(f64, f64); 3];
 
 impl AxisFit {
     /// Fits a straight line to the means of both directions by least squares, and puts the
@@ -42,19 +42,19 @@ impl AxisFit {
     /// A sentence: there are too few lengths, or the errors are too large for any real screw or
     /// scale.
     pub fn new(readings: &[Reading], resolution: f64, no_table: bool) -> Result<Self, String> {
-        let mut places: BTreeMap<i64, Place> = BTreeMap::new();
+        let mut lengths: BTreeMap<i64, Passes> = BTreeMap::new();
         for reading in readings {
-            let place = places.entry(reading.nominal).or_default();
-            let (sum, number) = &mut place[index(reading.flank)];
+            let passes = lengths.entry(reading.nominal).or_default();
+            let (sum, number) = &mut passes[index(reading.flank)];
             *sum += reading.reading as f64;
             *number += 1.0;
         }
-        if places.len() < 2 {
+        if lengths.len() < 2 {
             return Err("readings of at least two different lengths are needed".into());
         }
-        let means: Vec<(f64, [f64; 2])> = places
+        let means: Vec<(f64, [f64; 2])> = lengths
             .iter()
-            .map(|(nominal, place)| (*nominal as f64, means(place)))
+            .map(|(nominal, passes)| (*nominal as f64, means(passes)))
             .collect();
         let points: Vec<(f64, f64)> = means
             .iter()
@@ -84,7 +84,7 @@ impl AxisFit {
                 negative_nm: left(nominal, negative).round() as i32,
             })
             .collect();
-        let noise = noise(readings, &places, resolution);
+        let noise = noise(readings, &lengths, resolution);
         let squares = knots
             .iter()
             .flat_map(|knot| [knot.positive_nm, knot.negative_nm]);
@@ -105,14 +105,14 @@ impl AxisFit {
         ];
         Ok(Self {
             table,
-            places: means.len(),
+            lengths: means.len(),
             spans,
             noise,
         })
     }
 }
 
-/// Index of a direction in a [`Place`].
+/// Index of a direction in [`Passes`].
 const fn index(flank: Flank) -> usize {
     match flank {
         Flank::Positive => 0,
@@ -122,7 +122,7 @@ const fn index(flank: Flank) -> usize {
 }
 
 /// Mean reading of each direction. A direction without a reading has the mean of the other one.
-fn means([positive, negative, both]: &Place) -> [f64; 2] {
+fn means([positive, negative, both]: &Passes) -> [f64; 2] {
     let mean = |one: (f64, f64), other: (f64, f64)| {
         let (sum, number) = (one.0 + both.0, one.1 + both.1);
         if number > 0.0 {
@@ -136,14 +136,14 @@ fn means([positive, negative, both]: &Place) -> [f64; 2] {
 
 /// Standard deviation of the mean reading of a length in one direction, from repeated readings. It
 /// is at least the standard deviation of rounding to counts.
-fn noise(readings: &[Reading], places: &BTreeMap<i64, Place>, resolution: f64) -> f64 {
+fn noise(readings: &[Reading], lengths: &BTreeMap<i64, Passes>, resolution: f64) -> f64 {
     let (mut squares, mut free) = (0.0, 0.0);
     for reading in readings {
-        let (sum, number) = places[&reading.nominal][index(reading.flank)];
+        let (sum, number) = lengths[&reading.nominal][index(reading.flank)];
         squares += (reading.reading as f64 - sum / number).powi(2);
         free += (number - 1.0) / number;
     }
-    let groups = places
+    let groups = lengths
         .values()
         .flatten()
         .filter(|(_, number)| *number > 0.0);
@@ -208,7 +208,7 @@ mod tests {
             }
         }
         let fit = AxisFit::new(&readings, 10.0, false).unwrap();
-        assert_eq!((fit.places, fit.table.knots().len()), (81, 81));
+        assert_eq!((fit.lengths, fit.table.knots().len()), (81, 81));
         assert!(fit.spans[0] > 20_000.0 && fit.spans[1] > 7_000.0, "{fit:?}");
         assert!(fit.spans[2] < 50.0, "{fit:?}");
         // The table is right between the lengths, too.

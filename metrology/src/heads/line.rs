@@ -8,8 +8,8 @@ use super::operator::Operator;
 use super::port::Port;
 use crate::error::Error;
 use husillo_transports::nmc::{
-    Baud, Chain, Command, EVERY_GROUP, Group, Host, Items, Next, Outcome, Progress, Reply, Startup,
-    Step,
+    Baud, Command, EVERY_GROUP, Group, Host, Items, Network, Next, Outcome, Progress, Reply,
+    Startup, Step,
 };
 use std::fmt;
 
@@ -103,7 +103,7 @@ impl<P: Port> Line<P> {
     /// # Errors
     ///
     /// The port fails, no module answers, or the answers are damaged.
-    pub fn start_up(&mut self, baud: Baud) -> Result<Chain, Error> {
+    pub fn start_up(&mut self, baud: Baud) -> Result<Network, Error> {
         match self.start_by(baud, Startup::new(baud)) {
             // An earlier session may have put the modules into groups that the common reset does
             // not address.
@@ -112,7 +112,7 @@ impl<P: Port> Line<P> {
         }
     }
 
-    fn start_by(&mut self, baud: Baud, mut startup: Startup) -> Result<Chain, Error> {
+    fn start_by(&mut self, baud: Baud, mut startup: Startup) -> Result<Network, Error> {
         self.host.set_timing(self.port.timing(Baud::default()));
         let mut outcome = None;
         loop {
@@ -170,7 +170,7 @@ impl<P: Port> Line<P> {
         &mut self,
         baud: Baud,
         modules: impl IntoIterator<Item = u8>,
-    ) -> Result<Chain, Error> {
+    ) -> Result<Network, Error> {
         let network = self.start_up(baud)?;
         let wanted: Vec<u8> = modules.into_iter().collect();
         if let Some(last) = wanted.iter().max().filter(|last| **last > network.modules) {
