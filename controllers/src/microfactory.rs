@@ -114,7 +114,7 @@ struct Due {
 impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
     /// Creates a controller at rest, with the motors off, not homed.
     pub const fn new(config: MicrofactoryConfig, figure: F) -> Self {
-        let [x, y, z] = config.lash_steps;
+        let [x, y, z] = config.backlash_steps;
         Self {
             config,
             figure,
@@ -211,7 +211,7 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
     /// Resets the machine, as its panel or power-up does: it ends an emergency stop, the machine is
     /// not homed, the motors are off, and positions count from where the axes stand.
     pub fn reset(&mut self) {
-        let [x, y, z] = self.config.lash_steps;
+        let [x, y, z] = self.config.backlash_steps;
         self.plays = [Play::new(x), Play::new(y), Play::new(z)];
         self.spindle = 0;
         self.line = None;
@@ -462,12 +462,12 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
 
     /// Homing: leaves a switch that is already closed, or searches the switch.
     fn begin_search(&mut self, axis: u8, inputs: &MicrofactoryInputs) {
-        let lash = self.config.lash_steps.get(usize::from(axis));
+        let backlash = self.config.backlash_steps.get(usize::from(axis));
         self.task = if inputs.is_home(axis) {
             Task::Leave {
                 axis,
                 // At least the back-off from either flank. The sum of two u16 fits.
-                left: u32::from(lash.copied().unwrap_or_default())
+                left: u32::from(backlash.copied().unwrap_or_default())
                     .wrapping_add(u32::from(self.config.back_off_steps)),
             }
         } else {
@@ -530,13 +530,13 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
     fn compare(&mut self, axis: u8) {
         let index = usize::from(axis);
         let since_zero = self.since_zero.get(index).copied().flatten();
-        let lash = self.config.lash_steps.get(index).copied();
+        let backlash = self.config.backlash_steps.get(index).copied();
         let lost = self.switches.lost_steps.get_mut(index);
-        let (Some(since_zero), Some(lash), Some(lost)) = (since_zero, lash, lost) else {
+        let (Some(since_zero), Some(backlash), Some(lost)) = (since_zero, backlash, lost) else {
             return;
         };
         // The sum of two u16 fits. The steps wrap as the positions do.
-        let back = i32::from(lash).wrapping_add(i32::from(self.config.back_off_steps));
+        let back = i32::from(backlash).wrapping_add(i32::from(self.config.back_off_steps));
         *lost = lost.wrapping_sub(since_zero).wrapping_sub(back);
     }
 

@@ -1,7 +1,9 @@
 //! The drill with its faults.
 
 use super::{Bench, Fault, State, Subject};
-use crate::drill::{Action, Axis, Client, End, Hand, Operator, Part, Sender, Trouble, sentence};
+use crate::drill::{
+    Action, Axis, Client, ClientError, End, Hand, Operator, Part, Sender, sentence,
+};
 use crate::{StopRequests, Wire};
 use husillo_gcode::Nm;
 use husillo_sim::DrilledHole;
@@ -67,8 +69,8 @@ impl Drill {
         loop {
             match client.reach() {
                 Ok(()) => return Ok("homed".into()),
-                Err(Trouble::Link(Failure::Silent)) if client.elapsed() < end => {}
-                Err(trouble) => return Err(trouble.text()),
+                Err(ClientError::Link(Failure::Silent)) if client.elapsed() < end => {}
+                Err(error) => return Err(error.text()),
             }
         }
     }
@@ -220,7 +222,7 @@ impl Subject for Drill {
     fn begin_again(mut self) -> Result<(Self, String), String> {
         let device = std::mem::replace(self.device(), Device::quick(false));
         let mut client = connected(device);
-        client.reach().map_err(|trouble| trouble.text())?;
+        client.reach().map_err(|error| error.text())?;
         let mut hand = Hand::new(client, |_, _| Ok(()));
         let homed = hand.carry_out(&Action::Home)?;
         hand.carry_out(&Action::Steps(Axis::X, SHORT))?;
