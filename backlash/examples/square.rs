@@ -3,7 +3,8 @@
 use husillo_backlash::{Backlash, Compensator, Flank};
 
 fn main() {
-    let mut stage = Compensator::new([2, 3].map(|lash| Backlash::new(lash, Flank::Positive)));
+    let mut stage =
+        Compensator::new([2, 3].map(|backlash| Backlash::new(backlash, Flank::Positive)));
     let mut load = [0, 0];
     for side in [[1, 0], [0, 1], [-1, 0], [0, -1]] {
         for _ in 0..4 {

@@ -1,6 +1,6 @@
 //! The compensation of step events.
 
-use crate::Lash;
+use crate::BacklashModel;
 
 /// Detects the axes that reverse in a step event, and returns the take-up of each. It compensates
 /// eight axes at most. Further axes have no take-up.
@@ -13,7 +13,7 @@ use crate::Lash;
 /// ```
 /// use husillo_backlash::{Backlash, Compensator, Flank};
 ///
-/// let axis = |lash| Backlash::new(lash, Flank::Positive);
+/// let axis = |backlash| Backlash::new(backlash, Flank::Positive);
 /// let mut stage = Compensator::new([axis(3), axis(2)]);
 /// assert_eq!(stage.before(&[1, 1], [0, 0]), [0, 0]);
 /// // Both reverse: 3 steps of X alone, then 2 of Y alone, then the event.
@@ -22,19 +22,19 @@ use crate::Lash;
 /// ```
 #[derive(Copy, Clone, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Compensator<const N: usize, L: Lash<N>> {
-    lash: [L; N],
+pub struct Compensator<const N: usize, L: BacklashModel<N>> {
+    backlash: [L; N],
     /// Axes whose last event was in the positive direction, and those with a negative one; bit 0 is
     /// the first axis.
     positive: u8,
     negative: u8,
 }
 
-impl<const N: usize, L: Lash<N>> Compensator<N, L> {
+impl<const N: usize, L: BacklashModel<N>> Compensator<N, L> {
     /// Creates it with one backlash model per axis. Each model knows its flank.
-    pub const fn new(lash: [L; N]) -> Self {
+    pub const fn new(backlash: [L; N]) -> Self {
         Compensator {
-            lash,
+            backlash,
             positive: 0,
             negative: 0,
         }
@@ -50,8 +50,8 @@ impl<const N: usize, L: Lash<N>> Compensator<N, L> {
     pub fn before(&mut self, delta: &[i8; N], load: [i32; N]) -> [u32; N] {
         let mut owed = [0; N];
         let mut bit = 1_u8;
-        let axes = self.lash.iter_mut().zip(0..N).zip(delta);
-        for (owed, ((lash, axis), &now)) in owed.iter_mut().zip(axes) {
+        let axes = self.backlash.iter_mut().zip(0..N).zip(delta);
+        for (owed, ((backlash, axis), &now)) in owed.iter_mut().zip(axes) {
             let (this, other) = match now {
                 0 => (&mut 0, &mut 0),
                 1.. => (&mut self.positive, &mut self.negative),
@@ -62,7 +62,7 @@ impl<const N: usize, L: Lash<N>> Compensator<N, L> {
                 *owed = if bit == 0 {
                     0
                 } else {
-                    lash.take_up(axis, now, &load)
+                    backlash.take_up(axis, now, &load)
                 };
                 *this |= bit;
                 *other &= !bit;
@@ -73,8 +73,8 @@ impl<const N: usize, L: Lash<N>> Compensator<N, L> {
     }
 
     /// Returns the signed motor steps of each axis that are due because the backlash at `load` has
-    /// changed. `load` is the position after the next event: see [`Lash::follow`]. `None` if there
-    /// are none. Call it after [`Compensator::before`].
+    /// changed. `load` is the position after the next event: see [`BacklashModel::follow`]. `None`
+    /// if there are none. Call it after [`Compensator::before`].
     #[inline]
     pub fn follow(&mut self, load: &[i32; N]) -> Option<[i32; N]> {
         if !L::VARIES {
@@ -82,8 +82,8 @@ impl<const N: usize, L: Lash<N>> Compensator<N, L> {
         }
         let mut owed = [0; N];
         let mut is_due = false;
-        for (owed, lash) in owed.iter_mut().zip(&mut self.lash) {
-            *owed = lash.follow(load);
+        for (owed, backlash) in owed.iter_mut().zip(&mut self.backlash) {
+            *owed = backlash.follow(load);
             is_due |= *owed != 0;
         }
         is_due.then_some(owed)
@@ -103,9 +103,9 @@ impl<const N: usize, L: Lash<N>> Compensator<N, L> {
         } else {
             return None;
         };
-        let lash = self.lash.get_mut(axis)?;
-        let owed = lash.take_up(axis, -direction, load);
-        lash.take_up(axis, direction, load);
+        let backlash = self.backlash.get_mut(axis)?;
+        let owed = backlash.take_up(axis, -direction, load);
+        backlash.take_up(axis, direction, load);
         Some((direction, owed))
     }
 
@@ -120,15 +120,15 @@ impl<const N: usize, L: Lash<N>> Compensator<N, L> {
     }
 
     /// Returns the backlash models, the first axis first.
-    pub const fn lash(&self) -> &[L; N] {
-        &self.lash
+    pub const fn backlash(&self) -> &[L; N] {
+        &self.backlash
     }
 
     /// Returns the backlash models for changes: after homing, or for another map.
-    pub fn lash_mut(&mut self) -> &mut [L; N] {
+    pub fn backlash_mut(&mut self) -> &mut [L; N] {
         // The models have the directions, so they are called again.
         self.positive = 0;
         self.negative = 0;
-        &mut self.lash
+        &mut self.backlash
     }
 }

@@ -5,16 +5,16 @@
 //!  delta, load ──► Compensator ──► take-up per axis, made before the event, X before Y before Z
 //!                      │           steps due because the local backlash has changed
 //!                      ▼
-//!                    Lash          take_up when an axis reverses, follow after every event:
-//!                                  one value per axis (Backlash), a LashMap (MappedBacklash),
+//!                BacklashModel     take_up when an axis reverses, follow after every event:
+//!                                  one value per axis (Backlash), a BacklashMap (MappedBacklash),
 //!                                  or your own
 //!
-//!   screw tooth m ├────── lash ──────┤ m + lash
-//!                 ▲ Flank::Positive  ▲ Flank::Negative      where the nut touches
+//!   screw tooth m ├───── backlash ─────┤ m + backlash
+//!                 ▲ Flank::Positive    ▲ Flank::Negative      where the nut touches
 //! ```
 //!
-//! *Lash* is short for backlash, in motor steps. The errors of an axis are in nanometres. They are
-//! removed from measured positions and added to goals:
+//! Backlash is in motor steps. The errors of an axis are in nanometres. They are removed from
+//! measured positions and added to goals:
 //!
 //! ```text
 //!  readings ──► ErrorTable, one per axis ──► Squareness ──► true position
@@ -36,10 +36,10 @@
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
 
-mod lash;
+mod model;
 
 mod compensator;
-mod lash_map;
+mod map;
 mod mapped;
 mod play;
 mod uniform;
@@ -51,9 +51,9 @@ mod squareness;
 pub use calibration::Calibration;
 pub use compensator::Compensator;
 pub use error_table::{ErrorTable, Knot, TableError};
-pub use lash::{Flank, Lash};
-pub use lash_map::{LashMap, MapError};
+pub use map::{BacklashMap, MapError};
 pub use mapped::MappedBacklash;
+pub use model::{BacklashModel, Flank};
 pub use play::Play;
 pub use squareness::Squareness;
 pub use uniform::Backlash;

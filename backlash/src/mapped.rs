@@ -1,8 +1,8 @@
-//! Lash that varies with the position.
+//! Backlash that varies with the position.
 
-use crate::{Flank, Lash, LashMap};
+use crate::{BacklashMap, BacklashModel, Flank};
 
-/// An axis whose backlash is looked up in a [`LashMap`] as the tool moves.
+/// An axis whose backlash is looked up in a [`BacklashMap`] as the tool moves.
 ///
 /// On the positive flank the motor is at the position of the load. On the negative flank it is
 /// ahead of the load, in the negative direction, by the backlash at that position. So there is a
@@ -11,11 +11,11 @@ use crate::{Flank, Lash, LashMap};
 ///
 /// # Examples
 /// ```
-/// use husillo_backlash::{Compensator, Flank, LashMap, MappedBacklash};
+/// use husillo_backlash::{Compensator, Flank, BacklashMap, MappedBacklash};
 ///
 /// // X has 10 steps of backlash at Y 0 and 14 at Y 40; Y has none.
-/// let x = LashMap::new([0, 1], [&[0][..], &[0, 40]], &[10, 14][..])?;
-/// let y = LashMap::new([0, 1], [&[0][..], &[0]], &[0][..])?;
+/// let x = BacklashMap::new([0, 1], [&[0][..], &[0, 40]], &[10, 14][..])?;
+/// let y = BacklashMap::new([0, 1], [&[0][..], &[0]], &[0][..])?;
 /// let mut stage = Compensator::new([x, y].map(|map| MappedBacklash::new(map, Flank::Positive)));
 /// assert_eq!(stage.before(&[-1, 0], [0, 0]), [10, 0]);
 /// assert_eq!(stage.follow(&[-1, 0]), None);
@@ -28,7 +28,7 @@ use crate::{Flank, Lash, LashMap};
 #[derive(Copy, Clone, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct MappedBacklash<K, V> {
-    map: LashMap<K, V>,
+    map: BacklashMap<K, V>,
     flank: Flank,
     /// Motor steps between motor and load on the negative flank.
     held_steps: u32,
@@ -45,7 +45,7 @@ impl<K: AsRef<[i32]>, V: AsRef<[u32]>> MappedBacklash<K, V> {
     ///
     /// With [`Flank::Unknown`] the first motion is not compensated, because it finds the flank.
     #[must_use]
-    pub fn new(map: LashMap<K, V>, flank: Flank) -> Self {
+    pub fn new(map: BacklashMap<K, V>, flank: Flank) -> Self {
         let looked_up_at = [0; 2];
         let (held_steps, quiet_steps) = map.look_up(looked_up_at);
         MappedBacklash {
@@ -76,7 +76,7 @@ impl<K: AsRef<[i32]>, V: AsRef<[u32]>> MappedBacklash<K, V> {
     }
 
     /// Returns the map.
-    pub const fn map(&self) -> &LashMap<K, V> {
+    pub const fn map(&self) -> &BacklashMap<K, V> {
         &self.map
     }
 
@@ -89,7 +89,7 @@ impl<K: AsRef<[i32]>, V: AsRef<[u32]>> MappedBacklash<K, V> {
     }
 }
 
-impl<const N: usize, K: AsRef<[i32]>, V: AsRef<[u32]>> Lash<N> for MappedBacklash<K, V> {
+impl<const N: usize, K: AsRef<[i32]>, V: AsRef<[u32]>> BacklashModel<N> for MappedBacklash<K, V> {
     const VARIES: bool = true;
 
     fn take_up(&mut self, _: usize, direction: i8, load: &[i32; N]) -> u32 {
@@ -99,14 +99,14 @@ impl<const N: usize, K: AsRef<[i32]>, V: AsRef<[u32]>> Lash<N> for MappedBacklas
         let before = core::mem::replace(&mut self.flank, flank);
         match (before, flank) {
             (Flank::Positive, Flank::Negative) => {
-                self.held_steps = self.look_up(self.map.place(load));
+                self.held_steps = self.look_up(self.map.position(load));
                 self.held_steps
             }
             // The distance between motor and load does not change while the axis stands.
             (Flank::Negative, Flank::Positive) => self.held_steps,
             (Flank::Unknown, Flank::Negative) => {
                 // The motor has not moved, so the backlash is on its other side.
-                self.held_steps = self.look_up(self.map.place(load));
+                self.held_steps = self.look_up(self.map.position(load));
                 self.origin = self.held_steps.cast_signed();
                 0
             }
@@ -119,7 +119,7 @@ impl<const N: usize, K: AsRef<[i32]>, V: AsRef<[u32]>> Lash<N> for MappedBacklas
         if self.flank != Flank::Negative {
             return 0;
         }
-        let at = self.map.place(load);
+        let at = self.map.position(load);
         let is_near = at
             .iter()
             .zip(self.looked_up_at)

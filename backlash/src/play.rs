@@ -1,40 +1,44 @@
 //! An axis whose nut has backlash on its screw.
 
-use crate::Lash;
+use crate::BacklashModel;
 
 /// Motor and load of one axis in steps.
 ///
-/// The position of the load is between `motor - lash` (its positive flank is engaged) and `motor`
-/// (its negative flank is engaged). So it is known for each step whether it moves the load, and a
-/// task may end anywhere, also during a take-up.
+/// The position of the load is between `motor - backlash` (its positive flank is engaged) and
+/// `motor` (its negative flank is engaged). So it is known for each step whether it moves the load,
+/// and a task may end anywhere, also during a take-up.
 #[derive(Copy, Clone, Debug)]
 pub struct Play {
-    lash: u16,
-    /// Motor steps ahead of the load, 0 to `lash`.
+    backlash: u16,
+    /// Motor steps ahead of the load, 0 to `backlash`.
     ahead: u16,
     load: i32,
 }
 
 impl Play {
     /// Creates an axis at zero with the positive flank engaged.
-    pub const fn new(lash: u16) -> Self {
+    pub const fn new(backlash: u16) -> Self {
         Self {
-            lash,
-            ahead: lash,
+            backlash,
+            ahead: backlash,
             load: 0,
         }
     }
 
-    /// Creates an axis in a known state: `ahead` motor steps ahead of the load, at most `lash`.
-    pub const fn at(lash: u16, ahead: u16, load: i32) -> Self {
-        let ahead = if ahead > lash { lash } else { ahead };
-        Self { lash, ahead, load }
+    /// Creates an axis in a known state: `ahead` motor steps ahead of the load, at most `backlash`.
+    pub const fn at(backlash: u16, ahead: u16, load: i32) -> Self {
+        let ahead = if ahead > backlash { backlash } else { ahead };
+        Self {
+            backlash,
+            ahead,
+            load,
+        }
     }
 
     /// Returns the number of steps in that direction that move the motor only.
     pub const fn owed(&self, is_forward: bool) -> u16 {
         if is_forward {
-            self.lash.wrapping_sub(self.ahead) // `ahead` is at most `lash`
+            self.backlash.wrapping_sub(self.ahead) // `ahead` is at most `backlash`
         } else {
             self.ahead
         }
@@ -99,28 +103,28 @@ impl Play {
     }
 
     /// Changes the backlash. The engaged flank stays engaged.
-    pub const fn set_lash(&mut self, lash: u16) {
-        let is_positive = self.ahead == self.lash;
-        self.lash = lash;
-        if is_positive || self.ahead > lash {
-            self.ahead = lash;
+    pub const fn set_backlash(&mut self, backlash: u16) {
+        let is_positive = self.ahead == self.backlash;
+        self.backlash = backlash;
+        if is_positive || self.ahead > backlash {
+            self.ahead = backlash;
         }
     }
 }
 
 /// The same backlash everywhere, also if the axis begins within its backlash. The position of the
 /// load is that of the machine.
-impl<const N: usize> Lash<N> for Play {
+impl<const N: usize> BacklashModel<N> for Play {
     fn take_up(&mut self, _: usize, direction: i8, _: &[i32; N]) -> u32 {
         if direction == 0 {
             return 0;
         }
         let owed = self.owed(direction > 0);
-        self.ahead = if direction > 0 { self.lash } else { 0 };
+        self.ahead = if direction > 0 { self.backlash } else { 0 };
         owed.into()
     }
 
     fn is_free(&self) -> bool {
-        self.lash == 0
+        self.backlash == 0
     }
 }

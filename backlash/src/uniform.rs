@@ -1,16 +1,16 @@
 //! One value of backlash for the whole travel.
 
-use crate::{Flank, Lash};
+use crate::{BacklashModel, Flank};
 
 /// An axis with the same backlash everywhere.
 ///
 /// On the positive flank the motor is at the position of the load. On the negative flank it is
-/// `lash_steps` ahead of it in the negative direction. Arithmetic wraps at the ends of `i32` and
-/// stays exact there.
+/// `backlash_steps` ahead of it in the negative direction. Arithmetic wraps at the ends of `i32`
+/// and stays exact there.
 #[derive(Copy, Clone, Eq, PartialEq, Debug, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Backlash {
-    lash_steps: u32,
+    backlash_steps: u32,
     flank: Flank,
     /// Load position that was targeted or stepped to last.
     load: i32,
@@ -26,9 +26,9 @@ impl Backlash {
     /// With [`Flank::Unknown`] the first motion is not compensated, because it determines the
     /// flank.
     #[must_use]
-    pub const fn new(lash_steps: u32, flank: Flank) -> Backlash {
+    pub const fn new(backlash_steps: u32, flank: Flank) -> Backlash {
         Backlash {
-            lash_steps,
+            backlash_steps,
             flank,
             load: 0,
             origin: 0,
@@ -65,14 +65,14 @@ impl Backlash {
 
     /// Returns the backlash in motor steps.
     #[must_use]
-    pub const fn lash_steps(&self) -> u32 {
-        self.lash_steps
+    pub const fn backlash_steps(&self) -> u32 {
+        self.backlash_steps
     }
 
     /// Returns motor position minus load position on the engaged flank.
     const fn offset(&self) -> i32 {
         match self.flank {
-            Flank::Negative => self.origin.wrapping_sub(self.lash_steps.cast_signed()),
+            Flank::Negative => self.origin.wrapping_sub(self.backlash_steps.cast_signed()),
             Flank::Positive | Flank::Unknown => self.origin,
         }
     }
@@ -85,11 +85,11 @@ impl Backlash {
         let before = core::mem::replace(&mut self.flank, flank);
         match (before, flank) {
             (Flank::Positive, Flank::Negative) | (Flank::Negative, Flank::Positive) => {
-                self.lash_steps
+                self.backlash_steps
             }
             (Flank::Unknown, Flank::Negative) => {
                 // The motor is where it was, so the backlash lies on the other side of it.
-                self.origin = self.lash_steps.cast_signed();
+                self.origin = self.backlash_steps.cast_signed();
                 0
             }
             _ => 0,
@@ -97,7 +97,7 @@ impl Backlash {
     }
 }
 
-impl<const N: usize> Lash<N> for Backlash {
+impl<const N: usize> BacklashModel<N> for Backlash {
     fn take_up(&mut self, axis: usize, direction: i8, load: &[i32; N]) -> u32 {
         if let Some(load) = load.get(axis) {
             self.load = load.wrapping_add(i32::from(direction.signum()));
@@ -106,6 +106,6 @@ impl<const N: usize> Lash<N> for Backlash {
     }
 
     fn is_free(&self) -> bool {
-        self.lash_steps == 0
+        self.backlash_steps == 0
     }
 }

@@ -1,7 +1,7 @@
 //! The recorded traces: logical steps in, motor steps with take-up out, and the play model driven
 //! by them.
 
-use husillo_backlash::{Backlash, Compensator, Flank, Lash};
+use husillo_backlash::{Backlash, BacklashModel, Compensator, Flank};
 use serde_json::Value;
 
 /// One character an iteration: (dx + 1) * 3 + (dy + 1).
@@ -27,20 +27,21 @@ fn flank(direction: i32) -> Flank {
     Flank::towards(direction as i8).unwrap_or_default()
 }
 
-/// The nut on the screw: y = clamp(y, m, m + lash). The tables begin at 0 with their flank closed.
+/// The nut on the screw: y = clamp(y, m, m + backlash). The tables begin at 0 with their flank
+/// closed.
 struct Play {
     motor: [i32; 2],
     table: [i32; 2],
-    lash: [i32; 2],
+    backlash: [i32; 2],
 }
 
 impl Play {
-    fn new(lash: [i32; 2], last: [i32; 2]) -> Play {
-        let motor = [0, 1].map(|axis| if last[axis] >= 0 { 0 } else { -lash[axis] });
+    fn new(backlash: [i32; 2], last: [i32; 2]) -> Play {
+        let motor = [0, 1].map(|axis| if last[axis] >= 0 { 0 } else { -backlash[axis] });
         Play {
             motor,
             table: [0, 0],
-            lash,
+            backlash,
         }
     }
 
@@ -48,13 +49,16 @@ impl Play {
         for (axis, delta) in delta.into_iter().enumerate() {
             self.motor[axis] += i32::from(delta);
             self.table[axis] =
-                self.table[axis].clamp(self.motor[axis], self.motor[axis] + self.lash[axis]);
+                self.table[axis].clamp(self.motor[axis], self.motor[axis] + self.backlash[axis]);
         }
     }
 }
 
 /// The compensator's stream for a logical one; `load` is tracked as a machine does.
-fn compensate<L: Lash<2>>(logical: &[[i8; 2]], stage: &mut Compensator<2, L>) -> Vec<[i8; 2]> {
+fn compensate<L: BacklashModel<2>>(
+    logical: &[[i8; 2]],
+    stage: &mut Compensator<2, L>,
+) -> Vec<[i8; 2]> {
     let mut load = [0, 0];
     let mut motor = Vec::new();
     for &delta in logical {
@@ -76,9 +80,9 @@ fn traces_are_reproduced_and_the_table_visits_every_logical_point() {
     assert_eq!(cases.len(), 16);
     for case in cases {
         let name = case["name"].as_str().unwrap();
-        let (lash, last) = (pair(&case["B"]), pair(&case["last_dir"]));
+        let (backlash, last) = (pair(&case["B"]), pair(&case["last_dir"]));
         let logical = decode(case["logical"].as_str().unwrap());
-        let axis = |axis: usize| Backlash::new(lash[axis] as u32, flank(last[axis]));
+        let axis = |axis: usize| Backlash::new(backlash[axis] as u32, flank(last[axis]));
         let motor = compensate(&logical, &mut Compensator::new([axis(0), axis(1)]));
         assert_eq!(encode(&motor), case["motor"].as_str().unwrap(), "{name}");
         assert_eq!(
@@ -89,7 +93,7 @@ fn traces_are_reproduced_and_the_table_visits_every_logical_point() {
 
         // With compensation the table stands on the logical points, one after the other, and
         // nowhere else.
-        let mut play = Play::new(lash, last);
+        let mut play = Play::new(backlash, last);
         let mut visited = vec![play.table];
         for &delta in &motor {
             play.step(delta);
@@ -106,7 +110,7 @@ fn traces_are_reproduced_and_the_table_visits_every_logical_point() {
         assert_eq!(visited, points, "{name}");
         assert_eq!(play.table, pair(&case["table_end"]), "{name}");
 
-        let mut play = Play::new(lash, last);
+        let mut play = Play::new(backlash, last);
         logical.iter().for_each(|&delta| play.step(delta));
         assert_eq!(
             play.table,

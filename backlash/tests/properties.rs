@@ -1,6 +1,6 @@
-//! What holds for every lash and every walk.
+//! What holds for every backlash and every walk.
 
-use husillo_backlash::{Backlash, Compensator, Flank, Lash, Play};
+use husillo_backlash::{Backlash, BacklashModel, Compensator, Flank, Play};
 use proptest::prelude::*;
 
 fn flank() -> impl Strategy<Value = Flank> {
@@ -16,25 +16,25 @@ fn walk() -> impl Strategy<Value = Vec<[i8; 2]>> {
     proptest::collection::vec([-1i8..=1, -1i8..=1], 0..300)
 }
 
-/// A lash of its own in every hundred steps of travel.
+/// A backlash of its own in every hundred steps of travel.
 struct Regions {
     last: i8,
 }
 
 impl Regions {
-    fn lash(load: i32) -> u32 {
+    fn backlash(load: i32) -> u32 {
         load.div_euclid(100).unsigned_abs() % 7
     }
 }
 
-impl Lash<2> for Regions {
+impl BacklashModel<2> for Regions {
     fn take_up(&mut self, axis: usize, direction: i8, load: &[i32; 2]) -> u32 {
         let load = load[axis];
         let turned = self.last * direction < 0;
         if direction != 0 {
             self.last = direction;
         }
-        if turned { Self::lash(load) } else { 0 }
+        if turned { Self::backlash(load) } else { 0 }
     }
 }
 
@@ -43,26 +43,26 @@ impl Lash<2> for Regions {
 fn an_axis_begins_within_its_play() {
     let owed = |ahead, directions: [i8; 4]| {
         let mut play = Play::at(10, ahead, -7);
-        directions.map(|direction| Lash::<1>::take_up(&mut play, 0, direction, &[0]))
+        directions.map(|direction| BacklashModel::<1>::take_up(&mut play, 0, direction, &[0]))
     };
     assert_eq!(owed(3, [0, 1, 1, -1]), [0, 7, 0, 10]);
     assert_eq!(owed(3, [-1, -1, 0, 1]), [3, 0, 0, 10]);
-    // Not more ahead than the lash.
+    // Not more ahead than the backlash.
     assert_eq!(owed(12, [1, -1, 1, 0]), [0, 10, 10, 0]);
     assert_eq!(Play::at(10, 3, -7).load(), -7);
 }
 
 proptest! {
     /// The motor position of a load position leads back to it, everywhere in i32 and for every
-    /// lash.
+    /// backlash.
     #[test]
     fn load_of_target_is_the_load(
-        lash in any::<u32>(), flank in flank(), loads in proptest::collection::vec(
+        backlash in any::<u32>(), flank in flank(), loads in proptest::collection::vec(
             any::<i32>(),
             1..50,
         ),
     ) {
-        let mut axis = Backlash::new(lash, flank);
+        let mut axis = Backlash::new(backlash, flank);
         for load in loads {
             let motor = axis.motor_target(load);
             prop_assert_eq!(axis.load_position(motor), load);
@@ -72,8 +72,8 @@ proptest! {
     /// Targets and take-up agree: step by step, the motor has made exactly the steps that the
     /// target asks for.
     #[test]
-    fn steps_arrive_at_the_target(lash in 0u32..50, flank in flank(), walk in walk()) {
-        let mut by_steps = Backlash::new(lash, flank);
+    fn steps_arrive_at_the_target(backlash in 0u32..50, flank in flank(), walk in walk()) {
+        let mut by_steps = Backlash::new(backlash, flank);
         let mut by_target = by_steps;
         let mut motor = by_target.motor_target(0);
         let mut load = 0;
@@ -88,13 +88,14 @@ proptest! {
     /// A nut with that play stands on the commanded point after every event, and never moves in a
     /// take-up.
     #[test]
-    fn the_nut_is_where_it_was_sent(lash in [0u32..20, 0u32..20], walk in walk()) {
-        let mut stage = Compensator::new(lash.map(|lash| Backlash::new(lash, Flank::Positive)));
+    fn the_nut_is_where_it_was_sent(backlash in [0u32..20, 0u32..20], walk in walk()) {
+        let axes = backlash.map(|steps| Backlash::new(steps, Flank::Positive));
+        let mut stage = Compensator::new(axes);
         let (mut motor, mut nut, mut load) = ([0i32; 2], [0i32; 2], [0i32; 2]);
         for delta in walk {
             let owed = stage.before(&delta, load);
             for axis in 0..2 {
-                let (play, step) = (lash[axis] as i32, i32::from(delta[axis]));
+                let (play, step) = (backlash[axis] as i32, i32::from(delta[axis]));
                 motor[axis] += step * owed[axis] as i32;
                 let before = nut[axis];
                 nut[axis] = nut[axis].clamp(motor[axis], motor[axis] + play);
@@ -107,10 +108,10 @@ proptest! {
         }
     }
 
-    /// A foreign lash model in the compensator is asked where the load is when an axis turns round,
-    /// and only then counts.
+    /// A foreign backlash model in the compensator is asked where the load is when an axis turns
+    /// round, and only then counts.
     #[test]
-    fn a_foreign_lash_serves(walk in walk(), start in -1000i32..1000) {
+    fn a_foreign_backlash_serves(walk in walk(), start in -1000i32..1000) {
         let mut stage = Compensator::new([Regions { last: 0 }, Regions { last: 0 }]);
         let mut last = [0i8; 2];
         let mut load = [start; 2];
@@ -118,7 +119,7 @@ proptest! {
             let owed = stage.before(&delta, load);
             for axis in 0..2 {
                 let turned = delta[axis] * last[axis] < 0;
-                prop_assert_eq!(owed[axis], if turned { Regions::lash(load[axis]) } else { 0 });
+                prop_assert_eq!(owed[axis], if turned { Regions::backlash(load[axis]) } else { 0 });
                 if delta[axis] != 0 {
                     last[axis] = delta[axis];
                 }
@@ -129,13 +130,13 @@ proptest! {
 
     /// Standing axes owe nothing and forget nothing.
     #[test]
-    fn standing_still_is_free(lash in 1u32..50) {
-        let mut stage = Compensator::new([Backlash::new(lash, Flank::Positive)]);
+    fn standing_still_is_free(backlash in 1u32..50) {
+        let mut stage = Compensator::new([Backlash::new(backlash, Flank::Positive)]);
         prop_assert_eq!(stage.before(&[0], [0]), [0]);
-        prop_assert_eq!(stage.before(&[-1], [0]), [lash]);
+        prop_assert_eq!(stage.before(&[-1], [0]), [backlash]);
         prop_assert_eq!(stage.before(&[0], [-1]), [0]);
         prop_assert_eq!(stage.before(&[-1], [-1]), [0]);
-        prop_assert_eq!(stage.before(&[1], [-2]), [lash]);
+        prop_assert_eq!(stage.before(&[1], [-2]), [backlash]);
     }
 }
 
@@ -144,7 +145,7 @@ proptest! {
 fn homing_engages_the_flank_anew() {
     let mut stage = Compensator::new([Backlash::new(5, Flank::Positive)]);
     assert_eq!(stage.before(&[-1], [0]), [5]);
-    stage.lash_mut()[0] = Backlash::new(5, Flank::Positive);
+    stage.backlash_mut()[0] = Backlash::new(5, Flank::Positive);
     assert_eq!(stage.before(&[-1], [0]), [5]);
-    assert_eq!(stage.lash()[0].flank(), Flank::Negative);
+    assert_eq!(stage.backlash()[0].flank(), Flank::Negative);
 }

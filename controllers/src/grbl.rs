@@ -318,7 +318,7 @@ fn config(settings: &Settings) -> Config<3> {
                 .is_set(20)
                 .then_some([Nm(travel_nm.wrapping_neg()), Nm(0)]),
             max_rate_hz: per_second(number(110), 60_000_000),
-            lash_steps: 0,
+            backlash_steps: 0,
             ramp: Some(AxisRamp {
                 acceleration_hz_per_s: per_second(number(120), 1_000_000),
                 start_rate_hz: 0,

@@ -111,7 +111,7 @@ struct Due {
 impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
     /// Creates a controller at rest, with the motors off, not homed.
     pub const fn new(config: MicrofactoryConfig, figure: F) -> Self {
-        let [x, y, z] = config.lash_steps;
+        let [x, y, z] = config.backlash_steps;
         Self {
             config,
             figure,
@@ -196,7 +196,7 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
     /// Resets the machine, as its panel or power-up does: it ends an emergency stop, the machine is
     /// not homed, the motors are off, and positions count from where the axes stand.
     pub fn reset(&mut self) {
-        let [x, y, z] = self.config.lash_steps;
+        let [x, y, z] = self.config.backlash_steps;
         self.plays = [Play::new(x), Play::new(y), Play::new(z)];
         self.spindle = 0;
         self.line = None;
@@ -439,12 +439,12 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
 
     /// Homing: leaves a switch that is already closed, or searches the switch.
     fn begin_search(&mut self, axis: u8, inputs: &MicrofactoryInputs) {
-        let lash = self.config.lash_steps.get(usize::from(axis));
+        let backlash = self.config.backlash_steps.get(usize::from(axis));
         self.task = if inputs.is_home(axis) {
             Task::Leave {
                 axis,
                 // At least the back-off from either flank. The sum of two u16 fits.
-                left: u32::from(lash.copied().unwrap_or_default())
+                left: u32::from(backlash.copied().unwrap_or_default())
                     .wrapping_add(u32::from(self.config.back_off_steps)),
             }
         } else {

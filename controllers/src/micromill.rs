@@ -95,7 +95,7 @@ pub struct Micromill<'a, const QUEUE: usize = 16, const AHEAD: usize = 8, const 
     carried_ticks: u64,
     /// Motors and loads after all given events.
     plays: [Play; 3],
-    lash: [u16; 3],
+    backlash: [u16; 3],
     ahead: Ring<Given, AHEAD>,
     /// Number of lines that end with a given event.
     ends_ahead: u16,
@@ -146,7 +146,7 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
             guard: StepGuard::new(),
             carried_ticks: 0,
             plays: [Play::new(0); 3],
-            lash: config.machine.axes.map(|axis| axis.lash_steps as u16),
+            backlash: config.machine.axes.map(|axis| axis.backlash_steps as u16),
             ahead: Ring::new(Given {
                 directions: Directions::NONE,
                 loads: 0,
@@ -163,8 +163,8 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
     /// For tests and simulations.
     pub fn homed(config: &'a MicromillConfig) -> Self {
         let mut mill = Micromill::new(config);
-        for (play, lash) in mill.plays.iter_mut().zip(mill.lash) {
-            *play = Play::new(lash);
+        for (play, backlash) in mill.plays.iter_mut().zip(mill.backlash) {
+            *play = Play::new(backlash);
         }
         mill.is_homed = true;
         mill

@@ -16,7 +16,7 @@ const SQUARE: [[i16; 2]; 5] = [[1000, 0], [0, 1000], [-1000, 0], [0, -1000], [10
 struct Model {
     motor: [i32; MICROFACTORY_MOTORS],
     nut: [i32; 3],
-    lash: [i32; 3],
+    backlash: [i32; 3],
     switches: [i32; 3],
     /// Position in Y at which the work piece begins.
     face: i32,
@@ -32,7 +32,7 @@ impl Model {
         Self {
             motor: [0; MICROFACTORY_MOTORS],
             nut: [0; 3],
-            lash: config.lash_steps.map(i32::from),
+            backlash: config.backlash_steps.map(i32::from),
             switches: from.map(|from| -from),
             face: i32::MAX,
             has_current: false,
@@ -60,7 +60,7 @@ impl Model {
         }
         for axis in 0..3 {
             let motor = self.motor[axis];
-            self.nut[axis] = self.nut[axis].clamp(motor - self.lash[axis], motor);
+            self.nut[axis] = self.nut[axis].clamp(motor - self.backlash[axis], motor);
         }
     }
 
@@ -208,7 +208,7 @@ fn it_is_reset_once_after_power_came_on() {
 }
 
 #[test]
-fn counted_steps_move_the_load_by_their_number_whatever_the_lash() {
+fn counted_steps_move_the_load_by_their_number_whatever_the_backlash() {
     let (mut machine, mut model) = homed();
     let from = model.nut;
     for (forward, count) in [(true, 255), (false, 40), (true, 1), (false, 216)] {
@@ -522,7 +522,7 @@ proptest! {
     fn a_line_of_any_slope_is_straight_and_at_one_speed(x in any::<i16>(), z in any::<i16>()) {
         prop_assume!((x, z) != (0, 0));
         let config = MicrofactoryConfig {
-            lash_steps: [0; 3],
+            backlash_steps: [0; 3],
             spindle_turns_in_figures: false,
             ..MicrofactoryConfig::ORIGINAL
         };

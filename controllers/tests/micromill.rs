@@ -1,7 +1,7 @@
 //! Tests of the micro mill's controller: its modes, and the steps of a program compared with those
 //! of `Machine`.
 
-use husillo_backlash::{Backlash, Lash, Play};
+use husillo_backlash::{Backlash, BacklashModel, Play};
 use husillo_controllers::{Micromill, MicromillConfig, MicromillEvent, MicromillInputs};
 use husillo_gcode::{Nm, SpindleDirection};
 use husillo_interp::Path;
@@ -60,7 +60,7 @@ impl Bench {
         bench
     }
 
-    fn lash(axis: usize) -> i32 {
+    fn backlash(axis: usize) -> i32 {
         [1457, 1271, 0][axis]
     }
 
@@ -114,7 +114,7 @@ impl Bench {
                     let delta = i32::from(delta);
                     self.motors[axis] += delta;
                     let ahead = self.ahead[axis] + delta;
-                    if (0..=Self::lash(axis)).contains(&ahead) {
+                    if (0..=Self::backlash(axis)).contains(&ahead) {
                         self.ahead[axis] = ahead;
                     } else {
                         self.loads[axis] += delta;
@@ -488,10 +488,10 @@ fn position_backlash_zero_and_homing_are_reported() {
     let mut bench = Bench::new(Micromill::new(&STATIC));
     bench.switches = [-30, -20, -10];
     bench.hear();
-    let lash = [1457, 1271, 0];
+    let backlash = [1457, 1271, 0];
     let before = bench.state();
     assert!(!before.is_homed);
-    assert_eq!(before.axes.map(|axis| axis.lash_steps), lash);
+    assert_eq!(before.axes.map(|axis| axis.backlash_steps), backlash);
     bench.does("PX-0025;");
     let moved = bench.state().axes;
     assert_eq!(moved.map(|axis| axis.load_steps), [-25, 0, 0]);
@@ -501,17 +501,17 @@ fn position_backlash_zero_and_homing_are_reported() {
     let homed = bench.state();
     assert!(homed.is_homed);
     assert_eq!(homed.axes.map(|axis| axis.load_steps), [0; 3]);
-    assert_eq!(homed.axes.map(|axis| axis.ahead_steps), lash);
+    assert_eq!(homed.axes.map(|axis| axis.ahead_steps), backlash);
     for string in ["PX+0700;", "PY+0300;", "PY-0001;", "Q;", "BX200;"] {
         assert_eq!(bench.does(string), [0x8f], "{string}");
     }
     let [x, y, z] = bench.state().axes;
     assert_eq!(
-        (x.load_steps, x.zero_nm, x.lash_steps, x.ahead_steps),
+        (x.load_steps, x.zero_nm, x.backlash_steps, x.ahead_steps),
         (700, 98_000, 1429, 1429)
     );
     assert_eq!(
-        (y.load_steps, y.zero_nm, y.lash_steps, y.ahead_steps),
+        (y.load_steps, y.zero_nm, y.backlash_steps, y.ahead_steps),
         (299, 41_860, 1271, 0)
     );
     assert_eq!(z, AxisState::default());
@@ -532,15 +532,15 @@ fn position_backlash_zero_and_homing_are_reported() {
 }
 
 /// The steps of `Machine` for the same strings, each with its time.
-struct Peer<L: Lash<3> = Backlash>(Machine<3, Path<3>, L>, u64, Vec<(u64, [i8; 3])>);
+struct Peer<L: BacklashModel<3> = Backlash>(Machine<3, Path<3>, L>, u64, Vec<(u64, [i8; 3])>);
 
 impl Peer<Play> {
     /// A machine in the state that a controller reports.
     fn of(state: &State) -> Self {
         let plays = state
             .axes
-            .map(|axis| Play::at(axis.lash_steps, axis.ahead_steps, axis.load_steps));
-        let mut machine = Machine::with_lash(CONFIG.machine, plays);
+            .map(|axis| Play::at(axis.backlash_steps, axis.ahead_steps, axis.load_steps));
+        let mut machine = Machine::with_backlash(CONFIG.machine, plays);
         let at = state.axes.map(|axis| Nm(140 * i64::from(axis.load_steps)));
         let zero = state.axes.map(|axis| Nm(axis.zero_nm.into()));
         machine.place(zero, at).unwrap();
@@ -548,7 +548,7 @@ impl Peer<Play> {
     }
 }
 
-impl<L: Lash<3>> Peer<L> {
+impl<L: BacklashModel<3>> Peer<L> {
     fn does(&mut self, string: &str) -> bool {
         if self
             .0
@@ -697,13 +697,13 @@ proptest! {
     fn the_reported_state_decides_the_next_steps(
         before in prop::collection::vec(any_line(), 1..3),
         events in 0..4000_usize,
-        lash_um in 0..=300_u16,
+        backlash_um in 0..=300_u16,
         is_zeroed: bool,
         lines in prop::collection::vec(any_line(), 1..3),
     ) {
         let mut bench = Bench::homed();
         bench.hear();
-        prop_assert_eq!(bench.does(&format!("BX{lash_um:03};")), [0x8f]);
+        prop_assert_eq!(bench.does(&format!("BX{backlash_um:03};")), [0x8f]);
         let (last, whole) = before.split_last().unwrap();
         for line in whole.iter().flatten() {
             bench.does(line);

@@ -8,7 +8,7 @@ use flash::Flash;
 use husillo_controllers::{Micromill, MicromillConfig, MicromillEvent, MicromillInputs};
 use husillo_store::Store;
 
-const LASH: &str = "BX020;BY030;";
+const BACKLASH: &str = "BX020;BY030;";
 const PROGRAM: &str = "G00X00500.00Y00300.00;G54;G02X00000.00Y00000.00I-0050.00J00000.00F12;M30;";
 
 /// Takes a byte as from the line and makes all its events.
@@ -74,8 +74,8 @@ fn save(flash: &mut Flash<8>, strings: &[&str]) -> bool {
 fn a_program_runs_without_a_host() {
     let mut flash = Flash::<8>::new(4, 256);
     assert_eq!(starts_up(&mut flash), [[0; 3]; 0]);
-    assert!(save(&mut flash, &[LASH, PROGRAM]));
-    let steps = said(&[LASH, PROGRAM].concat());
+    assert!(save(&mut flash, &[BACKLASH, PROGRAM]));
+    let steps = said(&[BACKLASH, PROGRAM].concat());
     assert!(steps.len() > 3000);
     assert_ne!(steps, said(PROGRAM), "its backlash has an effect");
     assert!(starts_up(&mut flash) == steps);

@@ -150,13 +150,13 @@ impl StepWatch {
     /// Returns the two moves in steps that correct a distance in parts. The axis last moved in the
     /// direction of `heading` and has this backlash in steps. A correction against the heading also
     /// crosses the backlash and returns.
-    pub fn legs(&self, behind: i64, heading: i8, lash_steps: u32) -> [i32; 2] {
+    pub fn legs(&self, behind: i64, heading: i8, backlash_steps: u32) -> [i32; 2] {
         let steps = self.steps(behind);
         if steps.signum() == i32::from(heading) || heading == 0 {
             return [steps, 0];
         }
-        let lash = i32::try_from(lash_steps).unwrap_or(i32::MAX);
-        let back = steps.signum().wrapping_mul(lash);
+        let backlash = i32::try_from(backlash_steps).unwrap_or(i32::MAX);
+        let back = steps.signum().wrapping_mul(backlash);
         [steps.saturating_add(back), back.wrapping_neg()]
     }
 

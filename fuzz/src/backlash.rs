@@ -1,6 +1,6 @@
 //! Any walk with any backlash, as one value or as a map.
 
-use husillo_backlash::{Backlash, Compensator, Flank, LashMap, MappedBacklash};
+use husillo_backlash::{Backlash, BacklashMap, Compensator, Flank, MappedBacklash};
 
 use crate::bytes::Bytes;
 
@@ -42,8 +42,8 @@ pub fn backlash(data: &[u8]) {
 }
 
 fn check_targets(bytes: &mut Bytes<'_>) {
-    let lash = bytes.i32().unsigned_abs();
-    let mut axis = Backlash::new(lash, Flank::Unknown);
+    let backlash = bytes.i32().unsigned_abs();
+    let mut axis = Backlash::new(backlash, Flank::Unknown);
     for _ in 0..4 {
         let load = bytes.i32();
         let motor = axis.motor_target(load);
@@ -55,7 +55,7 @@ fn check_targets(bytes: &mut Bytes<'_>) {
 /// Invalid maps are refused.
 fn check_map(bytes: &mut Bytes<'_>) {
     let shape = bytes.byte();
-    let places = [shape & 3, shape >> 2 & 3].map(|count| {
+    let positions = [shape & 3, shape >> 2 & 3].map(|count| {
         let mut at = -i32::from(bytes.byte());
         let mut next = || {
             at = at.saturating_add(bytes.i32() >> (shape >> 4));
@@ -63,9 +63,9 @@ fn check_map(bytes: &mut Bytes<'_>) {
         };
         (0..count).map(|_| next()).collect::<Vec<_>>()
     });
-    let entries = places[0].len() * places[1].len();
+    let entries = positions[0].len() * positions[1].len();
     let steps: Vec<u32> = (0..entries).map(|_| bytes.byte().into()).collect();
-    let Ok(map) = LashMap::new([0, 1], places, steps) else {
+    let Ok(map) = BacklashMap::new([0, 1], positions, steps) else {
         return;
     };
     let play = |load: [i32; 2]| map.steps(load) as i32;

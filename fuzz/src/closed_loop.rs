@@ -11,7 +11,7 @@ use crate::bytes::Bytes;
 /// More events than any input can request: beyond this it hangs.
 const MOST_EVENTS: u32 = 400_000;
 /// Backlash of the axes in steps.
-const LASH: i64 = 3;
+const BACKLASH: i64 = 3;
 
 /// Motors that are turned or blocked, and what was reported about them.
 struct Bench {
@@ -51,7 +51,7 @@ pub fn closed_loop(data: &[u8]) {
         scale,
         travel: Some([Nm(-10_000_000), Nm(10_000_000)]),
         max_rate_hz: 1000,
-        lash_steps: LASH as u32,
+        backlash_steps: BACKLASH as u32,
         ramp: (kind & 1 != 0).then_some(ramp),
     };
     let on_loss = [OnLoss::Report, OnLoss::Stop, OnLoss::Correct][usize::from(kind >> 1) % 3];
@@ -183,7 +183,7 @@ impl Bench {
         }
         if self.axes.is_correcting() {
             for (axis, before) in before.into_iter().enumerate() {
-                let most = before.max(LASH + self.slack() + 1);
+                let most = before.max(BACKLASH + self.slack() + 1);
                 assert!(self.is_disturbed || self.off(axis) <= most, "too far");
             }
         } else {

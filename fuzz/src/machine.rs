@@ -20,7 +20,7 @@ pub fn machine(data: &[u8]) {
         scale,
         travel: Some([Nm(-10_000_000), Nm(10_000_000)]),
         max_rate_hz: 1000,
-        lash_steps: 3,
+        backlash_steps: 3,
         ramp: None,
     };
     let ramp = AxisRamp {

@@ -73,7 +73,7 @@ fn check_link(bytes: &mut Bytes<'_>) {
 fn check_microfactory(bytes: &mut Bytes<'_>) {
     let flags = bytes.byte();
     let config = MicrofactoryConfig {
-        lash_steps: [u16::from(bytes.byte()), 0, u16::from(bytes.byte())],
+        backlash_steps: [u16::from(bytes.byte()), 0, u16::from(bytes.byte())],
         back_off_steps: u16::from(bytes.byte() & 31),
         search_steps: 300,
         approach_steps: 200,

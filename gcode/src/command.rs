@@ -1,4 +1,5 @@
-//! Commands: the meaning of a block in the machine frame, with nothing left to look up.
+//! Commands: the meaning of a block in the machine frame. A command is complete without modes,
+//! offsets or tables.
 
 pub(crate) mod arc;
 
@@ -28,7 +29,7 @@ pub enum Feed {
 #[derive(Copy, Clone, Eq, PartialEq, Debug, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum OrientDirection {
-    /// That of the shorter turn: `P0`.
+    /// The direction of the shorter turn: `P0`.
     #[default]
     Shorter,
     /// `P1`.
@@ -93,7 +94,7 @@ impl SpindleDirection {
     }
 }
 
-/// Path mode: how moves are joined. A program begins with that of G64 without a tolerance.
+/// Path mode: how moves are joined. A program begins with G64 without a tolerance.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum PathMode {
@@ -121,8 +122,9 @@ impl Default for PathMode {
 pub struct Spline<const N: usize> {
     /// The end, machine frame.
     pub to: [Nm; N],
-    /// Start, two control points and end, X and Y, machine frame. Exact for G5; those of a
-    /// quadratic curve are rounded to the nanometre, so the curve is off by less than one.
+    /// Start, two control points and end: X and Y, machine frame. They are exact for G5. The
+    /// control points of a quadratic curve are rounded to the nanometre, so the error of the curve
+    /// is less than one.
     pub points: [[Nm; 2]; 4],
 }
 
@@ -165,15 +167,15 @@ pub enum Heater {
     Chamber,
 }
 
-/// When the program continues after a heater got a target.
+/// When the program continues after the target of a heater was set.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum HeatWait {
     /// At once.
     None,
-    /// When it is as hot as the target, or hotter (`S`).
+    /// When the temperature is at or above the target (`S`).
     Heated,
-    /// When the target is reached, also from above (`R`).
+    /// When the temperature has reached the target, also from above (`R`).
     Reached,
 }
 
@@ -227,10 +229,11 @@ pub enum Command<const N: usize> {
     },
     /// Begins a NURBS in the XY plane at the present position (G5.2). Its first control point is
     /// that position; the others follow, each as a [`Command::NurbsPoint`]. Nothing moves before
-    /// [`Command::NurbsEnd`], and no other command comes in between except those that do not move.
+    /// [`Command::NurbsEnd`]. In between, there are only commands that do not move.
     ///
-    /// The knots are those of LinuxCNC: the first and the last as often as the order, and equal
-    /// distances between them, so the curve begins and ends in a control point.
+    /// The knots are those of LinuxCNC. The first and the last knot are repeated as often as the
+    /// order, and the distances between knots are equal. So the curve begins and ends at a control
+    /// point.
     NurbsBegin {
         /// The order (`L`), the degree plus one, 2 to 16.
         order: u8,
@@ -270,7 +273,7 @@ pub enum Command<const N: usize> {
         /// Distance along the move per spindle revolution.
         lead: Nm,
     },
-    /// A straight move that stops where the probe changes (G38.2 to G38.5).
+    /// A straight move that stops when the probe changes (G38.2 to G38.5).
     Probe {
         /// The end if the probe does not change. The modal state assumes this position until
         /// [`Modal::set_position`](crate::Modal::set_position).

@@ -31,16 +31,16 @@ const ROUNDING: i64 = 4;
 /// Cutter compensation: the stage between [`Modal`](crate::Modal) and a machine that turns a
 /// contour into the path of the tool centre.
 ///
-/// It works in the plane that was active at G41 or G42. It looks one move ahead: a move is returned
-/// when the next one has determined its end.
+/// It works in the plane that is active at G41 or G42. It is one move behind: a move is returned
+/// when the next move has determined its end.
 ///
 /// - Outside corners get an arc of the tool radius around the corner. Between rapids they get
-///   straight lines clear of it.
+///   straight lines that do not touch this arc.
 /// - Inside corners end at the common point of the two offset curves.
 /// - Every point is within 2 nm of its exact offset curve.
 /// - The first move must be straight and longer than the radius. It ends perpendicular to its own
 ///   end.
-/// - Under G40 the next straight move goes from the position of the tool to its programmed end.
+/// - Under G40 the next straight move leads from the position of the tool to its programmed end.
 ///
 /// LinuxCNC accepts arcs as first moves; they are refused here. It requires a feed rate under G93
 /// and converts it; here G93 is refused while a side is active.
@@ -205,7 +205,7 @@ impl<const N: usize> Compensation<N> {
     }
 
     /// Number of commands that wait: a move for its end, and the commands after it. When a later
-    /// block releases any, all of them come first, followed by the commands of that block.
+    /// block releases them, all of them are returned before the commands of that block.
     pub fn held(&self) -> usize {
         let moves = self.pending.iter().map(|_| ());
         moves

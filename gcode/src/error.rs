@@ -170,7 +170,7 @@ pub enum ErrorKind {
     /// More commands between two moves of a compensated contour than can wait for the corner, which
     /// are four.
     TooManyWaiting,
-    /// The commands of the previous block have not all been taken.
+    /// Not all commands of the previous block were taken.
     CommandsWaiting,
     /// A fault of parameters, expressions or the flow of a program.
     #[cfg(feature = "program")]

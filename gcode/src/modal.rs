@@ -48,7 +48,8 @@ const SYSTEMS: usize = if EXTENDED { 9 } else { 6 };
 ///
 /// A, B and C are in degrees in any unit: a millionth of a degree is one [`Nm`].
 ///
-/// The fields used most come first: short instructions reach 32 bytes from the address.
+/// The fields that are used most come first, because short instructions reach 32 bytes from the
+/// address.
 #[derive(Clone, Debug, Eq, PartialEq)]
 #[repr(C)]
 pub struct Modal<const N: usize> {
@@ -93,13 +94,13 @@ impl<const N: usize> Modal<N> {
     };
 
     /// Returns the meaning of a block: the state after it, and its commands in the order of
-    /// execution of RS-274. All or nothing: `self` is unchanged, and with an error there is nothing
-    /// else.
+    /// execution of RS-274. All or nothing: `self` is never changed, and with an error there is no
+    /// new state and no command.
     ///
     /// Order: feed mode, F, spindle mode, S, T, M62 to M68, M6, spindle, coolant, M48 to M53, G4,
     /// plane, units, cutter compensation, tool length, work frame, path mode, distance modes, G98,
-    /// then one of G10, G28, G30, G92 and the motion, stop. So an `F` next to `G20` still counts in
-    /// the previous unit.
+    /// then one of G10, G28, G30, G92 and the motion, stop. So an `F` next to `G20` is still in the
+    /// previous unit.
     ///
     /// # Errors
     /// Errors that depend on the state: axis words without motion (E0206) or missing (E0207),

@@ -23,15 +23,15 @@ mod stop;
 use job::{load, not_loaded};
 pub use reporting::count;
 
+use crate::backlash;
 use crate::cli::{
     Calibrate, Cli, Command, Compile, Emulate, Interpolate, Jog, Measure, Output, Send, Shape,
     Target, Tune, What,
 };
 use crate::console;
-use crate::console::told::Told;
+use crate::console::reporter::Reporter;
 use crate::drill;
 use crate::input;
-use crate::lash;
 use crate::machines::machine_file::MachineFile;
 use crate::measuring::{self, Stopped};
 use crate::methods::interpolate;
@@ -90,8 +90,8 @@ pub fn run(cli: &Cli) -> Result<u8, Failure> {
         Command::Holes(args) => holes::list_holes(args),
         Command::Compile(args) => compile(args),
         Command::Send(args) => driven(|out| {
-            let mut told = Told::new(out, args.format, "husillo.send/1");
-            send(args, &mut told)
+            let mut reporter = Reporter::new(out, args.format, "husillo.send/1");
+            send(args, &mut reporter)
         }),
         Command::Interpolate(args) => walk(args),
         Command::Compare(args) => compare::compare(args),
@@ -101,12 +101,12 @@ pub fn run(cli: &Cli) -> Result<u8, Failure> {
         Command::Completions { shell } => manual::completions(*shell),
         Command::Man { folder } => manual::man_pages(folder),
         Command::Jog(args) => driven(|out| {
-            let mut told = Told::new(out, args.format, "husillo.jog/1");
-            jog(args, &mut told)
+            let mut reporter = Reporter::new(out, args.format, "husillo.jog/1");
+            jog(args, &mut reporter)
         }),
         Command::Stop(args) => driven(|out| {
-            let mut told = Told::new(out, args.format, "husillo.stop/1");
-            stop::stop(args, &mut told)
+            let mut reporter = Reporter::new(out, args.format, "husillo.stop/1");
+            stop::stop(args, &mut reporter)
         }),
         Command::Measure(args) => driven(|out| measure(args, out)),
         Command::Emulate(args) => emulate(args),
@@ -127,7 +127,7 @@ fn driven(drive: impl FnOnce(&mut dyn Write) -> Result<u8, Failure>) -> Result<u
     }
 }
 
-fn jog(args: &Jog, out: &mut Told<'_>) -> Result<u8, Failure> {
+fn jog(args: &Jog, out: &mut Reporter<'_>) -> Result<u8, Failure> {
     let is_well = match args.machine.as_str() {
         "drill" => drill::jog(args, out)?,
         machine if grbl::is_grbl(Some(machine)) => {
@@ -199,7 +199,7 @@ fn own_output(output: Option<&str>, format: Output) -> Result<&str, Failure> {
     }
 }
 
-fn send(args: &Send, out: &mut Told<'_>) -> Result<u8, Failure> {
+fn send(args: &Send, out: &mut Reporter<'_>) -> Result<u8, Failure> {
     if grbl::is_grbl(args.target.machine.as_deref()) {
         return grbl::send(args, out);
     }
@@ -286,7 +286,7 @@ fn emulate_into(args: &Emulate, outputs: &mut Outputs, out: &mut dyn Write) -> R
             (Some(_), _) => args.expect_microfactory()?,
             (None, "micromill" | "grbl") => args.expect_micromill()?,
             (None, "drill") => args.expect_drill()?,
-            _ => args.expect_chain()?,
+            _ => args.expect_network()?,
         }
         let made = match &args.steps {
             Some(path) => Some(Box::new(outputs.create(path)?) as Box<dyn Write>),
@@ -309,17 +309,17 @@ fn emulate_into(args: &Emulate, outputs: &mut Outputs, out: &mut dyn Write) -> R
     }
     #[cfg(not(unix))]
     {
-        args.expect_chain()?;
+        args.expect_network()?;
         ended(measuring::emulate(args, out))
     }
 }
 
 fn calibrate(args: &Calibrate, out: &mut dyn Write) -> Result<u8, Failure> {
-    let told = |format, schema, out| Told::new(out, format, schema);
+    let reporter = |format, schema, out| Reporter::new(out, format, schema);
     ended(match &args.what {
         What::Backlash(args) => {
-            let mut out = told(args.format, "husillo.calibrate.backlash/1", out);
-            let made = lash::calibrate_backlash(args, &load(&args.machine)?, &mut out)?;
+            let mut out = reporter(args.format, "husillo.calibrate.backlash/1", out);
+            let made = backlash::calibrate_backlash(args, &load(&args.machine)?, &mut out)?;
             let mut outputs = Outputs::new();
             for (path, text) in [(&args.report, made.page), (&args.output, made.machine)] {
                 if let Some(path) = path {
@@ -329,15 +329,19 @@ fn calibrate(args: &Calibrate, out: &mut dyn Write) -> Result<u8, Failure> {
             Ok(outputs.finish()?)
         }
         What::Circles(args) => {
-            let mut out = told(args.format, "husillo.calibrate.circles/1", out);
-            Ok(lash::print_circles(args, &load(&args.machine)?, &mut out)?)
+            let mut out = reporter(args.format, "husillo.calibrate.circles/1", out);
+            Ok(backlash::print_circles(
+                args,
+                &load(&args.machine)?,
+                &mut out,
+            )?)
         }
         What::Axis(args) => {
-            let mut out = told(args.format, "husillo.calibrate.axis/1", out);
+            let mut out = reporter(args.format, "husillo.calibrate.axis/1", out);
             measuring::calibrate_axis(args, &mut out)
         }
         What::Squareness(args) => {
-            let mut out = told(args.format, "husillo.calibrate.squareness/1", out);
+            let mut out = reporter(args.format, "husillo.calibrate.squareness/1", out);
             measuring::calibrate_squareness(args, &mut out)
         }
     })
@@ -354,7 +358,7 @@ fn ended(result: Result<(), Stopped>) -> Result<u8, Failure> {
             Ok(ERRORS)
         }
         Err(Stopped::Output(error)) => Err(error.into()),
-        Err(Stopped::Told(status)) => Ok(status),
+        Err(Stopped::Reported(status)) => Ok(status),
     }
 }
 

@@ -1,6 +1,6 @@
 //! Actions of `husillo jog`, one after the other.
 
-use crate::console::told::{Told, action as action_object, report};
+use crate::console::reporter::{Reporter, action as action_object, report};
 use husillo_clients::ByHand;
 
 /// Carries out actions and prints their results. `port` names the machine. Returns whether all
@@ -9,7 +9,7 @@ pub fn carry_out<H: ByHand>(
     port: &str,
     actions: &[H::Action],
     hand: &mut H,
-    out: &mut Told<'_>,
+    out: &mut Reporter<'_>,
 ) -> bool {
     for action in actions {
         let start = hand.elapsed();

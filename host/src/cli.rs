@@ -43,7 +43,7 @@ pub use zero::{LETTERS, Zero};
         husillo run examples/circles.nc     simulate a part and look at the report\n  \
         husillo check part.nc               find all errors without running it\n\n\
         Exit status: 0 ok, 1 the program has errors, 2 bad command line or file,\n\
-        3 trouble in measuring, 4 collision of the probe, 5 end switch, 130 stopped by Ctrl-C"
+        3 error in measuring, 4 collision of the probe, 5 end switch, 130 stopped by Ctrl-C"
 )]
 pub struct Cli {
     /// What to do.
@@ -99,7 +99,8 @@ pub enum Command {
         husillo compile figure.nc -m microfactory -o figure.fig\n  \
         husillo commands board.cod --format gcode")]
     Compile(Compile),
-    /// Send a program to the drill, the micro mill or microfactories, and report its progress
+    /// Send a program to a drill, a micro mill, microfactories or a Grbl controller, and report its
+    /// progress
     #[command(after_help = "Examples:\n  \
         husillo send board.drl -m drill --shift corner --port /dev/ttyUSB0\n  \
         husillo send board.toml -m drill --port tcp:192.168.1.5:4001\n  \
@@ -164,7 +165,8 @@ pub enum Command {
         husillo machines\n  \
         husillo machines show micromill")]
     Machines(Machines),
-    /// Move a microfactory, a micro mill or a drill by hand: home, counted steps, jogs
+    /// Move a microfactory, a micro mill, a drill or a Grbl machine by hand: home, counted steps,
+    /// jogs
     #[command(after_help = "Actions of a microfactory, done in turn:\n  \
         home         X, Y and Z to their switches and 200 steps back\n  \
         x -25        steps of a motor: x, y, z, or c for the spindle\n  \
@@ -267,8 +269,8 @@ pub struct Target {
     /// [default: that of the machine, or rs274; micromill for files ending in .mm]
     #[arg(long, value_name = "NAME")]
     pub dialect: Option<String>,
-    /// Folder with files of subroutines, after that of the program: NAME.ngc for a call of the
-    /// O-word NAME, 100.ngc for M98 P100; repeatable
+    /// Folder with files of subroutines, in addition to that of the program. A call of the O-word
+    /// NAME reads NAME.ngc, and M98 P100 reads 100.ngc; may be repeated
     #[arg(long, value_name = "DIR")]
     pub include: Vec<String>,
 }
@@ -276,10 +278,10 @@ pub struct Target {
 /// Position of a program on the machine.
 #[derive(Debug, Args)]
 pub struct Place {
-    /// Position of work zero on the machine, where the tool begins: axes with mm, as X20Y15Z-3; the
-    /// centre or the corner of the table; or fit: the part in the middle of the table. These three
-    /// words put the highest Z of the part at the upper end of Z [default: machine zero; fit if the
-    /// program does not fit there]
+    /// Position of work zero on the machine. The tool begins there. Axes with mm, as X20Y15Z-3; or
+    /// centre or corner: of the table; or fit: puts the part in the middle of the table. These
+    /// three words also put the highest Z of the part at the upper end of Z [default: machine zero;
+    /// fit if the program does not fit there]
     #[arg(long, value_name = "X..Y..Z..|centre|corner|fit")]
     pub zero: Option<Zero>,
 }
@@ -307,7 +309,7 @@ pub struct Run {
     /// Leave the backlash of the machine uncompensated
     #[arg(long)]
     pub no_compensation: bool,
-    /// Simulate the screws with the backlash of the table simulated_lash, which varies with the
+    /// Simulate the screws with the backlash of the table simulated_backlash, which varies with the
     /// position
     #[arg(long)]
     pub worn: bool,
@@ -388,7 +390,8 @@ pub struct FormatArgs {
     /// With --to: machine whose axes the program has [default: the axes X, Y, Z, A, B and C]
     #[arg(short, long, value_name = "NAME|FILE", requires = "to")]
     pub machine: Option<String>,
-    /// With --to: folder with files of subroutines, after that of the program; repeatable
+    /// With --to: folder with files of subroutines, in addition to that of the program; may be
+    /// repeated
     #[arg(long, value_name = "DIR", requires = "to")]
     pub include: Vec<String>,
 }
@@ -428,7 +431,7 @@ pub struct Machines {
 /// What to do with machines.
 #[derive(Debug, Subcommand)]
 pub enum MachinesAction {
-    /// Show the properties of one
+    /// Show the properties of a machine
     Show {
         /// A built-in machine, or the path of a machine file
         machine: String,

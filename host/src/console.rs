@@ -5,9 +5,9 @@
 
 pub mod keys;
 pub mod progress;
+pub mod reporter;
 pub mod sharing;
 pub mod stop;
-pub mod told;
 pub mod typed;
 
 use crate::text::name;

@@ -18,14 +18,14 @@ pub use manifest::{
 pub use program::{Translation, text as program_text};
 
 use crate::cli::Jog;
+use crate::console::reporter::{Reporter, action as action_object, report};
 use crate::console::sharing::share;
 use crate::console::stop::stop_requests;
-use crate::console::told::{Told, action as action_object, report};
 use crate::holes;
 use crate::output::Outputs;
 use crate::text::name;
 use husillo_clients::drill::{
-    Action, BAUD, Client, End, Hand, Operator, Part, Place, Sender, Trouble, sentence,
+    Action, BAUD, Client, ClientError, End, Hand, Operator, Part, Place, Sender, sentence,
 };
 use husillo_sim::device::drill::Device;
 use husillo_transports::drill::Failure as LinkFailure;
@@ -43,7 +43,7 @@ fn keep(file: &str, bytes: &[u8]) -> Result<(), String> {
 /// # Errors
 ///
 /// A sentence about the actions, before anything moves.
-pub fn jog(args: &Jog, out: &mut Told<'_>) -> Result<bool, String> {
+pub fn jog(args: &Jog, out: &mut Reporter<'_>) -> Result<bool, String> {
     let actions = Action::parse(&args.actions)?;
     let [port] = &args.port[..] else {
         return Err("a drill is driven alone: one --port".into());
@@ -67,10 +67,10 @@ pub fn jog(args: &Jog, out: &mut Told<'_>) -> Result<bool, String> {
         }),
         _ => client.reach(),
     };
-    if let (Err(trouble), [Action::Where]) = (&reached, &actions[..]) {
+    if let (Err(error), [Action::Where]) = (&reached, &actions[..]) {
         let is_answer =
-            *trouble == Trouble::AtWork || *trouble == Trouble::Link(LinkFailure::Fault);
-        let place = Place::unknown(trouble);
+            *error == ClientError::AtWork || *error == ClientError::Link(LinkFailure::Fault);
+        let place = Place::unknown(error);
         out.tell(&place, || {
             action_object(1, port, &Action::Where, 0.0, Ok(&place))
         });
@@ -78,8 +78,8 @@ pub fn jog(args: &Jog, out: &mut Told<'_>) -> Result<bool, String> {
             return Ok(true);
         }
     }
-    if let Err(trouble) = reached {
-        out.failed(port, &trouble.unreached());
+    if let Err(error) = reached {
+        out.failed(port, &error.unreached());
         return Ok(false);
     }
     let mut hand = Hand::new(client, keep);
@@ -124,7 +124,11 @@ fn open(port: &str, baud: u32, lease_ms: Option<u16>) -> Result<Client, String> 
 /// # Errors
 ///
 /// A sentence about what cannot be asked for, before anything moves.
-pub fn send(args: &crate::cli::Send, parts: &[Part], out: &mut Told<'_>) -> Result<bool, String> {
+pub fn send(
+    args: &crate::cli::Send,
+    parts: &[Part],
+    out: &mut Reporter<'_>,
+) -> Result<bool, String> {
     let (_, port) = args.alone()?;
     let baud = args.baud.unwrap_or(BAUD);
     // A drill that is to work alone has no lease.

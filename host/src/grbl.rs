@@ -2,9 +2,9 @@
 
 use crate::by_hand;
 use crate::cli::{Emulate, Jog};
+use crate::console::reporter::Reporter;
 use crate::console::sharing::share;
 use crate::console::stop::stop_requests;
-use crate::console::told::Told;
 use crate::machines::machine_file::MachineFile;
 use crate::programs::setup;
 use husillo_clients::grbl::{Action, BAUD, Hand, open};
@@ -82,7 +82,7 @@ pub fn settings(file: &MachineFile) -> Result<Settings, String> {
 /// # Errors
 ///
 /// A sentence about a wrong action, before anything moves.
-pub fn jog(args: &Jog, out: &mut Told<'_>) -> Result<bool, String> {
+pub fn jog(args: &Jog, out: &mut Reporter<'_>) -> Result<bool, String> {
     let actions = Action::parse(&args.actions)?;
     let [name] = &args.port[..] else {
         return Err("a Grbl controller is driven alone: one --port".into());

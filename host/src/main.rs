@@ -9,7 +9,7 @@
 //! | `holes` | drill files: options, findings and lists |
 //! | `machines` | machine files, and what follows from them |
 //! | `measuring` | the measuring machine and its errors |
-//! | `lash`, `tuning` | backlash by position; servo axes |
+//! | `backlash`, `tuning` | backlash by position; servo axes |
 //! | `reproducing` | the measured tables of the original machines |
 //! | `micromill`, `drill`, `microfactory` | programs and commands for these machines |
 //! | `console` | the terminal: what is shown, typed lines, Ctrl-C |
@@ -21,6 +21,7 @@
 mod console;
 
 mod app;
+mod backlash;
 mod by_hand;
 mod cli;
 mod diagnostics;
@@ -30,7 +31,6 @@ mod emulate;
 mod grbl;
 mod holes;
 mod input;
-mod lash;
 mod machines;
 mod measuring;
 mod methods;

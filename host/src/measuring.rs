@@ -3,7 +3,7 @@
 //! ```text
 //! file, action ─► session ─► husillo-metrology ─► port ─► serial device, socket
 //! routine ──────────┘  └─► result_row
-//! piece_file ─► simulated chain ─► terminal
+//! piece_file ─► simulated network ─► terminal
 //! ```
 
 mod action;
@@ -31,7 +31,7 @@ use crate::console::stop::INTERRUPTED;
 use crate::machines::machine_file::LoadError;
 use crate::text::json::write_line;
 use action::Action;
-use husillo_metrology::Trouble;
+use husillo_metrology::Error;
 use husillo_metrology::calibration::Calibrated;
 use husillo_metrology::heads::{Head, Machine, Prober as _, Stylus};
 use husillo_metrology::simulated::{IO_PANEL, Mounted, NetworkModule, PANEL, SimulatedNetwork};
@@ -53,7 +53,7 @@ pub enum Stopped {
     /// The results cannot be written.
     Output(io::Error),
     /// The message is printed already. This is the exit status.
-    Told(u8),
+    Reported(u8),
 }
 
 impl From<String> for Stopped {
@@ -67,7 +67,7 @@ const OUT_OF_TOLERANCE: u8 = 1;
 /// Exit status of a routine with mistakes. Nothing has moved.
 const WRONG: u8 = 2;
 /// Exit status of a routine that stopped before its end.
-const TROUBLE: u8 = 3;
+const FAILED: u8 = 3;
 /// Exit status of a collision: the probe touched something during a move without a search.
 const COLLISION: u8 = 4;
 /// Exit status after an axis met an end switch.
@@ -86,16 +86,16 @@ pub fn measure(args: &Measure, out: &mut dyn Write, table: &mut Vec<u8>) -> Resu
     match done {
         Err(Stopped::Machine(message)) if interrupt.has_stopped() => {
             eprintln!("{message}");
-            Err(Stopped::Told(INTERRUPTED))
+            Err(Stopped::Reported(INTERRUPTED))
         }
-        Err(Stopped::Told(TROUBLE | COLLISION | END_SWITCH)) if interrupt.has_stopped() => {
-            Err(Stopped::Told(INTERRUPTED))
+        Err(Stopped::Reported(FAILED | COLLISION | END_SWITCH)) if interrupt.has_stopped() => {
+            Err(Stopped::Reported(INTERRUPTED))
         }
         done => done,
     }
 }
 
-/// What follows after the actions.
+/// What follows the actions.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Last<'a> {
     /// Run a routine.
@@ -200,23 +200,23 @@ fn measure_by(
     });
     let written = written.and_then(|()| write_rows(args.format, &rows, out, table));
     match (result, mishap) {
-        (Err(trouble), Some(status)) => {
-            eprintln!("{}", error_text(&trouble));
-            return Err(Stopped::Told(status));
+        (Err(error), Some(status)) => {
+            eprintln!("{}", error_text(&error));
+            return Err(Stopped::Reported(status));
         }
-        (result, _) => result.map_err(|trouble| Stopped::Machine(error_text(&trouble)))?,
+        (result, _) => result.map_err(|error| Stopped::Machine(error_text(&error)))?,
     }
-    // The state of the machine outranks a failed output, for example a closed pipe.
+    // The state of the machine matters more than a failed output, for example a closed pipe.
     if let Some(status) = mishap {
-        return Err(Stopped::Told(status));
+        return Err(Stopped::Reported(status));
     }
     if is_refused {
-        return Err(Stopped::Told(TROUBLE));
+        return Err(Stopped::Reported(FAILED));
     }
     written.map_err(Stopped::Output)
 }
 
-/// The exit status of what an axis has run into, if it has.
+/// The exit status after a collision or an end switch. `None` without either.
 fn mishap_of(head: &mut Calibrated<Head<AnyPort>>) -> Option<u8> {
     if head.has_collided() {
         return Some(COLLISION);
@@ -226,7 +226,7 @@ fn mishap_of(head: &mut Calibrated<Head<AnyPort>>) -> Option<u8> {
 
 /// Carries out actions as they are typed, one line at a time, until `end` or the end of the input.
 /// A line that is not understood, or fails, is reported, and the session continues. Returns whether
-/// there was such a line.
+/// a line failed.
 ///
 /// # Errors
 ///
@@ -236,7 +236,7 @@ fn typed(
     head: &mut Calibrated<Head<AnyPort>>,
     interrupt: &Interrupt,
     mut report: impl FnMut(&ResultRow),
-) -> Result<bool, Trouble> {
+) -> Result<bool, Error> {
     let mut is_refused = false;
     for line in BufReader::new(crate::input::bounded(std::io::stdin())).lines() {
         let line = line?;
@@ -252,8 +252,8 @@ fn typed(
                     session.keep(head);
                     continue;
                 }
-                Err(trouble) if interrupt.has_stopped() => return Err(trouble),
-                Err(trouble) => error_text(&trouble),
+                Err(error) if interrupt.has_stopped() => return Err(error),
+                Err(error) => error_text(&error),
             },
         };
         is_refused = true;
@@ -266,7 +266,7 @@ fn typed(
 ///
 /// # Errors
 ///
-/// [`Stopped`]. A trouble is printed.
+/// [`Stopped`]. An error is printed.
 fn prepared(
     args: &Measure,
     (session, actions): (&mut Session, &[Action]),
@@ -281,9 +281,9 @@ fn prepared(
             written = writeln!(out, "{}", row.text(scale)).and_then(|()| out.flush());
         }
     });
-    result.map_err(|trouble| {
-        eprintln!("{}", error_text(&trouble));
-        Stopped::Told(mishap_of(head).unwrap_or(TROUBLE))
+    result.map_err(|error| {
+        eprintln!("{}", error_text(&error));
+        Stopped::Reported(mishap_of(head).unwrap_or(FAILED))
     })?;
     written.map_err(Stopped::Output)?;
     Ok(session.stylus())
@@ -308,7 +308,7 @@ fn run_routine(
     file: &mut Vec<u8>,
 ) -> Result<(), Stopped> {
     let Some(routine) = Routine::load(path)? else {
-        return Err(Stopped::Told(WRONG));
+        return Err(Stopped::Reported(WRONG));
     };
     let (session, actions) = before;
     let mut head = started(args, machine, interrupt, session)?;
@@ -359,27 +359,27 @@ fn started(
     }
     let line = session::open(args, machine, mounted(args.piece.as_deref(), machine)?)?;
     let line = line.with_operator(User::new(interrupt, args.raw));
-    session.begin(line, args).map_err(|trouble| {
-        eprintln!("{}", error_text(&trouble));
-        Stopped::Told(TROUBLE)
+    session.begin(line, args).map_err(|error| {
+        eprintln!("{}", error_text(&error));
+        Stopped::Reported(FAILED)
     })
 }
 
 const fn ended(ending: Ending, has_met_end: bool) -> Result<(), Stopped> {
     match ending {
-        Ending::Trouble if has_met_end => Err(Stopped::Told(END_SWITCH)),
+        Ending::Failed if has_met_end => Err(Stopped::Reported(END_SWITCH)),
         Ending::Good => Ok(()),
-        Ending::OutOfTolerance => Err(Stopped::Told(OUT_OF_TOLERANCE)),
-        Ending::Trouble => Err(Stopped::Told(TROUBLE)),
-        Ending::Collision => Err(Stopped::Told(COLLISION)),
+        Ending::OutOfTolerance => Err(Stopped::Reported(OUT_OF_TOLERANCE)),
+        Ending::Failed => Err(Stopped::Reported(FAILED)),
+        Ending::Collision => Err(Stopped::Reported(COLLISION)),
     }
 }
 
-/// The error message of a trouble, with its hint.
-pub fn error_text(trouble: &Trouble) -> String {
-    match help::help(trouble) {
-        Some(help) => format!("error: {trouble}\n  help: {help}"),
-        None => format!("error: {trouble}"),
+/// The error message of an error, with its hint.
+pub fn error_text(error: &Error) -> String {
+    match help::help(error) {
+        Some(help) => format!("error: {error}\n  help: {help}"),
+        None => format!("error: {error}"),
     }
 }
 

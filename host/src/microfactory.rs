@@ -11,9 +11,9 @@ mod figure;
 pub use figure::{is_list, program};
 
 use crate::cli::Jog;
+use crate::console::reporter::{Reporter, action as action_object, report};
 use crate::console::sharing::share;
 use crate::console::stop::stop_requests;
-use crate::console::told::{Told, action as action_object, report};
 use crate::machines::machine_file::MachineFile;
 use husillo_clients::microfactory::crew::{self, What};
 use husillo_clients::microfactory::{Action, BAUD, LEASE, Links, Settings, shares};
@@ -38,7 +38,7 @@ pub fn settings_of(machine: &MachineFile) -> Option<Settings> {
     Some(Settings {
         config: MicrofactoryConfig {
             axis_rate_hz: small(slowest),
-            lash_steps: [x, y, z].map(|axis| small(axis.lash_steps)),
+            backlash_steps: [x, y, z].map(|axis| small(axis.backlash_steps)),
             back_off_steps: small(pull_off),
             ..MicrofactoryConfig::ORIGINAL
         },
@@ -53,7 +53,7 @@ pub fn settings_of(machine: &MachineFile) -> Option<Settings> {
 /// # Errors
 ///
 /// A sentence about the actions, before anything moves.
-pub fn jog(args: &Jog, settings: &Settings, out: &mut Told<'_>) -> Result<bool, String> {
+pub fn jog(args: &Jog, settings: &Settings, out: &mut Reporter<'_>) -> Result<bool, String> {
     let load = |file: &str| figure::load(file, settings);
     let shares = shares(&args.actions, args.port.len(), load)?;
     let figure = figure_of(args.figure.as_deref(), settings)?;
@@ -75,7 +75,7 @@ pub fn jog(args: &Jog, settings: &Settings, out: &mut Told<'_>) -> Result<bool, 
 }
 
 /// Lets all machines work, and tells what they do.
-fn work(crew: Vec<crew::Worker>, out: &mut Told<'_>) -> Result<Vec<crew::Share>, String> {
+fn work(crew: Vec<crew::Worker>, out: &mut Reporter<'_>) -> Result<Vec<crew::Share>, String> {
     let is_alone = crew.len() == 1;
     crew::work(crew, |said| {
         let number = said.machine + 1;
@@ -94,11 +94,11 @@ fn work(crew: Vec<crew::Worker>, out: &mut Told<'_>) -> Result<Vec<crew::Share>,
 }
 
 /// Whether all machines have done their work. The failures are printed; objects have them already.
-fn is_well(shares: &[crew::Share], out: &Told<'_>) -> bool {
+fn is_well(shares: &[crew::Share], out: &Reporter<'_>) -> bool {
     let troubles = crew::troubles(shares);
-    let count = troubles.map(|(port, trouble)| {
+    let count = troubles.map(|(port, error)| {
         if !out.is_json() {
-            eprintln!("error: {port}: {trouble}");
+            eprintln!("error: {port}: {error}");
         }
     });
     count.count() == 0
@@ -112,7 +112,7 @@ fn is_well(shares: &[crew::Share], out: &Told<'_>) -> bool {
 pub fn send(
     args: &crate::cli::Send,
     settings: &Settings,
-    out: &mut Told<'_>,
+    out: &mut Reporter<'_>,
 ) -> Result<bool, String> {
     let (files, ports) = (&args.files, &args.port);
     if files.len() != 1 && files.len() != ports.len() {

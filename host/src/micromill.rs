@@ -10,9 +10,9 @@
 
 use crate::by_hand;
 use crate::cli::Jog;
+use crate::console::reporter::Reporter;
 use crate::console::sharing::share;
 use crate::console::stop::stop_requests;
-use crate::console::told::Told;
 use husillo_clients::micromill::{Action, BAUD, Frame, Hand, LEASE_MS, LengthUnit, open};
 use husillo_machine::Config;
 use husillo_sim::device::micromill::Device;
@@ -63,7 +63,7 @@ pub fn text(lines: &[(usize, Line)]) -> String {
 /// # Errors
 ///
 /// A sentence about a wrong action, before anything moves.
-pub fn jog(args: &Jog, config: Config<3>, out: &mut Told<'_>) -> Result<bool, String> {
+pub fn jog(args: &Jog, config: Config<3>, out: &mut Reporter<'_>) -> Result<bool, String> {
     let actions = Action::parse(&args.actions)?;
     let [name] = &args.port[..] else {
         return Err("a mill is driven alone: one --port".into());

@@ -6,10 +6,10 @@ use crate::console::stop::INTERRUPTED;
 use crate::measuring::interrupt::{Interrupt, User};
 use crate::measuring::machine_file;
 use crate::measuring::memory_file;
-use crate::measuring::port::ChainPort;
+use crate::measuring::port::NetworkPort;
 use crate::measuring::{Stopped, error_text};
 use crate::text::json::write_line;
-use husillo_metrology::Trouble;
+use husillo_metrology::Error;
 use husillo_metrology::heads::{AxisSettings, Line, Machine, Port};
 use husillo_metrology::simulated::{SimulatedNetwork, SimulatedPort};
 use husillo_metrology::tuning::{
@@ -36,8 +36,7 @@ pub fn tune(args: &Tune, out: &mut dyn Write, page: &mut String) -> Result<(), S
     let rig = open(args, &machine, &file, &interrupt)?;
     let (title, port) = (machine.title.clone(), args.port.clone());
     let mut outcome = Outcome::new(args.method.name(), title, file.letter, port);
-    let mut stand =
-        Stand::new(rig, file).map_err(|trouble| Stopped::Machine(error_text(&trouble)))?;
+    let mut stand = Stand::new(rig, file).map_err(|error| Stopped::Machine(error_text(&error)))?;
     let result = experiment(args, size).run(&mut stand, &mut outcome);
     // The line is free again for the command that switches the motor off.
     interrupt.see_to();
@@ -58,7 +57,7 @@ pub fn tune(args: &Tune, out: &mut dyn Write, page: &mut String) -> Result<(), S
     match message {
         Some(message) if interrupt.has_stopped() => {
             eprintln!("error: {message}");
-            Err(Stopped::Told(INTERRUPTED))
+            Err(Stopped::Reported(INTERRUPTED))
         }
         Some(message) => Err(Stopped::Machine(format!("error: {message}"))),
         None => written.map_err(Stopped::Output),
@@ -127,7 +126,7 @@ fn open(
             None,
         )?)),
         name => {
-            let port = ChainPort::open(name);
+            let port = NetworkPort::open(name);
             let port = port.map_err(|error| format!("{name}: {error}"))?;
             share(
                 args.machine.as_deref().unwrap_or("cmm"),
@@ -143,15 +142,15 @@ fn open(
     let linked = Linked::start(line, machine, file);
     // The motor runs during the whole experiment, with or without its servo.
     interrupt.set_moving(linked.is_ok());
-    Ok(Box::new(linked.map_err(|trouble| {
-        Stopped::Machine(error_text(&trouble))
-    })?))
+    Ok(Box::new(
+        linked.map_err(|error| Stopped::Machine(error_text(&error)))?,
+    ))
 }
 
 /// Why an experiment was aborted, with its last trial and a hint.
 fn message(failed: &Failed, outcome: &Outcome) -> String {
-    let trouble = match failed {
-        Failed::Trouble(trouble) => trouble,
+    let error = match failed {
+        Failed::Machine(error) => error,
         Failed::NoUltimate => return format!("{failed}; try --method relay"),
         Failed::NoRelay(none) => return no_relay(none),
         Failed::NoGains => return failed.to_string(),
@@ -163,18 +162,18 @@ fn message(failed: &Failed, outcome: &Outcome) -> String {
     let when = trial.map_or(String::new(), |trial| {
         format!(" with p = {}, i = {}, d = {}", trial.p, trial.i, trial.d)
     });
-    let help = match trouble {
-        Trouble::PositionError { .. } => {
+    let help = match error {
+        Error::PositionError { .. } => {
             "\n  help: the servo is off now; lower --size, or raise --error-limit if the travel \
              allows it"
         }
-        Trouble::OverCurrent { .. } => {
+        Error::OverCurrent { .. } => {
             "\n  help: the motor is off now; lower --size or --amplitude, or raise --current if \
              the motor allows it"
         }
         _ => "",
     };
-    format!("{trouble}{when}: aborted{help}")
+    format!("{error}{when}: aborted{help}")
 }
 
 /// Why a relay experiment found nothing, and the options that change it.
@@ -187,7 +186,7 @@ fn no_relay(none: &NoRelay) -> String {
             format!("{none}: lower --hysteresis or raise --amplitude")
         }
         NoRelay::TooSlow { .. } => format!("{none}: raise `baud`, or use --method ultimate"),
-        NoRelay::Trouble(trouble) => trouble.to_string(),
+        NoRelay::Machine(error) => error.to_string(),
     }
 }
 

@@ -29,7 +29,7 @@ fn the_circles_of_the_micro_mill() {
         "json",
         "--no-compensation",
     ]);
-    // The flats the machine really made: about the lash of X and Y together.
+    // The flats the machine really made: about the backlash of X and Y together.
     assert!(uncompensated["max_deviation_nm"].as_f64().unwrap() > 100_000.0);
 }
 
@@ -464,7 +464,7 @@ fn steps_as_csv() {
             "2,1000000,0,0,0"
         ]
     );
-    // The lash of X is taken up, then one step is made.
+    // The backlash of X is taken up, then one step is made.
     assert_eq!(rows.len(), 4 + 1457 + 1);
     // With the inputs of the drivers, PH of phase A in bit 0, of B in bit 3: X advances by a
     // quarter of its cycle per step.

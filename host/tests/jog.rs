@@ -49,8 +49,11 @@ fn where_has_steps_millimetres_and_inches() {
 
 #[test]
 fn the_same_over_a_pseudo_terminal() {
-    let made = std::env::temp_dir().join(format!("husillo-cell-made-{}.csv", std::process::id()));
-    let Some(mut device) = device("cell", &["--steps", made.to_str().unwrap()]) else {
+    let made = std::env::temp_dir().join(format!(
+        "husillo-microfactory-made-{}.csv",
+        std::process::id()
+    ));
+    let Some(mut device) = device("microfactory", &["--steps", made.to_str().unwrap()]) else {
         return;
     };
     jog(&device, &["home", "x", "300", "c", "64", "y+", "0.1s"]).success();
@@ -236,7 +239,7 @@ fn one_host_drives_both_machines_of_a_controller() {
 #[cfg(unix)]
 #[test]
 fn an_interruption_stops_what_moves() {
-    let Some(mut device) = Emulated::new("microfactory", "interrupted-cell", &[]) else {
+    let Some(mut device) = Emulated::new("microfactory", "interrupted-microfactory", &[]) else {
         return;
     };
     let where_ = |device: &mut Emulated| device.type_line("where", "lost");

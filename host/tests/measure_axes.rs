@@ -172,10 +172,10 @@ fn an_axis_that_brakes_for_long_is_waited_for() {
 #[cfg(unix)]
 #[test]
 fn the_next_command_goes_on_where_the_last_one_ended() {
-    let Some(mut chain) = Emulated::new("cmm", "memory", &["--speed", "20"]) else {
+    let Some(mut network) = Emulated::new("cmm", "memory", &["--speed", "20"]) else {
         return;
     };
-    let port = chain.port().to_owned();
+    let port = network.port().to_owned();
     // A file of the name of the machine is not the machine.
     let folder = scratch("memory-folder");
     std::fs::create_dir_all(&folder).unwrap();
@@ -279,14 +279,14 @@ fn the_next_command_goes_on_where_the_last_one_ended() {
     };
     run(&["home", "x", "goto", "50", "zero"]);
     let before = origins();
-    chain.type_line("unplug", "unplugged");
+    network.type_line("unplug", "unplugged");
     fails();
-    chain.type_line("plug", "plugged in");
+    network.type_line("plug", "plugged in");
     assert_eq!(origins(), before);
 
-    chain.type_line("power off", "power is off");
+    network.type_line("power off", "power is off");
     fails();
-    chain.type_line("power on", "power is on");
+    network.type_line("power on", "power is on");
     let (rows, told) = run(&["status"]);
     let lost = "note: the modules were reset or moved, so zero and home are lost\n";
     assert!(told.starts_with(lost), "{told}");
@@ -326,7 +326,7 @@ fn an_end_switch_is_a_fault_with_an_exit_status_of_its_own() {
     husillo().args(met).assert().code(5).stderr(
         contains("error: the low end switch of X has closed at X -500 counts, at about ")
             .and(contains(" counts/s; all axes have been stopped"))
-            .and(contains("  help: go back the other way")),
+            .and(contains("  help: move in the opposite direction")),
     );
     // A session goes on, away from the switch.
     let session = husillo()

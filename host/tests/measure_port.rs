@@ -105,13 +105,16 @@ fn a_dead_port_is_reported() {
 fn the_same_through_a_pseudo_terminal() {
     let args = ["--contact", "1:318", "--contact", "1:..-118"];
     let modules = ["--modules", "servo:4,servo:4", "--speed", "10"];
-    let Some(chain) = Emulated::new("cmm", "measure-chain", &[&args[..], &modules[..]].concat())
-    else {
+    let Some(network) = Emulated::new(
+        "cmm",
+        "measure-network",
+        &[&args[..], &modules[..]].concat(),
+    ) else {
         return;
     };
     let actions = ["touch", "+", "goto", "0", "touch", "-", "--pretravel", "18"];
     let simulated = measured(&[&actions[..], &args[..]].concat());
-    let port = ["--port", chain.port()];
+    let port = ["--port", network.port()];
     let real = measured(&[&actions[..], &port[..]].concat());
     assert_eq!(real.len(), 3);
     for row in [&simulated, &real] {
@@ -123,7 +126,7 @@ fn the_same_through_a_pseudo_terminal() {
 
 #[test]
 fn an_emulation_ends_and_takes_its_link_away() {
-    let link = scratch("short-chain");
+    let link = scratch("short-network");
     let output = husillo()
         .args(["emulate", "cmm", "--for", "0.2", "--link"])
         .arg(&link)

@@ -94,7 +94,7 @@ fn slopes_and_helices_are_flattened() {
             *at += delta.parse::<i32>().expect("a delta");
         }
     }
-    // Motors: the lash of X and Y is in them where they turned round.
+    // Motors: the backlash of X and Y is in them where they turned round.
     assert_eq!(at[2], -143, "0.02 mm in steps of 140 nm");
     // The slope, from the strings: each corner against the line.
     let mut place = [500.0_f64, 500.0, 0.0];

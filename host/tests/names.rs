@@ -43,7 +43,7 @@ const COMMANDS: [&str; 29] = [
     "jog -m drill home x 300 teach save {.saved} < .saved",
     "measure -m cmm3 --piece {.piece} --ball 1 --pretravel 8um run {.routine} -o {.json} < .json",
     "calibrate axis {.gauge}",
-    "calibrate backlash {.lines} -m {.toml} -o {.map} --report {.lash} < .map .lash",
+    "calibrate backlash {.lines} -m {.toml} -o {.map} --report {.backlash} < .map .backlash",
     "tune --method step -o {.tune} < .tune",
     "reproduce microfactory 4.3 -o {.tables} < .tables",
     "emulate micromill --link {.link} --steps {.events} --for 0.05 < .events",

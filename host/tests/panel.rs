@@ -1,4 +1,4 @@
-//! The panel of an emulated chain.
+//! The panel of an emulated network.
 
 mod emulated;
 
@@ -7,11 +7,11 @@ use emulated::Emulated;
 
 /// Power that goes and comes back, and a cable that is pulled, at the panel.
 #[test]
-fn the_panel_of_a_chain() {
-    let Some(mut chain) = Emulated::new("cmm", "chain-panel", &[]) else {
+fn the_panel_of_a_network() {
+    let Some(mut network) = Emulated::new("cmm", "network-panel", &[]) else {
         return;
     };
-    let port = chain.port().to_owned();
+    let port = network.port().to_owned();
     let status = || {
         let mut command = Command::cargo_bin("husillo").unwrap();
         command.args(["measure", "-m", "cmm", "--port", &port, "status"]);
@@ -22,11 +22,11 @@ fn the_panel_of_a_chain() {
         ("power off", "is off", "power on", "is on"),
         ("unplug", "unplugged", "plug", "plugged in"),
     ] {
-        chain.type_line(off, answer);
+        network.type_line(off, answer);
         status().code(1);
-        chain.type_line(on, back);
+        network.type_line(on, back);
         status().success();
     }
-    chain.type_line("close probe", "probe: close");
-    chain.type_line("fly", "there are close|open|free probe");
+    network.type_line("close probe", "probe: close");
+    network.type_line("fly", "there are close|open|free probe");
 }

@@ -1,4 +1,4 @@
-//! `husillo measure run` and `record`, as a user calls them, on the simulated chain, whose work
+//! `husillo measure run` and `record`, as a user calls them, on the simulated network, whose work
 //! piece has three faces.
 
 mod common;
@@ -69,7 +69,7 @@ edge E at x 100 +-0.005 y 48 z 2 towards +x points 2 over 2 angle 90 +-0.1
 ";
 
 #[test]
-fn a_routine_on_the_chain() {
+fn a_routine_on_the_network() {
     let routine = written("corner.routine", CORNER);
     let page = scratch("corner.html");
     let run = measure()
@@ -383,7 +383,7 @@ fn what_is_known_of_the_axes_is_taken_off() {
 }
 
 #[test]
-fn a_program_on_the_chain() {
+fn a_program_on_the_network() {
     let program = written(
         "probe.nc",
         "G21 G90 F24\nG38.2 Z-10\n#<top> = #5063\nG0 Z[#<top> + 3]\no<edge> call [5] [1] [#<top> + \

@@ -69,13 +69,13 @@ fn number_after(text: &str, name: &str) -> f64 {
 
 #[test]
 fn a_measuring_machine_is_stopped_while_held_and_after_a_kill() {
-    let Some(chain) = Emulated::new("cmm3", "stop-cmm", &[]) else {
+    let Some(network) = Emulated::new("cmm3", "stop-cmm", &[]) else {
         return;
     };
     let folder = sockets("stop-cmm");
-    let halt = ["-m", "cmm3", "--port", chain.port()];
+    let halt = ["-m", "cmm3", "--port", network.port()];
     for is_killed in [false, true] {
-        let jog = ["--raw", "--port", chain.port(), "jog", "+x", "60s"];
+        let jog = ["--raw", "--port", network.port(), "jog", "+x", "60s"];
         let mut child = begin(&folder, &[&["measure", "-m", "cmm3"], &jog[..]].concat());
         // A trajectory of 60 s at 200 counts/s, which starts at once.
         let lines = BufReader::new(child.stderr.take().unwrap()).lines();

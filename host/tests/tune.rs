@@ -294,10 +294,10 @@ fn a_page_stands_alone() {
 
 #[test]
 fn the_same_through_a_pseudo_terminal() {
-    let Some(chain) = Emulated::new("cmm", "tune-chain", &["--speed", "4"]) else {
+    let Some(network) = Emulated::new("cmm", "tune-network", &["--speed", "4"]) else {
         return;
     };
-    let port = ["--port", chain.port()];
+    let port = ["--port", network.port()];
     let step = ["--method", "step", "--moves", "4"];
     let found = tuned(&[&step[..], &port[..]].concat());
     assert_eq!(found["check"]["within_1_count"], 4);

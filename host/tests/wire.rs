@@ -31,8 +31,12 @@ const DEVICE: [u8; 4] = [0x19, 0x00, 0x04, 0x1d];
 struct Client(TTYPort);
 
 impl Client {
-    fn open(chain: &Emulated) -> Client {
-        Client(serialport::new(chain.port(), 19200).open_native().unwrap())
+    fn open(network: &Emulated) -> Client {
+        Client(
+            serialport::new(network.port(), 19200)
+                .open_native()
+                .unwrap(),
+        )
     }
 
     fn rate(&mut self, bits_per_s: u32) {
@@ -77,15 +81,16 @@ impl Client {
     }
 }
 
-fn chain(name: &str, args: &[&str]) -> Option<(Emulated, Client)> {
-    let chain = Emulated::new("cmm", name, args)?;
-    let client = Client::open(&chain);
-    Some((chain, client))
+fn network(name: &str, args: &[&str]) -> Option<(Emulated, Client)> {
+    let network = Emulated::new("cmm", name, args)?;
+    let client = Client::open(&network);
+    Some((network, client))
 }
 
 #[test]
 fn each_module_has_the_rate_that_it_was_given() {
-    let Some((_chain, mut client)) = chain("wire-rates", &["--modules", "servo:4,servo:4"]) else {
+    let Some((_network, mut client)) = network("wire-rates", &["--modules", "servo:4,servo:4"])
+    else {
         return;
     };
     assert_eq!(client.ask(&ADDRESS_1, 2), [0x19, 0x19]);
@@ -110,7 +115,7 @@ fn each_module_has_the_rate_that_it_was_given() {
 /// A busy computer makes a reply late, but never early.
 #[test]
 fn a_reply_comes_no_sooner_than_its_bytes() {
-    let Some((_chain, mut client)) = chain("wire-times", &[]) else {
+    let Some((_network, mut client)) = network("wire-times", &[]) else {
         return;
     };
     client.ask(&ADDRESS_1, 2);
@@ -126,7 +131,7 @@ fn a_reply_comes_no_sooner_than_its_bytes() {
 
 #[test]
 fn a_command_without_a_pause_ends_the_reply_before_it() {
-    let Some((_chain, mut client)) = chain("wire-collision", &[]) else {
+    let Some((_network, mut client)) = network("wire-collision", &[]) else {
         return;
     };
     client.ask(&ADDRESS_1, 2);
@@ -141,7 +146,7 @@ fn a_command_without_a_pause_ends_the_reply_before_it() {
 
 #[test]
 fn without_byte_times_rates_do_not_matter() {
-    let Some((_chain, mut client)) = chain("wire-fast", &["--fast"]) else {
+    let Some((_network, mut client)) = network("wire-fast", &["--fast"]) else {
         return;
     };
     client.rate(115_200);
@@ -153,7 +158,7 @@ fn without_byte_times_rates_do_not_matter() {
 
 #[test]
 fn modules_are_deaf_after_a_reset_for_the_time_asked_for() {
-    let Some((_chain, mut client)) = chain("wire-reset", &["--reset-ms", "1500"]) else {
+    let Some((_network, mut client)) = network("wire-reset", &["--reset-ms", "1500"]) else {
         return;
     };
     client.send(&RESET);
@@ -172,25 +177,25 @@ fn modules_are_deaf_after_a_reset_for_the_time_asked_for() {
 
 #[test]
 fn a_module_with_inputs_and_outputs_has_its_panel() {
-    let Some((mut chain, mut client)) = chain("wire-io", &["--modules", "servo:4,io:2"]) else {
+    let Some((mut network, mut client)) = network("wire-io", &["--modules", "servo:4,io:2"]) else {
         return;
     };
     client.ask(&ADDRESS_1, 2);
     assert_eq!(client.ask(&ADDRESS_2, 2), [0, 0]);
     let device = client.ask(&[0xaa, 0x02, 0x13, 0x20, 0x35], 4);
     assert_eq!(device, [0, 2, 2, 4], "type and version");
-    chain.type_line("pin 2 11 high", "pin 11 of module 2: high");
-    chain.type_line("analogue 2 1 42", "analogue input 1 of module 2: 42");
+    network.type_line("pin 2 11 high", "pin 11 of module 2: high");
+    network.type_line("analogue 2 1 42", "analogue input 1 of module 2: 42");
     let inputs = client.ask(&[0xaa, 0x02, 0x13, 0x03, 0x18], 5);
     assert_eq!(inputs, [0, 0, 8, 42, 50]);
     // Pins 0 and 1 become outputs, and pin 1 goes high.
     client.ask(&[0xaa, 0x02, 0x20, 0xfc, 0x0f, 0x2d], 2);
     client.ask(&[0xaa, 0x02, 0x26, 0x02, 0x00, 0x2a], 2);
-    chain.type_line(
+    network.type_line(
         "outputs 2",
         "outputs of module 2: high 1; PWM 0 and 0 of 255",
     );
-    chain.type_line("pin 1 11 high", "pin MODULE 0..11 high|low");
+    network.type_line("pin 1 11 high", "pin MODULE 0..11 high|low");
 }
 
 /// A machine with the double switch of the prototype, whose motor has another encoder.
@@ -214,16 +219,16 @@ fn a_double_switch_closes_the_limit_of_its_sense() {
         "--speed",
         "10",
     ];
-    let Some(mut chain) = Emulated::new(file, "wire-double", &faces) else {
+    let Some(mut network) = Emulated::new(file, "wire-double", &faces) else {
         return;
     };
-    let port = ["-m", file, "--port", chain.port()];
+    let port = ["-m", file, "--port", network.port()];
     let rows = measured(&[&port[..], &["touch", "+", "goto", "0", "touch", "-"]].concat());
     near(&rows[0]["trigger"], 900.0, 1.0);
     near(&rows[2]["trigger"], -700.0, 1.0);
     // The panel closes that of the positive sense.
-    chain.type_line("close probe", "probe: close");
-    let port = ["-m", file, "--port", chain.port()];
+    network.type_line("close probe", "probe: close");
+    let port = ["-m", file, "--port", network.port()];
     let rows = measured(&[&port[..], &["status"]].concat());
     let bits = rows[0]["bits"].to_string();
     assert!(

@@ -1,6 +1,6 @@
 //! A circle on a grid whose axes have steps of different length: there it is an ellipse.
 
-use crate::programmed_arc::{cross, dot, product, size};
+use crate::programmed_arc::{cross, product, size};
 use crate::{ArcError, ConicMove, Direction, ProgrammedArc, Scale};
 
 /// Number of bits of the larger of the coefficients A and C. The radius is below 2^21 steps, so
@@ -51,12 +51,12 @@ impl ProgrammedArc {
     /// step, the centre is moved to the nearest point with the same distance from both ends.
     ///
     /// # Errors
-    /// - [`ArcError::Degenerate`]: the radius is below three of the longer steps. Use a line.
+    /// - [`ArcError::Degenerate`]: the radius is below three of the longer steps, or
+    ///   [`ProgrammedArc::as_circle`] says so. Use a line.
     /// - [`ArcError::TooLarge`]: the radius is 2^21 of the shorter steps or more, or a coordinate
     ///   of the centre is 2^38 steps or more.
-    /// - [`ArcError::Unequal`]: one step is more than 256 times the other. Or the radii of the ends
-    ///   differ and the arc is almost a whole turn: the centre would have to move by more than
-    ///   twice that difference.
+    /// - [`ArcError::Unequal`]: one step is more than 256 times the other. Or
+    ///   [`ProgrammedArc::as_circle`] says so.
     ///
     /// # Cost
     /// About thirty products and six divisions of 128 bits.
@@ -136,66 +136,6 @@ impl ProgrammedArc {
             shift: shift as u8,
             radius: radius.unwrap_or(0) as u64,
             radius_steps: (longest >> 16) as u32,
-        })
-    }
-
-    /// The same arc with equal radii, if they differ by more than half of the shorter step.
-    ///
-    /// The new centre is on the perpendicular bisector of the chord K = E - S of the ends. From
-    /// the old one it is d = K (K . (E + S)) / (2 K . K) away, which is the shortest way.
-    fn as_circle(&self, scales: [Scale; 2]) -> Result<ProgrammedArc, ArcError> {
-        let is_within = |half_steps: u64, scale: &Scale| {
-            let doubled = self.mismatch_nm.saturating_mul(2);
-            let limit = u64::from(scale.nm()).saturating_mul(half_steps);
-            doubled.saturating_mul(scale.steps().into()) <= limit
-        };
-        if scales.iter().all(|scale| is_within(1, scale)) {
-            return Ok(*self);
-        }
-        let [start, end] = self.spokes();
-        let ([start_x, start_y], [end_x, end_y]) = (start, end);
-        if [start, end]
-            .iter()
-            .flatten()
-            .any(|at| at.unsigned_abs() >> 40 != 0)
-        {
-            return Err(ArcError::TooLarge);
-        }
-        let chord = [end_x.wrapping_sub(start_x), end_y.wrapping_sub(start_y)];
-        let sum = [end_x.wrapping_add(start_x), end_y.wrapping_add(start_y)];
-        // Each coordinate is below 2^41: at most 2^83, and 2^124 with another one.
-        let double_square = dot(chord, chord).wrapping_mul(2);
-        let along = dot(chord, sum);
-        let part = |chord: i64| {
-            let product = along.wrapping_mul(chord.into());
-            product.checked_div(double_square).map(|part| part as i64)
-        };
-        let [chord_x, chord_y] = chord;
-        let (Some(off_x), Some(off_y)) = (part(chord_x), part(chord_y)) else {
-            return Ok(*self); // no chord, so the radii are equal
-        };
-        let is_half_turn_at_most = match self.direction {
-            Direction::CounterClockwise => cross(start, end) > 0,
-            Direction::Clockwise => cross(start, end) < 0,
-        };
-        // Between ends less than half a turn apart the path moves by less than the difference of
-        // the radii, wherever the centre goes.
-        let most = match is_half_turn_at_most && self.turns == 0 {
-            true => (size(start) / 4).max(self.mismatch_nm),
-            false => self.mismatch_nm,
-        };
-        if size([off_x, off_y]) > most.saturating_mul(2) {
-            // An end within one step of each axis is reached all the same.
-            return match scales.iter().all(|scale| is_within(2, scale)) {
-                true => Ok(*self),
-                false => Err(ArcError::Unequal),
-            };
-        }
-        let [x, y] = self.centre;
-        Ok(ProgrammedArc {
-            centre: [x.saturating_add(off_x), y.saturating_add(off_y)],
-            mismatch_nm: 0,
-            ..*self
         })
     }
 }

@@ -35,6 +35,7 @@ mod helix;
 
 mod path;
 
+mod equal_radii;
 mod grid_ellipse;
 mod length;
 mod programmed_arc;

@@ -23,7 +23,7 @@ fn config() -> Config<2> {
         scale: Scale::new(12_500, 1).unwrap(), // 80 steps per millimetre
         travel: Some([Nm(-1_000_000), Nm(100_000_000)]),
         max_rate_hz: 8000,
-        lash_steps: 0,
+        backlash_steps: 0,
         ramp: Some(AxisRamp {
             start_rate_hz: 0,
             acceleration_hz_per_s: 40_000,

@@ -19,7 +19,7 @@ fn config(timer_hz: u32, max_rate_hz: u32, ramp: Option<AxisRamp>) -> Config<6> 
         },
         travel: None,
         max_rate_hz,
-        lash_steps: 0,
+        backlash_steps: 0,
         ramp,
     };
     Config {

@@ -14,7 +14,7 @@ const HZ: u32 = 16_000_000;
 type Mill = Machine<3, Path<3>, Backlash, 8>;
 
 /// Steps of 2.5 um, 2.5 um and 0.625 um; rates of 25, 20 and 6 kHz.
-fn router(lash_steps: [u32; 3], start_rate_hz: u32) -> Config<3> {
+fn router(backlash_steps: [u32; 3], start_rate_hz: u32) -> Config<3> {
     let rates = [25_000, 20_000, 6_000];
     let accelerations = [200_000, 120_000, 160_000];
     let scales = [(2_500, 1), (2_500, 1), (625, 1)];
@@ -22,7 +22,7 @@ fn router(lash_steps: [u32; 3], start_rate_hz: u32) -> Config<3> {
         scale: Scale::new(scales[number].0, scales[number].1).unwrap(),
         travel: None,
         max_rate_hz: rates[number],
-        lash_steps: lash_steps[number],
+        backlash_steps: backlash_steps[number],
         ramp: Some(AxisRamp {
             acceleration_hz_per_s: accelerations[number],
             start_rate_hz,
@@ -154,10 +154,10 @@ enum Act {
 }
 
 fn run(config: Config<3>, acts: &[Act]) -> Watch {
-    let lash = config
+    let backlash = config
         .axes
-        .map(|axis| Backlash::new(axis.lash_steps, Flank::Positive));
-    let mut machine = Mill::with_lash(config, lash);
+        .map(|axis| Backlash::new(axis.backlash_steps, Flank::Positive));
+    let mut machine = Mill::with_backlash(config, backlash);
     let mut watch = Watch::default();
     let mut pull = |machine: &mut Mill, most: usize| {
         for _ in 0..most {
@@ -239,10 +239,10 @@ proptest! {
     #[test]
     fn no_axis_is_faster_than_its_rate(
         acts in prop::collection::vec(act(), 1..40),
-        lash_steps in prop_oneof![Just([0_u32; 3]), Just([12, 7, 40])],
+        backlash_steps in prop_oneof![Just([0_u32; 3]), Just([12, 7, 40])],
         start in prop_oneof![Just(0_u32), Just(500)],
     ) {
-        let config = router(lash_steps, start);
+        let config = router(backlash_steps, start);
         run(config, &acts).check(&config);
     }
 }

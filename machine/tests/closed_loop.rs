@@ -3,7 +3,7 @@
 mod common;
 
 use common::config;
-use husillo_backlash::{Flank, LashMap, MappedBacklash};
+use husillo_backlash::{BacklashMap, Flank, MappedBacklash};
 use husillo_interp::Path;
 use husillo_machine::{
     AxisEncoder, ClosedLoop, Config, Event, Followed, Machine, OnLoss, StepEvent,
@@ -15,7 +15,7 @@ type Mapped = MappedBacklash<Vec<i32>, Vec<u32>>;
 /// X on a screw whose backlash at the load position is that of the map, and disturbances of its
 /// motor.
 struct Screw {
-    map: LashMap<Vec<i32>, Vec<u32>>,
+    map: BacklashMap<Vec<i32>, Vec<u32>>,
     motor: i32,
     tool: i32,
 }
@@ -32,16 +32,16 @@ impl Screw {
 /// Each disturbance moves the motor of X after the given number of events. Returns the final
 /// positions of motor and tool, and how often a loss was reported and corrected.
 fn run(lines: &[&str], pushes: &[(u32, i32)]) -> (i32, i32, [u32; 2]) {
-    let map = LashMap::new([0, 1], [vec![0], vec![0, 400]], vec![40, 80]).unwrap();
-    let none = LashMap::new([0, 1], [vec![0], vec![0]], vec![0]).unwrap();
+    let map = BacklashMap::new([0, 1], [vec![0], vec![0, 400]], vec![40, 80]).unwrap();
+    let none = BacklashMap::new([0, 1], [vec![0], vec![0]], vec![0]).unwrap();
     let plain: Config<3> = config();
     let axes = plain.axes.map(|axis| husillo_machine::Axis {
-        lash_steps: 5,
+        backlash_steps: 5,
         ..axis
     });
-    let lash = [map.clone(), none.clone(), none].map(|map| Mapped::new(map, Flank::Positive));
+    let backlash = [map.clone(), none.clone(), none].map(|map| Mapped::new(map, Flank::Positive));
     let machine: Machine<3, Path<3>, Mapped, 8> =
-        Machine::with_lash(Config { axes, ..plain }, lash);
+        Machine::with_backlash(Config { axes, ..plain }, backlash);
     let encoder = AxisEncoder {
         counts: 1,
         steps: 1,
@@ -82,7 +82,7 @@ fn run(lines: &[&str], pushes: &[(u32, i32)]) -> (i32, i32, [u32; 2]) {
 }
 
 #[test]
-fn across_the_lash_of_the_map_and_back() {
+fn across_the_backlash_of_the_map_and_back() {
     // To 100, and back to 50 at Y 200, where the backlash is 60.
     let lines = ["G1 X0.014 Y0.028 F1.2", "G1 X0.007"];
     let (motor, tool, told) = run(&lines, &[]);

@@ -11,7 +11,7 @@ type ThreeAxes = Machine<3>;
 fn with_ramps() -> ThreeAxes {
     let mut config = config();
     for axis in &mut config.axes {
-        axis.lash_steps = 0;
+        axis.backlash_steps = 0;
         axis.ramp = Some(AxisRamp {
             acceleration_hz_per_s: 400,
             start_rate_hz: 0,

@@ -39,7 +39,7 @@ fn config(has_ramps: bool) -> Config<3> {
         scale: Scale::new(2500, 1).unwrap(),
         travel: Some(travel.map(|mm| Nm(mm * 1_000_000))),
         max_rate_hz: 40_000,
-        lash_steps: 0,
+        backlash_steps: 0,
         ramp: has_ramps.then_some(AxisRamp {
             acceleration_hz_per_s: 200_000,
             start_rate_hz: 400,

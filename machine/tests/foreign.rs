@@ -3,7 +3,7 @@
 mod common;
 
 use common::config;
-use husillo_backlash::Lash;
+use husillo_backlash::BacklashModel;
 use husillo_interp::{ArcError, ArcMove, Interpolator, Moves, Step};
 use husillo_machine::{
     Event, Machine, MoveError, Refused, Scale, ServoAxis, ServoInputs, ServoStop,
@@ -68,7 +68,7 @@ struct Worn {
     direction: i8,
 }
 
-impl Lash<3> for Worn {
+impl BacklashModel<3> for Worn {
     fn take_up(&mut self, axis: usize, direction: i8, load: &[i32; 3]) -> u32 {
         let turned = direction != self.direction;
         self.direction = direction;
@@ -122,17 +122,17 @@ fn rested<const N: usize, D: CoilDriver>(motors: &mut Motors<N, D>, ticks: u32) 
 fn an_interpolator_without_ellipses_refuses_them() {
     let mut config = config();
     config.axes[2].scale = Scale::new(70, 1).unwrap();
-    let lash = [(); 3].map(|()| Worn { direction: 1 });
-    let mut machine: Machine<3, AxisByAxis, Worn> = Machine::with_lash(config, lash);
+    let backlash = [(); 3].map(|()| Worn { direction: 1 });
+    let mut machine: Machine<3, AxisByAxis, Worn> = Machine::with_backlash(config, backlash);
     let refused = machine.line(b"G18 G2 X0 Z0 I-3 K0 F1.2");
     assert_eq!(refused, Err(Refused::Move(MoveError::UnequalSteps)));
     assert_eq!(machine.line(b"G17 G2 X0 Y0 I-3 J0 F1.2"), Ok(()));
 }
 
 #[test]
-fn interpolator_lash_and_driver_of_others() {
-    let lash = [(); 3].map(|()| Worn { direction: 1 });
-    let mut machine: Machine<3, AxisByAxis, Worn> = Machine::with_lash(config(), lash);
+fn interpolator_backlash_and_driver_of_others() {
+    let backlash = [(); 3].map(|()| Worn { direction: 1 });
+    let mut machine: Machine<3, AxisByAxis, Worn> = Machine::with_backlash(config(), backlash);
     let ring = [(); 3].map(|()| Ring {
         phase: 0,
         is_on: true,

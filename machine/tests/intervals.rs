@@ -132,7 +132,7 @@ fn assert_allowed(config: &Config<3>, seen: &Intervals<3>) {
 }
 
 /// X, Y and Z with ramps, as on a small router.
-fn with_ramps(lash_steps: u32) -> Config<3> {
+fn with_ramps(backlash_steps: u32) -> Config<3> {
     let config = config();
     let axes = config.axes.map(|_| husillo_machine::Axis {
         ramp: Some(AxisRamp {
@@ -141,7 +141,7 @@ fn with_ramps(lash_steps: u32) -> Config<3> {
             jerk_hz_per_s2: None,
             junction_hz: Some(60),
         }),
-        ..axis(lash_steps)
+        ..axis(backlash_steps)
     });
     Config { axes, ..config }
 }
@@ -209,11 +209,11 @@ proptest! {
     fn no_axis_is_stepped_faster_than_its_rate(
         acts in prop::collection::vec(act(), 1..40),
         has_ramps: bool,
-        lash_steps in prop_oneof![Just(0_u32), 1_u32..6],
+        backlash_steps in prop_oneof![Just(0_u32), 1_u32..6],
     ) {
-        let mut config = if has_ramps { with_ramps(lash_steps) } else { config() };
+        let mut config = if has_ramps { with_ramps(backlash_steps) } else { config() };
         for axis in &mut config.axes {
-            axis.lash_steps = lash_steps;
+            axis.backlash_steps = backlash_steps;
         }
         assert_allowed(&config, &run(config, &acts));
     }

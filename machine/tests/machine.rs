@@ -58,7 +58,7 @@ fn a_circle_on_unequal_steps_is_a_circle() {
     let fine = Scale::new(1_000_000, 17_000).unwrap();
     config.axes[2].scale = fine;
     config.axes[2].max_rate_hz = 1000;
-    config.axes[2].lash_steps = 500;
+    config.axes[2].backlash_steps = 500;
     let mut machine: Machine<3> = Machine::new(config);
     machine.line(b"G18 G2 X0 Z0 I-3 K0 F1.2").unwrap();
     let (mut path_ticks, mut path_steps, mut take_up_steps) = (0_u64, 0_u64, 0);
@@ -352,7 +352,7 @@ fn an_arc_whose_ends_differ_in_radius_alone_is_no_whole_turn() {
     let mut config = config();
     for axis in &mut config.axes {
         axis.scale = husillo_machine::Scale::new(100_000, 1).unwrap();
-        axis.lash_steps = 0;
+        axis.backlash_steps = 0;
     }
     for (line, most) in [
         ("G2 X0.05 Y0.02 I5009.6 J0", 8),

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{LASH_STEPS, Screw};
+use common::{BACKLASH_STEPS, Screw};
 use husillo_backlash::Backlash;
 use husillo_gcode::Dialect;
 use husillo_interp::Path;
@@ -15,12 +15,12 @@ const ACCELERATION: f64 = 100_000.0;
 
 type Micromill = Machine<3, Path<3>, Backlash, 64>;
 
-fn axis(lash_steps: u32) -> Axis {
+fn axis(backlash_steps: u32) -> Axis {
     Axis {
         scale: Scale::new(1000, 1).unwrap(),
         travel: None,
         max_rate_hz: 50_000,
-        lash_steps,
+        backlash_steps,
         ramp: Some(AxisRamp {
             acceleration_hz_per_s: ACCELERATION as u32,
             start_rate_hz: 0,
@@ -30,9 +30,9 @@ fn axis(lash_steps: u32) -> Axis {
     }
 }
 
-fn config(lash_steps: [u32; 3]) -> Config<3> {
+fn config(backlash_steps: [u32; 3]) -> Config<3> {
     Config {
-        axes: lash_steps.map(axis),
+        axes: backlash_steps.map(axis),
         timer_hz: TIMER_HZ,
         dialect: Dialect::RS274,
         arc_tolerance: None,
@@ -229,7 +229,7 @@ fn a_corner_jumps_by_no_more_than_it_may() {
 
 #[test]
 fn arcs_stay_within_the_acceleration_and_stop_before_take_up() {
-    let mut machine = Micromill::new(config(LASH_STEPS));
+    let mut machine = Micromill::new(config(BACKLASH_STEPS));
     // The last arc reverses Y at its first step, at a corner that would be passed otherwise.
     let program = "G64 P0.2\nG1 X5 Y2 F1200\nG3 X5 Y2 I-3 J0 P2\nG2 X6 Y3 I1 J0\nG1 X9 Y3.5\n\
                    G2 X9 Y2.5 I-0.5 J-0.5\nG1 X0 Y0";
@@ -449,13 +449,13 @@ proptest! {
     /// A hold at any event brakes within the acceleration and loses no step. After a resume the
     /// same steps are made in the same order as without it.
     #[test]
-    fn holds_lose_no_step(holds in prop::collection::vec(0_usize..9000, 1..4), has_lash: bool) {
-        let lash = if has_lash { [20, 30, 0] } else { [0; 3] };
+    fn holds_lose_no_step(holds in prop::collection::vec(0_usize..9000, 1..4), has_backlash: bool) {
+        let backlash = if has_backlash { [20, 30, 0] } else { [0; 3] };
         let program = lines(
             "G64 P0.02 F900\nG1 X3\nG1 X4 Y0.3\nG3 X4 Y4.3 I0 J2\nG1 X2 Y1 Z1\nG0 X0 Y0\nG1 Z0",
         );
-        let without = run(&mut Micromill::new(config(lash)), &program, |_, _| {});
-        let mut machine = Micromill::new(config(lash));
+        let without = run(&mut Micromill::new(config(backlash)), &program, |_, _| {});
+        let mut machine = Micromill::new(config(backlash));
         let with = run(&mut machine, &program, |machine, number| {
             if holds.contains(&number) {
                 machine.hold();

@@ -19,7 +19,7 @@ const TIMING: Timing = Timing {
 fn config() -> Config<3> {
     let mut config = common::config();
     for axis in &mut config.axes {
-        (axis.lash_steps, axis.max_rate_hz) = (0, 5_000);
+        (axis.backlash_steps, axis.max_rate_hz) = (0, 5_000);
     }
     config
 }

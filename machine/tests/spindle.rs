@@ -9,7 +9,10 @@ use husillo_machine::{Event, Machine, Means, MoveError, Origin, Refused};
 fn turn(program: &str) -> (u64, usize, Vec<usize>, Machine<3>) {
     let mut config = config();
     config.spindle_counts = Some(4096);
-    config.axes.iter_mut().for_each(|axis| axis.lash_steps = 0);
+    config
+        .axes
+        .iter_mut()
+        .for_each(|axis| axis.backlash_steps = 0);
     let mut machine: Machine<3> = Machine::new(config);
     let (mut counts, mut steps, mut indices) = (0, 0, Vec::new());
     let mut take = |machine: &mut Machine<3>| {

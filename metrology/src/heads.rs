@@ -1,5 +1,5 @@
-//! The head that carries a probe: one to three servo axes on a line. They move together in straight
-//! lines.
+//! The head that carries a probe: one to three servo axes whose modules are on one line. The axes
+//! move together along straight paths.
 //!
 //! ```text
 //! Prober ◄── Head ──► servo, straight_move, touching, homing, jog, collision ──► Line ──► Port
@@ -7,6 +7,7 @@
 //! ```
 
 mod approach;
+mod axis_position;
 mod collision;
 mod ends;
 mod head;
@@ -27,12 +28,12 @@ mod straight_move;
 mod switches;
 mod touching;
 mod view;
-mod whereabouts;
 mod wiring;
 
 pub(crate) use straight_move::per_period;
 
 pub use approach::Approach;
+pub use axis_position::AxisPosition;
 pub use head::Head;
 pub use line::Line;
 pub use machine::{
@@ -44,5 +45,4 @@ pub use port::Port;
 pub use prober::{Probed, Prober, Touched};
 pub use switches::Switches;
 pub use view::{Errors, View};
-pub use whereabouts::Whereabouts;
 pub use wiring::{End, Wiring};

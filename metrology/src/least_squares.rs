@@ -20,7 +20,7 @@ pub fn straight_line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
 /// 0. `None`: the rows do not determine the change.
 ///
 /// Solves the normal equations by Gauss-Jordan elimination. The columns are normalised first, so
-/// unknowns may be of any magnitude.
+/// the unknowns may have very different magnitudes.
 pub fn least_squares<const N: usize>(
     rows: impl Iterator<Item = ([f64; N], f64)>,
     free: [bool; N],
@@ -81,13 +81,13 @@ mod tests {
 
     #[test]
     fn a_line_through_points() {
-        // y = 3 + 2 x, with one point 0.3 off: the mean takes a third of it.
+        // y = 3 + 2 x, with one point 0.3 too high. The mean is a third of that too high.
         let points = [(-1.0, 1.0), (0.0, 3.3), (1.0, 5.0)];
         let rows = points.map(|(x, y)| ([1.0, x], y));
         let [offset, slope] = least_squares(rows.into_iter(), [true; 2]).unwrap();
         assert!((offset - 3.1).abs() < 1e-12 && (slope - 2.0).abs() < 1e-12);
-        // Without a slope the result is the mean. Unknowns of very different magnitudes are as
-        // exact.
+        // Without a slope the result is the mean. Unknowns of very different magnitudes are found
+        // as exactly.
         let [mean, none] = least_squares(rows.into_iter(), [true, false]).unwrap();
         assert!((mean - 3.1).abs() < 1e-12 && none == 0.0);
         let rows = points.map(|(x, y)| ([1e-9, 1e9 * x], y));

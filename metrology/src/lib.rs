@@ -13,6 +13,7 @@
 #![deny(missing_docs)]
 
 pub mod calibration;
+mod error;
 pub mod heads;
 mod least_squares;
 pub mod originals;
@@ -20,8 +21,7 @@ pub mod quantity;
 pub mod routine;
 mod scale;
 pub mod simulated;
-mod trouble;
 pub mod tuning;
 
+pub use error::Error;
 pub use scale::Scale;
-pub use trouble::Trouble;

@@ -20,7 +20,7 @@ pub enum Quantity {
     Speed(Fraction),
     /// A time in microseconds.
     Time(Fraction),
-    /// A length per length, in parts in 10^9.
+    /// A length divided by a length, in parts per 10^9.
     Ratio(Fraction),
     /// An angle in degrees.
     Angle(Fraction),
@@ -40,7 +40,7 @@ pub struct Fraction {
 }
 
 impl Fraction {
-    /// Returns the reduced fraction, or `None` when it does not fit 64 bits.
+    /// Returns the reduced fraction, or `None` if it does not fit 64 bits.
     pub fn new(num: i128, den: i128) -> Option<Self> {
         let divisor = gcd(num.unsigned_abs(), den.unsigned_abs()).max(1) as i128;
         let (num, den) = (num / divisor, den / divisor);
@@ -55,7 +55,7 @@ impl Fraction {
         self.over(Self { num: 1, den: 1 }).unwrap_or(0)
     }
 
-    /// Returns the nearest integer of `self / other`, halves away from zero; `None` when `other` is
+    /// Returns the nearest integer of `self / other`, halves away from zero; `None` if `other` is
     /// not positive or the result does not fit.
     pub fn over(self, other: Self) -> Option<i64> {
         let num = i128::from(self.num) * i128::from(other.den);
@@ -76,7 +76,7 @@ fn gcd(a: u128, b: u128) -> u128 {
 ///
 /// # Errors
 ///
-/// A sentence, lower case, when the text is no number with a known unit.
+/// A sentence, lower case: the text is not a number with a known unit.
 pub fn parse(text: &str) -> Result<Quantity, String> {
     let text = text.trim();
     let split = text

@@ -1,5 +1,5 @@
-//! Measuring routines: the touches, the features that are fitted to them, and whether they are
-//! within their tolerances.
+//! Measuring routines: touches, the features that are fitted to them, and the verdicts on their
+//! tolerances.
 //!
 //! ```text
 //! text ─► words ─► line_reader ─► clauses, jobs ─► parser ─► statement ─► runner ─► feature

@@ -3,7 +3,7 @@
 use crate::quantity::{self, Fraction, Quantity};
 use husillo_sim::text::position;
 
-/// The length of a count, if it is known. Amounts are in nanometres if it is known, else in counts.
+/// The length of a count, if it is known. Amounts are then in nanometres, otherwise in counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Scale {
     count: Option<Fraction>,
@@ -41,8 +41,8 @@ impl Scale {
         }
     }
 
-    /// A position or a length in counts, rounded to the nearest. `None`: it is no length, or it
-    /// does not fit.
+    /// A position or a length in counts, rounded to the nearest. `None`: the quantity is not a
+    /// length, or does not fit.
     pub fn counts(self, quantity: Quantity) -> Option<i32> {
         match quantity {
             Quantity::Length(length) => i32::try_from(length.over(self.count?)?).ok(),
@@ -90,7 +90,7 @@ impl Scale {
         format!("{}/s", self.text(self.of_counts(rate)))
     }
 
-    /// A speed in counts/s, at least 1. `None`: it is no speed, or it does not fit.
+    /// A speed in counts/s, at least 1. `None`: the quantity is not a speed, or does not fit.
     pub fn rate(self, quantity: Quantity) -> Option<u32> {
         let rate = match quantity {
             Quantity::Rate(rate) => rate.rounded(),
@@ -106,8 +106,8 @@ impl Scale {
         u32::try_from(rate).ok().filter(|rate| *rate > 0)
     }
 
-    /// An acceleration in counts/s^2, at least 1. `None`: it is no acceleration, or it does not
-    /// fit.
+    /// An acceleration in counts/s^2, at least 1. `None`: the quantity is not an acceleration, or
+    /// does not fit.
     pub fn acceleration(self, quantity: Quantity) -> Option<u32> {
         let acceleration = match quantity {
             Quantity::Acceleration(acceleration) => acceleration.rounded(),

@@ -6,7 +6,7 @@ use husillo_clients::drill::{Part, millimetres, seconds, spoken, travel_s, trave
 use husillo_transports::drill::{STEPS_PER_MM, Table};
 use std::fmt::Write;
 
-/// Colours of tools, light and dark: six, then again.
+/// Colours of tools for light and dark pages. There are six, which repeat.
 const COLOURS: &str = "\
 :root{--t0:#0b5cad;--t1:#b3261e;--t2:#1b7f3b;--t3:#8a4fbf;--t4:#9a6700;--t5:#00767f}\
 @media(prefers-color-scheme:dark){:root{--t0:#5aa9ff;--t1:#ff8a80;--t2:#58d68d;--t3:#c9a0ff;\
@@ -17,10 +17,10 @@ const COLOURS: &str = "\
 .board{stroke:var(--soft);stroke-width:1;stroke-dasharray:4 3}";
 /// Drawn diameter of a hole whose diameter is not known, mm.
 const UNKNOWN_MM: f64 = 0.8;
-/// Most numbers written beside holes.
+/// With more holes than this, their numbers are not drawn beside them.
 const MOST_NUMBERS: usize = 60;
 
-/// What the page is about.
+/// The content of the page.
 #[derive(Debug)]
 pub struct Board<'a> {
     /// Name of the file.

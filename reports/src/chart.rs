@@ -60,7 +60,7 @@ impl Panel {
     /// as a vertical stroke.
     fn trace(&self, page: &mut String, class: &str, width: f64, bands: impl Iterator<Item = Band>) {
         let mut path = String::new();
-        // End of the line, and the level at which it may continue.
+        // End of the line so far, and the value at which it may continue.
         let mut pen: Option<(f64, f64)> = None;
         for (index, band) in bands.enumerate() {
             let x = LEFT + width * (index as f64 + 0.5);
@@ -127,13 +127,13 @@ impl Largest {
         }
     }
 
-    /// The speed that sets the scale: that of feed moves if there are any, otherwise of rapids.
+    /// The speed that determines the scale: of feed moves if there are any, otherwise of rapids.
     fn top(&self) -> Option<f64> {
         self.feed.or(self.rapid).filter(|top| *top > 0.0)
     }
 
-    /// The top of the chart of speeds, mm/min. The chart shows cutting, so much faster rapids are
-    /// drawn at its edge.
+    /// The top of the chart of speeds, mm/min. The chart is about cutting, so rapids that are much
+    /// faster are drawn at its edge.
     fn high(&self, top: f64) -> f64 {
         let rapid = self.rapid.filter(|rapid| *rapid < 3.0 * top).unwrap_or(top);
         let is_near = self.programmed < 2.0 * top;

@@ -2,10 +2,10 @@
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
 
+pub mod backlash;
 pub mod board;
 pub mod chart;
 pub mod frame;
-pub mod lash;
 pub mod methods;
 pub mod originals;
 pub mod routine;

@@ -24,7 +24,7 @@ pub struct Rebuilt {
 }
 
 impl Rebuilt {
-    /// No table yet of the machine of this name.
+    /// Starts without tables. `machine` is the name of the machine.
     pub const fn new(machine: &'static str) -> Self {
         Self {
             machine,

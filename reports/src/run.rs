@@ -29,7 +29,7 @@ pub struct Report {
     pub ideal_is_whole: bool,
     /// The axes of the pictures, to the right and up.
     pub view: [char; 2],
-    /// Work area in these axes, nm, in the frame of the drawing.
+    /// Work area in the axes of `view`, nm, in the frame of the drawing.
     pub area: Option<[[f64; 2]; 2]>,
     /// Largest deviation in nm.
     pub largest_nm: f64,

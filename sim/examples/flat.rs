@@ -7,7 +7,7 @@ use husillo_stepper::{CoilDriver, Driver, Mode, Sequencer, Unsupported};
 fn main() -> Result<(), Unsupported> {
     let mut motor = Sequencer::new(Driver::Pbl3717a, Mode::Full)?;
     let model = AxisModel::coils(Driver::Pbl3717a, Mode::Full)
-        .with_lash(3)
+        .with_backlash(3)
         .with_pull_out_ticks(2564);
     let mut rig = Rig::new([model], [motor.levels()]);
     println!("motor tool");

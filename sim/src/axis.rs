@@ -1,7 +1,8 @@
-//! One axis: field, rotor, screw and nut.
+//! One axis: the field of the coils, rotor, screw and nut.
 //!
 //! Angles are in 1/65536 of an electrical cycle. A full step is a quarter of a cycle, 16384. The
-//! rotor position is such an angle continued over all cycles, so `i64` holds 2^47 cycles.
+//! position of the rotor is an angle that counts on over all cycles. `i64` has room for 2^47
+//! cycles.
 
 use husillo_stepper::{Driver, Levels, PulseTiming};
 
@@ -11,12 +12,12 @@ use crate::model::{AxisModel, Stage};
 /// A full step.
 const FULL_STEP: i64 = 16384;
 
-/// Table entry for levels that leave both coils without current; valid angles are below it.
+/// Table entry for levels without current in both coils. All angles are below it.
 const NO_CURRENT: u32 = 1 << 16;
 
 #[derive(Clone, Debug)]
 pub(crate) struct Axis {
-    /// Equilibrium angle for every byte of levels.
+    /// The equilibrium angle of the rotor for every byte of levels.
     equilibrium: Box<[u32; 256]>,
     levels: u8,
     reversed: bool,
@@ -25,17 +26,17 @@ pub(crate) struct Axis {
     /// Time of the last change of levels.
     changed_at: u64,
     rotor: i64,
-    /// Field minus rotor, continued over cycles; 0 while the rotor follows.
+    /// Angle of the field minus that of the rotor, over all cycles. 0 while the rotor follows.
     slip: i64,
-    /// Last jump of the field. It gives the direction of the next ambiguous jump.
+    /// Last jump of the field. It decides the direction of the next jump of half a cycle.
     last_jump: i16,
     nut: i64,
-    lash: i64,
+    backlash: i64,
     /// Zero of the step count: the nominal angle of the first levels.
     zero: i64,
     step: i64,
     is_blocked: bool,
-    /// Lowest and highest position of the rotor: mechanical ends.
+    /// Lowest and highest position of the rotor, at the mechanical ends.
     ends: [i64; 2],
     pulse: Pulse,
     pub(crate) lost_steps: u64,
@@ -47,7 +48,7 @@ struct Pulse {
     turned_at: u64,
     rose_at: u64,
     fell_at: u64,
-    /// Angle that the rotor moved at the last rising edge; 0 if it made no step.
+    /// Angle by which the rotor turned at the last rising edge; 0 if it made no step.
     made: i64,
 }
 
@@ -60,8 +61,8 @@ impl Axis {
             Stage::StepDirection(_) | Stage::StepToggle => Box::new([NO_CURRENT; 256]),
         };
         let start = i64::from(equilibrium[usize::from(levels.0)] & 0xFFFF);
-        // Nominal angles are quarter steps. The currents only come near them (PBL3717A: 59.0
-        // degrees instead of 67.5).
+        // Nominal angles are multiples of a quarter step. The real equilibria are only near them
+        // (PBL3717A: 59.0 degrees instead of 67.5).
         let quarter = FULL_STEP / 4;
         let step = FULL_STEP / i64::from(model.steps_per_full);
         let [below, above] = model.ends_steps;
@@ -76,7 +77,7 @@ impl Axis {
             slip: 0,
             last_jump: 0,
             nut: start,
-            lash: i64::from(model.lash_steps) * step,
+            backlash: i64::from(model.backlash_steps) * step,
             zero: (start + quarter / 2) / quarter * quarter,
             step,
             is_blocked: false,
@@ -89,7 +90,7 @@ impl Axis {
         }
     }
 
-    /// Sets the step count of the present position.
+    /// Makes `steps` the step count of the present position.
     pub(crate) fn call(&mut self, steps: i32) {
         self.zero -= i64::from(steps) * self.step;
     }
@@ -114,13 +115,13 @@ impl Axis {
         self.turn(way);
         let made = way / self.step;
         self.lost_steps += made.unsigned_abs();
-        // The nearest multiple of a cycle.
+        // Rounded to the nearest multiple of a cycle.
         made as i32
     }
 
-    /// Sets another backlash in steps. If it shrinks, a flank pushes the nut.
-    pub(crate) fn set_lash(&mut self, steps: f64) {
-        self.lash = (steps * self.step as f64).round() as i64;
+    /// Changes the backlash, in steps. If it shrinks, a flank pushes the nut.
+    pub(crate) fn set_backlash(&mut self, steps: f64) {
+        self.backlash = (steps * self.step as f64).round() as i64;
         self.turn(0);
     }
 
@@ -135,8 +136,8 @@ impl Axis {
         self.levels
     }
 
-    /// Applies levels at time `now` that differ from the old ones. Returns lost steps and their
-    /// cause.
+    /// Applies new levels at time `now`. They differ from the old ones. Returns lost steps and
+    /// their cause.
     #[inline]
     pub(crate) fn change(&mut self, levels: u8, now: u64) -> Option<(u32, Cause)> {
         let angle = self.equilibrium[usize::from(levels)];
@@ -170,15 +171,16 @@ impl Axis {
     #[inline]
     fn turn(&mut self, jump: i64) {
         self.rotor += jump;
-        self.nut = self.nut.max(self.rotor).min(self.rotor + self.lash);
+        self.nut = self.nut.max(self.rotor).min(self.rotor + self.backlash);
     }
 
-    /// Handles a change that the rotor cannot simply follow.
+    /// Handles a change of levels that the rotor does not follow directly.
     #[cold]
     fn stray(&mut self, before: u8, angle: u32, in_time: bool, now: u64) -> Option<(u32, Cause)> {
         let from = self.equilibrium[usize::from(before)];
         if angle >= NO_CURRENT {
-            // Switching off is not a step. A change while off is a step that no motor makes.
+            // Switching the current off is not a step. A change of levels without current is a step
+            // that the motor does not make.
             return (from >= NO_CURRENT).then(|| self.lose(self.step, Cause::NoCurrent));
         }
         let off_before = from >= NO_CURRENT;
@@ -191,7 +193,7 @@ impl Axis {
         };
         let mut field_jump = i64::from((angle as u16).wrapping_sub(field as u16) as i16);
         if field_jump == i64::from(i16::MIN) && self.last_jump > 0 {
-            // Both directions are equally near; the field keeps its last direction.
+            // Both directions are equally near. The field continues in its last direction.
             field_jump = -field_jump;
         }
         let pull = (angle as u16).wrapping_sub(self.rotor as u16) as i16;
@@ -287,7 +289,7 @@ impl Axis {
     }
 
     fn lose(&mut self, angle: i64, cause: Cause) -> (u32, Cause) {
-        // At most a few cycles at once, and at least one step.
+        // The angle is at most a few cycles. At least one step is lost.
         let steps = ((angle + self.step / 2) / self.step).max(1) as u32;
         self.lost_steps += u64::from(steps);
         (steps, cause)

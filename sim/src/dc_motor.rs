@@ -25,15 +25,15 @@ pub struct DcMotorModel {
     pub stiction_nm: f64,
     /// Encoder counts per revolution, all edges.
     pub counts_per_revolution: u32,
-    /// Place of the index mark of the encoder in its revolution, counts from where the motor stands
-    /// at power-up.
+    /// Position of the encoder's index mark within a revolution, in counts from the position of the
+    /// motor at power-up.
     pub index_counts: u32,
 }
 
 impl DcMotorModel {
     /// Motor of the prototype of the measuring machine: 12 V, about 300 rpm without load, 400
     /// counts per revolution. Voltage, speed and counts are those of the machine. The other values
-    /// are assumed, typical of a geared motor with that speed.
+    /// are assumptions that are typical of a geared motor of this speed.
     pub const PROTOTYPE: DcMotorModel = DcMotorModel {
         supply_v: 12.0,
         resistance_ohm: 8.0,
@@ -87,9 +87,9 @@ impl DcMotor {
         }
     }
 
-    /// Runs the motor for `seconds` at a duty of -1 to 1 of the supply (the mean of a fast PWM),
-    /// with a load torque in N m against positive rotation. Uses semi-implicit Euler integration in
-    /// steps of at most 25 us.
+    /// Runs the motor for `seconds`. `duty` is the mean voltage of a fast PWM, -1 to 1 times the
+    /// supply. `load_nm` is a torque in N m against positive rotation. The integration is
+    /// semi-implicit Euler in steps of at most 25 us.
     pub fn advance(&mut self, duty: f64, load_nm: f64, seconds: f64) {
         let steps = (seconds / LONGEST_STEP_S).ceil().max(1.0);
         let step_s = seconds / steps;
@@ -98,8 +98,8 @@ impl DcMotor {
         }
     }
 
-    /// Drives the motor for `seconds` while something blocks it: the current rises, and the rotor
-    /// stands.
+    /// Drives the motor for `seconds` while something blocks it. The current rises, and the rotor
+    /// does not turn.
     pub fn push_against_a_stop(&mut self, duty: f64, seconds: f64) {
         self.speed_rad_s = 0.0;
         let m = &self.model;
@@ -183,7 +183,7 @@ mod tests {
     #[test]
     fn stiction_holds_and_friction_stops() {
         let mut motor = DcMotor::new(DcMotorModel::PROTOTYPE);
-        // 0.03 N m are 0.0857 A, 0.686 V: 5.7 % of the supply.
+        // 0.03 N m need 0.0857 A, that is 0.686 V or 5.7 % of the supply.
         motor.advance(0.056, 0.0, 1.0);
         assert_eq!((motor.counts(), motor.counts_per_s()), (0, 0.0));
         motor.advance(0.060, 0.0, 1.0);

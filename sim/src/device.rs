@@ -17,7 +17,7 @@ use crate::{Emulated, Plant};
 use husillo_controllers::{Controller, Timed};
 use std::fmt;
 
-/// Length of a period in us, which is also a tick of the controllers' timers.
+/// Period of the emulation, us. A tick of the controllers' timers is 1 us.
 const PERIOD_US: u64 = 1000;
 /// Lines that the panel of every machine takes.
 const PANEL: &str = "where, reset, power off|on, unplug, plug";
@@ -37,7 +37,7 @@ pub trait Machine {
     /// Commands of its panel, in addition to the common ones.
     const PANEL: &'static str;
 
-    /// Event that sets the outputs as the reset button does.
+    /// The event whose outputs are those after a reset.
     const AT_RESET: Event<Self>;
 
     /// Describes the position of a machine of the controller.
@@ -82,7 +82,7 @@ pub struct Device<M: Machine> {
     reported: Vec<String>,
     /// Recorded step events.
     rows: Option<StepRows>,
-    /// Commands of the panel that are due at a time, us.
+    /// Scheduled commands of the panel, each with its time in us.
     due: Vec<(u64, String)>,
 }
 
@@ -109,8 +109,7 @@ impl<M: Machine> Device<M> {
         }
     }
 
-    /// Carries out a command of the panel `after_us` from now, for a fault in the course of a
-    /// motion.
+    /// Schedules a command of the panel `after_us` from now, for example a fault during a motion.
     pub fn schedule(&mut self, after_us: u64, line: &str) {
         let at_us = self.emulated.now_us() + after_us;
         self.due.push((at_us, line.to_owned()));

@@ -14,7 +14,7 @@ pub struct DrilledHole {
     pub at: [i32; 2],
     /// Deepest position of the drill in steps below the upper sensor.
     pub depth: i32,
-    /// Whether the spindle turned all the time.
+    /// Whether the spindle turned during the whole hole.
     pub is_clean: bool,
 }
 
@@ -41,14 +41,16 @@ pub struct DrillRig {
     ticks: u64,
 }
 
-/// Distance of the mechanical end of an axis below its switch. The original states none.
+/// Distance of the mechanical end of an axis below its switch. The description of the original does
+/// not state it.
 const END_BELOW_SWITCH_STEPS: u32 = 100;
 
 impl DrillRig {
     /// Creates a rig with the axes at `begin`. `stroke` is the distance between the sensors of Z,
     /// `board` the distance of the board below the upper sensor.
     ///
-    /// Motors lose steps that are shorter than `pull_out_ticks` timer ticks.
+    /// A motor loses a step that follows the previous one in less than `pull_out_ticks` timer
+    /// ticks.
     #[must_use]
     pub fn new(begin: [i32; 3], stroke: u16, board: u16, pull_out_ticks: u32) -> DrillRig {
         let motor = Sequencer::new(Driver::Unipolar, Mode::Full).unwrap_or_else(|_| unreachable!());

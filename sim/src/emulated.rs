@@ -1,4 +1,4 @@
-//! A controller and the machines it drives, in simulated time.
+//! A controller and the machines that it drives, in simulated time.
 
 use husillo_controllers::{
     Controller, DrillEvent, DrillInputs, MicrofactoryEvent, MicrofactoryInputs, MicromillEvent,
@@ -17,14 +17,14 @@ pub trait Plant {
     /// The present inputs.
     fn inputs(&self) -> Self::Inputs;
 
-    /// Carries out an event with its wait.
+    /// Waits for the time of an event, and then carries it out.
     fn apply(&mut self, event: &Self::Event);
 }
 
 /// A controller with its machines: bytes in, bytes out, while time passes.
 ///
 /// At most one event of each machine waits for its time. So a stop takes effect before the next
-/// step, as with a firmware that requests one event at a time.
+/// step. This is as in a firmware that requests one event at a time.
 ///
 /// # Examples
 ///
@@ -59,8 +59,8 @@ where
     C: Controller,
     P: Plant<Inputs = C::Inputs, Event = C::Event>,
 {
-    /// Creates the pair, switched on at time 0, with a plant for each machine. Ticks of the
-    /// controller are 1 us.
+    /// Creates the pair, switched on at time 0, with a plant for each machine. A tick of the
+    /// controller is 1 us.
     #[must_use]
     pub fn new(controller: C, plants: Vec<P>) -> Self {
         let due = plants.iter().map(|_| None).collect();
@@ -91,7 +91,7 @@ where
         self.plants.get(usize::from(machine))
     }
 
-    /// Returns a machine, for changes by hand.
+    /// Returns a machine, so that its switches or its load can be changed.
     pub fn plant_mut(&mut self, machine: u8) -> Option<&mut P> {
         self.plants.get_mut(usize::from(machine))
     }
@@ -132,8 +132,8 @@ where
         self.now_us += us;
     }
 
-    /// Lets time pass, and carries out the events that are due. `made` gets each of them with the
-    /// number of its machine, its time in us, and the machine after it.
+    /// Lets time pass, and carries out the events that are due. `made` receives each event with the
+    /// number of its machine, its time in us, and the state of the machine after it.
     pub fn pass(&mut self, us: u64, mut made: impl FnMut(u8, u64, &C::Event, &P)) {
         let end_us = self.now_us + us;
         loop {

@@ -1,7 +1,7 @@
 //! The exact geometry of programmed moves: paths, and distances from them.
 //!
-//! A simulated machine is measured against it. No simulated machine uses it, and it is independent
-//! of the integer interpolators.
+//! The path of a simulated machine is compared with it. No simulated machine uses it, and it is
+//! independent of the integer interpolators.
 
 mod curve;
 pub mod nurbs;

@@ -1,4 +1,4 @@
-//! Coil levels in, tool position out: a simulated machine that does not get the commanded path.
+//! Coil levels in, tool position out: a simulated machine that does not know the commanded path.
 //!
 //! ```text
 //!  Levels ──► coil currents ──► electrical angle ──► rotor ──► screw ──► nut = tool
@@ -6,7 +6,7 @@
 //!                                                    equilibrium
 //! ```
 //!
-//! The rotor loses steps that are too fast, and steps of half an electrical cycle at once.
+//! The rotor loses steps that follow each other too fast, and jumps of half an electrical cycle.
 //! [`Rig::lost_steps`] counts them.
 //!
 //! ```
@@ -15,7 +15,7 @@
 //!
 //! let mut motor = Sequencer::new(Driver::Pbl3717a, Mode::Full)?;
 //! let axis = AxisModel::coils(Driver::Pbl3717a, Mode::Full)
-//!     .with_lash(3)
+//!     .with_backlash(3)
 //!     .with_pull_out_ticks(2564);
 //! let mut rig = Rig::new([axis], [motor.levels()]);
 //! for _ in 0..5 {
@@ -34,13 +34,13 @@
 #![deny(missing_docs)]
 
 mod axis;
+mod backlash_field;
 mod dc_motor;
 pub mod device;
 mod drill_rig;
 mod emulated;
 pub mod geometry;
 mod grbl_rig;
-mod lash_field;
 mod loss;
 mod microfactory_rig;
 mod micromill_rig;
@@ -58,11 +58,11 @@ mod winding;
 
 mod work_piece;
 
+pub use backlash_field::BacklashField;
 pub use dc_motor::{DcMotor, DcMotorModel};
 pub use drill_rig::{DrillRig, DrilledHole};
 pub use emulated::{Emulated, Plant};
 pub use grbl_rig::{GrblOutputs, GrblPin, GrblRig, SlideSwitch};
-pub use lash_field::LashField;
 pub use loss::{Cause, Loss};
 pub use microfactory_rig::MicrofactoryRig;
 pub use micromill_rig::MicromillRig;

@@ -5,8 +5,8 @@
 pub enum Cause {
     /// The levels changed sooner than the pull-out interval.
     TooFast,
-    /// The field jumped half an electrical cycle: a phase was skipped, and both directions are
-    /// equally near.
+    /// The field jumped by half an electrical cycle, because a phase was skipped. Both directions
+    /// are then equally near.
     HalfCycle,
     /// The levels changed while the coils had no current.
     NoCurrent,
@@ -15,7 +15,7 @@ pub enum Cause {
     Pulse,
     /// The rotor was blocked.
     Blocked,
-    /// The rotor was already behind and went to another equilibrium than that of the previous
+    /// The rotor was already behind, and went to an equilibrium that is not that of the previous
     /// field.
     Slipped,
 }

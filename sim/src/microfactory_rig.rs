@@ -27,7 +27,8 @@ pub struct MicrofactoryRig {
     ticks: u64,
 }
 
-/// Inputs without current and without an edge; RESET and ENABLE are changed from these.
+/// Inputs without current and without an edge. RESET and ENABLE differ from them while the motors
+/// run.
 const REST: L297Inputs = L297Inputs {
     clock: false,
     clockwise: true,
@@ -36,13 +37,15 @@ const REST: L297Inputs = L297Inputs {
     enable: false,
 };
 
-/// Distance of the mechanical end of an axis below its home switch. The original states none.
+/// Distance of the mechanical end of an axis below its home switch. The description of the original
+/// does not state it.
 const END_BELOW_SWITCH_STEPS: u32 = 100;
 
 impl MicrofactoryRig {
-    /// Creates a rig with the axes the given load steps above their home switches, and the work
-    /// piece the given steps of Y above the axis. The motors lose steps closer than
-    /// `pull_out_ticks` timer ticks; with 0 they lose none.
+    /// Creates a rig. `above_switches` has the first positions of the axes, in load steps above
+    /// their home switches. `face` is the distance of Y to the work piece, in load steps. A motor
+    /// loses a step that follows the previous one in less than `pull_out_ticks` timer ticks. With 0
+    /// no step is lost.
     #[must_use]
     pub fn new(
         config: &MicrofactoryConfig,
@@ -50,11 +53,11 @@ impl MicrofactoryRig {
         face: i32,
         pull_out_ticks: u32,
     ) -> MicrofactoryRig {
-        let [x, y, z] = config.lash_steps.map(u32::from);
+        let [x, y, z] = config.backlash_steps.map(u32::from);
         let model = AxisModel::coils(Driver::L297, Mode::Full).with_pull_out_ticks(pull_out_ticks);
-        let axis = |lash, above| {
-            let end_below = u32::from(above) + lash + END_BELOW_SWITCH_STEPS;
-            model.with_lash(lash).with_end_below(end_below)
+        let axis = |backlash, above| {
+            let end_below = u32::from(above) + backlash + END_BELOW_SWITCH_STEPS;
+            model.with_backlash(backlash).with_end_below(end_below)
         };
         let [above_x, above_y, above_z] = above_switches;
         let mut chip = L297::new();

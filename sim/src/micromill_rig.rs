@@ -21,15 +21,16 @@ pub struct MicromillRig {
     tool: u8,
 }
 
-/// Distance of the mechanical ends of an axis beyond its travel, below the home switch and above.
-/// The original states none.
+/// Distance of the mechanical ends of an axis beyond both ends of its travel. The description of
+/// the original does not state it.
 const END_STEPS: u32 = 300;
 
 impl MicromillRig {
-    /// Creates a rig with the axes the given load steps above their home switches, and with the
-    /// backlash of the configuration.
+    /// Creates a rig with the backlash of the configuration. `above_switches` has the first
+    /// positions of the axes, in load steps above their home switches.
     ///
-    /// Motors lose steps that are shorter than `pull_out_ticks` timer ticks. With 0 they lose none.
+    /// A motor loses a step that follows the previous one in less than `pull_out_ticks` timer
+    /// ticks. With 0 no step is lost.
     #[must_use]
     pub fn new(
         config: &MicromillConfig,
@@ -42,9 +43,9 @@ impl MicromillRig {
         let [above_x, above_y, above_z] = above_switches;
         let axis = |axis: &husillo_machine::Axis, above: u32| {
             let model = AxisModel::coils(driver, Mode::Full)
-                .with_lash(axis.lash_steps)
+                .with_backlash(axis.backlash_steps)
                 .with_pull_out_ticks(pull_out_ticks)
-                .with_end_below(above + axis.lash_steps + END_STEPS);
+                .with_end_below(above + axis.backlash_steps + END_STEPS);
             let high = axis.travel.and_then(|[_, high]| axis.scale.nearest(high.0));
             match high {
                 Some(steps) => {

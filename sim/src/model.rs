@@ -4,12 +4,13 @@ use husillo_stepper::{Driver, Mode, PulseTiming};
 
 /// Motor, drive and screw of one simulated axis.
 ///
-/// The mode only defines the size of a drive step for the counts. The rotor is moved by currents.
+/// The mode only defines the length of a drive step, in which positions are counted. The currents
+/// turn the rotor.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 pub struct AxisModel {
     pub(crate) stage: Stage,
     pub(crate) steps_per_full: u8,
-    pub(crate) lash_steps: u32,
+    pub(crate) backlash_steps: u32,
     pub(crate) pull_out_ticks: u32,
     pub(crate) reversed: bool,
     pub(crate) ends_steps: [Option<u32>; 2],
@@ -19,7 +20,7 @@ pub struct AxisModel {
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 pub(crate) enum Stage {
     Coils(Driver),
-    /// Rising edges of STEP count if the times are kept.
+    /// Rising edges of STEP count if the pulse has the required times.
     StepDirection(PulseTiming),
     /// Both edges of STEP count.
     StepToggle,
@@ -34,8 +35,8 @@ impl AxisModel {
     }
 
     /// A step and direction driver like the A4988, which counts rising edges of STEP only. A step
-    /// is lost where STEP is high or low for too short a time, DIR is not stable around the edge,
-    /// or ENABLE is off. Matches [`StepDirection`](husillo_stepper::StepDirection).
+    /// is lost if STEP is high or low for too short a time, if DIR is not stable around the edge,
+    /// or if ENABLE is off. Matches [`StepDirection`](husillo_stepper::StepDirection).
     #[must_use]
     pub const fn step_direction(timing: PulseTiming) -> AxisModel {
         AxisModel::new(Stage::StepDirection(timing), 1)
@@ -52,7 +53,7 @@ impl AxisModel {
         AxisModel {
             stage,
             steps_per_full,
-            lash_steps: 0,
+            backlash_steps: 0,
             pull_out_ticks: 0,
             reversed: false,
             ends_steps: [None; 2],
@@ -61,8 +62,11 @@ impl AxisModel {
 
     /// Sets the backlash of the screw in drive steps.
     #[must_use]
-    pub const fn with_lash(self, lash_steps: u32) -> AxisModel {
-        AxisModel { lash_steps, ..self }
+    pub const fn with_backlash(self, backlash_steps: u32) -> AxisModel {
+        AxisModel {
+            backlash_steps,
+            ..self
+        }
     }
 
     /// Sets the shortest interval between two steps (changes of levels, or counted edges of STEP)
@@ -97,7 +101,8 @@ impl AxisModel {
         }
     }
 
-    /// Reverses the screw or the motor: the tool moves negative where the field turns positive.
+    /// Reverses the screw or the motor: when the field turns in the positive direction, the tool
+    /// moves in the negative one.
     #[must_use]
     pub const fn reversed(self) -> AxisModel {
         AxisModel {

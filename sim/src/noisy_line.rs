@@ -34,7 +34,7 @@ const CHARACTER_BITS: u64 = 10;
 ///
 /// A wrong data bit gives a wrong bit of the byte. A wrong start bit loses the byte, and the
 /// following bits are read from the next zero on, across the ends of bytes. A zero in silence is
-/// the start of a byte FF. Where the stop bit is zero, the byte is discarded and the receiver waits
+/// the start of a byte FF. If the stop bit is zero, the byte is discarded and the receiver waits
 /// for a one.
 ///
 /// # Examples
@@ -49,7 +49,7 @@ const CHARACTER_BITS: u64 = 10;
 pub struct NoisyLine {
     noise: Noise,
     random: Random,
-    /// Number of bits before the next wrong one.
+    /// Number of correct bits before the next wrong one.
     until_wrong: u64,
     receiver: Uart,
     wrong_bits: u64,

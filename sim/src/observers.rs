@@ -1,7 +1,7 @@
-//! Observers of a simulated run, and the state of the machine that they get after each step.
+//! Observers of a simulated run, and the state of the machine that they receive after each step.
 //!
-//! They compare what the tool does with the programmed path, which the simulated machine does not
-//! know.
+//! They compare the motion of the tool with the programmed path, which the simulated machine does
+//! not know.
 
 pub mod deviation;
 pub mod drawing;

@@ -6,7 +6,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use crate::axis::Axis;
-use crate::{AxisModel, LashField, Loss};
+use crate::{AxisModel, BacklashField, Loss};
 
 /// Number of losses that are recorded in detail; all are counted.
 const KEPT: usize = 16;
@@ -24,7 +24,7 @@ pub struct Rig<const N: usize> {
     now: u64,
     events: u64,
     losses: Vec<Loss>,
-    field: Option<Arc<dyn LashField<N>>>,
+    field: Option<Arc<dyn BacklashField<N>>>,
 }
 
 impl<const N: usize> fmt::Debug for Rig<N> {
@@ -68,7 +68,7 @@ impl<const N: usize> Rig<N> {
     /// Uses position-dependent backlash instead of the single value of each model. Costs a look-up
     /// per event.
     #[must_use]
-    pub fn with_lash_field(mut self, field: Arc<dyn LashField<N>>) -> Rig<N> {
+    pub fn with_backlash_field(mut self, field: Arc<dyn BacklashField<N>>) -> Rig<N> {
         self.field = Some(field);
         self.follow_field();
         self
@@ -77,9 +77,9 @@ impl<const N: usize> Rig<N> {
     /// Applies the backlash at the present tool position.
     fn follow_field(&mut self) {
         if let Some(field) = &self.field {
-            let lash = field.lash_steps(self.axes.each_ref().map(Axis::nut_steps));
-            for (axis, lash) in self.axes.iter_mut().zip(lash) {
-                axis.set_lash(lash);
+            let backlash = field.backlash_steps(self.axes.each_ref().map(Axis::nut_steps));
+            for (axis, backlash) in self.axes.iter_mut().zip(backlash) {
+                axis.set_backlash(backlash);
             }
         }
     }

@@ -1,4 +1,4 @@
-//! Modules on one line, servo modules with motors among them: bytes in, bytes out, in steps of a
+//! Modules on one line, among them servo modules with motors: bytes in, bytes out, in steps of a
 //! servo period.
 
 mod damage;
@@ -61,11 +61,11 @@ pub struct Surroundings {
 /// ```
 /// use husillo_sim::{DcMotorModel, ServoNetwork};
 ///
-/// let mut chain = ServoNetwork::new(&[4, 4], DcMotorModel::PROTOTYPE);
+/// let mut network = ServoNetwork::new(&[4, 4], DcMotorModel::PROTOTYPE);
 /// for byte in [0xaa, 0x00, 0x21, 0x01, 0xff, 0x21] {
-///     chain.send(byte);
+///     network.send(byte);
 /// }
-/// let reply: Vec<u8> = (0..20).flat_map(|_| chain.tick()).collect();
+/// let reply: Vec<u8> = (0..20).flat_map(|_| network.tick()).collect();
 /// assert_eq!(reply, [0x19, 0x19]);
 /// ```
 #[derive(Clone, Debug)]
@@ -78,14 +78,14 @@ pub struct ServoNetwork {
     baud: Baud,
     /// Bytes that the modules have not received yet, with the rate of the host when it sent them.
     to_modules: VecDeque<(Byte, Option<u32>)>,
-    /// The transfer of a byte takes no time.
+    /// Whether the transfer of a byte takes no time.
     is_fast: bool,
     /// Time after a reset in which a module receives nothing.
     reset_ns: u64,
-    /// Wires to the modules, and wires from them.
+    /// The pair of wires to the modules, and the pair from them.
     there: Pair,
     back: Pair,
-    /// The host's receiver, for bytes of other rates.
+    /// The host's receiver, for bytes that arrive at another rate.
     ear: Ear,
     account: Account,
 }
@@ -116,7 +116,7 @@ impl ServoNetwork {
         }
     }
 
-    /// Adds noise on both pairs of wires; the same seed gives the same noise.
+    /// Adds noise to both pairs of wires. The same seed gives the same noise.
     pub fn with_noise(mut self, noise: Noise, seed: u64) -> ServoNetwork {
         let seed = seed.wrapping_mul(2);
         self.there = Pair::new(noise, seed);
@@ -124,20 +124,23 @@ impl ServoNetwork {
         self
     }
 
-    /// Lets a module receive nothing for this time after a reset or when its supply returns.
+    /// Sets the time for which a module receives nothing after a reset, or after its supply
+    /// returns.
     pub fn with_reset_ms(mut self, reset_ms: u32) -> ServoNetwork {
         self.reset_ns = u64::from(reset_ms) * 1_000_000;
         self
     }
 
-    /// Switches the times of bytes off. A packet and its reply then arrive within one period.
+    /// Lets the transfer of a byte take no time. A packet and its reply then arrive within one
+    /// period.
     pub fn without_byte_times(mut self) -> ServoNetwork {
         self.is_fast = true;
         self
     }
 
-    /// Sets the rate at which the host sends and receives from now on, bits/s. `None`, the state at
-    /// first: the rate that Set Baud last gave to any module, and every module understands it.
+    /// Sets the rate at which the host sends and receives from now on, bits/s. With `None`, the
+    /// initial state, the host has the rate that Set Baud last gave to any module, and every module
+    /// understands it.
     pub fn set_host_rate(&mut self, bits_per_s: Option<u32>) {
         self.host_rate = bits_per_s;
     }
@@ -150,9 +153,9 @@ impl ServoNetwork {
         }
     }
 
-    /// Switches the supply of a module off or on. After that it is in the state of power-up without
-    /// an address, and the modules beyond it are disabled until it gets one. Modules count from 0;
-    /// other numbers have no effect.
+    /// Switches the supply of a module off or on. The module is then in the state of power-up,
+    /// without an address. The modules beyond it are disabled until it gets one. Modules count from
+    /// 0; other numbers have no effect.
     pub fn set_dead(&mut self, module: usize, is_dead: bool) {
         let deaf_until_ns = self.now_ns + self.reset_ns;
         if let Some(node) = self.nodes.get_mut(module) {
@@ -263,7 +266,7 @@ impl ServoNetwork {
         let bits = f64::from(self.bits_per_s()) * SERVO_PERIOD_S;
         let (noise, _) = self.there.pass(bits);
         noise.into_iter().for_each(|byte| self.deliver(byte));
-        // Not beyond the start of a byte that is on its way.
+        // Not beyond the start of a byte that is on the line.
         let next = self.to_modules.front();
         let silent_ns = next.map_or(end_ns, |(byte, _)| byte.start_ns.min(end_ns));
         for node in &mut self.nodes {

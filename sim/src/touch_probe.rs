@@ -16,10 +16,10 @@ use crate::work_piece::{PointMm, WorkPiece};
 pub struct TouchProbeModel {
     /// Radius of the ball, mm.
     pub ball_radius_mm: f64,
-    /// Deflection from touch to signal across the stylus, mean over all directions, mm.
+    /// Deflection from touch to signal perpendicular to the stylus, mean of all directions, mm.
     pub bend_mm: f64,
-    /// Excess of the deflection in the directions 0, 120 and 240 degrees from X, and deficit
-    /// between them, mm.
+    /// By this length, in mm, the deflection is larger in the directions 0, 120 and 240 degrees
+    /// from X, and smaller between them.
     pub lobes_mm: f64,
     /// Deflection along the stylus (Z), mm.
     pub axial_mm: f64,

@@ -51,9 +51,9 @@ pub struct Rotor {
     pub cycles_per_turn: f64,
 }
 
-/// Half cycles until the current is taken as periodic. An error in one half cycle becomes -e^(-h /
-/// tau) of it in the next, so the mean of both at least halves it. With a chopper the current may
-/// never repeat.
+/// Number of half cycles after which the current counts as periodic. From one half cycle to the
+/// next an error is multiplied by -e^(-h / tau). So it is at least halved in the mean of two. With
+/// a chopper the current may never become periodic.
 const SETTLING: usize = 60;
 
 impl Winding {
@@ -88,13 +88,13 @@ impl Winding {
         cycle
     }
 
-    /// Half a cycle of forward voltage from an initial current. Returns the current at its end and
-    /// the means over it.
+    /// Computes half a cycle of forward voltage from an initial current. Returns the current at its
+    /// end, and the means over it.
     fn half_cycle(&self, from_a: f64, half_s: f64) -> (f64, Current) {
         let (mut now_a, mut left_s) = (from_a, half_s);
         let (mut charge, mut squares, mut peak_a) = (0.0, 0.0, from_a.abs());
         while left_s > 0.0 {
-            // Up to the peak of the chopper, or to the end.
+            // Until the peak of the chopper, or the end of the half cycle.
             let limit_a = self.supply_v / self.resistance_ohm;
             let on_s = self.time_to(now_a).min(left_s);
             let (end_a, on_charge, on_squares) = self.towards(limit_a, now_a, on_s);
@@ -172,7 +172,7 @@ impl Winding {
     }
 
     /// The lowest rate in electrical cycles per second at which the motor no longer turns a load of
-    /// `load_nm`. `None` where it never turns the load; infinite where it turns it at 1 MHz.
+    /// `load_nm`. `None` if it never turns the load; infinite if it still turns it at 1 MHz.
     ///
     /// The rate is searched upwards in steps of 1 %, because the torque may rise above the load
     /// again. It is then bisected to 10^-12.
@@ -206,7 +206,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// A winding with 1 A through its resistance alone, and 1.29 ms.
+    /// A winding whose resistance alone limits the current to 1 A, with a time constant of 1.29 ms.
     const ONE_AMPERE: Winding = Winding {
         resistance_ohm: 12.0,
         inductance_h: 12.0 * 1.29e-3,
@@ -244,8 +244,8 @@ mod tests {
             assert!((current.peak_a - 0.9).abs() < 1e-9, "{hz}: {current:?}");
         }
         assert!(chopped.current(20_000.0).peak_a < 0.9);
-        // Nearly at standstill: the peak minus half a ripple of 30 us in 1.29 ms. The supply only
-        // covers the losses.
+        // Nearly at standstill the RMS current is the peak minus half the ripple of 30 us in 1.29
+        // ms. The supply only covers the losses.
         let slow = chopped.current(1.0);
         assert!((slow.rms_a - 0.89).abs() < 0.005, "{slow:?}");
         assert!(

@@ -91,7 +91,7 @@ impl WorkPiece {
         distances.fold(f64::INFINITY, f64::min)
     }
 
-    /// Unit vector away from the nearest surface, as accurate as differences over 2 nm allow.
+    /// Unit vector away from the nearest surface. It is computed from differences over 2 nm.
     pub fn normal(&self, point: PointMm) -> PointMm {
         const STEP_MM: f64 = 1e-6;
         let slope = [0, 1, 2].map(|axis| {
@@ -112,7 +112,7 @@ impl Solid {
         let holes = self.bores.iter().map(|bore| bore.depth_mm(point));
         let hole = holes.fold(f64::NEG_INFINITY, f64::max);
         if body > 0.0 && hole > 0.0 {
-            // In front of the opening: distance to its rim.
+            // In front of the opening, the distance to its rim counts.
             body.hypot(hole)
         } else {
             body.max(hole)

@@ -11,7 +11,7 @@ use husillo_sim::{AxisModel, Rig};
 use husillo_stepper::{Drive, Driver, Idle, Mode, Motors, Sequencer};
 use proptest::prelude::*;
 
-const LASH: u32 = 5;
+const BACKLASH: u32 = 5;
 
 /// Two axes of 1 um per full step, with encoders, in simulated time.
 struct Stand {
@@ -32,7 +32,7 @@ impl Stand {
             scale: Scale::new(1000, 1).unwrap(),
             travel: None,
             max_rate_hz: 1000,
-            lash_steps: LASH,
+            backlash_steps: BACKLASH,
             ramp,
         };
         let machine = Machine::new(Config {
@@ -49,7 +49,7 @@ impl Stand {
         let drive = || Drive::Coils(Sequencer::new(Driver::Pbl3717a, Mode::Full).unwrap());
         let motors = Motors::new([drive(), drive()], Idle::Hold);
         let model = AxisModel::coils(Driver::Pbl3717a, Mode::Full)
-            .with_lash(LASH)
+            .with_backlash(BACKLASH)
             .with_pull_out_ticks(pull_out_ticks);
         let rig = Rig::new([model; 2], *motors.levels());
         Stand {
@@ -237,7 +237,7 @@ proptest! {
             let off = stand.rig.motor()[axis].abs_diff(ideal.rig.motor()[axis]);
             prop_assert!(off <= slack as u32, "motor {off}");
             let off = (stand.rig.tool()[axis] - end).abs();
-            let is_right = off <= slack || is_pushed_on(axis) && off <= slack + LASH as i32;
+            let is_right = off <= slack || is_pushed_on(axis) && off <= slack + BACKLASH as i32;
             prop_assert!(is_right, "tool {off}");
         }
         let lost = stand.seen.iter().filter(|seen| matches!(seen, Followed::Lost { .. })).count();

@@ -29,14 +29,14 @@ struct Bench {
 }
 
 impl Bench {
-    fn new(driver: Driver, mode: Mode, lash: [i32; 2], last: [i32; 2]) -> Bench {
+    fn new(driver: Driver, mode: Mode, backlash: [i32; 2], last: [i32; 2]) -> Bench {
         let motors = [Sequencer::new(driver, mode).unwrap(); 2];
-        let model = |lash: i32| {
+        let model = |backlash: i32| {
             AxisModel::coils(driver, mode)
-                .with_lash(lash as u32)
+                .with_backlash(backlash as u32)
                 .with_pull_out_ticks(PULL_OUT_TICKS)
         };
-        let rig = Rig::new(lash.map(model), motors.map(|motor| motor.levels()));
+        let rig = Rig::new(backlash.map(model), motors.map(|motor| motor.levels()));
         let mut bench = Bench {
             motors,
             rig,
@@ -46,7 +46,7 @@ impl Bench {
             if last[axis] < 0 {
                 let mut delta = [0, 0];
                 delta[axis] = -1;
-                (0..=lash[axis]).for_each(|_| bench.step(delta));
+                (0..=backlash[axis]).for_each(|_| bench.step(delta));
             }
         }
         bench.zero = bench.rig.tool();
@@ -77,10 +77,10 @@ fn the_tool_ends_where_the_traces_say() {
     ];
     for case in oracle["cases"].as_array().unwrap() {
         let name = case["name"].as_str().unwrap();
-        let (lash, last) = (pair(&case["B"]), pair(&case["last_dir"]));
+        let (backlash, last) = (pair(&case["B"]), pair(&case["last_dir"]));
         let logical = decode(case["logical"].as_str().unwrap());
         for (driver, mode) in stages {
-            let mut bench = Bench::new(driver, mode, lash, last);
+            let mut bench = Bench::new(driver, mode, backlash, last);
             for &delta in &logical {
                 bench.step(delta);
             }
@@ -90,10 +90,11 @@ fn the_tool_ends_where_the_traces_say() {
                 "{name}, {driver:?} {mode:?}"
             );
 
-            let mut bench = Bench::new(driver, mode, lash, last);
+            let mut bench = Bench::new(driver, mode, backlash, last);
             let flank = |axis: usize| Flank::towards(last[axis] as i8).unwrap_or_default();
-            let mut stage =
-                Compensator::new([0, 1].map(|axis| Backlash::new(lash[axis] as u32, flank(axis))));
+            let mut stage = Compensator::new(
+                [0, 1].map(|axis| Backlash::new(backlash[axis] as u32, flank(axis))),
+            );
             let mut load = [0, 0];
             for &delta in &logical {
                 for (axis, owed) in stage.before(&delta, load).into_iter().enumerate() {

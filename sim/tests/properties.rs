@@ -29,10 +29,10 @@ fn walk() -> impl Strategy<Value = Vec<i8>> {
 }
 
 /// A motor, and a rig at rest in its levels.
-fn bench(driver: Driver, mode: Mode, lash: u32, pull_out_ticks: u32) -> (Sequencer, Rig<1>) {
+fn bench(driver: Driver, mode: Mode, backlash: u32, pull_out_ticks: u32) -> (Sequencer, Rig<1>) {
     let motor = Sequencer::new(driver, mode).unwrap();
     let model = AxisModel::coils(driver, mode)
-        .with_lash(lash)
+        .with_backlash(backlash)
         .with_pull_out_ticks(pull_out_ticks);
     (motor, Rig::new([model], [motor.levels()]))
 }
@@ -44,12 +44,13 @@ proptest! {
     fn the_rotor_makes_every_step(
         stage in 0..STAGES.len(),
         walk in walk(),
-        lash in 0u32..9,
+        backlash in 0u32..9,
         mounted in any::<bool>(),
     ) {
         let (driver, mode) = STAGES[stage];
         let mut motor = Sequencer::new(driver, mode).unwrap();
-        let mut model = AxisModel::coils(driver, mode).with_lash(lash).with_pull_out_ticks(100);
+        let mut model =
+            AxisModel::coils(driver, mode).with_backlash(backlash).with_pull_out_ticks(100);
         if mounted {
             motor = motor.reversed();
             model = model.reversed();
@@ -59,7 +60,7 @@ proptest! {
         for delta in walk {
             rig.apply(&[motor.step(delta)], 100);
             at += i32::from(delta);
-            nut = nut.clamp(at, at + lash as i32);
+            nut = nut.clamp(at, at + backlash as i32);
             prop_assert_eq!(rig.motor(), [at]);
             prop_assert_eq!(rig.tool(), [nut]);
         }
@@ -136,7 +137,7 @@ proptest! {
     fn any_levels_are_taken(
         levels in proptest::collection::vec((any::<u8>(), any::<u8>(), any::<u32>()), 0..200),
     ) {
-        let coils = AxisModel::coils(Driver::Pbl3717a, Mode::Quarter).with_lash(7);
+        let coils = AxisModel::coils(Driver::Pbl3717a, Mode::Quarter).with_backlash(7);
         let models = [coils, AxisModel::step_toggle()];
         let mut rig = Rig::new(models, [Levels(0), Levels(0)]);
         for (first, second, wait_ticks) in levels {
@@ -286,7 +287,7 @@ fn play_by_place() {
     let [mut x, mut y] = motors;
     let models = [AxisModel::coils(Driver::A3988, Mode::Full); 2];
     let field = |[_, y]: [f64; 2]| [10.0 - y.clamp(0.0, 40.0) / 10.0, 0.0];
-    let mut rig = Rig::new(models, [x.levels(), y.levels()]).with_lash_field(Arc::new(field));
+    let mut rig = Rig::new(models, [x.levels(), y.levels()]).with_backlash_field(Arc::new(field));
     for _ in 0..12 {
         rig.apply(&[x.step(-1), y.levels()], 100);
     }

@@ -35,11 +35,11 @@ const CONVERSATION: [(&str, &str); 37] =
 
 /// Sends a packet and returns the reply. Returns as soon as the reply is there, so that the next
 /// packet follows it at once.
-fn exchange(chain: &mut ServoNetwork, request: &[u8], length: usize) -> Vec<u8> {
-    request.iter().for_each(|byte| chain.send(*byte));
+fn exchange(network: &mut ServoNetwork, request: &[u8], length: usize) -> Vec<u8> {
+    request.iter().for_each(|byte| network.send(*byte));
     let mut heard = Vec::new();
     for _ in 0..WAIT_PERIODS {
-        heard.extend(chain.tick());
+        heard.extend(network.tick());
         if length > 0 && heard.len() >= length {
             break;
         }
@@ -49,13 +49,13 @@ fn exchange(chain: &mut ServoNetwork, request: &[u8], length: usize) -> Vec<u8> 
 
 #[test]
 fn the_module_answers_the_worked_examples_byte_by_byte() {
-    let mut chain = ServoNetwork::new(&[4, 4], MOTOR);
+    let mut network = ServoNetwork::new(&[4, 4], MOTOR);
     for (request, reply) in CONVERSATION {
         let wanted = bytes(reply.trim_end_matches("end"));
-        let heard = exchange(&mut chain, &bytes(request), wanted.len());
+        let heard = exchange(&mut network, &bytes(request), wanted.len());
         assert_eq!(heard, wanted, "{request}");
         if reply.ends_with("end") {
-            (0..MOVE_PERIODS).for_each(|_| drop(chain.tick()));
+            (0..MOVE_PERIODS).for_each(|_| drop(network.tick()));
         }
     }
 }

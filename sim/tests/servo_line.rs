@@ -11,13 +11,13 @@ use proptest::prelude::*;
 
 /// Servos on, with the gains of the measuring machine, in one group.
 fn started() -> ServoNetwork {
-    let mut chain = ServoNetwork::new(&[4; 3], DcMotorModel::PROTOTYPE);
+    let mut network = ServoNetwork::new(&[4; 3], DcMotorModel::PROTOTYPE);
     for address in 1..=3 {
         let group = Group {
             address: EVERY_GROUP,
             is_leader: address == 1,
         };
-        ask(&mut chain, 0, Command::SetAddress { address, group });
+        ask(&mut network, 0, Command::SetAddress { address, group });
         let gains = Gains {
             proportional: 2000,
             integral: 50,
@@ -28,9 +28,9 @@ fn started() -> ServoNetwork {
             rate_divisor: 1,
             ..Gains::default()
         };
-        switch_on(&mut chain, address, gains);
+        switch_on(&mut network, address, gains);
     }
-    chain
+    network
 }
 
 /// Distance of a point from the line through `from` along `ways`, counts.
@@ -54,7 +54,7 @@ struct Seen {
 }
 
 /// As fast as 1200 counts/s and 6000 counts/s^2 per axis allow.
-fn go(chain: &mut ServoNetwork, from: [i32; 3], goal: [i32; 3]) -> Option<Seen> {
+fn go(network: &mut ServoNetwork, from: [i32; 3], goal: [i32; 3]) -> Option<Seen> {
     let ways = [0, 1, 2].map(|axis| goal[axis] - from[axis]);
     let direction = Tangent::new(ways.map(i64::from))?;
     let velocity = f64::from(direction.speed_limit(&[1200; 3])) * SERVO_PERIOD_S * 65536.0;
@@ -68,10 +68,10 @@ fn go(chain: &mut ServoNetwork, from: [i32; 3], goal: [i32; 3]) -> Option<Seen> 
             mode: Mode::Trapezoid,
             ..Trajectory::default()
         };
-        ask(chain, address, Command::LoadTrajectory(trajectory));
+        ask(network, address, Command::LoadTrajectory(trajectory));
     }
-    send(chain, EVERY_GROUP, Command::StartMotion);
-    let axes = |chain: &ServoNetwork| [0, 1, 2].map(|axis| *chain.axis(axis).unwrap());
+    send(network, EVERY_GROUP, Command::StartMotion);
+    let axes = |network: &ServoNetwork| [0, 1, 2].map(|axis| *network.axis(axis).unwrap());
     let mut seen = Seen {
         line,
         commanded: 0.0,
@@ -79,8 +79,8 @@ fn go(chain: &mut ServoNetwork, from: [i32; 3], goal: [i32; 3]) -> Option<Seen> 
         ends: [0; 3],
     };
     for period in 0..line.duration_ticks + line.skew_ticks() + 400 {
-        chain.tick();
-        let axes = axes(chain);
+        network.tick();
+        let axes = axes(network);
         for (end, axis) in seen.ends.iter_mut().zip(&axes) {
             if !axis.status().is_done {
                 *end = period;
@@ -91,7 +91,7 @@ fn go(chain: &mut ServoNetwork, from: [i32; 3], goal: [i32; 3]) -> Option<Seen> 
         seen.commanded = seen.commanded.max(commanded);
         seen.actual = seen.actual.max(actual);
     }
-    for (axis, goal) in axes(chain).iter().zip(goal) {
+    for (axis, goal) in axes(network).iter().zip(goal) {
         assert_eq!(axis.commanded(), goal);
         assert!((axis.position() - goal).abs() <= 1, "{}", axis.position());
     }
@@ -113,7 +113,7 @@ fn check(seen: &Seen, ways: [i32; 3]) {
 
 #[test]
 fn long_and_short_axes_stay_together() {
-    let mut chain = started();
+    let mut network = started();
     let mut from = [0; 3];
     let goals = [
         [750, -1000, 125],
@@ -125,7 +125,7 @@ fn long_and_short_axes_stay_together() {
     ];
     for goal in goals {
         let ways = [0, 1, 2].map(|axis| goal[axis] - from[axis]);
-        let seen = go(&mut chain, from, goal).unwrap();
+        let seen = go(&mut network, from, goal).unwrap();
         println!(
             "{ways:?}: commanded {:.2}, actual {:.2} counts off the line, ends {:?}",
             seen.commanded, seen.actual, seen.ends
@@ -143,8 +143,8 @@ proptest! {
 
     #[test]
     fn any_straight_move_stays_on_its_line(goal in prop::array::uniform3(-1500..1500_i32)) {
-        let mut chain = started();
-        if let Some(seen) = go(&mut chain, [0; 3], goal) {
+        let mut network = started();
+        if let Some(seen) = go(&mut network, [0; 3], goal) {
             check(&seen, goal);
         }
     }

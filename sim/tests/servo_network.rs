@@ -6,9 +6,9 @@ use common::{ask, switch_on};
 use husillo_sim::{DcMotorModel, ServoNetwork, Surroundings};
 use husillo_transports::nmc::{Command, Gains, Group, Homing, Items, Mode, Status, Trajectory};
 
-fn run(chain: &mut ServoNetwork, periods: u32) {
+fn run(network: &mut ServoNetwork, periods: u32) {
     for _ in 0..periods {
-        chain.tick();
+        network.tick();
     }
 }
 
@@ -18,13 +18,13 @@ fn started(modules: usize) -> ServoNetwork {
 }
 
 fn started_with(versions: &[u8]) -> ServoNetwork {
-    let mut chain = ServoNetwork::new(versions, DcMotorModel::PROTOTYPE);
+    let mut network = ServoNetwork::new(versions, DcMotorModel::PROTOTYPE);
     for address in 1..=versions.len() as u8 {
         let set = Command::SetAddress {
             address,
             group: Group::NONE,
         };
-        assert_eq!(ask(&mut chain, 0, set), [0x19, 0x19], "module {address}");
+        assert_eq!(ask(&mut network, 0, set), [0x19, 0x19], "module {address}");
         let gains = Gains {
             proportional: 1000,
             derivative: 8000,
@@ -35,10 +35,10 @@ fn started_with(versions: &[u8]) -> ServoNetwork {
             rate_divisor: 1,
             ..Gains::default()
         };
-        let reply = switch_on(&mut chain, address, gains);
+        let reply = switch_on(&mut network, address, gains);
         assert_eq!(reply, [0x09, 0x09], "module {address} holds its place");
     }
-    chain
+    network
 }
 
 fn trapezoid(goal: i32) -> Command {
@@ -54,11 +54,11 @@ fn trapezoid(goal: i32) -> Command {
 
 #[test]
 fn a_move_ends_within_a_count() {
-    let mut chain = started(2);
+    let mut network = started(2);
     for (goal, address) in [(1000, 1), (-777, 2), (0, 1), (12_345, 2)] {
-        ask(&mut chain, address, trapezoid(goal));
-        run(&mut chain, 80_000);
-        let axis = chain.axis(usize::from(address) - 1).unwrap();
+        ask(&mut network, address, trapezoid(goal));
+        run(&mut network, 80_000);
+        let axis = network.axis(usize::from(address) - 1).unwrap();
         assert!(axis.status().is_done && axis.status().is_on);
         assert!(
             (axis.position() - goal).abs() <= 1,
@@ -67,30 +67,30 @@ fn a_move_ends_within_a_count() {
         );
     }
     // The other one has not moved.
-    assert!((chain.axis(0).unwrap().position()).abs() <= 1);
+    assert!((network.axis(0).unwrap().position()).abs() <= 1);
 }
 
 #[test]
 fn version_4_begins_a_trapezoid_from_standstill_only() {
     for (version, goes_to) in [(4, 1000), (5, -1000)] {
-        let mut chain = started_with(&[version]);
-        ask(&mut chain, 1, trapezoid(1000));
-        run(&mut chain, 500);
-        assert!(!chain.axis(0).unwrap().status().is_done);
-        ask(&mut chain, 1, trapezoid(-1000));
-        run(&mut chain, 10_000);
-        let at = chain.axis(0).unwrap().commanded();
+        let mut network = started_with(&[version]);
+        ask(&mut network, 1, trapezoid(1000));
+        run(&mut network, 500);
+        assert!(!network.axis(0).unwrap().status().is_done);
+        ask(&mut network, 1, trapezoid(-1000));
+        run(&mut network, 10_000);
+        let at = network.axis(0).unwrap().commanded();
         assert_eq!(at, goes_to, "version {version}");
         // The motion has waited in the buffer.
-        ask(&mut chain, 1, Command::StartMotion);
-        run(&mut chain, 10_000);
-        assert_eq!(chain.axis(0).unwrap().commanded(), -1000);
+        ask(&mut network, 1, Command::StartMotion);
+        run(&mut network, 10_000);
+        assert_eq!(network.axis(0).unwrap().commanded(), -1000);
     }
 }
 
 #[test]
 fn a_contact_stores_where_it_was_and_stops() {
-    let mut chain = started(1);
+    let mut network = started(1);
     let forward = Command::LoadTrajectory(Trajectory {
         velocity: Some(20_000),
         acceleration: Some(100),
@@ -99,20 +99,20 @@ fn a_contact_stores_where_it_was_and_stops() {
         ..Trajectory::default()
     });
     let search = Homing(Homing::LIMIT_1.0 | Homing::SMOOTH.0);
-    let reply = ask(&mut chain, 1, Command::SetHoming(search));
+    let reply = ask(&mut network, 1, Command::SetHoming(search));
     assert_eq!(Status(reply[0]).0 & Status::HOME_IN_PROGRESS.0, 0x80);
-    ask(&mut chain, 1, forward);
-    run(&mut chain, 2000);
-    let at = chain.axis(0).unwrap().position();
-    chain.surround(
+    ask(&mut network, 1, forward);
+    run(&mut network, 2000);
+    let at = network.axis(0).unwrap().position();
+    network.surround(
         0,
         Surroundings {
             limit_1: true,
             ..Surroundings::default()
         },
     );
-    run(&mut chain, 4000);
-    let axis = chain.axis(0).unwrap();
+    run(&mut network, 4000);
+    let axis = network.axis(0).unwrap();
     assert!(
         (axis.home() - at).abs() <= 1,
         "the home position is that of the contact: {} for {at}",
@@ -122,54 +122,54 @@ fn a_contact_stores_where_it_was_and_stops() {
         axis.position() > at && axis.status().is_done,
         "it ran on, and stopped"
     );
-    let reply = ask(&mut chain, 1, Command::ReadStatus(Items::HOME));
-    assert_eq!(reply[1..5], axis_home_bytes(&chain));
+    let reply = ask(&mut network, 1, Command::ReadStatus(Items::HOME));
+    assert_eq!(reply[1..5], axis_home_bytes(&network));
 }
 
-fn axis_home_bytes(chain: &ServoNetwork) -> [u8; 4] {
-    chain.axis(0).unwrap().home().to_le_bytes()
+fn axis_home_bytes(network: &ServoNetwork) -> [u8; 4] {
+    network.axis(0).unwrap().home().to_le_bytes()
 }
 
 #[test]
 fn a_blocked_axis_gives_up() {
-    let mut chain = started(1);
-    chain.surround(
+    let mut network = started(1);
+    network.surround(
         0,
         Surroundings {
             load_nm: 10.0,
             ..Surroundings::default()
         },
     );
-    ask(&mut chain, 1, trapezoid(100_000));
-    run(&mut chain, 40_000);
-    let status = chain.axis(0).unwrap().status();
+    ask(&mut network, 1, trapezoid(100_000));
+    run(&mut network, 40_000);
+    let status = network.axis(0).unwrap().status();
     assert!(status.position_error && !status.is_on);
 }
 
 #[test]
 fn a_damaged_packet_moves_nothing() {
-    let mut chain = started(1);
+    let mut network = started(1);
     let frame = trapezoid(5000).frame(1);
     let mut bytes = frame.bytes().to_vec();
     bytes[5] ^= 0x10;
     for byte in bytes {
-        chain.send(byte);
+        network.send(byte);
     }
-    let reply: Vec<u8> = (0..100).flat_map(|_| chain.tick()).collect();
+    let reply: Vec<u8> = (0..100).flat_map(|_| network.tick()).collect();
     assert_eq!(Status(reply[0]).0 & Status::CHECKSUM_ERROR.0, 0x02);
-    run(&mut chain, 2000);
-    assert!(chain.axis(0).unwrap().position().abs() <= 1);
+    run(&mut network, 2000);
+    assert!(network.axis(0).unwrap().position().abs() <= 1);
 }
 
 #[test]
 fn a_reset_module_is_at_zero_without_servo() {
-    let mut chain = started(1);
-    ask(&mut chain, 1, trapezoid(500));
-    run(&mut chain, 20_000);
-    let position = chain.axis(0).unwrap().position();
+    let mut network = started(1);
+    ask(&mut network, 1, trapezoid(500));
+    run(&mut network, 20_000);
+    let position = network.axis(0).unwrap().position();
     assert!((position - 500).abs() <= 1, "{position}");
-    ask(&mut chain, 0xff, Command::HardReset(None));
-    let axis = chain.axis(0).unwrap();
+    ask(&mut network, 0xff, Command::HardReset(None));
+    let axis = network.axis(0).unwrap();
     assert_eq!(axis.position(), 0);
     assert!(!axis.status().is_on && axis.status().position_error);
 }

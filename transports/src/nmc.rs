@@ -77,6 +77,6 @@ pub use outcome::{Failure, Outcome, Progress, Refused, Step};
 pub use repeat::{Finding, Repeat};
 pub use reply::{LONGEST_REPLY, Readings, Reply, reported_velocity};
 pub use residual::unseen_pairs_in_halves;
-pub use startup::{Chain, Next, Startup};
+pub use startup::{Network, Next, Startup};
 pub use timing::{CYCLE_US, Polling, Timing};
 pub use trajectory::{Mode, PathPoints, Stop, StopMode, Trajectory};

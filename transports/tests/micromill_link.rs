@@ -613,10 +613,10 @@ proptest! {
 
 /// A state of extreme numbers.
 fn state() -> State {
-    let axis = |load_steps, ahead_steps, lash_steps, zero_nm| AxisState {
+    let axis = |load_steps, ahead_steps, backlash_steps, zero_nm| AxisState {
         load_steps,
         ahead_steps,
-        lash_steps,
+        backlash_steps,
         zero_nm,
     };
     State {

@@ -25,13 +25,13 @@ fn start_up(
     line: &mut Line,
     host: &mut Host,
     fault: &mut impl FnMut(bool, u64) -> Option<Fault>,
-) -> husillo_transports::nmc::Chain {
+) -> husillo_transports::nmc::Network {
     let mut startup = Startup::new(BAUD);
     let mut outcome = None;
     for _ in 0..1000 {
         match startup.next(outcome.as_ref()) {
             Next::Step(step) => outcome = Some(line.run(host, step, fault)),
-            Next::Done(chain) => return chain,
+            Next::Done(network) => return network,
         }
     }
     panic!("the start never ends");
@@ -40,20 +40,20 @@ fn start_up(
 /// A line of this many modules, started.
 fn started(count: usize, version: u8) -> (Line, Host) {
     let (mut line, mut host) = (Line::new(count, version), host());
-    let chain = start_up(&mut line, &mut host, &mut |_, _| None);
-    assert_eq!(usize::from(chain.modules), count);
+    let network = start_up(&mut line, &mut host, &mut |_, _| None);
+    assert_eq!(usize::from(network.modules), count);
     (line, host)
 }
 
 #[test]
-fn a_chain_of_any_length_is_addressed_from_its_far_end() {
+fn a_network_of_any_length_is_addressed_from_its_far_end() {
     for count in [1, 2, 3, 31, 32] {
         let (mut line, mut host) = (Line::new(count, 4), host());
-        let chain = start_up(&mut line, &mut host, &mut |_, _| None);
-        assert_eq!((chain.silent, chain.is_complete), (0, true));
+        let network = start_up(&mut line, &mut host, &mut |_, _| None);
+        assert_eq!((network.silent, network.is_complete), (0, true));
         for (number, (module, _)) in (1..).zip(&line.modules) {
             assert_eq!(module.address(), number);
-            assert_eq!(chain.devices[usize::from(number) - 1], (0, 4));
+            assert_eq!(network.devices[usize::from(number) - 1], (0, 4));
         }
         assert_eq!(host.baud(), BAUD);
     }
@@ -64,21 +64,21 @@ fn a_chain_of_any_length_is_addressed_from_its_far_end() {
     );
 }
 
-/// One byte in a hundred is lost, flipped or doubled while the chain gets its addresses. In the end
-/// every module has its own address, or the start reports a doubt.
+/// One byte in a hundred is lost, flipped or doubled while the network gets its addresses. In the
+/// end every module has its own address, or the start reports a doubt.
 #[test]
 fn a_noisy_start_gives_no_address_twice() {
     let mut complete = 0;
     for seed in 1..=60 {
         let (mut line, mut host) = (Line::new(8, 4), host());
         let mut random = Rand32::new(seed);
-        let chain = start_up(&mut line, &mut host, &mut |_, _| noise(&mut random, 100));
+        let network = start_up(&mut line, &mut host, &mut |_, _| noise(&mut random, 100));
         let mut addresses: Vec<u8> = line
             .modules
             .iter()
             .map(|(module, _)| module.address())
             .collect();
-        if chain.is_complete && chain.modules == 8 {
+        if network.is_complete && network.modules == 8 {
             complete += 1;
             assert_eq!(addresses, [1, 2, 3, 4, 5, 6, 7, 8], "seed {seed}");
         }

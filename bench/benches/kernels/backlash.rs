@@ -10,7 +10,7 @@ const EVENTS: i32 = 10_000;
 pub fn bench(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("backlash");
     group.throughput(Throughput::Elements(EVENTS as u64));
-    let axes = [1457, 1271, 0].map(|lash_steps| Backlash::new(lash_steps, Flank::Positive));
+    let axes = [1457, 1271, 0].map(|backlash_steps| Backlash::new(backlash_steps, Flank::Positive));
     for (name, period) in [("straight_on", EVENTS), ("reversal_every_10_events", 10)] {
         group.bench_function(name, |bencher| {
             let mut stage = Compensator::new(axes);

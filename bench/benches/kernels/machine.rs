@@ -7,13 +7,13 @@ use husillo_gcode::Dialect;
 use husillo_machine::{Axis, Config, Equipment, Event, Machine, Scale};
 
 /// A micro mill without limits.
-pub fn mill() -> Machine<3> {
+pub fn micromill() -> Machine<3> {
     let scale = Scale::new(140, 1).expect("140 nm a step");
-    let axis = |lash_steps| Axis {
+    let axis = |backlash_steps| Axis {
         scale,
         travel: None,
         max_rate_hz: 170,
-        lash_steps,
+        backlash_steps,
         ramp: None,
     };
     Machine::new(Config {
@@ -49,11 +49,11 @@ pub fn bench(criterion: &mut Criterion) {
     ];
     for (name, program) in &programs {
         let mut events = 0_u64;
-        run(&mut mill(), program, |_| events += 1);
+        run(&mut micromill(), program, |_| events += 1);
         group.throughput(Throughput::Elements(events));
         group.bench_function(*name, |bencher| {
             bencher.iter(|| {
-                run(&mut mill(), program, |event| {
+                run(&mut micromill(), program, |event| {
                     black_box(event);
                 });
             });

@@ -7,7 +7,7 @@ use husillo_machine::Event;
 use husillo_sim::{AxisModel, Rig};
 use husillo_stepper::{CoilDriver, Driver, Levels, Mode, Sequencer};
 
-use crate::machine::{mill, run};
+use crate::machine::{micromill, run};
 
 pub fn bench(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("sim");
@@ -16,7 +16,7 @@ pub fn bench(criterion: &mut Criterion) {
     let home = motors.map(|motor| motor.levels());
     // The levels are computed beforehand, so that only the simulator is measured.
     let mut trace: Vec<([Levels; 3], u32)> = Vec::new();
-    run(&mut mill(), &["G3 X0 Y0 I-1.5 F1.4"], |event| {
+    run(&mut micromill(), &["G3 X0 Y0 I-1.5 F1.4"], |event| {
         if let Event::Step(step) = event {
             let mut levels = home;
             for ((motor, levels), delta) in motors.iter_mut().zip(&mut levels).zip(step.delta) {
@@ -29,7 +29,10 @@ pub fn bench(criterion: &mut Criterion) {
     group.throughput(Throughput::Elements(trace.len() as u64));
     group.bench_function("circle", |bencher| {
         bencher.iter(|| {
-            let mut rig = Rig::new([model.with_lash(1457), model.with_lash(1271), model], home);
+            let mut rig = Rig::new(
+                [model.with_backlash(1457), model.with_backlash(1271), model],
+                home,
+            );
             for (levels, wait_ticks) in &trace {
                 rig.apply(levels, *wait_ticks);
                 black_box(rig.tool());

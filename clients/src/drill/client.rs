@@ -35,7 +35,7 @@ const RECORD: Duration = Duration::from_secs(180);
 
 /// Why a step has failed.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Trouble {
+pub enum ClientError {
     /// The link failed, or the device reports a fault.
     Link(Failure),
     /// Stopped on request.
@@ -50,68 +50,68 @@ pub enum Trouble {
     Refused(Refused),
 }
 
-impl Trouble {
+impl ClientError {
     /// A sentence.
     pub fn text(&self) -> String {
         match self {
-            Trouble::Link(Failure::Silent) => {
+            ClientError::Link(Failure::Silent) => {
                 "no answer: the drill is off, unplugged or stopped because of a fault, or a byte \
                  was lost"
                     .into()
             }
-            Trouble::Link(Failure::Wrong(byte)) => {
+            ClientError::Link(Failure::Wrong(byte)) => {
                 format!(
                     "{byte:#04x} came back for another byte: the line is noisy, or the device is \
                      no drill"
                 )
             }
-            Trouble::Link(Failure::Unasked(byte)) => {
+            ClientError::Link(Failure::Unasked(byte)) => {
                 format!("unexpected byte {byte:#04x}: a byte was doubled on the line")
             }
-            Trouble::Link(Failure::Restarted) => {
+            ClientError::Link(Failure::Restarted) => {
                 "the drill was reset: it has homed, and its program is lost".into()
             }
-            Trouble::Link(Failure::Fault) => {
+            ClientError::Link(Failure::Fault) => {
                 "the drill has stopped because of a fault, which its panel shows: steps were lost, \
                  a switch or a sensor does not work, or a position is off the table. Repair it, \
                  then press its button R"
                     .into()
             }
-            Trouble::Link(Failure::Expired) => {
+            ClientError::Link(Failure::Expired) => {
                 "the drill has stopped, because it heard nothing for the time of its lease \
                  (--lease): this computer was too busy, or the line was interrupted"
                     .into()
             }
-            Trouble::Link(Failure::NotAll) => {
+            ClientError::Link(Failure::NotAll) => {
                 "the axis reached its end before all steps were made".into()
             }
-            Trouble::Link(Failure::Full) => {
+            ClientError::Link(Failure::Full) => {
                 "the drill's memory has no room for another hole".into()
             }
-            Trouble::Stopped => "stopped".into(),
-            Trouble::AtWork => "the drill runs its program".into(),
-            Trouble::NoLease => {
+            ClientError::Stopped => "stopped".into(),
+            ClientError::AtWork => "the drill runs its program".into(),
+            ClientError::NoLease => {
                 "the drill does not confirm a lease; without one (--lease 0) it continues when \
                  this program is gone"
                     .into()
             }
-            Trouble::Port(why) => format!("the port failed: {why}"),
-            Trouble::Refused(refused) => format!("not done: {refused}"),
+            ClientError::Port(why) => format!("the port failed: {why}"),
+            ClientError::Refused(refused) => format!("not done: {refused}"),
         }
     }
 }
 
-impl Trouble {
+impl ClientError {
     /// A sentence about a drill that does not answer from the start, and what to do.
     pub fn unreached(&self) -> String {
         match self {
-            Trouble::Link(Failure::Fault) => self.text(),
-            Trouble::Link(_) => format!(
+            ClientError::Link(Failure::Fault) => self.text(),
+            ClientError::Link(_) => format!(
                 "{}. Is it still at work? Otherwise press its button R, wait until it has homed, \
                  and try again",
                 self.text()
             ),
-            Trouble::AtWork => format!(
+            ClientError::AtWork => format!(
                 "{}. Wait until it has ended, or end it: `husillo stop -m drill --port PORT`",
                 self.text()
             ),
@@ -222,11 +222,12 @@ impl Client {
     ///
     /// # Errors
     ///
-    /// [`Trouble::AtWork`]: it runs a program, and says so. [`Failure::Fault`]: it has stopped with
-    /// a fault, and says so. [`Trouble::NoLease`]: it has none. Another: it does not answer within
-    /// about seven seconds. It is off or absent, it homes, or it is an original at work.
-    pub fn reach(&mut self) -> Result<(), Trouble> {
-        let mut last = Trouble::Link(Failure::Silent);
+    /// [`ClientError::AtWork`]: it runs a program, and says so. [`Failure::Fault`]: it has stopped
+    /// with a fault, and says so. [`ClientError::NoLease`]: it has none. Another: it does not
+    /// answer within about seven seconds. It is off or absent, it homes, or it is an original at
+    /// work.
+    pub fn reach(&mut self) -> Result<(), ClientError> {
+        let mut last = ClientError::Link(Failure::Silent);
         let mut is_second = false;
         let rest_by = self.elapsed() + REST;
         let mut attempts = 0;
@@ -236,30 +237,32 @@ impl Client {
             match self.run(Step::Resync) {
                 Ok(()) => match self.introduce() {
                     // A byte may be lost: an original does not answer the second time either.
-                    Err(Trouble::Link(_)) if !is_second => is_second = true,
-                    Err(Trouble::Link(_)) if !self.has_extras && !self.needs_lease => {
+                    Err(ClientError::Link(_)) if !is_second => is_second = true,
+                    Err(ClientError::Link(_)) if !self.has_extras && !self.needs_lease => {
                         return self.run(Step::Resync);
                     }
-                    Err(Trouble::Link(_)) if self.lease_ms == 0 => return self.run(Step::Resync),
-                    Err(Trouble::Link(_)) => return Err(Trouble::NoLease),
+                    Err(ClientError::Link(_)) if self.lease_ms == 0 => {
+                        return self.run(Step::Resync);
+                    }
+                    Err(ClientError::Link(_)) => return Err(ClientError::NoLease),
                     result => return result,
                 },
-                Err(Trouble::Link(Failure::Silent)) => match self.says()? {
-                    Some(WORKING) => return Err(Trouble::AtWork),
-                    Some(FAULT) => return Err(Trouble::Link(Failure::Fault)),
+                Err(ClientError::Link(Failure::Silent)) => match self.says()? {
+                    Some(WORKING) => return Err(ClientError::AtWork),
+                    Some(FAULT) => return Err(ClientError::Link(Failure::Fault)),
                     // The drill comes up, because another client has gone.
                     Some(ENDING) if self.elapsed() < rest_by => attempts = 0,
-                    _ => last = Trouble::Link(Failure::Silent),
+                    _ => last = ClientError::Link(Failure::Silent),
                 },
-                Err(Trouble::Link(failure)) => last = Trouble::Link(failure),
-                Err(trouble) => return Err(trouble),
+                Err(ClientError::Link(failure)) => last = ClientError::Link(failure),
+                Err(error) => return Err(error),
             }
         }
         Err(last)
     }
 
     /// Finds out whether a device at rest has extras, and requests its lease.
-    fn introduce(&mut self) -> Result<(), Trouble> {
+    fn introduce(&mut self) -> Result<(), ClientError> {
         self.has_extras = false;
         self.run(Step::Read(COUNT))?;
         self.has_extras = true;
@@ -267,7 +270,7 @@ impl Client {
     }
 
     /// Requests a lease. With 0 the device needs no client.
-    fn request_lease(&mut self, lease_ms: u16) -> Result<(), Trouble> {
+    fn request_lease(&mut self, lease_ms: u16) -> Result<(), ClientError> {
         let units = lease_ms.div_ceil(LEASE_UNIT_MS);
         self.run(Step::Lease(u8::try_from(units).unwrap_or(u8::MAX)))
     }
@@ -282,13 +285,13 @@ impl Client {
     /// # Errors
     ///
     /// The device does not answer in that time: it is off, absent or stopped because of a fault.
-    /// [`Trouble::Stopped`]: the operator does not wait.
-    pub fn end_program(&mut self, wait: impl FnOnce(Duration)) -> Result<(), Trouble> {
+    /// [`ClientError::Stopped`]: the operator does not wait.
+    pub fn end_program(&mut self, wait: impl FnOnce(Duration)) -> Result<(), ClientError> {
         // One wrong bit in an `E` makes an `e`, which runs a program. So only a device that answers
         // nothing else gets it.
         match self.run(Step::Resync) {
-            Err(Trouble::Link(Failure::Silent)) => {}
-            Err(trouble @ Trouble::Port(_)) => return Err(trouble),
+            Err(ClientError::Link(Failure::Silent)) => {}
+            Err(error @ ClientError::Port(_)) => return Err(error),
             _ => return self.reach(),
         }
         wait(RECORD);
@@ -297,12 +300,12 @@ impl Client {
         let mut ask_at = self.elapsed() + ASK;
         while self.elapsed() < end {
             let byte = self.wire.receive(LOOK);
-            let byte = byte.map_err(|error| Trouble::Port(error.to_string()))?;
+            let byte = byte.map_err(|error| ClientError::Port(error.to_string()))?;
             if byte == Some(b'e') {
                 return self.reach();
             }
             if self.is_stopping() {
-                return Err(Trouble::Stopped);
+                return Err(ClientError::Stopped);
             }
             if self.elapsed() < ask_at {
                 continue;
@@ -313,22 +316,22 @@ impl Client {
             }
             match self.says()? {
                 Some(WORKING) => self.put(b'E')?,
-                Some(FAULT) => return Err(Trouble::Link(Failure::Fault)),
+                Some(FAULT) => return Err(ClientError::Link(Failure::Fault)),
                 _ => {}
             }
             ask_at = self.elapsed() + 5 * ASK;
         }
-        Err(Trouble::Link(Failure::Silent))
+        Err(ClientError::Link(Failure::Silent))
     }
 
     /// Returns the answer of a device that is at work or has stopped, after a silent
     /// [`Step::Resync`]: [`WORKING`], [`ENDING`] or [`FAULT`]. An original never answers.
-    fn says(&mut self) -> Result<Option<u8>, Trouble> {
+    fn says(&mut self) -> Result<Option<u8>, ClientError> {
         self.put(AT_WORK)?;
         let end = self.elapsed() + AT_WORK_ANSWER;
         while self.elapsed() < end {
             let byte = self.wire.receive(end - self.elapsed());
-            match byte.map_err(|error| Trouble::Port(error.to_string()))? {
+            match byte.map_err(|error| ClientError::Port(error.to_string()))? {
                 Some(byte @ (WORKING | ENDING | FAULT)) => return Ok(Some(byte)),
                 // A test follows that finds out more.
                 Some(_) => {}
@@ -344,7 +347,7 @@ impl Client {
     /// # Errors
     ///
     /// It does not answer.
-    pub fn find_out(&mut self) -> Result<(), Trouble> {
+    pub fn find_out(&mut self) -> Result<(), ClientError> {
         // The request of the operator has been carried out.
         self.stop.clear();
         if self.has_lease() {
@@ -365,7 +368,7 @@ impl Client {
             }
             match last {
                 Ok(()) => break,
-                Err(Trouble::Link(Failure::Silent)) if self.has_lease() => {
+                Err(ClientError::Link(Failure::Silent)) if self.has_lease() => {
                     // The drill comes up.
                     if self.says()? == Some(ENDING) && self.elapsed() < rest_by {
                         attempts = 0;
@@ -383,7 +386,7 @@ impl Client {
     /// # Errors
     ///
     /// The link failed.
-    pub fn drillings(&mut self) -> Result<Option<u16>, Trouble> {
+    pub fn drillings(&mut self) -> Result<Option<u16>, ClientError> {
         if !self.has_extras {
             return Ok(None);
         }
@@ -396,7 +399,7 @@ impl Client {
     /// # Errors
     ///
     /// The link failed.
-    pub fn read(&mut self, reading: Reading) -> Result<(u8, u16), Trouble> {
+    pub fn read(&mut self, reading: Reading) -> Result<(u8, u16), ClientError> {
         let [letter, low, high] = self.record(reading.number())?;
         Ok((letter, u16::from_le_bytes([low, high])))
     }
@@ -406,7 +409,7 @@ impl Client {
     /// # Errors
     ///
     /// The link failed.
-    pub fn record(&mut self, number: u16) -> Result<[u8; 3], Trouble> {
+    pub fn record(&mut self, number: u16) -> Result<[u8; 3], ClientError> {
         self.run(Step::Read(number))?;
         Ok(self.host.record())
     }
@@ -416,7 +419,7 @@ impl Client {
     /// # Errors
     ///
     /// The link failed, or the device does not report its program.
-    pub fn program(&mut self) -> Result<Vec<[u8; 3]>, Trouble> {
+    pub fn program(&mut self) -> Result<Vec<[u8; 3]>, ClientError> {
         let mut records = Vec::new();
         for number in 0..COUNT {
             let record = self.record(number)?;
@@ -433,7 +436,7 @@ impl Client {
     /// # Errors
     ///
     /// The link failed, or the device has no help.
-    pub fn help(&mut self) -> Result<String, Trouble> {
+    pub fn help(&mut self) -> Result<String, ClientError> {
         self.text.clear();
         self.run(Step::Help)?;
         // The echo before the text and the mark after it are not part of it.
@@ -445,8 +448,8 @@ impl Client {
     ///
     /// # Errors
     ///
-    /// See [`Trouble`].
-    pub fn run(&mut self, step: Step) -> Result<(), Trouble> {
+    /// See [`ClientError`].
+    pub fn run(&mut self, step: Step) -> Result<(), ClientError> {
         self.run_for(step, Duration::ZERO, |_| {})
     }
 
@@ -454,16 +457,16 @@ impl Client {
     ///
     /// # Errors
     ///
-    /// See [`Trouble`].
+    /// See [`ClientError`].
     pub fn run_for(
         &mut self,
         step: Step,
         mut longest: Duration,
         mut progress: impl FnMut(Duration),
-    ) -> Result<(), Trouble> {
+    ) -> Result<(), ClientError> {
         let start = self.elapsed();
         let now = self.now_us();
-        self.host.start(step, now).map_err(Trouble::Refused)?;
+        self.host.start(step, now).map_err(ClientError::Refused)?;
         let mut has_stopped = false;
         let period = self.question_period();
         let gone = if self.has_lease() {
@@ -476,8 +479,8 @@ impl Client {
             self.transmit()?;
             match self.host.poll(self.now_us()) {
                 Progress::Done(Outcome::Done) => return Ok(()),
-                Progress::Done(Outcome::Stopped) => return Err(Trouble::Stopped),
-                Progress::Done(Outcome::Failed(failure)) => return Err(Trouble::Link(failure)),
+                Progress::Done(Outcome::Stopped) => return Err(ClientError::Stopped),
+                Progress::Done(Outcome::Failed(failure)) => return Err(ClientError::Link(failure)),
                 Progress::Idle | Progress::Sending => {}
                 Progress::Waiting { us } => {
                     let passed = self.elapsed() - start;
@@ -502,7 +505,7 @@ impl Client {
                         if let Some(byte) = self.host.ask_at_work() {
                             if self.elapsed() - answered_at > gone {
                                 self.host.give_up();
-                                return Err(Trouble::Link(Failure::Silent));
+                                return Err(ClientError::Link(Failure::Silent));
                             }
                             self.put(byte)?;
                         }
@@ -531,12 +534,12 @@ impl Client {
     /// # Errors
     ///
     /// The program did not start, or the device does not confirm its start.
-    pub fn start(&mut self) -> Result<bool, Trouble> {
+    pub fn start(&mut self) -> Result<bool, ClientError> {
         self.request_lease(0)?;
         let now = self.now_us();
         self.host
             .start(Step::Execute, now)
-            .map_err(Trouble::Refused)?;
+            .map_err(ClientError::Refused)?;
         self.transmit()?;
         for _ in 0..ASKED {
             if let Some(byte) = self.host.ask_at_work() {
@@ -547,18 +550,20 @@ impl Client {
                 self.listen(end - self.elapsed())?;
                 match self.host.poll(self.now_us()) {
                     Progress::Done(Outcome::Done) => return Ok(false),
-                    Progress::Done(Outcome::Failed(failure)) => return Err(Trouble::Link(failure)),
-                    Progress::Done(Outcome::Stopped) => return Err(Trouble::Stopped),
+                    Progress::Done(Outcome::Failed(failure)) => {
+                        return Err(ClientError::Link(failure));
+                    }
+                    Progress::Done(Outcome::Stopped) => return Err(ClientError::Stopped),
                     _ if self.host.is_at_work() => return Ok(true),
                     _ => {}
                 }
             }
         }
         self.host.give_up();
-        Err(Trouble::Link(Failure::Silent))
+        Err(ClientError::Link(Failure::Silent))
     }
 
-    fn transmit(&mut self) -> Result<(), Trouble> {
+    fn transmit(&mut self) -> Result<(), ClientError> {
         let now = self.now_us();
         match self.host.transmit(now) {
             Some(byte) => self.put(byte),
@@ -566,16 +571,16 @@ impl Client {
         }
     }
 
-    fn put(&mut self, byte: u8) -> Result<(), Trouble> {
+    fn put(&mut self, byte: u8) -> Result<(), ClientError> {
         self.wire
             .send(byte)
-            .map_err(|error| Trouble::Port(error.to_string()))
+            .map_err(|error| ClientError::Port(error.to_string()))
     }
 
     /// Waits for a byte.
-    fn listen(&mut self, within: Duration) -> Result<(), Trouble> {
+    fn listen(&mut self, within: Duration) -> Result<(), ClientError> {
         let byte = self.wire.receive(within);
-        if let Some(byte) = byte.map_err(|error| Trouble::Port(error.to_string()))? {
+        if let Some(byte) = byte.map_err(|error| ClientError::Port(error.to_string()))? {
             self.text.push(byte);
             let now = self.now_us();
             self.host.push(byte, now);

@@ -1,7 +1,7 @@
 //! A drill moved by hand: in the manual mode, or idle.
 
 use super::action::{Action, Axis};
-use super::client::{Client, Trouble};
+use super::client::{Client, ClientError};
 use super::place::Place;
 use husillo_controllers::DrillConfig;
 use husillo_sim::device::drill::STROKE_STEPS;
@@ -60,7 +60,7 @@ impl Hand {
     pub fn carry_out(&mut self, action: &Action) -> Result<String, String> {
         self.do_it(action).map_err(|failed| {
             let sentence = match &failed {
-                Failed::Link(trouble) => trouble.text(),
+                Failed::Link(error) => error.text(),
                 Failed::Other(sentence) => return sentence.clone(),
             };
             match self.leave() {
@@ -80,7 +80,7 @@ impl Hand {
     }
 
     /// After a failure: leaves the manual mode and switches the spindle off.
-    fn leave(&mut self) -> Result<(), Trouble> {
+    fn leave(&mut self) -> Result<(), ClientError> {
         self.advance = None;
         self.client.find_out()?;
         if self.client.has_extras() {
@@ -158,7 +158,7 @@ impl Hand {
             }
         }
         if self.client.is_stopping() {
-            return Err(Failed::Link(Trouble::Stopped));
+            return Err(Failed::Link(ClientError::Stopped));
         }
         Ok(String::new())
     }
@@ -210,8 +210,8 @@ impl Hand {
     fn moved(&mut self, key: u8) -> Result<bool, Failed> {
         match self.client.run_for(Step::Key(key), self.longest(), |_| {}) {
             Ok(()) => Ok(true),
-            Err(Trouble::Link(Failure::NotAll)) => Ok(false),
-            Err(trouble) => Err(Failed::Link(trouble)),
+            Err(ClientError::Link(Failure::NotAll)) => Ok(false),
+            Err(error) => Err(Failed::Link(error)),
         }
     }
 
@@ -274,7 +274,7 @@ impl Hand {
     /// A sentence about the failure.
     pub fn end(&mut self) -> Result<(), String> {
         self.idle().map_err(|failed| match failed {
-            Failed::Link(trouble) => trouble.text(),
+            Failed::Link(error) => error.text(),
             Failed::Other(sentence) => sentence,
         })
     }
@@ -320,13 +320,13 @@ fn whole(program: &[[u8; 3]]) -> Result<usize, String> {
 }
 
 enum Failed {
-    Link(Trouble),
+    Link(ClientError),
     Other(String),
 }
 
-impl From<Trouble> for Failed {
-    fn from(trouble: Trouble) -> Self {
-        Failed::Link(trouble)
+impl From<ClientError> for Failed {
+    fn from(error: ClientError) -> Self {
+        Failed::Link(error)
     }
 }
 

@@ -1,6 +1,6 @@
 //! The position of a drill, and the content of its memory.
 
-use super::client::{Client, Trouble};
+use super::client::{Client, ClientError};
 use super::part::millimetres;
 use husillo_sim::text::{self, counted};
 use husillo_transports::drill::{Failure, MachineState, Reading, STEPS_PER_MM};
@@ -24,10 +24,10 @@ impl Place {
     /// # Errors
     ///
     /// The link failed. [`Failure::Wrong`]: the device does not know its position, as an original.
-    pub fn read(client: &mut Client) -> Result<Self, Trouble> {
+    pub fn read(client: &mut Client) -> Result<Self, ClientError> {
         let value = |client: &mut Client, reading, letter| match client.read(reading)? {
             (read, value) if read == letter => Ok(value),
-            (other, _) => Err(Trouble::Link(Failure::Wrong(other))),
+            (other, _) => Err(ClientError::Link(Failure::Wrong(other))),
         };
         let mut machine = MachineState {
             place_steps: [
@@ -50,10 +50,12 @@ impl Place {
     }
 
     /// The lines about a drill that cannot be asked, for this reason.
-    pub fn unknown(trouble: &Trouble) -> String {
-        let state = match trouble {
-            Trouble::AtWork => "runs a program alone, and does not report its position meanwhile",
-            Trouble::Link(Failure::Fault) => {
+    pub fn unknown(error: &ClientError) -> String {
+        let state = match error {
+            ClientError::AtWork => {
+                "runs a program alone, and does not report its position meanwhile"
+            }
+            ClientError::Link(Failure::Fault) => {
                 "has stopped with a fault: the spindle is off, and nothing moves until its reset"
             }
             _ => "does not answer: it is off, unplugged, homing, or an original at work",

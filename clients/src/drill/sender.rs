@@ -1,6 +1,6 @@
 //! A board over the link, tool by tool.
 
-use super::client::{Client, Trouble};
+use super::client::{Client, ClientError};
 use super::end::{End, Failed};
 use super::held::holes_done;
 use super::load::{Estimate, Load, MEMORY_RECORDS, loads_from};
@@ -51,9 +51,9 @@ enum Ended {
     Well { is_detached: bool },
     /// Failed before the memory of the device was cleared. Nothing of the part is done, and the
     /// counts of the link are those of the part before.
-    Before(Trouble),
+    Before(ClientError),
     /// Failed after that.
-    After(Trouble),
+    After(ClientError),
 }
 
 impl<O: Operator> Sender<'_, O> {
@@ -68,8 +68,8 @@ impl<O: Operator> Sender<'_, O> {
         if detach {
             expect_one(&loads)?;
         }
-        if let Err(trouble) = self.client.reach() {
-            return Ok(End::Unreached(trouble.unreached()));
+        if let Err(error) = self.client.reach() {
+            return Ok(End::Unreached(error.unreached()));
         }
         if let Some(done) = self.already_drilled() {
             let why = format!(
@@ -87,8 +87,8 @@ impl<O: Operator> Sender<'_, O> {
         }
         if self.is_homed {
             self.expect_homed()?;
-        } else if let Err(trouble) = self.client.run_for(Step::Home, HOMING, |_| {}) {
-            return Ok(self.failed(trouble.text(), self.from, self.from));
+        } else if let Err(error) = self.client.run_for(Step::Home, HOMING, |_| {}) {
+            return Ok(self.failed(error.text(), self.from, self.from));
         }
         Ok(self.send_loads(&loads, detach))
     }
@@ -133,10 +133,10 @@ impl<O: Operator> Sender<'_, O> {
             match self.one(load, detach, &mut estimate) {
                 Ended::Well { is_detached: false } => {}
                 Ended::Well { is_detached: true } => return End::Detached,
-                Ended::Before(trouble) => {
-                    return self.failed(trouble.text(), load.before, load.before);
+                Ended::Before(error) => {
+                    return self.failed(error.text(), load.before, load.before);
                 }
-                Ended::After(trouble) => return self.stopped(load, trouble),
+                Ended::After(error) => return self.stopped(load, error),
             }
             if load.is_last {
                 let first = loads.iter().find(|first| first.part == load.part);
@@ -161,9 +161,9 @@ impl<O: Operator> Sender<'_, O> {
             Ok(_) => {
                 Err("the drill is not homed, or its zero is elsewhere: leave --no-home out".into())
             }
-            Err(trouble) => Err(format!(
+            Err(error) => Err(format!(
                 "the drill does not report that it is homed: leave --no-home out ({})",
-                trouble.text()
+                error.text()
             )),
         }
     }
@@ -217,12 +217,12 @@ impl<O: Operator> Sender<'_, O> {
         } else {
             Step::Clear
         };
-        if let Err(trouble) = self.client.run(clear) {
-            return Ended::Before(trouble);
+        if let Err(error) = self.client.run(clear) {
+            return Ended::Before(error);
         }
         match self.store_and_run(load, detach, estimate) {
             Ok(is_detached) => Ended::Well { is_detached },
-            Err(trouble) => Ended::After(trouble),
+            Err(error) => Ended::After(error),
         }
     }
 
@@ -232,7 +232,7 @@ impl<O: Operator> Sender<'_, O> {
         load: &Load,
         detach: bool,
         estimate: &mut Estimate,
-    ) -> Result<bool, Trouble> {
+    ) -> Result<bool, ClientError> {
         // It drills meanwhile where the memory is too small. Otherwise it stands as long as it can.
         let drills_meanwhile = load.bytes.len() > MEMORY_BYTES;
         if drills_meanwhile {
@@ -244,7 +244,7 @@ impl<O: Operator> Sender<'_, O> {
         let mut run_s = 0.0;
         for (place, byte) in body.iter().enumerate() {
             if self.client.is_stopping() {
-                return Err(Trouble::Stopped);
+                return Err(ClientError::Stopped);
             }
             let is_border = place > 0 && place % MEMORY_BYTES == 0;
             let part_s = if is_border {
@@ -274,7 +274,7 @@ impl<O: Operator> Sender<'_, O> {
     }
 
     /// A step in which the device drills for an estimated time.
-    fn step(&mut self, step: Step, run_s: f64, estimate: &mut Estimate) -> Result<(), Trouble> {
+    fn step(&mut self, step: Step, run_s: f64, estimate: &mut Estimate) -> Result<(), ClientError> {
         if run_s == 0.0 {
             return self.client.run(step);
         }
@@ -310,7 +310,7 @@ impl<O: Operator> Sender<'_, O> {
     }
 
     /// Switches the spindle. An original does it alone, for each hole.
-    fn spindle(&mut self, on: bool) -> Result<(), Trouble> {
+    fn spindle(&mut self, on: bool) -> Result<(), ClientError> {
         if self.client.has_extras() {
             self.client.run(Step::Spindle(on))
         } else {
@@ -319,18 +319,18 @@ impl<O: Operator> Sender<'_, O> {
     }
 
     /// What is known after a failure: from the bytes, and from the device if it answers.
-    fn stopped(&mut self, load: &Load, trouble: Trouble) -> End {
+    fn stopped(&mut self, load: &Load, error: ClientError) -> End {
         let [done, begun] = self
             .client
             .done_and_begun()
             .map(|bytes| load.drillings(bytes as usize));
         let all = load.seconds.len();
         let (mut done, mut begun) = (done.min(all), begun.min(all));
-        let is_reset = trouble == Trouble::Link(Failure::Restarted);
-        let is_expired = trouble == Trouble::Link(Failure::Expired);
-        let is_reached = !matches!(trouble, Trouble::Port(_)) && self.client.find_out().is_ok();
-        let stands = trouble == Trouble::Link(Failure::Fault);
-        let mut why = trouble.text();
+        let is_reset = error == ClientError::Link(Failure::Restarted);
+        let is_expired = error == ClientError::Link(Failure::Expired);
+        let is_reached = !matches!(error, ClientError::Port(_)) && self.client.find_out().is_ok();
+        let stands = error == ClientError::Link(Failure::Fault);
+        let mut why = error.text();
         if is_reached {
             // A reset clears the count.
             if let (Ok(Some(count)), false) = (self.client.drillings(), is_reset) {

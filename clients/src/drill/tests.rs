@@ -1,6 +1,6 @@
 //! Boards over the simulated line in virtual time, on good lines and bad ones.
 
-use super::client::{Client, Trouble};
+use super::client::{Client, ClientError};
 use super::duration::seconds;
 use super::end::{End, Failed, sentence};
 use super::part::Part;
@@ -364,7 +364,7 @@ fn a_program_left_alone_is_ended_from_elsewhere() {
         let running = std::mem::replace(device(&mut client), Device::quick(is_original));
         let mut second = client_of(running, StopRequests::default());
         if !is_original {
-            assert_eq!(second.reach(), Err(Trouble::AtWork));
+            assert_eq!(second.reach(), Err(ClientError::AtWork));
         }
         let mut waits = 0;
         assert_eq!(second.end_program(|_| waits += 1), Ok(()));

@@ -1,7 +1,7 @@
 //! A measuring machine of one axis with its faults, without and with end switches.
 
 use super::{Bench, Fault, State, Subject};
-use husillo_metrology::Trouble;
+use husillo_metrology::Error;
 use husillo_metrology::heads::{Head, Line, Machine, Port, Prober, Wiring};
 use husillo_metrology::simulated::{SimulatedNetwork, SimulatedPort, one_axis};
 use husillo_probe::UnitVector;
@@ -51,19 +51,19 @@ impl SimulatedLine {
             match &*line {
                 "plug" | "unplug" => self.is_plugged = line == "plug",
                 "reset" => {
-                    self.port.chain.control("power off");
+                    self.port.network.control("power off");
                     self.due.push((now_us + OUTAGE_US, "power on".into()));
                 }
                 // The operator turns the axis away from its mechanical end.
                 "turn" => {
                     self.low_stop = None;
-                    self.port.chain.block(MODULE, false);
+                    self.port.network.block(MODULE, false);
                 }
-                line => drop(self.port.chain.control(line)),
+                line => drop(self.port.network.control(line)),
             }
         }
         let bytes = self.port.receive(1).unwrap();
-        let counts = self.port.chain.motor(MODULE).unwrap().counts();
+        let counts = self.port.network.motor(MODULE).unwrap().counts();
         self.counts = counts;
         // A held axis creeps by a few counts.
         if counts.abs_diff(self.rested) > 4 {
@@ -71,7 +71,7 @@ impl SimulatedLine {
             self.moved_us = self.port.elapsed_us();
         }
         if self.low_stop.is_some_and(|stop| counts <= stop) {
-            self.port.chain.block(MODULE, true);
+            self.port.network.block(MODULE, true);
         }
         if self.is_plugged { bytes } else { Vec::new() }
     }
@@ -155,11 +155,11 @@ fn machine(has_ends: bool) -> Machine {
     machine
 }
 
-fn switched_on(bench: &Shared, has_ends: bool) -> Result<Head<Shared>, Trouble> {
+fn switched_on(bench: &Shared, has_ends: bool) -> Result<Head<Shared>, Error> {
     Head::start(Line::new(bench.clone()), &machine(has_ends), 1)
 }
 
-fn begun(bench: &Shared, has_ends: bool) -> Result<Head<Shared>, Trouble> {
+fn begun(bench: &Shared, has_ends: bool) -> Result<Head<Shared>, Error> {
     let mut head = switched_on(bench, has_ends)?;
     // With an end switch, home is found from everywhere, unless the probe touches.
     if has_ends && head.home(0).is_ok() {
@@ -226,14 +226,14 @@ impl<const HAS_ENDS: bool> Subject for Cmm<HAS_ENDS> {
 
     fn new(state: State) -> Self {
         let contacts = [FACE.parse().unwrap()];
-        let chain = SimulatedNetwork::of_machine(&machine(HAS_ENDS), &contacts, None).unwrap();
+        let network = SimulatedNetwork::of_machine(&machine(HAS_ENDS), &contacts, None).unwrap();
         let ends = ENDS.map(|end| end.parse().unwrap());
-        let chain = match HAS_ENDS {
-            true => chain.with_ends(&ends).unwrap(),
-            false => chain,
+        let network = match HAS_ENDS {
+            true => network.with_ends(&ends).unwrap(),
+            false => network,
         };
         let bench = Shared(Rc::new(RefCell::new(SimulatedLine {
-            port: SimulatedPort::new(chain),
+            port: SimulatedPort::new(network),
             due: Vec::new(),
             is_plugged: true,
             counts: 0,
@@ -265,7 +265,7 @@ impl<const HAS_ENDS: bool> Subject for Cmm<HAS_ENDS> {
             State::Probing => self.head.touch(&UnitVector::X, 4000).map(drop),
         };
         done.map(|()| "done".into())
-            .map_err(|trouble| trouble.to_string())
+            .map_err(|error| error.to_string())
     }
 
     fn is_true(&mut self) -> bool {
@@ -279,7 +279,7 @@ impl<const HAS_ENDS: bool> Subject for Cmm<HAS_ENDS> {
     }
 
     fn begin_again(mut self) -> Result<(Self, String), String> {
-        self.head = begun(&self.bench, HAS_ENDS).map_err(|trouble| trouble.to_string())?;
+        self.head = begun(&self.bench, HAS_ENDS).map_err(|error| error.to_string())?;
         Ok((self, "homed".into()))
     }
 }

@@ -192,7 +192,7 @@ impl Subject for Drill {
     fn begin_again(mut self) -> Result<(Self, String), String> {
         let device = std::mem::replace(self.device(), Device::quick(false));
         let mut client = connected(device);
-        client.reach().map_err(|trouble| trouble.text())?;
+        client.reach().map_err(|error| error.text())?;
         let mut hand = Hand::new(client, |_, _| Ok(()));
         let homed = hand.carry_out(&Action::Home)?;
         hand.carry_out(&Action::Steps(Axis::X, SHORT))?;

@@ -194,21 +194,21 @@ impl Client {
     /// The link failed, or the device did not carry it out.
     pub fn carry_out(&mut self, action: &Action) -> Result<String, String> {
         let result = self.done(action);
-        result.map_err(|trouble| {
+        result.map_err(|error| {
             self.is_reached = false;
             if !self.answers || *action == Action::Emergency {
-                return trouble;
+                return error;
             }
             let rest = self.talk(|client| client.rest().and_then(|()| client.ask()));
             if self.wants_emergency() {
                 return match self.emergency() {
-                    Ok(how) => format!("{trouble}; emergency stop: {how}"),
-                    Err(why) => format!("{trouble}; {why}"),
+                    Ok(how) => format!("{error}; emergency stop: {how}"),
+                    Err(why) => format!("{error}; {why}"),
                 };
             }
             match rest {
-                Ok(status) => format!("{trouble}; {}", standing(&status)),
-                Err(_) => trouble,
+                Ok(status) => format!("{error}; {}", standing(&status)),
+                Err(_) => error,
             }
         })
     }
@@ -442,7 +442,7 @@ impl Client {
                 device::ROOM
             ));
         }
-        let mut trouble = String::new();
+        let mut last = String::new();
         for attempt in 1..=TRIES {
             if self.stop.is_asked() {
                 return Err("stopped".into());
@@ -451,20 +451,20 @@ impl Client {
                 Ok(()) => {
                     self.note(moves);
                     let again = if attempt > 1 {
-                        format!(", {attempt} times: {trouble}")
+                        format!(", {attempt} times: {last}")
                     } else {
                         String::new()
                     };
                     return Ok(format!("{}{again}", counted(moves.len(), "move")));
                 }
-                Err(error) => trouble = error,
+                Err(error) => last = error,
             }
             if !self.answers {
                 break;
             }
             self.talk(Self::rest)?;
         }
-        Err(format!("the figure is not stored: {trouble}"))
+        Err(format!("the figure is not stored: {last}"))
     }
 
     fn load_once(&mut self, moves: &[[i16; 2]]) -> Result<(), String> {
@@ -574,12 +574,12 @@ impl Client {
             return Err("stopped".into());
         }
         self.finished(Duration::ZERO, Report::Stopped)
-            .or_else(|trouble| {
+            .or_else(|error| {
                 // The host or the line was slow: the jog was shorter, and the result says so.
-                if trouble == device::text(Report::DeadMan) {
-                    Ok(trouble)
+                if error == device::text(Report::DeadMan) {
+                    Ok(error)
                 } else {
-                    Err(trouble)
+                    Err(error)
                 }
             })
     }
@@ -651,7 +651,7 @@ impl Client {
 
     /// Asks until there is an answer. All tries but the last end early enough to renew the lease.
     fn ask_again(&mut self, waits: Waits) -> Result<Status, String> {
-        let mut trouble = String::new();
+        let mut last = String::new();
         for attempt in 1..=TRIES {
             self.waits = match attempt {
                 TRIES => waits,
@@ -665,11 +665,11 @@ impl Client {
                     }
                     return Ok(status);
                 }
-                Err(error) => trouble = error,
+                Err(error) => last = error,
             }
             self.answers_to(0)?;
         }
-        Err(trouble)
+        Err(last)
     }
 
     fn ask_once(&mut self) -> Result<Status, String> {

@@ -63,7 +63,7 @@ impl fmt::Display for What {
                 ..
             }) => match end {
                 Ok(how) => write!(f, "{action}: {took_s:.1} s, {how}"),
-                Err(trouble) => write!(f, "{action}: {took_s:.1} s, FAILED: {trouble}"),
+                Err(error) => write!(f, "{action}: {took_s:.1} s, FAILED: {error}"),
             },
         }
     }
@@ -79,7 +79,7 @@ pub struct Share {
 
 impl Share {
     /// Why it ended before its last action.
-    fn trouble(&self) -> Option<&str> {
+    fn error(&self) -> Option<&str> {
         self.rows.last()?.end.as_ref().err().map(String::as_str)
     }
 }
@@ -170,7 +170,7 @@ pub fn report(shares: &[Share], out: &mut dyn Write) -> io::Result<bool> {
         for row in &share.rows {
             let end = match &row.end {
                 Ok(how) => how.clone(),
-                Err(trouble) => format!("FAILED: {trouble}"),
+                Err(error) => format!("FAILED: {error}"),
             };
             writeln!(
                 out,
@@ -191,14 +191,14 @@ pub fn report(shares: &[Share], out: &mut dyn Write) -> io::Result<bool> {
             share.port,
             counted(share.asked, "action")
         )?;
-        match share.trouble() {
+        match share.error() {
             None => writeln!(out)?,
-            Some(trouble) => writeln!(out, ", then {trouble}")?,
+            Some(error) => writeln!(out, ", then {error}")?,
         }
     }
     let well = shares
         .iter()
-        .filter(|share| share.trouble().is_none())
+        .filter(|share| share.error().is_none())
         .count();
     if shares.len() > 1 {
         writeln!(
@@ -214,5 +214,5 @@ pub fn report(shares: &[Share], out: &mut dyn Write) -> io::Result<bool> {
 pub fn troubles(shares: &[Share]) -> impl Iterator<Item = (&str, &str)> {
     shares
         .iter()
-        .filter_map(|share| Some((share.port.as_str(), share.trouble()?)))
+        .filter_map(|share| Some((share.port.as_str(), share.error()?)))
 }

@@ -17,7 +17,7 @@ fn settings() -> Settings {
     settings.config.axis_rate_hz = 4000;
     settings.pull_out_ticks = 0; // its motors follow
     settings.config.spindle_rate_hz = 2560;
-    settings.config.lash_steps = [20, 0, 20];
+    settings.config.backlash_steps = [20, 0, 20];
     settings.config.back_off_steps = 20;
     settings
 }
@@ -68,9 +68,7 @@ fn session() -> Vec<Action> {
 /// The actions of a session up to the first failure, and its reason.
 fn run(client: &mut Client) -> Result<(), (usize, String)> {
     for (place, action) in session().iter().enumerate() {
-        client
-            .carry_out(action)
-            .map_err(|trouble| (place, trouble))?;
+        client.carry_out(action).map_err(|error| (place, error))?;
     }
     Ok(())
 }
@@ -121,7 +119,7 @@ fn survives(machine: u8, place: u64, fault: Fault) -> bool {
     let mut client = client_of(machine);
     client.device().line().fault = Some((place, fault));
     let result = run(&mut client);
-    let Err((_, trouble)) = result else {
+    let Err((_, error)) = result else {
         assert_eq!(outcome_of(&mut client, machine, ZERO), GOOD, "{context}");
         if machine > 0 {
             assert_eq!(client.device().rig(0).unwrap().tool(), [0; 4], "{context}");
@@ -138,7 +136,7 @@ fn survives(machine: u8, place: u64, fault: Fault) -> bool {
         for _ in 0..500 {
             device.tick();
         }
-        assert_eq!(tools(device), before, "{context}: {trouble}, and it moves");
+        assert_eq!(tools(device), before, "{context}: {error}, and it moves");
     }
     device.control("plug");
     device.control("reset");
@@ -152,12 +150,12 @@ fn survives(machine: u8, place: u64, fault: Fault) -> bool {
     )
     .of_machine(machine);
     let again = run(&mut client);
-    assert_eq!(again, Ok(()), "{context}: {trouble}");
+    assert_eq!(again, Ok(()), "{context}: {error}");
     if machine > 0 {
         assert_eq!(client.device().rig(0).unwrap().tool(), first, "{context}");
     }
     let outcome = outcome_of(&mut client, machine, ZERO);
-    assert_eq!(outcome, GOOD, "{context}: {trouble}");
+    assert_eq!(outcome, GOOD, "{context}: {error}");
     true
 }
 
@@ -310,8 +308,8 @@ fn switch_reports(client: &mut Client) -> usize {
 fn a_jog_into_a_switch_is_reported_and_ends() {
     let mut client = client();
     client.carry_out(&Action::Home).unwrap();
-    let trouble = client.carry_out(&jog(0, false, 60)).unwrap_err();
-    assert!(trouble.contains("home switch x closed"), "{trouble}");
+    let error = client.carry_out(&jog(0, false, 60)).unwrap_err();
+    assert!(error.contains("home switch x closed"), "{error}");
     assert_eq!(switch_reports(&mut client), 1);
     assert_eq!(
         client.device().rig(0).unwrap().tool()[0],
@@ -330,8 +328,8 @@ fn steps_into_a_switch_are_reported_and_end() {
         motor: 2,
         steps: -2000,
     };
-    let trouble = client.carry_out(&steps).unwrap_err();
-    assert!(trouble.contains("home switch z closed"), "{trouble}");
+    let error = client.carry_out(&steps).unwrap_err();
+    assert!(error.contains("home switch z closed"), "{error}");
     assert_eq!(switch_reports(&mut client), 1);
     assert_eq!(
         client.device().rig(0).unwrap().tool()[2],
@@ -422,8 +420,8 @@ fn two_machines_of_one_controller() {
     // An emergency stop applies to both.
     first.carry_out(&Action::Emergency).unwrap();
     let mut second = on(first.into_wire(), 1);
-    let trouble = second.carry_out(&jog(0, true, 1)).unwrap_err();
-    assert!(trouble.contains("emergency stop"), "{trouble}");
+    let error = second.carry_out(&jog(0, true, 1)).unwrap_err();
+    assert!(error.contains("emergency stop"), "{error}");
 }
 
 /// Both move at once: a jog of one continues while the other gets commands.
@@ -498,8 +496,8 @@ fn a_reset_does_not_exchange_the_machines() {
 #[test]
 fn a_controller_of_one_machine_has_no_second() {
     let mut client = client().of_machine(1);
-    let trouble = client.carry_out(&Action::Home).unwrap_err();
-    assert!(trouble.contains("no second one"), "{trouble}");
+    let error = client.carry_out(&Action::Home).unwrap_err();
+    assert!(error.contains("no second one"), "{error}");
 }
 
 /// With a lease every motion ends when the host is silent, and the position is still right. Without
@@ -508,7 +506,7 @@ fn a_controller_of_one_machine_has_no_second() {
 fn every_motion_has_a_lease() {
     const LEASE_MS: usize = 250;
     let mut settings = Settings::ORIGINAL;
-    settings.config.lash_steps = [0; 3]; // the tool follows each step
+    settings.config.backlash_steps = [0; 3]; // the tool follows each step
     for (order, lease) in [
         (&b"H"[..], 25),
         (b"G", 25),

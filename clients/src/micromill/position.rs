@@ -138,11 +138,11 @@ pub fn report(state: &State, Frame { config, unit }: &Frame) -> String {
         text += &unit.row("work zero", zero);
     }
     let [x, y, z] = state.axes.map(|axis| axis.load_steps);
-    let [lash_x, lash_y, lash_z] = state.axes.map(|axis| axis.lash_steps);
+    let [of_x, of_y, of_z] = state.axes.map(|axis| axis.backlash_steps);
     // A string takes all that is written.
     let _ = write!(
         text,
-        "  steps     x {x} y {y} z {z}, {}\n  backlash  x {lash_x} y {lash_y} z {lash_z} steps",
+        "  steps     x {x} y {y} z {z}, {}\n  backlash  x {of_x} y {of_y} z {of_z} steps",
         motors(state)
     );
     text
@@ -156,10 +156,10 @@ mod tests {
 
     #[test]
     fn a_report_has_all_frames() {
-        let axis = |load_steps, ahead_steps, lash_steps, zero_nm| AxisState {
+        let axis = |load_steps, ahead_steps, backlash_steps, zero_nm| AxisState {
             load_steps,
             ahead_steps,
-            lash_steps,
+            backlash_steps,
             zero_nm,
         };
         let state = State {

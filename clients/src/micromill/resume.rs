@@ -205,7 +205,7 @@ mod tests {
             axes: steps.map(|steps| AxisState {
                 load_steps: steps + 1000,
                 ahead_steps: 0,
-                lash_steps: 0,
+                backlash_steps: 0,
                 zero_nm: 140_000,
             }),
             is_homed: true,

@@ -11,7 +11,7 @@ pub struct MicrofactoryConfig {
     /// Steps per second of the spindle; above 0.
     pub spindle_rate_hz: u16,
     /// Backlash of X, Y and Z, in motor steps.
-    pub lash_steps: [u16; 3],
+    pub backlash_steps: [u16; 3],
     /// Distance of the back-off from a home switch, in load steps.
     pub back_off_steps: u16,
     /// Longest distance to a home switch, in motor steps.
@@ -41,7 +41,7 @@ impl MicrofactoryConfig {
         timer_hz: 1_000_000,
         axis_rate_hz: 400,
         spindle_rate_hz: 256,
-        lash_steps: [200, 0, 200],
+        backlash_steps: [200, 0, 200],
         back_off_steps: 200,
         search_steps: 20_000,
         approach_steps: 5_000,

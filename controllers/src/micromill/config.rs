@@ -68,7 +68,7 @@ const FULL_STEP: Scale = match Scale::new(FULL_STEP_NM, 1) {
 };
 
 /// The nearest number of steps to a backlash in nanometres. `parts` is 1 to 16.
-const fn lash_steps(nm: u32, parts: u16) -> u32 {
+const fn backlash_steps(nm: u32, parts: u16) -> u32 {
     // Below 2^24.
     let parts_of_nm = nm.wrapping_mul(parts as u32);
     parts_of_nm.wrapping_add(FULL_STEP_NM / 2) / FULL_STEP_NM
@@ -84,19 +84,19 @@ const fn micromill(parts: u16) -> Config<3> {
         scale,
         travel: None,
         max_rate_hz: parts.wrapping_mul(170) as u32,
-        lash_steps: 0,
+        backlash_steps: 0,
         ramp: None,
     };
     Config {
         axes: [
             Axis {
                 travel: Some([Nm(0), Nm(10_000_000)]),
-                lash_steps: lash_steps(204_000, parts),
+                backlash_steps: backlash_steps(204_000, parts),
                 ..axis
             },
             Axis {
                 travel: Some([Nm(0), Nm(7_000_000)]),
-                lash_steps: lash_steps(178_000, parts),
+                backlash_steps: backlash_steps(178_000, parts),
                 ..axis
             },
             axis,

@@ -56,11 +56,11 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
                     self.link.answer(Answer::Refused);
                 }
             }
-            Order::Backlash(axis, um) => self.set_lash(axis, um),
+            Order::Backlash(axis, um) => self.set_backlash(axis, um),
             Order::Home => {
                 self.was_homed = core::mem::take(&mut self.is_homed);
                 for play in &mut self.plays {
-                    play.set_lash(0);
+                    play.set_backlash(0);
                 }
                 self.task = Task::Leave {
                     axis: Axis::Z,
@@ -84,13 +84,13 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
             is_homed: self.is_homed,
             ..State::default()
         };
-        let zeros = self.lash.iter().zip(&self.zero);
+        let zeros = self.backlash.iter().zip(&self.zero);
         let axes = state.axes.iter_mut().zip(&self.plays);
-        for ((axis, play), (lash, zero)) in axes.zip(zeros) {
+        for ((axis, play), (backlash, zero)) in axes.zip(zeros) {
             *axis = AxisState {
                 load_steps: play.load(),
                 ahead_steps: play.owed(false),
-                lash_steps: *lash,
+                backlash_steps: *backlash,
                 zero_nm: *zero,
             };
         }
@@ -152,16 +152,16 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
         }
     }
 
-    fn set_lash(&mut self, axis: Axis, um: u16) {
+    fn set_backlash(&mut self, axis: Axis, um: u16) {
         let axis = axis as usize;
         let config = self.config.machine.axes.get(axis);
-        let state = self.lash.get_mut(axis).zip(self.plays.get_mut(axis));
-        if let Some((config, (lash, play))) = config.zip(state) {
+        let state = self.backlash.get_mut(axis).zip(self.plays.get_mut(axis));
+        if let Some((config, (backlash, play))) = config.zip(state) {
             let distance_nm = i64::from(um).wrapping_mul(1000);
             let steps = config.scale.nearest(distance_nm).unwrap_or(0);
-            *lash = steps.clamp(0, u16::MAX.into()) as u16;
+            *backlash = steps.clamp(0, u16::MAX.into()) as u16;
             if self.is_homed {
-                play.set_lash(*lash);
+                play.set_backlash(*backlash);
             }
         }
         self.link.answer(Answer::Done);

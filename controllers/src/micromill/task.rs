@@ -110,8 +110,9 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
         if is_closed(axis, inputs) {
             // Moving towards the switch has engaged the negative flank.
             let index = axis as usize;
-            if let Some((play, lash)) = self.plays.get_mut(index).zip(self.lash.get(index)) {
-                play.set_lash(*lash);
+            if let Some((play, backlash)) = self.plays.get_mut(index).zip(self.backlash.get(index))
+            {
+                play.set_backlash(*backlash);
                 play.set_behind();
             }
             self.task = Task::BackOff {

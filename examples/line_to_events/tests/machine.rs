@@ -30,7 +30,7 @@ fn steps_are_those_of_the_machine() {
             scale,
             travel: None,
             max_rate_hz: 1_000_000_000,
-            lash_steps: 0,
+            backlash_steps: 0,
             ramp: None,
         };
         let mut machine: Machine<3> = Machine::new(Config {

@@ -14,7 +14,7 @@ from products.microfactory.pins import CLOCKS, MOTORS
 ASK = 0x35
 LENGTH = 21
 MOVING, HOMED = 1, 2
-LASH = (200, 0, 200, 0)
+BACKLASH = (200, 0, 200, 0)
 # Positions of axes and spindle at power-on, counted from home. Home is 200 steps off the switches.
 BEGIN = (220, 180, 700, 0)
 
@@ -30,12 +30,12 @@ class Status(NamedTuple):
 
 def positions(rows: Iterable[Row]) -> Iterator[tuple[int, ...]]:
     """Positions of loads and spindle: before the first step of the host's rows, and after each."""
-    ahead, loads = list(LASH), list(BEGIN)
+    ahead, loads = list(BACKLASH), list(BEGIN)
     yield tuple(loads)
     for row in rows:
         for axis, motor in enumerate(MOTORS):
             at = ahead[axis] + row[motor]
-            ahead[axis] = min(max(at, 0), LASH[axis])
+            ahead[axis] = min(max(at, 0), BACKLASH[axis])
             loads[axis] += row[motor] if motor == "dc" else at - ahead[axis]
         if any(row[motor] for motor in MOTORS):
             yield tuple(loads)

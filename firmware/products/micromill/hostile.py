@@ -23,7 +23,7 @@ from products.micromill.link import (
     add_steps,
 )
 
-LASH = (1457, 1271, 0)
+BACKLASH = (1457, 1271, 0)
 TRAVEL = (71_429, 50_000, None)
 FAR = 10**9
 # Without `H`, `B` and `R`: this check would not know the limits of a machine that homes again, has
@@ -53,12 +53,12 @@ class Watch:
         """Counts the steps and checks the position."""
         self.steps += sum(byte in STEPS for byte in said)
         add_steps(said, self.at)
-        for axis, (at, lash, travel) in enumerate(zip(self.at, LASH, TRAVEL, strict=True)):
+        for axis, (at, backlash, travel) in enumerate(zip(self.at, BACKLASH, TRAVEL, strict=True)):
             # A motor differs from its load by at most the backlash. Before homing the switches
             # close at -400.
             low, high = -401, FAR
             if self.is_homed:
-                low, high = (-lash, travel) if travel else (-FAR, FAR)
+                low, high = (-backlash, travel) if travel else (-FAR, FAR)
             if not low <= at <= high:
                 fail(f"{self.where}: axis {axis} at motor step {at}, homed: {self.is_homed}")
 

@@ -54,7 +54,8 @@ impl Span {
 /// Its size is fixed (about 0.6 kB), whatever the length of the line.
 /// [`Modal::plan`](crate::Modal::plan) checks everything that depends on earlier lines.
 ///
-/// The fields used most come first: short instructions reach 32 bytes from the address.
+/// The fields that are used most come first, because short instructions reach 32 bytes from the
+/// address.
 #[derive(Clone, Debug)]
 #[repr(C)]
 pub struct Block {
@@ -101,8 +102,8 @@ impl Block {
         Block::EMPTY
     }
 
-    /// Reads into this block as [`Block::parse`] does. Nothing is moved or set to zero, which is
-    /// most of the cost on a small machine. The block is empty after an error.
+    /// Reads into this block as [`Block::parse`] does, but moves nothing and sets nothing to zero.
+    /// On a small machine that is most of the cost. The block is empty after an error.
     ///
     /// # Errors
     /// Those of [`Block::parse`].
@@ -211,8 +212,8 @@ impl Block {
         }
     }
 
-    /// Creates a block of words that were read elsewhere, in their order: those of a line with
-    /// expressions.
+    /// Creates a block of words that were read elsewhere, in their order. A line with expressions
+    /// is read in this manner.
     ///
     /// # Errors
     /// The first error among the words; otherwise as [`Block::parse`].

@@ -7,8 +7,8 @@ use crate::codes::letters::{Letters, bit, slot_of};
 /// The axes of a machine by their letters, in the order of the coordinates of a command: X, Y, Z,
 /// and up to three of A, B, C, U, V, W and E.
 ///
-/// A, B and C are rotary: their words are degrees under G20 as under G21, and an
-/// [`Nm`](crate::Nm) of such a coordinate is a millionth of a degree. U, V, W and E are linear.
+/// A, B and C are rotary: their words are degrees under G20 and under G21, and an [`Nm`](crate::Nm)
+/// of such a coordinate is a millionth of a degree. U, V, W and E are linear.
 ///
 /// # Examples
 /// ```
@@ -87,12 +87,12 @@ impl Axes {
         Some(axes)
     }
 
-    /// The same axes, with those of these letters wrapped. Returns `None` if one of them is no
-    /// rotary axis of this set.
+    /// Returns the same axes, with the axes of these letters wrapped. Returns `None` if one of them
+    /// is not a rotary axis of this set.
     ///
     /// An absolute position of a wrapped axis is less than a turn. Its sign is the direction in
-    /// which the axis moves there, so `A-90` is the position of 90 degrees, reached in negative
-    /// direction. `A-0` is the zero, reached in negative direction. Increments are not wrapped.
+    /// which the axis moves to it. So `A-90` moves to 90 degrees in the negative direction, and
+    /// `A-0` moves to zero in the negative direction. Increments are not wrapped.
     ///
     /// # Source
     /// LinuxCNC, `WRAPPED_ROTARY`: `interp_find.cc`, `unwrap_rotary`.
@@ -154,9 +154,10 @@ impl Axes {
         axis < AXES && self.wrapped >> axis & 1 != 0
     }
 
-    /// The axes whose path a feed per minute measures in a move with these lengths, as a bit mask
-    /// from X on: X, Y and Z if one of them moves, otherwise the other linear axes, otherwise the
-    /// rotary ones. So F is degrees per minute only where nothing but rotary axes moves.
+    /// The axes to whose path a feed per minute applies in a move with these lengths, as a bit mask
+    /// from X on. These are X, Y and Z if one of them moves, otherwise the other linear axes,
+    /// otherwise the rotary axes. So F is in degrees per minute only if nothing but rotary axes
+    /// moves.
     ///
     /// # Source
     /// NIST IR 6556, 2.1.2.5; LinuxCNC, `emccanon.cc`, `getStraightVelocity`.

@@ -1,4 +1,4 @@
-//! Differences between the programs of different machines.
+//! The dialects: differences between the programs of different machines.
 
 use crate::codes::axes::Axes;
 use crate::codes::letters::Letters;
@@ -133,11 +133,11 @@ impl Dialect {
 
     /// The language of the printed-circuit drill: `X` and `Y`, each block a hole.
     ///
-    /// X moves fully, then Y, then one drilling follows
-    /// ([`Command::Drill`](crate::Command::Drill)). With `G28`, which is not homing here, there is
-    /// no drilling. `G20` `G21` `G90` `G91` are the usual ones. `G92` sets the coordinates of the
-    /// present position to its words, or to zero without any. There is nothing else: no Z, no feed,
-    /// no M code.
+    /// X moves to its end, then Y, and then the drill drills
+    /// ([`Command::Drill`](crate::Command::Drill)). In a block with `G28`, which is not homing
+    /// here, it does not drill. `G20`, `G21`, `G90` and `G91` have their usual meaning. `G92` sets
+    /// the coordinates of the present position to its words, or to zero without words. There is
+    /// nothing else: no Z, no feed, no M code.
     pub const DRILL: Dialect = Dialect::new(Flavour::Drill, true, Axes::XYZABC);
 
     /// Programs for 3D printers: RS-274 with checksums (`*98`) and numbered lines, as
@@ -201,7 +201,7 @@ impl Dialect {
     }
 
     /// The checks of a [`Receiver`](crate::Receiver) on each line before its words are read; `None`
-    /// where lines have no checksums.
+    /// if the lines of the dialect have no checksums.
     pub const fn framing(&self) -> Option<Framing> {
         match self.flavour {
             Flavour::Printer => Some(Framing::PRINTER),
@@ -281,9 +281,9 @@ impl Dialect {
         }
     }
 
-    /// The same dialect with arcs whose radii differ by up to this length, whatever the rule of the
-    /// dialect says (E0302), or with that rule again (`None`). It never refuses what the rule
-    /// takes: a machine narrows it by its own check of [`Arc::mismatch`](crate::Arc::mismatch).
+    /// The same dialect, which also accepts arcs whose radii differ by at most this length, in
+    /// addition to those that the rule of the dialect accepts (E0302). `None` restores the rule
+    /// alone. A machine that needs a stricter limit checks [`Arc::mismatch`](crate::Arc::mismatch).
     ///
     /// A negative length is 0, and one above 4 mm is 4.29 mm.
     ///

@@ -1,5 +1,5 @@
-//! Arcs: the centre, and the distance of the end from the circle through the start. All in
-//! integers.
+//! Arcs: the centre, and the distance of the end from the circle through the start. Everything is
+//! in integers.
 
 use crate::blocks::fault::{Fault, Reason};
 use crate::codes::letters::Letters;
@@ -21,8 +21,8 @@ pub enum Plane {
 }
 
 impl Plane {
-    /// Its axes in the order in which clockwise is seen as clockwise: from the positive end of the
-    /// third axis.
+    /// Its two axes, in the order in which clockwise has its usual meaning if one looks from the
+    /// positive end of the third axis.
     pub const fn axes(self) -> [usize; 2] {
         match self {
             Plane::Xy => [0, 1],
@@ -146,7 +146,8 @@ impl<const N: usize> Arc<N> {
     /// these units does, including its checks. Returns `None` where such a line is refused: the end
     /// is not on the circle, or the start is the centre. Equal start and end give one full turn.
     ///
-    /// The digits of the words are not known here, so they excuse no error ([`Arc::resolution`]).
+    /// The digits of the words are not known here, so they do not widen the tolerance
+    /// ([`Arc::resolution`]).
     pub fn around(
         from: &[Nm; N],
         to: [Nm; N],

@@ -14,10 +14,11 @@ use crate::values::nm::Nm;
 #[cfg(feature = "extended")]
 use crate::values::nm::coordinate;
 
-/// The commands of one block in order of execution. A small value that is pulled command by
-/// command. A canned cycle makes its moves as they are pulled, at most 2^21 of them.
+/// The commands of one block in order of execution. A small value from which they are pulled one by
+/// one. A canned cycle computes each move when it is pulled, at most 2^21 moves.
 ///
-/// The fields used most come first: short instructions reach 32 bytes from the address.
+/// The fields that are used most come first, because short instructions reach 32 bytes from the
+/// address.
 #[derive(Clone, Debug)]
 #[repr(C)]
 pub struct Commands<const N: usize> {

@@ -96,8 +96,8 @@ impl<const N: usize> Modal<N> {
         self.homes[1]
     }
 
-    /// Writes a tool into the table, as G10 L1 does. Returns `false`, with no effect, for tool 0
-    /// and when the table holds eight others.
+    /// Writes a tool into the table, as G10 L1 does. Returns `false`, with no effect, for tool 0,
+    /// or if the table has eight other tools.
     pub fn set_tool(&mut self, number: u32, tool: Tool<N>) -> bool {
         self.tools.set(number, tool)
     }

@@ -195,8 +195,8 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
     /// Returns the next line; `None` after the end of the text. `modal` has planned all lines
     /// before.
     ///
-    /// Errors of a contour are those of its own line, and no part of the cycle is made. A caller
-    /// that reads further lines continues after the contour.
+    /// An error of a contour is returned with its own line, and no part of the cycle is made. If
+    /// the caller reads further lines, it continues after the contour.
     pub fn next_line<const N: usize>(&mut self, modal: &Modal<N>) -> Option<Line<'t>> {
         if let Some(line) = self.next_of_cycle(modal) {
             return Some(line);
@@ -259,8 +259,8 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
         Some(self.line(written::block(wanted, modal, self.line.2)))
     }
 
-    /// Begins the cycle of a line and returns the rest of the line: its F, S and T. Other lines
-    /// pass unchanged. A cycle in progress is dropped.
+    /// Begins the cycle of a line, and returns the rest of the line: its F, S and T. Lines without
+    /// a cycle are returned unchanged. A cycle in progress is dropped.
     pub fn take<const N: usize>(&mut self, line: Line<'t>, modal: &Modal<N>) -> Line<'t> {
         (self.work, self.resume) = (Work::None, None);
         if line.file.is_some() {
@@ -301,8 +301,8 @@ impl<'t, const CAPACITY: usize> Contours<'t, CAPACITY> {
         }
     }
 
-    /// Where the program continues after the last line, if not with the next one: the byte where
-    /// that line begins, and its number. It is returned once; the lines of the cycle come first.
+    /// The line with which the program continues after the last one, if this is not the next line:
+    /// its first byte, and its number. It is returned once, after all lines of the cycle.
     pub fn resume(&mut self) -> Option<(usize, usize)> {
         self.resume.take().map(|place| (place.at, place.number))
     }

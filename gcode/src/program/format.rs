@@ -9,17 +9,16 @@ use crate::program::parameters::{extent, is_flow, is_plain, needs_program, progr
 use crate::words::comment::comment_length;
 use crate::words::word::words;
 
-/// Returns the pieces of a line in its normal form; concatenated they are the line without a line
-/// end. They borrow from the line, so no memory is needed, and bytes that are not text are
-/// preserved.
+/// Returns the pieces of a line in its normal form. Concatenated, they are the line without a line
+/// end. They borrow from the line, so no memory is needed. Bytes that are not text are preserved.
 ///
 /// - Letters become capitals. There is one space between words and comments, and none after `/`.
 ///   Indentation stays.
 /// - Numbers lose blanks, a plus sign, zeros before the first digit and the sign of zero; `.5`
-///   becomes `0.5`. The value is never computed. **Decimal places stay**: `1.50` means hundredths
-///   (arcs are judged by it, [`Arc::resolution`](crate::Arc::resolution)), and `5.` is not 5 on
-///   controls that count in smallest units. G and M codes lose places that are zeros: `G01.0` is
-///   `G1`.
+///   becomes `0.5`. The value is never computed. **Decimal places stay**: `1.50` means hundredths,
+///   which matters for the tolerance of arcs ([`Arc::resolution`](crate::Arc::resolution)), and
+///   `5.` is not 5 on controls that count in smallest units. G and M codes lose places that are
+///   zeros: `G01.0` is `G1`.
 /// - Comments, expressions, assignments, lines with O-words, and the digits after `N`, `O` and `T`
 ///   stay unchanged.
 /// - A deleted line (`/`) with errors stays unchanged.

@@ -23,14 +23,14 @@ const GRBL_LINE: usize = 79;
 
 /// Writes the lines of a program for another dialect.
 ///
-/// Each line is compared by its meaning: the commands of the line here and in the other dialect. So
-/// a line that the other dialect does not have, or understands otherwise, is written as the moves
-/// that it makes. Cycles that the dialect lacks, loops, parameters and subroutines are moves then,
-/// and cutter compensation is the path of the tool. Such lines are in absolute millimetres, which
-/// are exact. The lines after them that depend on another mode are written anew too.
+/// Each line is compared by its meaning: by its commands in both dialects. If the other dialect
+/// does not have the line, or gives it another meaning, the line is written as the moves that it
+/// makes. So cycles that the dialect lacks, loops, parameters and subroutines become moves, and
+/// cutter compensation becomes the path of the tool. Such lines are in absolute millimetres, which
+/// are exact. Later lines that depend on a different mode are rewritten, too.
 ///
-/// What only changes the state of lines that are written anew is left out, and so are path modes
-/// that the other dialect lacks.
+/// Codes that only change the state of rewritten lines are left out. Path modes that the other
+/// dialect lacks are left out, too.
 ///
 /// # Examples
 /// ```
@@ -49,7 +49,7 @@ const GRBL_LINE: usize = 79;
 /// ```
 ///
 /// # Cost
-/// Each line is read and planned twice, and each command of a line that is written anew once more.
+/// Each line is read and planned twice, and each command of a rewritten line once more.
 #[derive(Clone, Debug)]
 pub struct Translator<const N: usize> {
     source: Modal<N>,
@@ -58,7 +58,7 @@ pub struct Translator<const N: usize> {
     stage: Option<Compensation<N>>,
 }
 
-/// What a translated line has become.
+/// The form of a translated line.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 pub enum Translated {
     /// The line in normal form.
@@ -67,12 +67,12 @@ pub enum Translated {
     Rewritten,
 }
 
-/// Why a line is not, or not wholly, translated.
+/// Why a line is not, or not completely, translated.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 pub enum Untranslated<const N: usize> {
     /// The line has an error in its own dialect. Nothing is written.
     Error(Error),
-    /// The other dialect has no such command. Those before and after it are written.
+    /// The other dialect has no such command. The commands before and after it are written.
     Command(Command<N>),
 }
 
@@ -99,8 +99,8 @@ impl<const N: usize> Translator<N> {
         &self.target
     }
 
-    /// Translates a line with its block, and gives the pieces of the lines of the other dialect,
-    /// each ended by LF.
+    /// Translates a line with its block. Passes the pieces of the lines of the other dialect to
+    /// `out`. Each line ends with LF.
     ///
     /// # Errors
     /// The line has an error, or a command that the other dialect lacks: the first of them.
@@ -139,7 +139,7 @@ impl<const N: usize> Translator<N> {
         done.map(|()| Translated::Rewritten)
     }
 
-    /// Gives the last move of a program that ends under cutter compensation.
+    /// Passes on the last move of a program that ends under cutter compensation.
     ///
     /// # Errors
     /// As [`Translator::line`].

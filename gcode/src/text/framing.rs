@@ -3,7 +3,7 @@
 use crate::error::framing::FramingError;
 use crate::words::word::words;
 
-/// The required checks of a line: plain data. The default requires none.
+/// The checks of a line: plain data. By default nothing is checked.
 #[derive(Copy, Clone, Eq, PartialEq, Debug, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Framing {
@@ -15,8 +15,8 @@ pub struct Framing {
 }
 
 impl Framing {
-    /// The rules of 3D printers: both are checked where they are given, and a numbered line has a
-    /// checksum.
+    /// The rules of 3D printers: both are checked if they are given, and a numbered line must have
+    /// a checksum.
     pub const PRINTER: Framing = Framing {
         checksum: Rule::WhereGiven,
         number: Rule::WhereGiven,
@@ -29,20 +29,20 @@ impl Framing {
     };
 }
 
-/// When something is checked.
+/// When a checksum or a number is checked.
 #[derive(Copy, Clone, Eq, PartialEq, Debug, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Rule {
     /// Never: a `*` stays in the line, and the parser refuses it.
     #[default]
     Never,
-    /// Where it is given.
+    /// If it is given.
     WhereGiven,
     /// Always: a line without it is refused. Blank lines need nothing.
     Always,
 }
 
-/// The receiving end: checks each line and counts. Size: 12 bytes.
+/// The receiver of a link: checks each line and counts the lines. Size: 12 bytes.
 ///
 /// # Examples
 /// ```
@@ -69,7 +69,7 @@ impl Receiver {
         }
     }
 
-    /// The number of the next line: the one to ask for after an error.
+    /// The number of the next line, which is to be requested after an error.
     pub const fn expected(&self) -> u32 {
         self.expected
     }
@@ -89,7 +89,8 @@ impl Receiver {
     /// [`FramingError`]; the line must not be executed.
     ///
     /// # Cost
-    /// One pass over the line where the checksum is checked, and its words where numbers are.
+    /// One pass over the line if the checksum is checked, and over its words if the number is
+    /// checked.
     pub fn check<'a>(&mut self, line: &'a [u8]) -> Result<&'a [u8], FramingError> {
         if line.iter().all(u8::is_ascii_whitespace) {
             return Ok(line);

@@ -4,10 +4,10 @@ use core::fmt;
 
 /// Collects the bytes of a line as they arrive from a port, at most `CAPACITY` of them.
 ///
-/// A line ends with CR, LF or CR LF. It is returned with the byte that ends it, without that byte;
-/// empty lines are returned too, so that each line can be answered. A line that is too long is
-/// refused at its end, and only that line: its tail is never taken for a line. NUL and form feed
-/// before a line are skipped. Elsewhere they stay, and the parser refuses them.
+/// A line ends with CR, LF or CR LF. It is returned, without its end, when the byte that ends it
+/// arrives. Empty lines are returned, too, so that each line can be answered. A line that is too
+/// long is refused at its end, and only that line: its tail is never taken for a line. NUL and form
+/// feed before a line are skipped. Elsewhere they stay, and the parser refuses them.
 ///
 /// # Examples
 /// ```

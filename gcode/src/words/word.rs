@@ -78,7 +78,7 @@ pub enum Token {
 
 /// The words of a whole program with the ends of its lines, in one pass. It gives the same as
 /// [`words`] for each line, without searching for the ends of lines first. An error ends only its
-/// own line: the next line is read.
+/// own line. Then the next line is read.
 ///
 /// # Examples
 /// ```

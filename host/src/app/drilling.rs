@@ -5,7 +5,7 @@ use super::reporting::{MOST_PRINTED, count, with_some_findings};
 use super::{ERRORS, Failure, OK};
 use crate::cli::{Compile, DrillOrder, Drilling, Listing, Send};
 use crate::console;
-use crate::console::told::Told;
+use crate::console::reporter::Reporter;
 use crate::drill::{self, Translation};
 use crate::holes;
 use crate::holes::drill_records::{Compiler, Refusal};
@@ -39,7 +39,7 @@ pub(super) fn load(
     file: &str,
     dialect: Option<&str>,
     args: &Drilling,
-    out: &mut Told<'_>,
+    out: &mut Reporter<'_>,
 ) -> Result<Option<Job>, Failure> {
     let lower = file.to_ascii_lowercase();
     let of_parts = |parts| Job {
@@ -98,7 +98,11 @@ fn table(args: &Drilling) -> Table {
     }
 }
 
-fn of_drill_file(file: &str, args: &Drilling, out: &mut Told<'_>) -> Result<Option<Job>, Failure> {
+fn of_drill_file(
+    file: &str,
+    args: &Drilling,
+    out: &mut Reporter<'_>,
+) -> Result<Option<Job>, Failure> {
     let options = holes::Options::new(&args.layout)?;
     let depth = match &args.depth {
         None => 0,
@@ -191,7 +195,7 @@ pub(super) fn compile(args: &Compile) -> Result<u8, Failure> {
     let name = displayed(&args.file);
     let dialect = args.target.dialect.as_deref();
     let stdout = &mut console::stdout();
-    let mut out = Told::new(stdout, args.format, "husillo.compile/1");
+    let mut out = Reporter::new(stdout, args.format, "husillo.compile/1");
     let Some(job) = load(&args.file, dialect, &args.drilling, &mut out)? else {
         return Ok(nothing_made(name, "written", &out));
     };
@@ -256,7 +260,7 @@ pub(super) fn compile(args: &Compile) -> Result<u8, Failure> {
 }
 
 /// Prints what the records of a tool do.
-fn tell_part(part: &Part, file: Option<&str>, out: &mut Told<'_>) {
+fn tell_part(part: &Part, file: Option<&str>, out: &mut Reporter<'_>) {
     let travel_mm = travel_steps(part) as f64 / f64::from(STEPS_PER_MM);
     let duration_s: f64 = seconds(part, [0; 2]).iter().sum();
     let bytes = part.bytes().len();
@@ -285,7 +289,7 @@ fn tell_part(part: &Part, file: Option<&str>, out: &mut Told<'_>) {
 }
 
 /// The exit status of a command on a program with errors. Objects have said so.
-fn nothing_made(name: &str, done: &str, out: &Told<'_>) -> u8 {
+fn nothing_made(name: &str, done: &str, out: &Reporter<'_>) -> u8 {
     if !out.is_json() {
         eprintln!("{name}: errors; nothing {done}");
     }
@@ -293,7 +297,7 @@ fn nothing_made(name: &str, done: &str, out: &Told<'_>) -> u8 {
 }
 
 /// `send`.
-pub(super) fn send(args: &Send, out: &mut Told<'_>) -> Result<u8, Failure> {
+pub(super) fn send(args: &Send, out: &mut Reporter<'_>) -> Result<u8, Failure> {
     expect_drill(args.target.machine.as_deref())?;
     let (file, _) = args.alone()?;
     let name = displayed(file);

@@ -8,9 +8,9 @@ use super::reporting::{MOST_PRINTED, verdict, with_some_findings};
 use super::{ERRORS, Failure, OK};
 use crate::cli::{Send, Target};
 use crate::console::keys::Keys;
+use crate::console::reporter::Reporter;
 use crate::console::sharing::share;
 use crate::console::stop::{stop_requests, stops_asked};
-use crate::console::told::Told;
 use crate::console::typed::typed_line;
 use husillo_clients::grbl::{BAUD, Heard, Operator, Pacing, Sender, open};
 use husillo_transports::grbl::{Adjust, LINE_CHARACTERS, Line, LineReader, Realtime, State};
@@ -25,7 +25,7 @@ pub(super) fn is_grbl(machine: Option<&str>) -> bool {
 }
 
 /// Checks a program, sends it, and waits until it is made.
-pub(super) fn send(args: &Send, out: &mut Told<'_>) -> Result<u8, Failure> {
+pub(super) fn send(args: &Send, out: &mut Reporter<'_>) -> Result<u8, Failure> {
     let (file, port) = args.alone()?;
     expect_options_of_grbl(args)?;
     let Some((job, lines)) = checked(args, file, out)? else {
@@ -92,7 +92,7 @@ pub(super) fn send(args: &Send, out: &mut Told<'_>) -> Result<u8, Failure> {
 fn checked(
     args: &Send,
     file: &str,
-    out: &mut Told<'_>,
+    out: &mut Reporter<'_>,
 ) -> Result<Option<(Job, Numbered)>, Failure> {
     let target = Target {
         machine: Some("free".into()),
@@ -173,14 +173,14 @@ struct AtTerminal<'a, 'b> {
     keys: Option<Keys>,
     count: usize,
     shown: usize,
-    out: &'a mut Told<'b>,
+    out: &'a mut Reporter<'b>,
 }
 
 const HELP: &str = "keys: ! holds, ~ resumes, + and - change the feed by 10 %, = restores it, \
                     q stops and ends";
 
 impl<'a, 'b> AtTerminal<'a, 'b> {
-    fn new(args: &Send, count: usize, out: &'a mut Told<'b>) -> Self {
+    fn new(args: &Send, count: usize, out: &'a mut Reporter<'b>) -> Self {
         // Standard input may be the program, or the answers of --single-block.
         let is_free = !args.single_block && args.files.first().is_none_or(|file| file != "-");
         let keys = if is_free { Keys::new() } else { None };

@@ -8,9 +8,9 @@ use super::reporting::{MOST_PRINTED, verdict, with_some_findings};
 use super::{ERRORS, Failure, OK, made_at, write};
 use crate::cli::{Compile, Send, Target};
 use crate::console;
+use crate::console::reporter::{Reporter, report};
 use crate::console::sharing::share;
 use crate::console::stop::{INTERRUPTED, stop_requests, stops_asked};
-use crate::console::told::{Told, report};
 use crate::console::typed::typed_line;
 use crate::diagnostics::Findings;
 use crate::machines::machine_file::MachineFile;
@@ -58,7 +58,7 @@ pub(super) fn compile(args: &Compile) -> Result<u8, Failure> {
     let path = made_at(args)?;
     let mut job = Job::new(&args.file, &args.target, "micromill")?;
     let stdout = &mut console::stdout();
-    let mut out = Told::new(stdout, args.format, "husillo.compile/1");
+    let mut out = Reporter::new(stdout, args.format, "husillo.compile/1");
     let Some(made) = translated(&mut job, &mut out)? else {
         return Ok(ERRORS);
     };
@@ -84,7 +84,7 @@ fn expect_a_command(made: &Translated, job: &Job) -> Result<(), String> {
     }
 }
 
-pub(super) fn send(args: &Send, out: &mut Told<'_>) -> Result<u8, Failure> {
+pub(super) fn send(args: &Send, out: &mut Reporter<'_>) -> Result<u8, Failure> {
     let (file, port) = args.alone()?;
     if by_line::is_for(file) {
         return match args.from {
@@ -195,7 +195,7 @@ fn unhomed(start: Option<State>, made: &Translated) -> Option<&'static str> {
 }
 
 /// Homes where that is asked for, and warns if that shows lost steps.
-pub(super) fn begin(sender: &mut Sender, port: &str, out: &mut Told<'_>) -> Result<(), String> {
+pub(super) fn begin(sender: &mut Sender, port: &str, out: &mut Reporter<'_>) -> Result<(), String> {
     if let Some(lost) = sender.begin()? {
         eprintln!("warning: {lost}");
         out.object(&report(1, port, &lost));
@@ -209,7 +209,7 @@ fn all(
     port: &str,
     sender: &mut Sender,
     made: &Translated,
-    out: &mut Told<'_>,
+    out: &mut Reporter<'_>,
 ) -> Result<(), String> {
     begin(sender, port, out)?;
     let count = made.lines.len();
@@ -229,14 +229,14 @@ fn all(
 }
 
 /// Prints a failure of the controller.
-fn failed_at(job: &Job, message: &str, out: &mut Told<'_>) -> u8 {
+fn failed_at(job: &Job, message: &str, out: &mut Reporter<'_>) -> u8 {
     out.failed(job.name(), message);
     failed()
 }
 
 /// The program as lines of the mill. Everything that is dropped or changed is reported. `None` if
 /// it has errors.
-fn translated(job: &mut Job, out: &mut Told<'_>) -> Result<Option<Translated>, Failure> {
+fn translated(job: &mut Job, out: &mut Reporter<'_>) -> Result<Option<Translated>, Failure> {
     job.keep_input()?;
     let (_, findings) =
         with_some_findings(MOST_PRINTED, out.format(), |findings| job.check(findings))?;
@@ -269,7 +269,7 @@ fn translated(job: &mut Job, out: &mut Told<'_>) -> Result<Option<Translated>, F
 }
 
 /// Prints what of a program is dropped or changed, and what cannot be made.
-fn print_notes(job: &Job, made: &Translated, out: &mut Told<'_>) {
+fn print_notes(job: &Job, made: &Translated, out: &mut Reporter<'_>) {
     let notes = made.notes.iter().map(|note| (note, "note"));
     let errors = made.errors.iter().map(|error| (error, "error"));
     for ((line, text), severity) in notes.chain(errors) {

@@ -3,7 +3,7 @@
 
 use super::{ERRORS, Failure, OK, ended, jog, microfactory};
 use crate::cli::{Jog, Stop};
-use crate::console::told::Told;
+use crate::console::reporter::Reporter;
 use crate::measuring::{self, Stopped};
 use serde_json::json;
 
@@ -19,7 +19,7 @@ struct Place {
 /// # Errors
 ///
 /// There is nothing to stop, or the command line is wrong.
-pub(super) fn stop(args: &Stop, out: &mut Told<'_>) -> Result<u8, Failure> {
+pub(super) fn stop(args: &Stop, out: &mut Reporter<'_>) -> Result<u8, Failure> {
     let mut is_well = true;
     let mut places = released(args, &mut is_well, out);
     if let (true, Some(port)) = (places.is_empty() && is_well, &args.port) {
@@ -47,7 +47,7 @@ pub(super) fn stop(args: &Stop, out: &mut Told<'_>) -> Result<u8, Failure> {
 }
 
 /// Sends the stop to the machine at a port that is free now. Returns whether it has confirmed it.
-fn confirm(place: Place, args: &Stop, out: &mut Told<'_>) -> Result<bool, Failure> {
+fn confirm(place: Place, args: &Stop, out: &mut Reporter<'_>) -> Result<bool, Failure> {
     let Place { port, baud, .. } = place;
     let Some(machine) = args.machine.clone().or(place.machine) else {
         return Ok(true);
@@ -93,7 +93,7 @@ fn confirm(place: Place, args: &Stop, out: &mut Told<'_>) -> Result<bool, Failur
 /// Asks the programs that hold the ports to stop. Returns the ports that are free again. `is_well`
 /// becomes `false` at a program that does not end.
 #[cfg(unix)]
-fn released(args: &Stop, is_well: &mut bool, out: &mut Told<'_>) -> Vec<Place> {
+fn released(args: &Stop, is_well: &mut bool, out: &mut Reporter<'_>) -> Vec<Place> {
     use crate::console::sharing::machine_from_anywhere;
     use husillo_clients::holder::{Urgency, folder, holders};
     use std::time::Duration;
@@ -145,6 +145,6 @@ fn released(args: &Stop, is_well: &mut bool, out: &mut Told<'_>) -> Vec<Place> {
 
 /// Programs do not share their ports on this system.
 #[cfg(not(unix))]
-fn released(_args: &Stop, _is_well: &mut bool, _out: &mut Told<'_>) -> Vec<Place> {
+fn released(_args: &Stop, _is_well: &mut bool, _out: &mut Reporter<'_>) -> Vec<Place> {
     Vec::new()
 }

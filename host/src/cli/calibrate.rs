@@ -40,7 +40,7 @@ pub struct BacklashArgs {
     /// Machine that cut the lines: a name, or a TOML file
     #[arg(short, long, value_name = "NAME|FILE", default_value = "micromill")]
     pub machine: String,
-    /// Cut and measure the lines on the simulated machine, with the backlash of simulated_lash
+    /// Cut and measure the lines on the simulated machine, with the backlash of simulated_backlash
     #[arg(long)]
     pub simulate: bool,
     /// With --simulate: largest distance between two positions
@@ -63,7 +63,7 @@ pub struct BacklashArgs {
 /// `husillo calibrate circles`.
 #[derive(Debug, Args)]
 pub struct CirclesArgs {
-    /// Machine with a table simulated_lash: a name, or a TOML file
+    /// Machine with a table simulated_backlash: a name, or a TOML file
     #[arg(short, long, value_name = "NAME|FILE", default_value = "micromill")]
     pub machine: String,
     /// How to print the values
@@ -140,8 +140,9 @@ READINGS.csv has a heading and one pair of lines per row:
 Lengths are in mm, or have a unit. Several measurements of a position are averaged. Every column of
 positions needs every row.
 
-The result is the sections [lash.x] and [lash.y] for the machine file, on standard output. The
-controller interpolates between the positions, and corrects the backlash as the tool moves.
+The result is the sections [backlash_map.x] and [backlash_map.y] for the machine file, on
+standard output. The controller interpolates between the positions, and corrects the backlash as the
+tool moves.
 
 Example:
   husillo calibrate backlash --simulate -o mine.toml --report out/backlash.html

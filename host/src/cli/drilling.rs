@@ -128,9 +128,9 @@ pub struct Compile {
 /// `husillo send`.
 #[derive(Debug, Args)]
 pub struct Send {
-    /// Program, drill file, records (NAME.cod), their manifest (NAME.toml), or a figure (NAME.fig):
-    /// one for all ports, or one per port; - for standard input, of which the micro mill makes each
-    /// line when it arrives
+    /// Program, drill file, records (NAME.cod), their manifest (NAME.toml), or figure (NAME.fig):
+    /// one for all ports, or one per port. - is standard input: a micro mill executes each line as
+    /// soon as it arrives
     #[arg(value_name = "FILE", required = true)]
     pub files: Vec<String>,
     /// Machine and language.
@@ -147,14 +147,14 @@ pub struct Send {
     #[arg(long, value_enum, default_value = "text")]
     pub format: Output,
     /// Drill: first hole to be drilled, counted over all tools. Micro mill: line of the program at
-    /// which to continue after a stop; the mill is at the start of that line or on its path
+    /// which to continue after a stop; the mill must be at the start of that line or on its path
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub from: Option<u32>,
     /// End when the start is confirmed, and let the drill continue alone, without a lease: one
     /// tool, up to 8192 bytes
     #[arg(long)]
     pub detach: bool,
-    /// Do not ask for tools
+    /// Do not ask for the diameter of each tool
     #[arg(short, long)]
     pub yes: bool,
     /// Micro mill: send lines ahead of the motion, without a stop between them
@@ -171,8 +171,8 @@ pub struct Send {
         value_parser = clap::value_parser!(u16).range(0..=999),
     )]
     pub every: u16,
-    /// Milliseconds after the last byte of this program at which a motion of the machine ends; 0: a
-    /// motion needs no host [default: 250]
+    /// A motion of the machine ends if it receives no byte of this program for this time, ms; 0: a
+    /// motion continues without this program [default: 250]
     #[arg(
         long,
         value_name = "MS",
@@ -180,8 +180,8 @@ pub struct Send {
         conflicts_with = "detach",
     )]
     pub lease: Option<u16>,
-    /// Micro mill: do not home, begin at the present position; drill: do not home, it is asked
-    /// whether it is homed; microfactory: begin figures at the present positions
+    /// Do not home. Micro mill, microfactory: begin at the present position. Drill: ask it whether
+    /// it is homed
     #[arg(long)]
     pub no_home: bool,
     /// Microfactory: the device does not answer, so nothing is confirmed

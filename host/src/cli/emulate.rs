@@ -91,7 +91,7 @@ impl Emulate {
     /// The option.
     pub fn expect_drill(&self) -> Result<(), String> {
         self.of_microfactory()?;
-        self.of_chain()
+        self.of_network()
     }
 
     /// The port, as clients name it.
@@ -119,15 +119,15 @@ impl Emulate {
     ///
     /// The option.
     pub fn expect_microfactory(&self) -> Result<(), String> {
-        self.of_chain()
+        self.of_network()
     }
 
-    /// Refuses options that do not apply to a chain of servo modules.
+    /// Refuses options that do not apply to a network of servo modules.
     ///
     /// # Errors
     ///
     /// The option.
-    pub fn expect_chain(&self) -> Result<(), String> {
+    pub fn expect_network(&self) -> Result<(), String> {
         self.of_microfactory()?;
         self.not_given("--faithful", self.faithful)?;
         self.not_given("--baud", self.baud.is_some())?;
@@ -139,7 +139,7 @@ impl Emulate {
         self.not_given("--machines", self.machines > 1)
     }
 
-    fn of_chain(&self) -> Result<(), String> {
+    fn of_network(&self) -> Result<(), String> {
         self.not_given("--modules", self.modules.is_some())?;
         self.not_given("--reset-ms", self.reset_ms > 0)?;
         self.not_given("--fast", self.fast)?;

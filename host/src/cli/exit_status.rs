@@ -36,7 +36,7 @@ const STATUSES: [(&str, &str); 22] = [
     ("stop", "1 a machine has not confirmed its stop"),
     (
         "measure",
-        "1 out of tolerance, 3 trouble in measuring, 4 collision of the probe, 5 end switch",
+        "1 out of tolerance, 3 error in measuring, 4 collision of the probe, 5 end switch",
     ),
     ("emulate", ""),
     ("tune", "1 the experiment has failed"),

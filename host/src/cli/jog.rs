@@ -24,8 +24,8 @@ pub struct Jog {
     /// Bits per second of the link [default: 2400 for a drill, 115200 for Grbl, otherwise 9600]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(300..=4_000_000))]
     pub baud: Option<u32>,
-    /// Milliseconds after the last byte of this program at which a motion of the machine ends; 0: a
-    /// motion needs no host [default: 250]
+    /// A motion of the machine ends if it receives no byte of this program for this time, ms; 0: a
+    /// motion continues without this program [default: 250]
     #[arg(long, value_name = "MS", value_parser = clap::value_parser!(u16).range(0..=9999))]
     pub lease: Option<u16>,
     /// How to print what the machine does

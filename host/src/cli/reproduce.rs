@@ -34,10 +34,10 @@ pub enum Original {
 }
 
 pub const REPRODUCE_HELP: &str = "\
-Each row has the measured value, the value that the simulated machine gives with the settings of the
-original, what is left unexplained, the spread of the measurement, and the value with the
-compensation of today. A star marks a row that is left outside of its spread. The parameters that
-were fitted, and what no simulation explains, are below each table.
+Each row has the measured value, the value of the simulated machine with the settings of the
+original, their difference, the spread of the measurement, and the value with the compensation of
+today. A star marks a row whose difference is larger than its spread. Below each table are the
+fitted parameters, and the reasons for differences that no simulation explains.
 
 Examples:
   husillo reproduce micromill

@@ -1,8 +1,8 @@
 //! The operator before a terminal.
 
 use crate::console::is_smart;
+use crate::console::reporter::{Reporter, report};
 use crate::console::stop::stops_asked;
-use crate::console::told::{Told, report};
 use crate::console::typed::typed_line;
 use crate::text::json::Millimetres;
 use husillo_clients::drill::{Operator, left};
@@ -15,7 +15,7 @@ const PARTS: u64 = 1000;
 
 /// Standard input, an output, and a bar on standard error.
 pub struct Console<'a, 'b> {
-    out: &'a mut Told<'b>,
+    out: &'a mut Reporter<'b>,
     port: &'a str,
     bar: ProgressBar,
     /// The progress that an object has reported.
@@ -24,7 +24,7 @@ pub struct Console<'a, 'b> {
 
 impl<'a, 'b> Console<'a, 'b> {
     /// Where lines are shown.
-    pub fn new(out: &'a mut Told<'b>, port: &'a str) -> Self {
+    pub fn new(out: &'a mut Reporter<'b>, port: &'a str) -> Self {
         let bar = match is_smart(&std::io::stderr()) {
             true => ProgressBar::new(PARTS),
             false => ProgressBar::hidden(),
@@ -41,7 +41,7 @@ impl<'a, 'b> Console<'a, 'b> {
     }
 
     /// Where lines are shown.
-    pub const fn out(&mut self) -> &mut Told<'b> {
+    pub const fn out(&mut self) -> &mut Reporter<'b> {
         self.out
     }
 

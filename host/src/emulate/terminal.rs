@@ -1,8 +1,8 @@
 //! `husillo emulate`: a simulated device behind a pseudo-terminal or a socket, in real time.
 
 use crate::cli::Emulate;
+use crate::console::reporter::Reporter;
 use crate::console::stop::stop_requests;
-use crate::console::told::Told;
 use crate::console::typed::typed_lines;
 use crate::text::name as file_name;
 use husillo_clients::{StopRequests, read};
@@ -74,7 +74,7 @@ pub fn serve<E: Emulation>(
     let opened = outlet.and_then(|outlet| Ok((outlet.port()?, outlet)));
     let (port, outlet) = opened.map_err(|error| of_port(&asked, &error))?;
     let hint = hint.replace("{port}", &port);
-    let out = &mut Told::new(out, args.format, "husillo.emulate/1");
+    let out = &mut Reporter::new(out, args.format, "husillo.emulate/1");
     let heading = format!("{name} at {port}; Ctrl-C ends it\nConnect: {hint}\nPanel: {panel}");
     let mut server = Server {
         outlet,
@@ -93,7 +93,7 @@ pub fn serve<E: Emulation>(
 }
 
 /// Prints a line or its object at once.
-fn print(out: &mut Told<'_>, line: &str, object: Value) -> io::Result<()> {
+fn print(out: &mut Reporter<'_>, line: &str, object: Value) -> io::Result<()> {
     out.tried(line, &object)
         .map_err(|error| io::Error::new(error.kind(), format!("standard output: {error}")))
 }
@@ -278,7 +278,7 @@ impl Server {
         &mut self,
         device: &mut E,
         pace: &Pace,
-        out: &mut Told<'_>,
+        out: &mut Reporter<'_>,
     ) -> io::Result<()> {
         let panel = typed_lines();
         let (start, mut done, mut left_out) = (Instant::now(), 0_u64, 0_u64);

@@ -3,8 +3,8 @@
 use crate::machines::table::Table;
 use husillo_transports::microfactory::ByteTable;
 
-/// Reads `[bytes]`: one character per command, two per motor. Missing ones are those of
-/// [`ByteTable::DEFAULT`].
+/// Reads `[bytes]`: one character per command, two per motor. A character that is not named is that
+/// of [`ByteTable::DEFAULT`].
 pub fn read(table: &mut Table<'_, '_>) -> ByteTable {
     let mut bytes = ByteTable::DEFAULT;
     let [first, second] = &mut bytes.machines;

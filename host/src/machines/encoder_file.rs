@@ -8,7 +8,7 @@ use std::str::FromStr;
 /// The encoder of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EncoderFile {
-    /// The settings without their times, which need the timer of the machine.
+    /// The settings without their times, which depend on the timer of the machine.
     pub encoder: AxisEncoder,
     settle_us: u64,
 }

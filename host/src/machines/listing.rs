@@ -35,18 +35,18 @@ struct ShownFrame {
 #[derive(Serialize)]
 struct ShownAxis {
     axis: char,
-    /// Lengths are degrees: a millionth of a degree as a nanometre.
+    /// Whether its lengths are degrees. A nanometre then stands for a millionth of a degree.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     is_rotary: bool,
     /// nm per step.
     step_nm: f64,
     travel_mm: Option<[f64; 2]>,
-    /// The machine alone moves this axis; programs cannot.
+    /// Programs cannot move this axis. The machine moves it by itself.
     is_fixed: bool,
-    lash_steps: u32,
-    lash_um: f64,
+    backlash_steps: u32,
+    backlash_um: f64,
     /// Its backlash by position, if the file has a map.
-    lash_map: Option<ShownMap>,
+    backlash_map: Option<ShownMap>,
     max_rate_hz: u32,
     max_speed_mm_per_min: f64,
     pull_out_rate_hz: Option<u32>,
@@ -96,7 +96,7 @@ pub fn show(machine: &MachineFile) -> Shown {
         file: machine.path.clone(),
         axes: (machine.axes.iter().enumerate())
             .map(|(index, file)| {
-                let map = machine.lash.maps.get(index);
+                let map = machine.backlash.maps.get(index);
                 axis(file, map.and_then(Option::as_ref))
             })
             .collect(),
@@ -132,15 +132,15 @@ fn axis(file: &AxisFile, map: Option<&Map>) -> ShownAxis {
             .filter(|_| !is_fixed)
             .map(|range| range.map(|nm| nm / 1e6)),
         is_fixed,
-        lash_steps: file.lash_steps,
-        lash_um: f64::from(file.lash_steps) * step_nm / 1e3,
-        lash_map: map.map(|map| {
+        backlash_steps: file.backlash_steps,
+        backlash_um: f64::from(file.backlash_steps) * step_nm / 1e3,
+        backlash_map: map.map(|map| {
             let um = |steps: Option<&u32>| f64::from(*steps.unwrap_or(&0)) * step_nm / 1e3;
-            let places = map.axes().into_iter().zip(map.places());
+            let axes = map.axes().into_iter().zip(map.positions());
             ShownMap {
-                along: places
-                    .filter(|(_, places)| places.len() > 1)
-                    .map(|(axis, places)| (char::from(b"XYZ"[axis]), places.len()))
+                along: axes
+                    .filter(|(_, positions)| positions.len() > 1)
+                    .map(|(axis, positions)| (char::from(b"XYZ"[axis]), positions.len()))
                     .collect(),
                 least_um: um(map.entries().iter().min()),
                 most_um: um(map.entries().iter().max()),
@@ -214,7 +214,7 @@ impl ShownAxis {
         if self.is_fixed {
             write!(out, ", moved only by the machine, from sensor to sensor")?;
         }
-        if let Some(map) = &self.lash_map {
+        if let Some(map) = &self.backlash_map {
             let along = map
                 .along
                 .iter()
@@ -226,12 +226,12 @@ impl ShownAxis {
                 map.most_um,
                 along.collect::<Vec<_>>().join(" and ")
             )?;
-        } else if self.lash_steps > 0 {
+        } else if self.backlash_steps > 0 {
             write!(
                 out,
                 ", backlash {} ({:.1} um)",
-                counted(self.lash_steps, "step"),
-                self.lash_um
+                counted(self.backlash_steps, "step"),
+                self.backlash_um
             )?;
         }
         let speed = self.max_speed_mm_per_min;
@@ -302,7 +302,7 @@ pub struct Listed {
 ///
 /// # Errors
 ///
-/// The file of one is wrong.
+/// The file of a built-in machine has a mistake.
 pub fn machines() -> Result<Vec<Listed>, String> {
     let mut machines = Vec::new();
     for name in MachineFile::names() {
@@ -335,8 +335,8 @@ mod tests {
     use super::*;
     use husillo_metrology::originals::microfactory::Coils;
 
-    /// The currents are those that were fitted to the measured ones. The machine lost steps above
-    /// 131.2 Hz.
+    /// The currents equal those of the model that was fitted to measured ones. The machine lost
+    /// steps above 131.2 Hz.
     #[test]
     fn current_and_pull_out_of_the_microfactory_equal_the_measured_ones() {
         let machine = MachineFile::load("microfactory").unwrap();

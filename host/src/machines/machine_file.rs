@@ -1,4 +1,5 @@
-//! Machine files: reads TOML into a checked description. Every mistake is reported with its place.
+//! Machine files: reads TOML into a checked description. Every mistake is reported with its
+//! position in the file.
 
 mod axis_file;
 mod built_in;
@@ -24,8 +25,8 @@ pub use step_mode::StepMode;
 pub use travel::Travel;
 
 use crate::diagnostics::{Finding, Place};
+use crate::machines::backlash_file::BacklashFile;
 use crate::machines::bytes_file;
-use crate::machines::lash_file::LashFile;
 use crate::machines::table::{Table, document};
 use crate::programs::program::Frames;
 use built_in::BUILT_IN;
@@ -53,7 +54,7 @@ pub struct MachineFile {
     pub timer_hz: u32,
     /// The axes: X, Y, Z, and up to three others.
     pub axes: Vec<AxisFile>,
-    /// The same by their letters.
+    /// The letters of the axes.
     pub letters: Axes,
     /// The zeros of work frames.
     pub work: Frames,
@@ -68,7 +69,7 @@ pub struct MachineFile {
     pub corner_deviation: Option<i64>,
     /// Counts per turn of the spindle's encoder; `None`: it has no encoder.
     pub spindle_counts: Option<u32>,
-    /// What it has besides its axes.
+    /// Its equipment besides the axes.
     pub equipment: Equipment,
     /// Its probe.
     pub probe: Option<Probe>,
@@ -77,7 +78,7 @@ pub struct MachineFile {
     /// Axes that may move at once; more give a warning.
     pub simultaneous_axes: u32,
     /// Backlash by position.
-    pub lash: LashFile,
+    pub backlash: BacklashFile,
     /// The bytes of the link of a microfactory, which takes byte commands.
     pub bytes: Option<ByteTable>,
     /// Motor current at standstill.
@@ -109,8 +110,8 @@ impl MachineFile {
         .map_err(LoadError::Findings)
     }
 
-    /// Whether a name is that of a built-in machine, measuring machines included. No file of this
-    /// name is read then.
+    /// Whether a name is that of a built-in machine, measuring machines included. A file of such a
+    /// name is not read.
     pub fn is_built_in(name: &str) -> bool {
         Self::is_measuring(name) || Self::names().contains(&name)
     }
@@ -173,7 +174,7 @@ impl MachineFile {
             .optional_table("idle", Idle::read)
             .unwrap_or(Idle::Hold);
         let first = axes.as_ref().map(|(first, _)| first);
-        let lash = LashFile::read(&mut root, [0, 1, 2].map(|axis| step(first, axis)));
+        let backlash = BacklashFile::read(&mut root, [0, 1, 2].map(|axis| step(first, axis)));
         let bytes = root.optional_table("bytes", bytes_file::read);
         let axes = axes.and_then(all_axes);
         let letters = axes.as_deref().and_then(letters_of);
@@ -210,7 +211,7 @@ impl MachineFile {
                 },
                 probe,
                 tools,
-                lash,
+                backlash,
                 bytes,
                 idle,
                 view: view.unwrap_or([0, 1]),
@@ -219,13 +220,13 @@ impl MachineFile {
         }
     }
 
-    /// A value of each axis, in the order of the coordinates of a command; `none` for those that
-    /// the machine does not have.
+    /// Computes a value for each axis, in the order of the coordinates of a command. An axis that
+    /// the machine does not have gets `none`.
     pub fn each<T: Clone>(&self, none: T, of: impl Fn(&AxisFile) -> T) -> [T; AXES] {
         std::array::from_fn(|axis| self.axes.get(axis).map_or_else(|| none.clone(), &of))
     }
 
-    /// A value of X, Y and Z.
+    /// Computes a value for each of X, Y and Z.
     pub fn xyz<T>(&self, of: impl Fn(&AxisFile) -> T) -> [T; 3] {
         [0, 1, 2].map(|axis| of(&self.axes[axis]))
     }
@@ -268,7 +269,7 @@ impl MachineFile {
         }
     }
 
-    /// The place of the travel of an axis in the machine file.
+    /// The position of the travel of an axis in the machine file.
     pub fn travel_place(&self, axis: usize) -> Option<Place> {
         let text = self.text().ok()?;
         let span = self.axes.get(axis)?.travel_span.clone();
@@ -314,8 +315,8 @@ fn read_more(axes: &mut Table<'_, '_>, key: &str, letter: u8, timer_hz: u32) -> 
     axes.optional_table(key, read).flatten()
 }
 
-/// The step of one of the first axes. The table of the backlash is read even if an axis is missing:
-/// unread keys would be reported as unknown.
+/// The step of one of the first three axes; 1 nm if an axis is missing or wrong. Then the tables of
+/// backlash are still read, because unread keys would be reported as unknown.
 fn step(axes: Option<&[Option<AxisFile>; 3]>, axis: usize) -> Fraction {
     let axis = axes.and_then(|axes| axes[axis].as_ref());
     axis.map_or(Fraction { num: 1, den: 1 }, |axis| axis.step)
@@ -362,7 +363,7 @@ mod tests {
     #[test]
     fn built_in_machines_are_read() {
         let micromill = MachineFile::load("micromill").unwrap();
-        assert_eq!(micromill.xyz(|axis| axis.lash_steps), [1457, 1271, 0]);
+        assert_eq!(micromill.xyz(|axis| axis.backlash_steps), [1457, 1271, 0]);
         assert_eq!(micromill.axes[0].travel, Travel::Range([0, 10_000_000]));
         assert_eq!(micromill.axes[2].travel, Travel::Unknown);
         let free = MachineFile::load("free").unwrap();
@@ -379,7 +380,7 @@ mod tests {
         );
     }
 
-    /// The messages of all findings in the micro mill's file with one text replaced.
+    /// The messages of all findings in the micro mill's file after `from` is replaced with `to`.
     fn findings_with(from: &str, to: &str) -> Vec<String> {
         let text = text_of("micromill");
         assert!(text.contains(from), "{from}");
@@ -404,7 +405,8 @@ mod tests {
         };
         let file = MachineFile::parse("router.toml", text).unwrap();
         let (hz, rate) = (file.timer_hz, file.axes[0].max_rate);
-        // High and low last half of the shortest interval each, and then one tick more.
+        // STEP is high and low for half of the shortest interval each. Then one tick longer is too
+        // long.
         let half_ns = 500_000_000 / u64::from(rate);
         let tick_ns = 1_000_000_000_u64.div_ceil(hz.into());
         let pulse =

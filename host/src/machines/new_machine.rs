@@ -1,4 +1,4 @@
-//! `husillo machines new`: makes a machine file of a few figures, and checks them.
+//! `husillo machines new`: checks a few figures, and makes a machine file of them.
 
 use crate::machines::machine_file::MachineFile;
 use std::fmt::Write as _;
@@ -12,7 +12,7 @@ pub enum Figure {
     MaxRate,
     /// Acceleration, per s^2; empty: no ramp.
     Acceleration,
-    /// Speed at which it may start and stop; empty: standstill.
+    /// Speed at which it may start and stop; empty: it starts from standstill.
     StartRate,
     /// Speed above which its motor loses steps; empty: not known.
     PullOut,
@@ -21,7 +21,7 @@ pub enum Figure {
 }
 
 impl Figure {
-    /// All, in the order in which they are asked for.
+    /// All figures, in the order of the questions.
     pub const ALL: [Figure; 6] = [
         Figure::Steps,
         Figure::MaxRate,
@@ -59,7 +59,7 @@ impl Figure {
     }
 }
 
-/// The figures of an axis, as they were given; empty where one was left out.
+/// The figures of an axis as the user typed them. One that was left out is empty.
 #[derive(Clone, Debug, Default)]
 pub struct Axis {
     /// `X`, `A`, ...
@@ -139,7 +139,7 @@ impl Axis {
         Ok(format!("step = \"{:.9} {unit}\"", 1.0 / value))
     }
 
-    /// A number as it was given.
+    /// Returns a number as the user typed it.
     fn number(&self, text: &str) -> Result<String, String> {
         let text = text.trim();
         match text.parse::<f64>() {
@@ -168,7 +168,7 @@ impl Axis {
     }
 }
 
-/// What the reader of machine files finds in a text.
+/// The findings of the reader of machine files in a text.
 fn mistakes(text: &str) -> Vec<String> {
     let findings = MachineFile::parse("new", text).err().unwrap_or_default();
     let mut messages: Vec<String> = findings
@@ -214,11 +214,11 @@ pub fn checked(text: String) -> Result<String, String> {
     }
 }
 
-/// Values by axis, as `X80Y80Z400` or `X0..300 Z-45..5`.
+/// Reads values by axis, such as `X80Y80Z400` or `X0..300 Z-45..5`.
 ///
 /// # Errors
 ///
-/// A letter is no axis, or stands twice.
+/// A letter is not an axis, or occurs twice.
 pub fn by_axis(text: &str) -> Result<Vec<(char, String)>, String> {
     let mut values: Vec<(char, String)> = Vec::new();
     for letter in text.chars().filter(|letter| !letter.is_whitespace()) {

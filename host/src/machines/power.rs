@@ -6,11 +6,11 @@ use husillo_sim::{Chopper, Rotor, Winding};
 /// Sense voltage of the PBL3717A at full current, per reference voltage (data sheet: 420 mV at
 /// 5 V). The peak current is this voltage divided by the sense resistor.
 const PEAK_OF_REFERENCE: f64 = 0.083;
-/// Off time of the PBL3717A per R C of its timing network: ln 2.
+/// Off time of the PBL3717A divided by R C of its timing network: ln 2.
 const OFF_OF_RC: f64 = 0.69;
-/// Inductance of the filter before the motor, per inductance of the winding.
+/// Inductance of the filter before the motor divided by that of the winding.
 const FILTER_OF_WINDING: f64 = 0.1;
-/// L C of this filter, s^2: a corner of 8 kHz.
+/// L C of this filter, s^2: its corner frequency is 8 kHz.
 const FILTER_LC: f64 = 4e-10;
 
 /// Winding, chopper, rotor and load of a motor.
@@ -22,7 +22,7 @@ pub struct Power {
     pub rotor: Rotor,
     /// Torque of friction and gear, N m.
     pub load_nm: f64,
-    /// Current that the bridges take at any rate, A.
+    /// Current of the bridges themselves, A. It is the same at every rate.
     pub bridges_a: f64,
 }
 

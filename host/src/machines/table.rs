@@ -10,7 +10,7 @@ use toml::de::{DeTable, DeValue};
 ///
 /// # Errors
 ///
-/// The text is not TOML. The finding has the place and the reason.
+/// The text is not TOML. The finding has the position and the reason.
 pub fn document<'a>(path: &str, text: &'a str) -> Result<Spanned<DeTable<'a>>, Vec<Finding>> {
     DeTable::parse(text).map_err(|error| {
         let place = Place::in_text(path, text, error.span().unwrap_or(0..0));
@@ -26,7 +26,7 @@ pub struct Table<'a, 'f> {
     span: Range<usize>,
     table: &'a DeTable<'a>,
     known: Vec<String>,
-    /// Whether quantities are those of a rotary axis: degrees where others have lengths.
+    /// Whether quantities are those of a rotary axis, in degrees instead of lengths.
     is_rotary: bool,
     findings: &'f mut Vec<Finding>,
 }
@@ -172,17 +172,17 @@ impl<'a, 'f> Table<'a, 'f> {
         }
     }
 
-    /// Whether quantities are those of a rotary axis from here on: degrees where others have
-    /// lengths.
+    /// Sets whether the next quantities are those of a rotary axis, in degrees instead of lengths.
     pub const fn set_rotary(&mut self, on: bool) {
         self.is_rotary = on;
     }
 
-    /// A quantity. Those of a rotary axis are converted to lengths, with a degree as a millimetre.
+    /// Reads a quantity. An angle of a rotary axis becomes a length: a degree becomes a millimetre.
     ///
     /// # Errors
     ///
-    /// It is not understood, or it has lengths for a rotary axis or angles for a linear one.
+    /// The text is not understood, or it is a length for a rotary axis or an angle for a linear
+    /// one.
     pub fn parsed(&self, text: &str) -> Result<Quantity, String> {
         let scaled = |value: Fraction| {
             Fraction::new(i128::from(value.num) * 1_000_000, i128::from(value.den))

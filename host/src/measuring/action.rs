@@ -13,7 +13,7 @@ pub enum Action {
     GoTo([Option<i64>; 3], Approach),
     /// Make the present position of these axes 0.
     Zero([bool; 3]),
-    /// Search the index of an axis and make it 0.
+    /// Search the index of an axis and make its position 0.
     Home(usize),
     /// Move an axis for a time.
     Jog {
@@ -29,7 +29,7 @@ pub enum Action {
     CalibrateOn(ReferenceBody),
     /// Report position and state of these axes; none means all.
     Status([bool; 3]),
-    /// Report where these axes are, in all coordinates; none means all.
+    /// Report the positions of these axes in all coordinates; none means all.
     Where([bool; 3]),
 }
 
@@ -115,7 +115,7 @@ impl Action {
         Ok(actions)
     }
 
-    /// The axes that it names, 0 to 2; none means all.
+    /// The axes that the action names, 0 to 2; none means all.
     pub fn axes(&self) -> Vec<usize> {
         match self {
             Self::GoTo(goal, _) => (0..3).filter(|axis| goal[*axis].is_some()).collect(),

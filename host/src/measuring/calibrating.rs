@@ -5,7 +5,7 @@ use super::calibration_file::{axis_lines, squareness_lines};
 use super::machine_file;
 use crate::app::count;
 use crate::cli::{AxisArgs, SquarenessArgs};
-use crate::console::told::Told;
+use crate::console::reporter::Reporter;
 use crate::input::columns::{Columns, Row};
 use crate::text::json::Millimetres;
 use husillo_backlash::Flank;
@@ -18,7 +18,7 @@ use serde_json::json;
 /// # Errors
 ///
 /// [`Stopped`]: the file is bad, or its readings do not determine a calibration.
-pub fn calibrate_axis(args: &AxisArgs, out: &mut Told<'_>) -> Result<(), Stopped> {
+pub fn calibrate_axis(args: &AxisArgs, out: &mut Reporter<'_>) -> Result<(), Stopped> {
     let machine = load(&args.machine)?;
     let letter = args.axis.to_ascii_uppercase();
     let axis = machine.axes.iter().position(|axis| axis.letter == letter);
@@ -34,7 +34,7 @@ pub fn calibrate_axis(args: &AxisArgs, out: &mut Told<'_>) -> Result<(), Stopped
             };
             Ok(Reading {
                 nominal: length(&machine, &row, "nominal")?,
-                // Takes back the correction that the machine file makes already.
+                // Removes the correction by which the machine file has changed the reading.
                 reading: machine.errors.axes[index]
                     .reading_nm(length(&machine, &row, "reading")?, flank),
                 flank,
@@ -59,7 +59,7 @@ pub fn calibrate_axis(args: &AxisArgs, out: &mut Told<'_>) -> Result<(), Stopped
             "# {letter}: {} of {}, a mean of them good to {noise:.2} um\n\
              # errors span {before:.2} um; {scaled:.2} um with the scale; {table}\n{}",
             count(readings.len() as u64, "reading"),
-            count(fit.places as u64, "length"),
+            count(fit.lengths as u64, "length"),
             lines.trim_end()
         ),
         || {
@@ -74,7 +74,7 @@ pub fn calibrate_axis(args: &AxisArgs, out: &mut Told<'_>) -> Result<(), Stopped
             json!({
                 "axis": letter,
                 "readings": readings.len(),
-                "lengths": fit.places,
+                "lengths": fit.lengths,
                 "noise_um": noise,
                 "error_span_um": before,
                 "error_span_with_scale_um": scaled,
@@ -93,7 +93,7 @@ pub fn calibrate_axis(args: &AxisArgs, out: &mut Told<'_>) -> Result<(), Stopped
 /// # Errors
 ///
 /// [`Stopped`]: the file is bad, or its readings do not determine an angle.
-pub fn calibrate_squareness(args: &SquarenessArgs, out: &mut Told<'_>) -> Result<(), Stopped> {
+pub fn calibrate_squareness(args: &SquarenessArgs, out: &mut Reporter<'_>) -> Result<(), Stopped> {
     let machine = load(&args.machine)?;
     let names = ["x1", "y1", "z1", "x2", "y2", "z2"];
     let columns = Columns::read(&args.file, &names)?;

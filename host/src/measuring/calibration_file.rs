@@ -72,7 +72,7 @@ pub fn read_squareness(table: &mut Table<'_, '_>, axes: &str) -> Squareness {
     squareness.unwrap_or_default()
 }
 
-/// Reads a ratio in parts in 10^9. A missing one is 0.
+/// Reads a ratio, in parts per 10^9. A missing one is 0.
 fn ratio(table: &mut Table<'_, '_>, key: &'static str) -> i32 {
     let ratio = table.quantity(key, RATIO, |quantity| match quantity {
         Quantity::Ratio(ratio) => i32::try_from(ratio.rounded()).ok(),

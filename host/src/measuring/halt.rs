@@ -1,25 +1,25 @@
-//! A stop of a measuring machine whose program was killed.
+//! Stops a measuring machine whose program was killed.
 
 use super::memory_file::MemoryFile;
-use super::port::ChainPort;
+use super::port::NetworkPort;
 use super::{Stopped, error_text, machine_file};
-use crate::console::told::Told;
+use crate::console::reporter::Reporter;
 use husillo_metrology::heads::{Line, Machine};
 use husillo_sim::text::position;
 use husillo_transports::nmc::{Auxiliary, Reply};
 use serde_json::json;
 
-/// Stops all axes of a measuring machine at a port, resets nothing, and writes where they stand.
+/// Stops all axes of a measuring machine at a port, and reports their positions. It resets nothing.
 ///
 /// # Errors
 ///
-/// [`Stopped`]: the port, or an axis that does not confirm.
-pub fn halt(machine: &str, port: &str, out: &mut Told<'_>) -> Result<(), Stopped> {
+/// [`Stopped`]: the port fails, or an axis does not confirm.
+pub fn halt(machine: &str, port: &str, out: &mut Reporter<'_>) -> Result<(), Stopped> {
     let file = machine_file::load(machine).map_err(Stopped::File)?;
-    let opened = ChainPort::open(port).map_err(|error| format!("{port}: {error}"))?;
-    let replies = Line::new(opened).halt(&file).map_err(|trouble| {
+    let opened = NetworkPort::open(port).map_err(|error| format!("{port}: {error}"))?;
+    let replies = Line::new(opened).halt(&file).map_err(|error| {
         let advice = "the stop was sent and is not confirmed: be ready to switch off the machine";
-        Stopped::Machine(format!("{}\n{port}: {advice}", error_text(&trouble)))
+        Stopped::Machine(format!("{}\n{port}: {advice}", error_text(&error)))
     })?;
     keep(machine, port, &file, &replies);
     for (axis, reply) in file.axes.iter().zip(replies) {
@@ -33,9 +33,8 @@ pub fn halt(machine: &str, port: &str, out: &mut Told<'_>) -> Result<(), Stopped
     Ok(())
 }
 
-/// A session that was killed has left homes and zeros that are still true, as nothing was reset.
-/// They are kept with the positions at which the axes stand now. Other sessions have kept their
-/// own.
+/// Keeps homes and zeros of a session that was killed, with the present positions of the axes. They
+/// are still valid, because nothing was reset. A session that ended has kept its own.
 fn keep(name: &str, port: &str, machine: &Machine, replies: &[Reply]) {
     let Some(file) = MemoryFile::at(name, port, machine) else {
         return;

@@ -1,6 +1,6 @@
 //! Hints for the user when a measurement fails.
 
-use husillo_metrology::Trouble;
+use husillo_metrology::Error;
 use husillo_metrology::routine::Failure;
 use husillo_transports::nmc;
 
@@ -31,86 +31,82 @@ const fn link(failure: nmc::Failure) -> &'static str {
     }
 }
 
-/// The hint for a trouble.
-pub const fn help(trouble: &Trouble) -> Option<&'static str> {
-    Some(match trouble {
-        Trouble::Link { failure, .. } => link(*failure),
-        Trouble::NoModules => SILENT,
-        Trouble::NoModule { .. } | Trouble::NotServo { .. } => {
+/// The hint for an error.
+pub const fn help(error: &Error) -> Option<&'static str> {
+    Some(match error {
+        Error::Link { failure, .. } => link(*failure),
+        Error::NoModules => SILENT,
+        Error::NoModule { .. } | Error::NotServo { .. } => {
             "`module` of an axis in the machine file is its address; the farthest one has address 1"
         }
-        Trouble::Doubtful => "switch the modules off and on; --raw shows the bytes",
-        Trouble::NoPower { .. } => "switch on the supply of the motor",
-        Trouble::NoAxis { .. } => "the axes are those of the machine file",
-        Trouble::Periods => "give all axes the same `rate_divisor`",
-        Trouble::NotHomed { .. } => {
+        Error::Doubtful => "switch the modules off and on; --raw shows the bytes",
+        Error::NoPower { .. } => "switch on the supply of the motor",
+        Error::NoAxis { .. } => "the axes are those of the machine file",
+        Error::Periods => "give all axes the same `rate_divisor`",
+        Error::NotHomed { .. } => {
             "`home` it first, on the index that the table was made with. Scale and squareness need \
              no home: `calibrate axis --no-table`"
         }
-        Trouble::NoIndex { .. } => {
+        Error::NoIndex { .. } => {
             "is the index of the encoder connected? Some linear scales have none"
         }
-        Trouble::NotTogether => "the line is disturbed: all axes have been stopped",
-        Trouble::NotSeen { .. } => {
+        Error::NotTogether => "the line is disturbed: all axes have been stopped",
+        Error::NotSeen { .. } => {
             "wire the contact of the probe to limit 1 of every module. All axes have been stopped"
         }
-        Trouble::PositionError { .. } => {
+        Error::PositionError { .. } => {
             "something blocks the axis, or `gains` and `rate` do not suit the motor"
         }
-        Trouble::OverCurrent { .. } => "something blocks the axis, or `current_limit` is too low",
-        Trouble::StillMoving { .. } => {
+        Error::OverCurrent { .. } => "something blocks the axis, or `current_limit` is too low",
+        Error::StillMoving { .. } => {
             "`gains` do not suit the motor, or `acceleration` is more than the motor can make. All \
              axes have been stopped"
         }
-        Trouble::PreTravel { .. } => {
+        Error::PreTravel { .. } => {
             "is --reference the position of this face, in the unit of the machine?"
         }
-        Trouble::NotThere { .. } => {
+        Error::NotThere { .. } => {
             "`gains` do not suit the motor: friction holds it, or it oscillates"
         }
-        Trouble::NoContact { .. } => {
+        Error::NoContact { .. } => {
             "is there a work piece in this direction, and is the probe plugged in? A simulated \
              machine needs --contact or --piece"
         }
-        Trouble::Collision { .. } => {
-            "look at the stylus, go back along the same path (slowly, until the contact opens), \
-             and calibrate the probe again. `safe` in a routine leads over the part"
+        Error::Collision { .. } => {
+            "look at the stylus, move back along the same path (slowly, until the contact opens), \
+             and calibrate the probe again. With `safe` a routine moves over the part"
         }
-        Trouble::EndSwitch { .. } => {
-            "go back the other way: slowly, until the switch opens. Then `home` the axis. Check \
-             that `travel` lies within the switches"
+        Error::EndSwitch { .. } => {
+            "move in the opposite direction, slowly, until the switch opens. Then `home` the axis. \
+             Check that `travel` lies within the switches"
         }
-        Trouble::UnknownEnd { .. } => {
+        Error::UnknownEnd { .. } => {
             "jog it a little in one direction. If the switch does not open, jog it in the other \
              one; or `home` it, which tries both"
         }
-        Trouble::NoEndSwitch { .. } => {
+        Error::NoEndSwitch { .. } => {
             "does the switch stick? Is it wired to the input that `limit_2` of the axis says, and \
              is `travel` as long as the axis? A simulated machine needs --end"
         }
-        Trouble::DoubtfulContact => "the line is disturbed; --raw shows the bytes",
-        Trouble::OtherSense { .. } => {
-            "a touch in positive direction closes limit 1, one in negative direction limit 2: are \
-             the two contacts of the probe exchanged, or was it pushed from behind?"
+        Error::DoubtfulContact => "the line is disturbed; --raw shows the bytes",
+        Error::OtherSense { .. } => {
+            "a touch in the positive direction closes limit 1, and one in the negative direction \
+             limit 2: are the two contacts exchanged, or was the probe pushed from behind?"
         }
-        Trouble::NotTouching => {
-            "touch the surface first: G38.2 stops at the contact and stays there"
-        }
-        Trouble::NotLatched { .. } => {
+        Error::NotTouching => "touch the surface first: G38.2 stops at the contact and stays there",
+        Error::NotLatched { .. } => {
             "the contact changed while the axes came to rest at the end of the search. Search \
              farther"
         }
-        Trouble::Kept { .. } => {
-            "does this direction lead off the surface? The probe may also stick"
-        }
-        Trouble::Probe(husillo_probe::Failure::ContactAtStart) => {
+        Error::Kept { .. } => "does this direction lead off the surface? The probe may also stick",
+        Error::Probe(husillo_probe::Failure::ContactAtStart) => {
             "move away from the contact first: goto, or G38.4 in a program"
         }
-        Trouble::Probe(husillo_probe::Failure::OverTravel) => {
+        Error::Probe(husillo_probe::Failure::OverTravel) => {
             "lower `rate` of [probe], or raise `over_travel`"
         }
-        Trouble::Probe(_) => "the probe is loose, or vibrates: lower the rates of [probe]",
-        Trouble::Fit(_) => FIT,
+        Error::Probe(_) => "the probe is loose, or vibrates: lower the rates of [probe]",
+        Error::Fit(_) => FIT,
         _ => return None,
     })
 }
@@ -118,7 +114,7 @@ pub const fn help(trouble: &Trouble) -> Option<&'static str> {
 /// The hint for a failed line of a routine.
 pub const fn of_failure(failure: &Failure) -> Option<&'static str> {
     match failure {
-        Failure::Machine(trouble) => help(trouble),
+        Failure::Machine(error) => help(error),
         Failure::Fit(_) => Some(FIT),
         Failure::BothSides => {
             Some("touch the points of a hole from inside, those of a pin from outside")
@@ -145,9 +141,9 @@ mod tests {
             nmc::Failure::Unsteady,
         ] {
             let module = "axis Y (module 2)".to_owned();
-            let trouble = Trouble::Link { module, failure };
-            assert!(trouble.to_string().starts_with("axis Y (module 2): "));
-            assert!(help(&trouble).is_some(), "{trouble}");
+            let error = Error::Link { module, failure };
+            assert!(error.to_string().starts_with("axis Y (module 2): "));
+            assert!(help(&error).is_some(), "{error}");
         }
     }
 }

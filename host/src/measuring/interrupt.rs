@@ -12,13 +12,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 #[derive(Clone, Debug, Default)]
 pub struct Interrupt {
     is_asked: Arc<AtomicBool>,
-    /// Motors run or may run. The end waits until they are stopped.
+    /// Whether motors may run. The program then ends only after they are stopped.
     is_moving: Arc<AtomicBool>,
     has_stopped: Arc<AtomicBool>,
 }
 
 impl Interrupt {
-    /// Listens from now on. Ctrl-C ends the program at once while nothing moves. Otherwise it sets
+    /// Starts to listen. Ctrl-C ends the program at once while nothing moves. Otherwise it sets
     /// [`is_asked`](Self::is_asked).
     ///
     /// # Errors
@@ -52,7 +52,8 @@ impl Interrupt {
         self.is_moving.store(is_moving, Ordering::SeqCst);
     }
 
-    /// The caller stops the motors now. The request is cleared, so the line is free for the stop.
+    /// Takes the request: the caller stops the motors now. It is cleared, so that the commands of
+    /// the stop can be sent.
     pub fn see_to(&self) {
         if self.is_asked.swap(false, Ordering::SeqCst) {
             self.has_stopped.store(true, Ordering::SeqCst);
@@ -69,10 +70,10 @@ impl Interrupt {
 #[derive(Clone, Debug)]
 pub struct User {
     interrupt: Interrupt,
-    /// All bytes are shown on standard error.
+    /// Whether all bytes are shown on standard error.
     is_raw: bool,
-    /// Bytes received since the last ones that were sent. They come in pieces of any length, and
-    /// are shown in one line.
+    /// Bytes received since the last transmission. They arrive in pieces of any length, and are
+    /// shown in one line.
     heard: Rc<RefCell<Vec<u8>>>,
 }
 

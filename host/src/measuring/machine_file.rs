@@ -157,7 +157,7 @@ fn read_limits(table: &mut Table<'_, '_>) -> [Wiring; 2] {
     [first, second]
 }
 
-/// Checks that limit 2 has what the contacts of the probe leave for it.
+/// Checks that limit input 2 has no use that the contacts of the probe exclude.
 fn check_limits(probe: &mut Table<'_, '_>, switches: Switches, axes: &[AxisSettings]) {
     let has = |is_it: fn(&Wiring) -> bool| axes.iter().any(|axis| is_it(&axis.limits[1]));
     match switches {
@@ -330,7 +330,7 @@ fn needed<T: Default>(
     value.unwrap_or_default()
 }
 
-/// Reads an integer of few bits. It is required if it has no default.
+/// Reads a small integer. It is required if it has no default.
 fn small<T: TryFrom<i64> + Default>(
     table: &mut Table<'_, '_>,
     key: &'static str,

@@ -1,5 +1,5 @@
 //! The file in which a session with a measuring machine keeps what the next one needs: homes, zeros
-//! and where the axes stand.
+//! and positions of the axes.
 
 use crate::cli::Measure;
 use crate::machines::machine_file::MachineFile;
@@ -16,11 +16,11 @@ use std::path::{Path, PathBuf};
 struct Kept {
     port: String,
     machine: String,
-    /// A million counts as a length, so that zeros are not taken over with another scale.
+    /// The length of a million counts. With another scale the zeros are not valid.
     million_counts: String,
     /// Rate of the line, bits/s.
     baud: u32,
-    /// A session uses the machine, or was killed while it did.
+    /// Whether a session uses the machine, or was killed while it did.
     in_use: bool,
     axis: Vec<KeptAxis>,
 }
@@ -39,12 +39,12 @@ struct KeptAxis {
     zero: i64,
     /// Direction of the last move: 1, -1, or 0 if it is not known.
     direction: i8,
-    /// The end at which it stands: 1 high, -1 low, 0 none, or not known.
+    /// The end switch that the axis holds: 1 high, -1 low, 0 none or not known.
     #[serde(default)]
     end: i8,
 }
 
-/// The file of a port.
+/// The memory of a machine at a port.
 #[derive(Clone, Debug)]
 pub struct MemoryFile {
     path: PathBuf,
@@ -54,8 +54,8 @@ pub struct MemoryFile {
 }
 
 impl MemoryFile {
-    /// The file of the port of the arguments. `None`: the simulated port has no memory, or the user
-    /// has no folder for it.
+    /// Finds the file for the port of the arguments. `None`: the port is simulated and has no
+    /// memory, or the user has no folder for it.
     pub fn of(args: &Measure, machine: &Machine) -> Option<Self> {
         Self::at(
             args.machine.as_deref().unwrap_or("cmm"),
@@ -64,7 +64,7 @@ impl MemoryFile {
         )
     }
 
-    /// The same, by the name of the machine and that of its port.
+    /// Finds the file by the names of the machine and of the port.
     pub fn at(name: &str, port: &str, machine: &Machine) -> Option<Self> {
         let (path, port) = place(port)?;
         let scale = machine.scale;
@@ -79,7 +79,7 @@ impl MemoryFile {
         })
     }
 
-    /// What is kept for this machine at this port.
+    /// Reads the memory of this machine at this port.
     pub fn read(&self) -> Option<Memory> {
         let kept: Kept = toml::from_str(&fs::read_to_string(&self.path).ok()?).ok()?;
         let is_mine = kept.port == self.port
@@ -116,8 +116,8 @@ impl MemoryFile {
         })
     }
 
-    /// Keeps the memory. The file is written beside its place and then renamed, so it is whole at
-    /// any time.
+    /// Writes the memory. It is written to a temporary file that is then renamed, so that the file
+    /// is always complete.
     ///
     /// # Errors
     ///
@@ -162,21 +162,22 @@ impl MemoryFile {
         fs::rename(&beside, &self.path).inspect_err(|_| drop(fs::remove_file(&beside)))
     }
 
-    /// Nothing is known of the modules from now on.
+    /// Deletes the memory: the state of the modules is no longer known.
     pub fn forget(&self) {
-        // A file that is not there is as good.
+        // A missing file means the same.
         let _ = fs::remove_file(&self.path);
     }
 }
 
-/// The modules at this port are about to be reset.
+/// Deletes the memory of a port, because its modules are about to be reset.
 pub fn forget(port: &str) {
     if let Some((path, _)) = place(port) {
         let _ = fs::remove_file(path);
     }
 }
 
-/// The path of the file of a port, and the name of the port everywhere: that of its device.
+/// The path of the file of a port, and the name of its device, which is the same for every link to
+/// it.
 fn place(port: &str) -> Option<(PathBuf, String)> {
     if matches!(port, "sim" | "line") {
         return None;
@@ -190,7 +191,7 @@ fn place(port: &str) -> Option<(PathBuf, String)> {
     Some((folder()?.join(format!("measure-{file}.toml")), name))
 }
 
-/// The absolute path of a file, through links; any other name stays.
+/// Resolves a path and its links. A name that is not a file stays.
 fn absolute(name: &str) -> String {
     let path = fs::canonicalize(crate::text::name::path(Path::new(name)));
     path.map_or_else(|_| name.to_owned(), |path| path.display().to_string())

@@ -8,7 +8,7 @@ use husillo_transports::nmc::LAST_ADDRESS;
 ///
 /// # Errors
 ///
-/// An unknown module, or too many of them.
+/// A module is unknown, or there are too many.
 pub fn modules(
     list: &str,
     motor: impl Fn(u8) -> DcMotorModel,

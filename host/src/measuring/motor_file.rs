@@ -4,7 +4,7 @@ use crate::machines::table::Table;
 use husillo_metrology::simulated::DcMotorModel;
 use std::ops::RangeInclusive;
 
-/// Reads `[axis.x.motor]`. What it does not name is as on the prototype.
+/// Reads `[axis.x.motor]`. Missing keys have the values of the prototype.
 pub fn read(axis: &mut Table<'_, '_>) -> DcMotorModel {
     let motor = axis.optional_table("motor", |table| {
         let old = DcMotorModel::PROTOTYPE;

@@ -84,7 +84,7 @@ fn read_solid(table: &mut Table<'_, '_>) -> Solid {
         },
         Kind::Plane => Shape::Plane {
             point_mm: point(table, "point"),
-            // Neither length nor unit matters.
+            // Only the direction matters, not the length or the unit.
             outward: point(table, "outward"),
         },
     };

@@ -1,15 +1,15 @@
-//! The port of a chain of modules.
+//! The port of a network of modules.
 
 use husillo_clients::Port;
 use husillo_metrology::heads;
 use husillo_transports::nmc::{Baud, Timing};
 use std::io;
 
-/// A serial device or a socket that leads to a chain of modules.
+/// A serial device or a socket that leads to a network of modules.
 #[derive(Debug)]
-pub struct ChainPort(Port);
+pub struct NetworkPort(Port);
 
-impl ChainPort {
+impl NetworkPort {
     /// Opens a serial device or, with `tcp:HOST:PORT`, a socket.
     ///
     /// # Errors
@@ -20,13 +20,14 @@ impl ChainPort {
     }
 }
 
-impl heads::Port for ChainPort {
+impl heads::Port for NetworkPort {
     fn timing(&self, baud: Baud) -> Timing {
         Timing::patient(baud)
     }
 
-    /// The vendor's 50 ms until a reply are enough for an adapter. But this computer, or a
-    /// simulated chain on it, may delay the bytes for longer. A late reply costs a flush.
+    /// The vendor waits 50 ms for a reply, which is enough for an adapter. But this computer, or a
+    /// simulated network on it, may delay the bytes for longer. After a late reply the line must be
+    /// flushed.
     fn timing_of_known(&self, baud: Baud) -> Timing {
         Timing {
             reply_us: 250_000,

@@ -6,7 +6,7 @@ use husillo_sim::text::{counted, position};
 use serde::{Serialize, Serializer};
 use std::fmt;
 
-/// A number, or one for each of several axes.
+/// One number, or one for each of several axes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Numbers(pub Vec<f64>);
 
@@ -60,10 +60,10 @@ pub struct ResultRow {
     pub place: Option<PlaceFigures>,
 }
 
-/// Where an axis is, in all coordinates.
+/// The position of an axis, in all coordinates.
 #[derive(Clone, Debug, Serialize)]
 pub struct PlaceFigures {
-    /// From home. `None` is unknown.
+    /// From home. `None`: not known.
     pub machine: Option<f64>,
     /// From the last zero.
     pub work: f64,
@@ -107,7 +107,7 @@ impl PlaceFigures {
 pub struct StatusFigures {
     /// The commanded position.
     pub held: f64,
-    /// The commanded minus the actual position.
+    /// The commanded minus the measured position.
     pub position_error: f64,
     /// Motor current, units of the module's converter.
     pub current: u8,
@@ -126,12 +126,12 @@ pub struct TouchFigures {
     pub direction: String,
     /// The latched position, mean of the touches.
     pub trigger: Numbers,
-    /// The latched position, corrected for pre-travel and ball: a point of the face, if the face
-    /// is at right angles to the direction.
+    /// The latched position, corrected for pre-travel and ball. It is a point of the face if the
+    /// face is perpendicular to the direction.
     pub corrected: Numbers,
     /// The pre-travel that was used, or that a calibration found.
     pub pre_travel: f64,
-    /// Touches averaged.
+    /// Number of touches in the mean.
     pub touches: u8,
     /// Distance between the nearest and the farthest touch.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -182,10 +182,10 @@ fn pre_travel(table: &[Entry], unit: &str) -> String {
 }
 
 impl CalibrationFigures {
-    /// Lines for people, with those for the machine file.
+    /// Lines for people, and lines for the machine file.
     fn text(&self, head: &str, unit: &str, places: usize) -> String {
-        // The touched half does not separate Z of the centre from the bending of the stylus along
-        // Z.
+        // From one half of the body, Z of the centre cannot be separated from the bending of the
+        // stylus along Z.
         let doubt = match self.body {
             "sphere" => {
                 "\n    its Z and pre-travel along Z cannot be separated: use `calibrate -z` on a \

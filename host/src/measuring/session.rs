@@ -8,21 +8,21 @@ use super::result_row::{
 };
 use crate::cli::Measure;
 use crate::console::sharing::share;
-use crate::measuring::port::ChainPort;
+use crate::measuring::port::NetworkPort;
 use husillo_backlash::Flank;
 use husillo_metrology::calibration::{Body, Calibrated, Face, FoundProbe, is_by_axis, surface_nm};
 use husillo_metrology::heads::{
     Approach, Head, Line, Machine, Memory, Port, Prober, Rejoined, Stylus, pre_travel_by_sign,
 };
 use husillo_metrology::simulated::{Contact, Mounted, SimulatedNetwork, SimulatedPort};
-use husillo_metrology::{Scale, Trouble};
+use husillo_metrology::{Error, Scale};
 use husillo_probe::{Measurement, UnitVector};
 use husillo_transports::nmc::{Auxiliary, Reply, Status};
 
 /// The port of a machine: simulated or real.
 pub type AnyPort = Box<dyn Port>;
 
-/// A session with a machine: its settings, and the probe as far as it is calibrated.
+/// A session with a machine: its settings, and the calibration of the probe so far.
 pub struct Session {
     /// The unit of the machine.
     pub scale: Scale,
@@ -35,7 +35,7 @@ pub struct Session {
     reference: Option<i64>,
     /// Lengths of `where` are in inches.
     is_inch: bool,
-    /// What the next session gets to know. The simulated port has none.
+    /// What the next session needs. The simulated port has no memory.
     memory: Option<MemoryFile>,
 }
 
@@ -63,13 +63,13 @@ impl Session {
         })
     }
 
-    /// The probe, as calibrated so far.
+    /// The probe with its calibration so far.
     pub const fn stylus(&self) -> Stylus {
         self.stylus
     }
 
-    /// Switches the servos on. It continues where the session before has left the modules, or else
-    /// starts the line and says what is lost.
+    /// Switches the servos on. Continues with the state in which the last session left the modules.
+    /// If that is not possible, starts the line and reports what is lost.
     ///
     /// # Errors
     ///
@@ -78,7 +78,7 @@ impl Session {
         &self,
         mut line: Line<AnyPort>,
         args: &Measure,
-    ) -> Result<Calibrated<Head<AnyPort>>, Trouble> {
+    ) -> Result<Calibrated<Head<AnyPort>>, Error> {
         let (machine, touches) = (&self.machine, args.repeat);
         let errors = || machine.errors.clone();
         let mut was_left = false;
@@ -105,9 +105,9 @@ impl Session {
         }
         let started = Head::start(line, machine, touches);
         if was_left {
-            if matches!(started, Err(Trouble::NoModules)) {
+            if matches!(started, Err(Error::NoModules)) {
                 // Modules behind a pulled cable keep their counts. The next command compares them.
-                return Err(Trouble::NoModules);
+                return Err(Error::NoModules);
             }
             eprintln!("note: the modules were reset or moved, so zero and home are lost");
         }
@@ -119,7 +119,8 @@ impl Session {
         Ok(head)
     }
 
-    /// Keeps homes, zeros and positions in case the program is killed. The axes stand.
+    /// Keeps homes, zeros and positions in case the program is killed. Call it while the axes stand
+    /// still.
     pub fn keep(&self, head: &mut Calibrated<Head<AnyPort>>) {
         if let Some(file) = &self.memory {
             // Without an answer the next action fails, too.
@@ -133,13 +134,14 @@ impl Session {
         }
     }
 
-    /// Keeps homes, zeros and positions for the next session, and says what is left.
+    /// Keeps homes, zeros and positions for the next session, and reports whether the servos still
+    /// hold.
     pub fn end(&self, head: &mut Calibrated<Head<AnyPort>>) {
         let Some(file) = &self.memory else { return };
         let memory = match head.memory() {
             Ok(memory) => memory,
-            Err(trouble) => {
-                eprintln!("warning: zero and home are not kept for the next command: {trouble}");
+            Err(error) => {
+                eprintln!("warning: zero and home are not kept for the next command: {error}");
                 return;
             }
         };
@@ -181,7 +183,7 @@ impl Session {
         towards: &Towards,
         measurement: &Measurement,
         head: &mut Calibrated<Head<AnyPort>>,
-    ) -> Result<(), Trouble> {
+    ) -> Result<(), Error> {
         if let (Some(axis), Some(position)) = (towards.axis, self.reference) {
             let face = Face { axis, position };
             let over_travel = head.inner().probe().over_travel;
@@ -197,7 +199,7 @@ impl Session {
         row: &ResultRow,
         head: &mut Calibrated<Head<AnyPort>>,
         report: &mut impl FnMut(&ResultRow),
-    ) -> Result<(), Trouble> {
+    ) -> Result<(), Error> {
         for axis in axes.iter().copied() {
             let reply: Reply = head.inner().status(axis)?;
             let (held, position) = (head.held()[axis], head.position()?);
@@ -219,20 +221,20 @@ impl Session {
         Ok(())
     }
 
-    /// Reports where axes are, one row per axis.
-    fn whereabouts(
+    /// Reports the positions of axes, one row per axis.
+    fn axis_positions(
         &self,
         axes: &[usize],
         head: &mut Calibrated<Head<AnyPort>>,
         report: &mut impl FnMut(&ResultRow),
-    ) -> Result<(), Trouble> {
+    ) -> Result<(), Error> {
         let has_length = self.scale.unit() == "mm";
         let (unit, divisor) = match has_length && self.is_inch {
             true => ("in", 25.4),
             false => (self.scale.unit(), 1.0),
         };
         let number = |amount| self.scale.number(amount) / divisor;
-        for axis in head.whereabouts()? {
+        for axis in head.axis_positions()? {
             if !axes.contains(&axis.coordinate) {
                 continue;
             }
@@ -254,7 +256,7 @@ impl Session {
         Ok(())
     }
 
-    /// Carries out the actions in turn. `report` gets each result.
+    /// Carries out the actions in turn. `report` receives each result.
     ///
     /// # Errors
     ///
@@ -264,7 +266,7 @@ impl Session {
         actions: &[Action],
         head: &mut Calibrated<Head<AnyPort>>,
         mut report: impl FnMut(&ResultRow),
-    ) -> Result<(), Trouble> {
+    ) -> Result<(), Error> {
         for action in actions.iter().copied() {
             let mut axes = action.axes();
             if axes.is_empty() {
@@ -276,7 +278,7 @@ impl Session {
                 ..ResultRow::default()
             };
             match action {
-                Action::Where(_) => self.whereabouts(&axes, head, &mut report)?,
+                Action::Where(_) => self.axis_positions(&axes, head, &mut report)?,
                 Action::Status(_) => self.status(&axes, &row, head, &mut report)?,
                 _ => {
                     self.carry_out(action, &axes, head, &mut row)?;
@@ -295,7 +297,7 @@ impl Session {
         axes: &[usize],
         head: &mut Calibrated<Head<AnyPort>>,
         row: &mut ResultRow,
-    ) -> Result<(), Trouble> {
+    ) -> Result<(), Error> {
         match action {
             Action::GoTo(goal, approach) => {
                 row.action = "goto";
@@ -472,11 +474,11 @@ pub fn open(
 ) -> Result<Line<AnyPort>, String> {
     let contacts: &[Contact] = &args.contact;
     let port: AnyPort = if args.port == "sim" {
-        let chain = SimulatedNetwork::of_machine(machine, contacts, piece)?;
-        let chain = chain.with_ends(&args.end)?;
-        Box::new(SimulatedPort::new(chain.with_noise(args.noise)))
+        let network = SimulatedNetwork::of_machine(machine, contacts, piece)?;
+        let network = network.with_ends(&args.end)?;
+        Box::new(SimulatedPort::new(network.with_noise(args.noise)))
     } else if contacts.is_empty() && args.end.is_empty() && piece.is_none() && args.noise == 0.0 {
-        let port = ChainPort::open(&args.port);
+        let port = NetworkPort::open(&args.port);
         let port = port.map_err(|error| format!("{}: {error}", args.port))?;
         share(
             args.machine.as_deref().unwrap_or("cmm"),

@@ -13,13 +13,14 @@ use std::hash::{DefaultHasher, Hasher};
 use std::io;
 use std::ops::ControlFlow;
 
-/// Capacity for parameters and calls: far more than a controller has.
+/// A program that is kept in memory. Its capacities for parameters and calls are far larger than
+/// those of a controller.
 type Whole<'t> = Program<'t, 4096, 2048, 128, 64>;
 
-/// Capacity for the contour of a turning cycle.
+/// The expander of turning cycles, with its capacity for the moves of a contour.
 type Turned<'t> = Contours<'t, 1024>;
 
-/// A block's place in the file.
+/// A block and its position in the file.
 #[derive(Clone, Copy, Debug)]
 pub struct Given<'a> {
     /// The file of a subroutine that the line is in; `None` for the program itself.
@@ -28,11 +29,11 @@ pub struct Given<'a> {
     pub number: usize,
     /// The whole line.
     pub bytes: &'a [u8],
-    /// Position of the block in the line, bytes.
+    /// Byte offset of the block in the line.
     pub at: usize,
     /// The text of the block.
     pub text: &'a [u8],
-    /// Whether this is the last block that was read of a line that is too long.
+    /// Whether the line is too long and this is the last block that was read from it.
     pub overlong: bool,
     /// Whether the line may be executed again, because the program has loops or subroutines.
     pub repeats: bool,
@@ -57,13 +58,13 @@ impl Percent {
         ends
     }
 
-    /// A line without the `%` after the end of the program.
+    /// Returns a line up to the `%` that ends the program.
     fn before<'a>(&self, line: &'a [u8]) -> &'a [u8] {
         let before = before_percent(line).filter(|_| self.inside);
         before.unwrap_or(line)
     }
 
-    /// A text up to such a `%`. What follows is no part of the program.
+    /// Returns a text up to the `%` that ends the program.
     fn before_all<'a>(&self, text: &'a [u8]) -> &'a [u8] {
         let mut start = 0;
         for line in text.split_inclusive(|&byte| byte == b'\n') {
@@ -92,8 +93,8 @@ pub fn ends_program(line: &[u8]) -> bool {
         .any(|word| word.letter == b'M' && matches!(word.value.whole(), Some(2 | 30)))
 }
 
-/// Checks number and checksum of a line, and returns its text without them. After an error it
-/// expects the number that follows.
+/// Checks number and checksum of a line, and returns its text without them. After an error the
+/// receiver expects the number that follows this line's.
 pub fn unframed<'a>(receiver: &mut Receiver, line: &'a [u8]) -> Result<&'a [u8], Error> {
     receiver.check(line).map_err(|error| {
         if let FramingError::Number { given, .. } = error {
@@ -115,8 +116,8 @@ pub fn unframed<'a>(receiver: &mut Receiver, line: &'a [u8]) -> Result<&'a [u8],
     })
 }
 
-/// Longest line of Grbl without blanks and comments. Its LINE_BUFFER_SIZE is 80, including the end
-/// of the text.
+/// Longest line that Grbl accepts, without blanks and comments. Its LINE_BUFFER_SIZE is 80,
+/// including the terminating zero.
 const GRBL_LINE: u8 = 79;
 
 /// Checks that a line fits into the buffer of Grbl.
@@ -145,15 +146,15 @@ fn fits(text: &[u8], dialect: &Dialect) -> Result<(), Error> {
     Ok(())
 }
 
-/// Whether lines of a dialect are those of a file, and not the strings of one machine.
+/// Whether programs of a dialect are text files, not the strings of one machine's link.
 pub fn is_of_files(dialect: &Dialect) -> bool {
     ![Dialect::MICROMILL, Dialect::DRILL]
         .iter()
         .any(|other| other.name() == dialect.name())
 }
 
-/// The text before the checksum of a line such as `N3 G1 X1*98`, for dialects in which lines need
-/// none. `None` for any other line.
+/// Returns the text before the checksum of a line such as `N3 G1 X1*98`, in a dialect whose lines
+/// need no checksum. `None` for any other line.
 pub fn summed<'a>(line: &'a [u8], dialect: &Dialect) -> Option<Result<&'a [u8], Error>> {
     let text = line.trim_ascii();
     let tail = text.iter().rev().skip_while(|byte| byte.is_ascii_digit());
@@ -176,12 +177,12 @@ pub fn summed<'a>(line: &'a [u8], dialect: &Dialect) -> Option<Result<&'a [u8], 
     Some(unframed(&mut receiver, line))
 }
 
-/// Whether a line has a checksum. A changed line needs another one.
+/// Whether a line has a checksum. If the line is changed, its checksum becomes wrong.
 pub fn has_sum(line: &[u8], dialect: &Dialect) -> bool {
     summed(line, dialect).is_some() || dialect.framing().is_some() && line.contains(&b'*')
 }
 
-/// Replaces the checksums of a text by blanks, so that columns stay.
+/// Replaces the checksums of a text with blanks, so that columns stay the same.
 fn without_sums(text: &mut [u8], dialect: &Dialect) {
     for line in text.split_mut(|byte| matches!(byte, b'\r' | b'\n')) {
         let kept = match summed(line, dialect) {
@@ -192,8 +193,8 @@ fn without_sums(text: &mut [u8], dialect: &Dialect) {
     }
 }
 
-/// Whether a line is a `$` command of Grbl, as in files of settings, in a dialect of files. A jog
-/// (`$J=`) is none, as it moves the tool.
+/// Whether a line is a `$` command of Grbl, as in files of settings. Always false in a dialect
+/// whose programs are not text files, and for a jog (`$J=`), because it moves the tool.
 pub fn is_grbl_command(text: &[u8], dialect: &Dialect) -> bool {
     let mut bytes = text.iter().filter(|byte| !byte.is_ascii_whitespace());
     is_of_files(dialect)
@@ -209,7 +210,7 @@ pub fn is_numbering(text: &[u8]) -> bool {
     words.any(|word| word.letter == b'M' && word.value.whole() == Some(110))
 }
 
-/// Calls `each` with every block until it breaks, or the program ends.
+/// Calls `each` with every block until `each` breaks, or the program ends.
 ///
 /// Lines are read one at a time, up to the first one with a parameter, an expression, an O-word or
 /// a cycle along a contour. From that line on the program is kept in memory. `reading`
@@ -240,8 +241,8 @@ pub fn each_block<C, const N: usize>(
     as_a_whole(&text, dialect, &mut percent, context, reading, each)
 }
 
-/// Gives the blocks of the lines that need no other line. Returns the number of the first line that
-/// does, which is not given yet. Returns `None` at the end of the program.
+/// Passes on the blocks of lines that do not depend on other lines. Stops before the first line
+/// that does, and returns its number. Returns `None` at the end of the program.
 fn by_lines(
     source: &mut Source,
     dialect: Dialect,
@@ -320,7 +321,7 @@ struct Text<'a> {
     folders: Folders,
 }
 
-/// Gives the blocks of a text in the order of execution.
+/// Passes on the blocks of a text in the order of execution.
 fn as_a_whole<C, const N: usize>(
     text: &Text<'_>,
     dialect: Dialect,
@@ -380,28 +381,30 @@ fn as_a_whole<C, const N: usize>(
     }
 }
 
-/// Notices that a program repeats itself with nothing changed. Such a program never ends, because
-/// the next state follows from the last one.
+/// Detects a program that returns to the same line in the same state. Such a program never ends,
+/// because each state determines the next one.
 #[derive(Default)]
 struct Repetition {
     /// Lines so far.
     lines: u64,
-    /// A line, and the state after it.
+    /// A line, and the hash of the state after it.
     before: Option<(usize, u64)>,
-    /// How often the states at this line are still compared.
+    /// Comparisons with this state that are still to be made.
     looks: u8,
 }
 
 impl Repetition {
-    /// A program has made this number of lines before it is suspected.
+    /// A program is examined from this number of executed lines on.
     const SUSPECT: u64 = 1 << 12;
-    /// Comparisons with one state. A state of a large program takes milliseconds.
+    /// Comparisons with one state. Hashing the state of a large program takes milliseconds.
     const LOOKS: u8 = 4;
 
-    /// Counts a line. Returns whether the state after it is that of the same line before.
+    /// Counts a line. Returns whether the state after it equals the state after an earlier
+    /// execution of it.
     fn is_endless(&mut self, line: usize, state: impl FnOnce() -> u64) -> bool {
         self.lines += 1;
-        // A later state is kept from time to time, as the repetition may begin late.
+        // From time to time a newer state replaces the old one, because the repetition may begin
+        // late.
         if self.lines >= Self::SUSPECT && self.lines.is_power_of_two() {
             self.before = Some((line, state()));
             self.looks = Self::LOOKS;
@@ -417,7 +420,7 @@ impl Repetition {
     }
 }
 
-/// A number that equal states share. Two different states share it once in 2^64.
+/// A hash of a state. Two different states have the same one once in 2^64.
 fn state_of(state: &impl Debug) -> u64 {
     struct Sum(DefaultHasher);
     impl fmt::Write for Sum {
@@ -438,7 +441,7 @@ mod tests {
     use crate::programs::reading::Results;
     use husillo_gcode::Modal;
 
-    /// The file of some systems ends with `M30%`.
+    /// The files of some systems end with `M30%`.
     #[test]
     fn a_percent_may_follow_the_last_word() {
         for text in [
@@ -466,7 +469,7 @@ mod tests {
         }
     }
 
-    /// The numbers of the lines whose blocks are given.
+    /// The numbers of the lines whose blocks are passed on.
     fn lines(dialect: Dialect, text: &'static str) -> Vec<usize> {
         let mut source = Source::from_reader(Box::new(text.as_bytes()));
         let mut context = (Modal::<3>::new(dialect), Vec::new());

@@ -31,7 +31,7 @@ pub struct Facts {
     pub reversals: [u64; AXES],
     /// The curves of several commands (G5.2, G5.3), in the order in which they are made.
     pub curves: Vec<NurbsPath>,
-    /// The first move that leaves the travel of an axis, for
+    /// The first move that leaves the travel of an axis. It is input of
     /// [`crate::programs::zero::report_beyond`].
     pub beyond: Option<(Place, MoveError)>,
 }
@@ -41,7 +41,7 @@ pub struct Facts {
 pub struct Checker<'a> {
     machine: &'a MachineFile,
     config: &'a Config<AXES>,
-    /// What the machine says to each command.
+    /// The checks of the engine, made for each command.
     checks: husillo_machine::Checker,
     turns: Turns,
     unknown_travel: [bool; AXES],
@@ -102,7 +102,7 @@ pub fn check(
 }
 
 impl<'a> Checker<'a> {
-    /// No command was checked.
+    /// Starts before the first command.
     pub fn new(machine: &'a MachineFile, config: &'a Config<AXES>) -> Self {
         Self {
             machine,
@@ -110,7 +110,7 @@ impl<'a> Checker<'a> {
             checks: husillo_machine::Checker::new(),
             turns: Turns::new(
                 // `run` reports a backlash that is out of range.
-                setup::maps(machine).unwrap_or_else(|_| setup::no_lash()),
+                setup::maps(machine).unwrap_or_else(|_| setup::no_backlash()),
                 machine.each(1.0, |axis| axis.step.num as f64 / axis.step.den as f64),
             ),
             unknown_travel: [false; AXES],
@@ -125,7 +125,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// Takes the first move that leaves the travel.
+    /// Returns the first move that leaves the travel, once.
     pub const fn take_beyond(&mut self) -> Option<(Place, MoveError)> {
         self.beyond.take()
     }
@@ -143,7 +143,8 @@ impl Checker<'_> {
         let end = command.end();
         match self.checks.check(self.config, &from, command) {
             Ok(()) => {}
-            // All moves beyond the travel have one cause. It is reported when all are known.
+            // All moves beyond the travel may have the same cause. So they are reported together,
+            // later.
             Err(error @ MoveError::Travel { axis, .. }) => {
                 if self.beyond.is_none() {
                     let letter = self.machine.letter(axis);
@@ -292,7 +293,8 @@ impl Checker<'_> {
         let [a, _] = arc.plane.axes();
         let step = self.machine.axes[a].step;
         let mismatch = i128::from(arc.mismatch.0);
-        // At most 2 steps or 1.5 units of the last printed digit, compared without rounding.
+        // No finding up to 2 steps, or 1.5 units of the last printed digit, compared without
+        // rounding.
         let silent = mismatch * i128::from(step.den) <= 2 * i128::from(step.num)
             || 2 * mismatch <= 3 * i128::from(arc.resolution.0);
         if silent {
@@ -410,7 +412,8 @@ impl Checker<'_> {
     }
 }
 
-/// Length of a move as its feed measures it, in nm or millionths of a degree; see [`Axes::fed`].
+/// Length of a move along the axes to which its feed applies, in nm or millionths of a degree; see
+/// [`Axes::fed`].
 pub fn fed_length(command: &Command<AXES>, from: [Nm; AXES], axes: &Axes) -> f64 {
     if let Command::Arc { arc, .. } = command {
         return arc_length(from, arc);

@@ -16,7 +16,7 @@ pub struct At<'a> {
     pub line: usize,
     /// The whole line.
     pub bytes: &'a [u8],
-    /// Position of the block in the line, bytes.
+    /// Byte offset of the block in the line.
     pub block: usize,
     /// Length of the block, bytes.
     pub length: usize,
@@ -25,7 +25,7 @@ pub struct At<'a> {
 }
 
 impl At<'_> {
-    /// The place of a span of the block, in bytes of the block.
+    /// The position in the file of a span of the block, which is in bytes of the block.
     pub fn place(&self, span: Range<usize>) -> Place {
         Place::new(
             self.file,
@@ -35,7 +35,7 @@ impl At<'_> {
         )
     }
 
-    /// The place of the whole block without blanks around it.
+    /// The position in the file of the whole block, without blanks around it.
     pub fn whole(&self) -> Place {
         let text = self.text();
         let start = text
@@ -49,7 +49,7 @@ impl At<'_> {
         self.place(start..end)
     }
 
-    /// The place of the word with this letter, or that of the whole block.
+    /// The position in the file of the word with this letter, or of the whole block.
     pub fn word(&self, letter: u8) -> Place {
         match self.find(|word| word == letter) {
             Some(span) => self.place(span),
@@ -71,8 +71,8 @@ impl At<'_> {
         all.any(|word| word.letter == b'G' && matches!(word.value.whole(), Some(2 | 3)))
     }
 
-    /// Converts a span of the block to a span of the line as it is shown. Bytes that are no text
-    /// take more room there.
+    /// Converts a span of the block to a span of the displayed line. Bytes that are not text take
+    /// more room there.
     fn drawn(&self, span: Range<usize>) -> Range<usize> {
         self.place(span).span()
     }
@@ -95,8 +95,7 @@ impl At<'_> {
         self.text().trim_ascii_end().len()
     }
 
-    /// Whether the digits after a comma are followed by no other comma, point or sign. It is false
-    /// for `1,234.5`.
+    /// Whether no other comma, point or sign follows the digits after a comma. False for `1,234.5`.
     fn is_only_mark(&self, comma: usize) -> bool {
         let behind = self.text().get(comma + 1..).unwrap_or_default();
         let next = behind
@@ -105,8 +104,8 @@ impl At<'_> {
         !matches!(next, Some(b',' | b'.' | b'+' | b'-'))
     }
 
-    /// Whether a comma follows the digits of a number. Digits of a parameter, or a bracket, do not
-    /// count.
+    /// Whether a comma follows the digits of a number. False after the digits of a parameter, and
+    /// after a bracket.
     fn is_behind_digits(&self, comma: usize) -> bool {
         let before = self.text().get(..comma).unwrap_or_default();
         let mut others = before.iter().rev();
@@ -143,7 +142,7 @@ pub fn finding(error: &Error, at: &At<'_>) -> Finding {
     }
 }
 
-/// Whether the program is of this dialect, whatever the axes of its machine.
+/// Whether the program has this dialect. The axes of its machine do not matter.
 fn is_of(at: &At<'_>, dialect: &Dialect) -> bool {
     at.dialect.name() == dialect.name()
 }
@@ -244,7 +243,7 @@ fn described(error: &Error, at: &At<'_>) -> Finding {
                 .label("nothing on this line uses it")
                 .help("remove the word")
                 .fix(at.removal(span), "");
-            // Grbl looks at the end and the centre of an arc before.
+            // Grbl checks the end and the centre of an arc first.
             match at.has_arc() {
                 true => finding,
                 false => finding.note("grbl: `error:36`"),
@@ -318,7 +317,7 @@ fn described(error: &Error, at: &At<'_>) -> Finding {
             .note("grbl: `error:4`"),
         ErrorKind::NotOfDialect(letter, tenths) => {
             let finding = finding.label("this dialect has no such code");
-            // The languages of machines that can do nothing else.
+            // These machines understand only their own language.
             if [Dialect::MICROMILL, Dialect::DRILL]
                 .iter()
                 .any(|one| is_of(at, one))
@@ -339,7 +338,7 @@ fn described(error: &Error, at: &At<'_>) -> Finding {
         }
         ErrorKind::MissingWord(letter) => {
             let finding = finding.label(format!("needs `{}`", char::from(letter)));
-            // Grbl looks for the axis words of G10 before.
+            // Grbl checks for the axis words of G10 first.
             let is_axis = |letter| matches!(letter, b'X' | b'Y' | b'Z');
             match is_of(at, &Dialect::GRBL) && at.find(is_axis).is_some() {
                 true => finding.note("grbl: `error:28`"),
@@ -452,8 +451,8 @@ fn described(error: &Error, at: &At<'_>) -> Finding {
 fn unknown_code(letter: u8, tenths: Option<u16>) -> String {
     let small = char::from(letter.to_ascii_lowercase());
     let linuxcnc = format!("LinuxCNC: \"Unknown {small} code used\"");
-    // What Grbl answers to a fraction depends on the whole number before it; it keeps eight bits of
-    // an M code.
+    // Grbl's answer to a fraction depends on the whole number before it. Of an M code Grbl keeps
+    // eight bits.
     match tenths {
         Some(tenths) if tenths % 10 == 0 && (letter == b'G' || tenths < 2560) => {
             format!("grbl: `error:20`; {linuxcnc}")
@@ -462,8 +461,8 @@ fn unknown_code(letter: u8, tenths: Option<u16>) -> String {
     }
 }
 
-/// Ten times the numbers of G codes that end polar coordinates, scaling, mirroring and rotation on
-/// other mills, and are in the first lines of many programs.
+/// Numbers, times ten, of G codes that end polar coordinates, scaling, mirroring and rotation on
+/// other machines. Many programs have them in their first lines.
 const ENDS_NOTHING: [u16; 5] = [150, 500, 501, 511, 690];
 
 /// The first dialect that has a code. `tenths` is ten times its number.

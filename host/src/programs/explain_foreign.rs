@@ -1,8 +1,8 @@
-//! Explains what programs for other controllers have and G-code does not.
+//! Explains constructs of programs for other controllers that are not G-code here.
 
 use husillo_gcode::{Error, ErrorKind, Word, words};
 
-/// What to do about a habit of another controller.
+/// Advice about a construct of another controller.
 pub struct Advice {
     /// What the marked text is.
     pub label: &'static str,
@@ -12,7 +12,7 @@ pub struct Advice {
     pub fix: Option<&'static str>,
 }
 
-/// Recognises a habit of another controller in a block with an error.
+/// Recognises a construct of another controller in a block with an error.
 pub fn advice(error: &Error, text: &[u8]) -> Option<Advice> {
     if is_macro(text) {
         return Some(Advice {
@@ -28,7 +28,7 @@ pub fn advice(error: &Error, text: &[u8]) -> Option<Advice> {
             is_exponent(error, text).then(|| Advice {
                 label: "the exponent of a number, which G-code does not have",
                 help: "write the number with all its digits, as in `0.000012`".to_owned(),
-                // Without its exponent the number would be another one.
+                // No fix: without its exponent the number would have another value.
                 fix: None,
             })
         }
@@ -129,7 +129,7 @@ fn is_macro(text: &[u8]) -> bool {
     words.iter().any(|word| text.starts_with(word))
 }
 
-/// Whether a word directly follows a number and is a whole number.
+/// Whether a word is an exponent: it directly follows a number, and its own number is whole.
 fn is_exponent(word: &Error, text: &[u8]) -> bool {
     let before = word.at.checked_sub(1).and_then(|at| text.get(at));
     let value = text.get(word.at + 1..word.end).unwrap_or_default();

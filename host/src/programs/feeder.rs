@@ -6,21 +6,21 @@ use crate::programs::setup::{ClosedEngine, Engine};
 use crate::programs::source::Source;
 use crate::programs::spindle_time::Turning;
 use crate::simulation::work_piece::WorkPiece;
-use husillo_backlash::Lash;
+use husillo_backlash::BacklashModel;
 use husillo_gcode::{Block, Error};
 use husillo_machine::{Alarm, Event, Followed, Pause, Refused};
 use husillo_sim::observers::AXES;
 use std::io;
 use std::ops::ControlFlow;
 
-/// Runs a program to its end. `each` gets the machine and each of its events. A probe touches
-/// `piece`, and every input meets the condition that is waited for.
+/// Runs a program to its end. `each` receives the machine and each of its events. A probe touches
+/// `piece`. When the program waits for an input, the input has the value that it waits for.
 ///
 /// # Errors
 ///
-/// Reading or writing fails, the machine refuses a line, or a probe finds nothing. It refuses no
-/// line of a program that was checked before, unless a line depends on what a probe has found.
-pub fn feed<L: Lash<AXES> + 'static>(
+/// Reading or writing fails, the machine refuses a line, or a probe finds nothing. The machine
+/// refuses no line of a checked program, except a line that depends on the result of a probe.
+pub fn feed<L: BacklashModel<AXES> + 'static>(
     source: &mut Source,
     machine: &mut Engine<L>,
     piece: &WorkPiece,
@@ -53,8 +53,8 @@ pub fn feed<L: Lash<AXES> + 'static>(
     }
 }
 
-/// Runs a program on a machine with encoders, to its end or until the machine stops. `each` gets
-/// every entry and returns the counts after it.
+/// Runs a program on a machine with encoders, to its end or until the machine stops. `each`
+/// receives every event and returns the encoder counts after it.
 ///
 /// # Errors
 ///
@@ -107,9 +107,9 @@ pub fn feed_followed(
     Ok(())
 }
 
-/// Feeds lines to a machine, `M`, until it pauses for good or the text ends. `pull` takes an event.
-/// Returns whether the program has ended.
-fn feed_lines<L: Lash<AXES> + 'static, M>(
+/// Feeds lines to a machine, `M`, until its program or the text ends. `pull` takes an event from
+/// it. Returns whether the program has ended.
+fn feed_lines<L: BacklashModel<AXES> + 'static, M>(
     source: &mut Source,
     machine: &mut M,
     engine: impl Fn(&M) -> &Engine<L>,
@@ -126,7 +126,8 @@ fn feed_lines<L: Lash<AXES> + 'static, M>(
         |machine, given, block| {
             take(engine_mut(machine), given, block)?;
             let has_ended = engine(machine).has_ended();
-            // Takes events until there is room for another line, and the results of this one.
+            // Takes events until there is room for another line, and until the results of this one
+            // are known.
             while !engine(machine).has_room() {
                 match pull(machine)? {
                     Pulled::End => ended = true,
@@ -147,8 +148,8 @@ fn feed_lines<L: Lash<AXES> + 'static, M>(
     Ok(ended)
 }
 
-/// Gives a block to a machine that has room for it.
-fn take<L: Lash<AXES>>(
+/// Passes a block to a machine that has room for it.
+fn take<L: BacklashModel<AXES>>(
     machine: &mut Engine<L>,
     given: &Given<'_>,
     block: Result<Block, Error>,
@@ -159,8 +160,8 @@ fn take<L: Lash<AXES>>(
         .map_err(|refused| at_line(given, &refused))
 }
 
-/// The moves that still wait for a corner at the end of the text.
-fn finish<L: Lash<AXES>>(machine: &mut Engine<L>) -> io::Result<()> {
+/// Makes the moves that wait for the next corner when the text ends.
+fn finish<L: BacklashModel<AXES>>(machine: &mut Engine<L>) -> io::Result<()> {
     machine
         .finish()
         .map_err(|refused| io::Error::other(refused.to_string()))
@@ -171,7 +172,7 @@ fn at_line(given: &Given<'_>, why: &dyn std::fmt::Display) -> io::Error {
 }
 
 /// What expressions can read of a machine.
-fn reading<L: Lash<AXES>>(machine: &Engine<L>) -> Reading<'_, AXES> {
+fn reading<L: BacklashModel<AXES>>(machine: &Engine<L>) -> Reading<'_, AXES> {
     let probed = machine.probed();
     Reading {
         modal: machine.modal(),
@@ -181,7 +182,7 @@ fn reading<L: Lash<AXES>>(machine: &Engine<L>) -> Reading<'_, AXES> {
 
 /// Sets the input of the probe, if the machine needs it.
 #[inline]
-fn touch<L: Lash<AXES>>(machine: &mut Engine<L>, piece: &WorkPiece) {
+fn touch<L: BacklashModel<AXES>>(machine: &mut Engine<L>, piece: &WorkPiece) {
     if machine.needs_probe() {
         let steps = machine.position_steps();
         let scales = machine.config().axes.each_ref().map(|axis| axis.scale);
@@ -206,7 +207,7 @@ enum Pulled {
 impl Pulled {
     /// The kind of an event. A request for an input is answered.
     #[inline]
-    fn of<L: Lash<AXES>>(machine: &mut Engine<L>, event: &Event<AXES>) -> Self {
+    fn of<L: BacklashModel<AXES>>(machine: &mut Engine<L>, event: &Event<AXES>) -> Self {
         match event {
             Event::Pause(Pause::End { .. }) => Self::End,
             Event::Alarm(alarm) => Self::Alarm(*alarm),
@@ -221,7 +222,7 @@ impl Pulled {
 
 /// The simulated spindle reverses at once, so no step beyond the ends of a tap is made.
 #[inline]
-fn turned_back<L: Lash<AXES>>(machine: &mut Engine<L>, event: &Event<AXES>) -> bool {
+fn turned_back<L: BacklashModel<AXES>>(machine: &mut Engine<L>, event: &Event<AXES>) -> bool {
     let turns = matches!(event, Event::Follow(_)) && machine.awaits_reversal();
     if turns {
         machine.spindle_reversed(false);
@@ -230,14 +231,14 @@ fn turned_back<L: Lash<AXES>>(machine: &mut Engine<L>, event: &Event<AXES>) -> b
 }
 
 #[inline]
-fn pull<L: Lash<AXES>>(
+fn pull<L: BacklashModel<AXES>>(
     machine: &mut Engine<L>,
     piece: &WorkPiece,
     each: &mut impl FnMut(&Engine<L>, &Event<AXES>) -> io::Result<()>,
 ) -> io::Result<Pulled> {
     touch(machine, piece);
-    // By reference for speed: a move would read the event as a whole right after it was written in
-    // parts, and the processor would wait for the writes.
+    // By reference for speed. A copy would read the event as a whole right after it was written in
+    // parts, and the processor would wait for these writes.
     let Some(ref event) = machine.next_event() else {
         return Ok(Pulled::Nothing);
     };

@@ -94,7 +94,7 @@ pub fn write(
             }
         }
         if made.len() > LONGEST_LINE {
-            // A longer line could not be read again.
+            // `husillo` could not read a longer line.
             made.clear();
             made.extend_from_slice(text);
         }

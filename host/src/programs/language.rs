@@ -2,10 +2,10 @@
 
 use std::fmt::{self, Display};
 
-/// Bytes from the start of a file by which its language is known.
+/// Bytes from the start of a file that are examined for its language.
 pub const HEAD: usize = 4096;
 
-/// What is in a file that is no G-code.
+/// The language of a file that is not G-code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Language {
     Heidenhain,
@@ -36,10 +36,10 @@ impl Display for Language {
     }
 }
 
-/// What to do where a CAM system has written for another controller.
+/// The advice if a CAM system has written for another controller.
 const POST: &str = "choose a post-processor for LinuxCNC, Grbl or Mach3 in the CAM system";
 
-/// The language of a file that begins with these bytes, if it is known and no G-code.
+/// The language of a file that begins with these bytes. `None`: it is G-code, or unknown.
 pub fn of(head: &[u8]) -> Option<Language> {
     let text = String::from_utf8_lossy(head).to_ascii_uppercase();
     let lines = || text.lines().map(str::trim).filter(|line| !line.is_empty());
@@ -74,9 +74,9 @@ fn is_of_shopbot(line: &str) -> bool {
         .is_some_and(|(command, _)| MOVES.contains(&command))
 }
 
-/// Whether a line has a call, or an address with `=`, which only Sinumerik has.
+/// Whether a line has a call or an address with `=`. Only Sinumerik has these.
 fn is_of_sinumerik(line: &str) -> bool {
-    // A comment may say anything. Other controllers have MSG too, but without parentheses.
+    // A comment may contain them, too. Other controllers have MSG, but without parentheses.
     let commented = line;
     let line = line.split([';', '(']).next().unwrap_or_default();
     if line.ends_with("MSG") && commented.starts_with(&format!("{line}(")) {

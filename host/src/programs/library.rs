@@ -22,7 +22,7 @@ pub struct Folders {
     read: Shelf,
 }
 
-/// Texts that stay where they are while others are added.
+/// Texts that keep their addresses while others are added.
 #[derive(Debug, Default)]
 struct Shelf(OnceCell<Box<Book>>);
 
@@ -37,7 +37,7 @@ struct Book {
 }
 
 impl Folders {
-    /// The folder of the program, unless it comes from standard input, and then these.
+    /// The folder of the program and then `more`. A program from standard input has no folder.
     pub fn of(program: &str, more: &[String]) -> Self {
         let program = name::path(Path::new(program));
         let own = program.parent().filter(|_| *program != *Path::new("-"));
@@ -64,7 +64,7 @@ impl Folders {
     }
 }
 
-/// Whether a name is that of a file in a folder, and leads nowhere else.
+/// Whether a name is a plain file name: it leads to no other folder.
 fn is_plain(name: &str) -> bool {
     let is_part = |byte: u8| byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'-');
     !name.is_empty() && name.bytes().all(is_part)

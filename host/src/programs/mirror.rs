@@ -15,18 +15,18 @@ use husillo_sim::geometry::turn;
 use husillo_sim::observers::AXES;
 use std::fmt::Write;
 
-/// Points at most this far apart count as one, nm. It is about a step of these machines.
+/// Points at most this far apart count as one, nm: about the length of a step.
 const SAME_NM: i64 = 1_000;
 
 /// A program in mirrored order.
 #[derive(Clone, Debug)]
 pub struct Mirrored {
-    /// Its text: RS-274, millimetres of the machine frame.
+    /// Its text: RS-274, in millimetres, in the machine frame.
     pub text: String,
     /// Contours that are cut in halves.
     pub contours: usize,
-    /// Closed contours that stay unchanged, because nothing divides them, or because the height of
-    /// the tool between the halves is not known.
+    /// Closed contours that stay unchanged, because they cannot be divided, or because the height
+    /// of the tool between the halves is not known.
     pub whole: usize,
 }
 
@@ -263,7 +263,7 @@ impl Writer {
     fn new() -> Self {
         Self {
             text: "G21 G90 G94 G17\n".to_owned(),
-            // The position of a homed machine.
+            // A homed machine is at machine zero.
             at: [Nm(0); AXES],
         }
     }
@@ -415,7 +415,7 @@ impl Writer {
         Ok(())
     }
 
-    /// Writes the coordinates that change, or all of them.
+    /// Writes the coordinates that change, or every coordinate if `all`.
     fn go(&mut self, to: &[Nm; AXES], all: bool) {
         for ((letter, to), at) in "XYZ".chars().zip(to).zip(&mut self.at) {
             if all || at != to {

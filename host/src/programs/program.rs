@@ -19,9 +19,9 @@ use std::ops::ControlFlow;
 
 pub use lines::Lines;
 
-/// Most commands of a program with loops. The parser limits the number of lines, but one line of a
-/// canned cycle can give 2^16 commands. A machine that makes a thousand of them a second is at work
-/// for hours.
+/// Largest number of commands of a program with loops. The parser limits the number of lines, but
+/// one line of a canned cycle can give 2^16 commands. At a thousand commands per second they take a
+/// machine hours.
 const MOST_COMMANDS: u64 = 10_000_000;
 
 /// How a program begins.
@@ -84,14 +84,14 @@ pub struct Meaning<'a> {
 struct Walker<'a> {
     file: &'a str,
     dialect: Dialect,
-    /// Commands that a program with loops may still give.
+    /// Commands that are left before a program with loops reaches the limit.
     left: u64,
     modal: Modal<AXES>,
-    /// What a probe and inputs are assumed to find.
+    /// The assumed results of probe and inputs.
     results: Results<AXES>,
     /// Computes the path of the tool under compensation. Otherwise it passes commands unchanged.
     stage: Compensation<AXES>,
-    /// Places of the commands that wait in it, in their order.
+    /// Origins of the commands that wait in `stage`, in their order.
     waiting: VecDeque<Held>,
     /// End of the last command.
     from: [Nm; AXES],
@@ -102,7 +102,7 @@ struct Walker<'a> {
     strict: Option<Modal<AXES>>,
 }
 
-/// The place of a command that waits for the corner after it.
+/// The origin of a command that waits for the corner after it.
 #[derive(Clone)]
 struct Held {
     /// The file of a subroutine.
@@ -138,7 +138,7 @@ impl Held {
     }
 }
 
-/// Receives each command with its place and the position of the tool before it.
+/// Receives each command with its origin and the position of the tool before it.
 type Each<'e> =
     &'e mut dyn FnMut(&Meaning<'_>, &Command<AXES>, [Nm; AXES], &mut Findings) -> io::Result<()>;
 
@@ -163,7 +163,7 @@ impl<'a> Walker<'a> {
         }
     }
 
-    /// Whether this is the first motion, and has no code of its own: it is taken as G0.
+    /// Whether this is the first motion and has no motion code. It is then taken as G0.
     fn assumes_rapid(&mut self, block: &Block) -> bool {
         let Some(strict) = &self.strict else {
             return false;
@@ -201,11 +201,11 @@ impl<'a> Walker<'a> {
         Ok(commands)
     }
 
-    /// The end that the axis words of a refused move give. `None` without such words, and in a
-    /// block whose axis words are not the end of a move.
+    /// The end position according to the axis words of a refused move. `None` without axis words,
+    /// and in a block whose axis words are not the end of a move.
     fn end_of(&self, given: &Given<'_>, block: &Block) -> Option<[Nm; AXES]> {
         let mut line = String::from("G0");
-        // Units and distances of this line count.
+        // Codes for units and distance mode in this line apply.
         for word in words(given.text).map_while(Result::ok) {
             let number = word.value.to_string();
             match (word.letter, &number[..]) {
@@ -239,7 +239,7 @@ impl<'a> Walker<'a> {
         }
     }
 
-    /// Takes a block, and gives its commands and those that no longer wait.
+    /// Takes a block. Passes on the commands that waited for it, and its own.
     fn block(
         &mut self,
         given: &Given<'_>,
@@ -288,7 +288,7 @@ impl<'a> Walker<'a> {
             }
         };
         let meaning = Meaning { at };
-        // Commands that waited keep the places of their own lines.
+        // Commands that waited keep the origins of their own lines.
         let mut commands = commands.peekable();
         let mut freed = VecDeque::new();
         if held > 0 && commands.peek().is_some() {
@@ -315,14 +315,14 @@ impl<'a> Walker<'a> {
         Ok(ControlFlow::Continue(()))
     }
 
-    /// Counts a command. Returns `false` if there were too many before it.
+    /// Counts a command. Returns `false` if the limit was reached before it.
     const fn may_go_on(&mut self) -> bool {
         let may = self.left > 0;
         self.left = self.left.saturating_sub(1);
         may
     }
 
-    /// Gives a command. One that waited keeps its own place.
+    /// Passes on a command. One that waited keeps its own origin.
     fn give(
         &mut self,
         waited: Option<Held>,
@@ -343,7 +343,8 @@ impl<'a> Walker<'a> {
         Ok(())
     }
 
-    /// Gives the last move of a program that ends without G40. Its place is the end of the file.
+    /// Passes on the last move of a program that ends without G40. Its origin is the end of the
+    /// file.
     fn finish(&mut self, findings: &mut Findings, each: Each<'_>) -> io::Result<()> {
         if self.has_ended || !self.stage.is_active() {
             return Ok(());
@@ -391,8 +392,7 @@ fn overlong(at: &At<'_>) -> Finding {
     Finding::error("E0104", message, place).label("the rest is not read")
 }
 
-/// Walks a whole program. `findings` gets every error, and `each` every command, until the program
-/// ends.
+/// Walks a whole program to its end. `findings` receives every error, and `each` every command.
 ///
 /// A block with an error changes no mode, and the walk continues at the end of its move. Returns
 /// the state after the last block.

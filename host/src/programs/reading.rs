@@ -6,23 +6,23 @@ use husillo_gcode::{Command, Input, Modal, Nm, Units, WaitFor};
 /// Results of the last probing move and of the last wait for an input.
 #[derive(Clone, Copy, Debug)]
 pub struct Results<const N: usize> {
-    /// The contact in the work frame of the move: #5061 to #5069.
+    /// Position of the contact in the work frame of the move: #5061 to #5069.
     probed: [Nm; N],
-    /// Whether there was one: #5070.
+    /// Whether there was a contact: #5070.
     is_touched: bool,
     /// The input in millionths: #5399.
     input_micro: i64,
 }
 
 impl<const N: usize> Results<N> {
-    /// Before the first of them.
+    /// The results before any probing move and any wait.
     pub const NONE: Self = Self {
         probed: [Nm(0); N],
         is_touched: false,
         input_micro: 0,
     };
 
-    /// Those of a machine.
+    /// The results of a machine.
     pub const fn new(probed: [Nm; N], is_touched: bool, input_micro: i64) -> Self {
         Self {
             probed,
@@ -31,8 +31,8 @@ impl<const N: usize> Results<N> {
         }
     }
 
-    /// Those that a check assumes after a command: a contact at the end of the move, and an input
-    /// that meets the condition.
+    /// Sets the results that a check assumes after a command: a contact at the end of the move, and
+    /// an input that meets the condition.
     pub fn assume(&mut self, command: &Command<N>, modal: &Modal<N>) {
         match command {
             Command::Probe { to, .. } => {

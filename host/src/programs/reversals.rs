@@ -23,14 +23,14 @@ pub struct Turns {
 pub struct TakenUp {
     /// Sum.
     pub steps: u64,
-    /// Smallest; `u32::MAX` without any.
+    /// Smallest; `u32::MAX` if there are none.
     pub least: u32,
     /// Largest.
     pub most: u32,
 }
 
 impl Turns {
-    /// Starts after homing: each axis has left its switch in positive direction.
+    /// Starts after homing, in which each axis has left its switch in the positive direction.
     pub fn new(maps: [Map; AXES], steps_nm: [f64; AXES]) -> Self {
         Self {
             direction: [1; AXES],
@@ -72,11 +72,11 @@ impl Turns {
         let position = map
             .axes()
             .map(|along| (at[along] / self.steps_nm[along]).round() as i32);
-        let lash = map.steps(position);
+        let backlash = map.steps(position);
         let taken_up = &mut self.taken_up[axis];
-        taken_up.steps += count * u64::from(lash);
-        taken_up.least = taken_up.least.min(lash);
-        taken_up.most = taken_up.most.max(lash);
+        taken_up.steps += count * u64::from(backlash);
+        taken_up.least = taken_up.least.min(backlash);
+        taken_up.most = taken_up.most.max(backlash);
         self.reversals[axis] += count;
     }
 
@@ -104,7 +104,7 @@ impl Turns {
         let is_forward = arc.direction == Direction::CounterClockwise;
         let sweep = turn::sweep(angle(from), angle(arc.to), is_forward);
         let sense = if is_forward { 1.0 } else { -1.0 };
-        // Clockwise is the mirror image: the second axis moves in the opposite direction.
+        // A clockwise arc is the mirror image, with the second axis in the opposite direction.
         let start = turn::turned(0.0, angle(from), is_forward) / FRAC_PI_2;
         let first = (start + 1e-9).floor();
         let last = (start + sweep / FRAC_PI_2 - 1e-9).floor();
@@ -142,7 +142,7 @@ impl Turns {
 mod tests {
     use super::*;
     use crate::programs::setup;
-    use husillo_backlash::LashMap;
+    use husillo_backlash::BacklashMap;
     use husillo_gcode::Plane;
 
     #[test]
@@ -157,7 +157,7 @@ mod tests {
             mismatch: Nm(0),
             resolution: Nm(1),
         };
-        let mut turns = Turns::new(setup::no_lash(), [1.0; AXES]);
+        let mut turns = Turns::new(setup::no_backlash(), [1.0; AXES]);
         turns.arc(arc.to, &arc);
         assert_eq!(turns.reversals(), [2, 2, 0, 0, 0, 0]);
     }
@@ -166,7 +166,7 @@ mod tests {
     /// backlash of its own position.
     #[test]
     fn a_reversal_takes_up_the_backlash_of_its_position() {
-        let map: Map = LashMap::new(
+        let map: Map = BacklashMap::new(
             [0, 1],
             [vec![0, 1000].into(), vec![0].into()],
             vec![0, 100].into(),

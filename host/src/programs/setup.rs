@@ -1,7 +1,7 @@
 //! Builds the parts of a machine from its file: limits, motors, the simulated machine.
 
 use crate::machines::machine_file::{AxisFile, Driver, Idle, MachineFile, StepMode, Travel};
-use husillo_backlash::{Flank, LashMap, MappedBacklash};
+use husillo_backlash::{BacklashMap, Flank, MappedBacklash};
 use husillo_gcode::{Dialect, Nm};
 use husillo_interp::Path;
 use husillo_machine::{Axis, AxisEncoder, AxisRamp, ClosedLoop, Config, Extended, Machine, Scale};
@@ -9,17 +9,17 @@ use husillo_metrology::calibration::backlash::Map;
 use husillo_probe::{PreTravel, Tip, UnitVector};
 use husillo_sim::observers::AXES;
 use husillo_sim::observers::phases;
-use husillo_sim::{AxisModel, LashField, Rig};
+use husillo_sim::{AxisModel, BacklashField, Rig};
 use husillo_stepper::{Drive, Mode, Motors, Sequencer, StepDirection, StepToggle};
 use std::sync::Arc;
 
 /// The backlash of an axis. A single value is a map with one position.
 pub type Screw = MappedBacklash<Arc<[i32]>, Arc<[u32]>>;
-/// The engine with all commands, and with this backlash.
+/// The engine with all commands, and with the backlash model `L`.
 pub type Engine<L> = Machine<AXES, Path<AXES>, L, 16, Extended<AXES>>;
-/// The engine with such screws.
+/// The engine with backlash maps.
 pub type MappedEngine = Engine<Screw>;
-/// The engine with such screws and with encoders.
+/// The engine with backlash maps and encoders.
 pub type ClosedEngine = ClosedLoop<AXES, Path<AXES>, Screw, 16, Extended<AXES>>;
 
 /// The backlash that the controller takes up: the maps of the file, or one value for an axis
@@ -31,7 +31,7 @@ pub type ClosedEngine = ClosedLoop<AXES, Path<AXES>, Screw, 16, Extended<AXES>>;
 pub fn maps(file: &MachineFile) -> Result<[Map; AXES], String> {
     let one = one_value(file);
     for axis in &file.axes {
-        if axis.lash_steps > MOST_LASH_STEPS {
+        if axis.backlash_steps > MOST_BACKLASH_STEPS {
             let letter = char::from(axis.letter);
             return Err(format!(
                 "{}: the backlash of {letter} is out of range",
@@ -39,7 +39,7 @@ pub fn maps(file: &MachineFile) -> Result<[Map; AXES], String> {
             ));
         }
     }
-    let own = file.lash.maps.iter().cloned();
+    let own = file.backlash.maps.iter().cloned();
     let mut all = one;
     for (map, own) in all.iter_mut().zip(own) {
         if let Some(own) = own {
@@ -50,38 +50,39 @@ pub fn maps(file: &MachineFile) -> Result<[Map; AXES], String> {
 }
 
 /// Largest backlash of an axis, steps.
-const MOST_LASH_STEPS: u32 = (1 << 20) - 1;
+const MOST_BACKLASH_STEPS: u32 = (1 << 20) - 1;
 
-/// One value per axis; the maps of the file are ignored.
+/// One backlash value per axis. The maps of the file are ignored.
 pub fn one_value(file: &MachineFile) -> [Map; AXES] {
-    file.each(flat(0), |axis| flat(axis.lash_steps))
+    file.each(flat(0), |axis| flat(axis.backlash_steps))
 }
 
 /// No backlash.
-pub fn no_lash() -> [Map; AXES] {
+pub fn no_backlash() -> [Map; AXES] {
     std::array::from_fn(|_| flat(0))
 }
 
 /// The same backlash everywhere.
 fn flat(steps: u32) -> Map {
-    let places = || Arc::from([0]);
-    LashMap::new(
+    let positions = || Arc::from([0]);
+    BacklashMap::new(
         [0, 1],
-        [places(), places()],
-        Arc::from([steps.min(MOST_LASH_STEPS)]),
+        [positions(), positions()],
+        Arc::from([steps.min(MOST_BACKLASH_STEPS)]),
     )
     .expect("one entry in range, at one position")
 }
 
 /// A machine that takes up the backlash of these maps.
 pub fn with_maps(config: Config<AXES>, maps: [Map; AXES]) -> MappedEngine {
-    MappedEngine::with_lash(
+    MappedEngine::with_backlash(
         config,
         maps.map(|map| MappedBacklash::new(map, Flank::Positive)),
     )
 }
 
-/// The dialect of a program: the requested one, or that of the file name, or that of the machine.
+/// The dialect of a program. It is the requested one, otherwise that of the file name, otherwise
+/// that of the machine.
 ///
 /// # Errors
 ///
@@ -118,8 +119,8 @@ pub fn encoders(file: &MachineFile) -> [Option<AxisEncoder>; AXES] {
     })
 }
 
-/// The dialect of a program on this machine: with its axes and its tolerance of arcs. Programs of
-/// CAM systems may begin with axis words, which are taken as G0, with a warning.
+/// Adapts a dialect to this machine: to its axes and its tolerance of arcs. A program of a CAM
+/// system may begin with axis words. They are taken as G0, with a warning.
 pub fn on_axes(dialect: Dialect, file: &MachineFile) -> Dialect {
     let is_of_cam = [
         Dialect::RS274,
@@ -145,7 +146,7 @@ const fn absent() -> Axis {
         },
         travel: None,
         max_rate_hz: u32::MAX,
-        lash_steps: 0,
+        backlash_steps: 0,
         ramp: None,
     }
 }
@@ -173,7 +174,7 @@ pub fn config(file: &MachineFile, dialect: Dialect) -> Result<Config<AXES>, Stri
     })
 }
 
-/// The tip of the probe, if its positions are corrected.
+/// The tip of the probe, if reported positions are corrected for it.
 pub fn tip(file: &MachineFile) -> Option<Tip<6>> {
     let probe = file.probe.as_ref().filter(|probe| probe.corrects)?;
     let narrow = |nm: i64| i32::try_from(nm).unwrap_or(i32::MAX);
@@ -199,7 +200,7 @@ fn axis_of(file: &MachineFile, axis: &AxisFile) -> Result<Axis, String> {
             Travel::Unknown | Travel::Unlimited => None,
         },
         max_rate_hz: axis.max_rate,
-        lash_steps: axis.lash_steps,
+        backlash_steps: axis.backlash_steps,
         ramp: axis.acceleration.map(|acceleration_hz_per_s| AxisRamp {
             acceleration_hz_per_s,
             start_rate_hz: axis.start_rate,
@@ -277,16 +278,16 @@ pub fn rig(file: &MachineFile, motors: &Motors<AXES, Drive>) -> Rig<AXES> {
         };
         let pull_out = axis.pull_out_ticks(file.timer_hz);
         model
-            .with_lash(axis.lash_steps)
+            .with_backlash(axis.backlash_steps)
             .with_pull_out_ticks(pull_out)
     });
     Rig::new(models, *motors.levels())
 }
 
 /// The backlash of the screws of X, Y and Z, for a machine with more axes.
-pub fn field(of_three: Arc<dyn LashField<3>>) -> Arc<dyn LashField<AXES>> {
+pub fn field(of_three: Arc<dyn BacklashField<3>>) -> Arc<dyn BacklashField<AXES>> {
     Arc::new(move |[x, y, z, ..]: [f64; AXES]| {
-        let [x, y, z] = of_three.lash_steps([x, y, z]);
+        let [x, y, z] = of_three.backlash_steps([x, y, z]);
         [x, y, z, 0.0, 0.0, 0.0]
     })
 }

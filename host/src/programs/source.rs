@@ -99,7 +99,7 @@ pub fn open(path: &str) -> io::Result<Box<dyn BufRead>> {
     } else {
         let file = input::open(path)?;
         match file.metadata()?.is_file() {
-            // It has an end, and is not kept in memory.
+            // A regular file has an end, and is not kept in memory.
             true => Box::new(BufReader::with_capacity(1 << 18, file)),
             false => Box::new(BufReader::with_capacity(1 << 18, input::bounded(file))),
         }
@@ -128,18 +128,18 @@ impl Source {
         }
     }
 
-    /// The same, with the files of its subroutines in these folders.
+    /// Sets the folders with the files of its subroutines.
     pub fn with_folders(mut self, folders: Folders) -> Self {
         self.folders = folders;
         self
     }
 
-    /// The folders of its subroutines, once.
+    /// Returns the folders of its subroutines, once.
     pub fn take_folders(&mut self) -> Folders {
         std::mem::take(&mut self.folders)
     }
 
-    /// The same, after this many lines that were read elsewhere.
+    /// Sets the number of lines that were read elsewhere before.
     pub const fn after(mut self, lines: usize) -> Self {
         self.number = lines;
         self

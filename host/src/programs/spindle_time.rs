@@ -45,7 +45,7 @@ impl Turning {
             Event::Follow(FollowEvent {
                 wait_counts_q16,
                 delta,
-                // The encoder counts up in both directions, so a wait is one in both.
+                // The encoder counts up in both directions, so waits need no direction.
                 turns_back: _,
             }) => {
                 if !self.is_following {
@@ -140,7 +140,7 @@ mod tests {
             milli_rpm: 600_000,
         });
         turning.timed(&on).unwrap();
-        // Two seconds to reach the speed.
+        // The spindle has two seconds to reach the speed.
         turning
             .timed(&Event::Dwell {
                 wait_ticks: 2_000_000,
@@ -151,7 +151,7 @@ mod tests {
         };
         assert!(wait_ticks <= 100_000);
         for _ in 0..1000 {
-            // 1/1000 of a turn of 0.1 s.
+            // A thousandth of a turn, which takes 0.1 s.
             let follow = Event::Follow(FollowEvent {
                 wait_counts_q16: 65_536,
                 delta: [0, 0, 1, 0, 0, 0],

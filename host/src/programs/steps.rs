@@ -96,7 +96,7 @@ fn write_row(
     delta: &[i8],
     levels: Option<&[Levels]>,
 ) -> io::Result<()> {
-    // 20 and 10 digits, three bytes for a delta and four for levels.
+    // Room for 20 and 10 digits, three bytes per delta and four per levels.
     let mut row = [0_u8; 96];
     let mut length = 0;
     let mut put = |text: &[u8]| {

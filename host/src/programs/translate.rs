@@ -19,8 +19,8 @@ struct Work {
 }
 
 /// Writes the program of `source` in the language of `form` to `out`. What the language lacks is
-/// reported to `findings` and left out. Loops, parameters and subroutines are written as they are
-/// executed. Nothing follows the end of the program.
+/// reported to `findings` and left out. Loops, parameters and subroutines are written as the
+/// commands that they execute. Text after the end of the program is left out.
 ///
 /// # Errors
 ///
@@ -93,7 +93,7 @@ pub fn write(
     finish(work.translator, from, form, findings, out)
 }
 
-/// Writes what the end of the program adds.
+/// Writes the moves and codes that are added at the end of the program.
 fn finish(
     mut translator: Translator<AXES>,
     from: Dialect,

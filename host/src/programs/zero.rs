@@ -16,23 +16,23 @@ type Extent = [Option<[Nm; 2]>; AXES];
 /// The extent of a program.
 #[derive(Debug, Default)]
 struct Reach {
-    /// Extent of the part from work zero: of the moves that work zero shifts.
+    /// Extent, from work zero, of the moves that work zero shifts: the part.
     part: Extent,
     /// Extent in machine coordinates of the moves that work zero does not shift: G53, G28 and G30,
     /// and work frames that the program sets itself.
     machine: Extent,
-    /// The first place where the part leaves the travel of each axis, and the error.
+    /// For each axis, the first line at which the part leaves its travel, and the error.
     part_leaves: [Option<(Place, MoveError)>; AXES],
     /// The same for moves that work zero does not shift.
     machine_leaves: [Option<(Place, MoveError)>; AXES],
     /// The axis whose travel the part leaves first.
     first: usize,
-    /// The program has other errors, which may hide moves.
+    /// Whether the program has other errors, which may hide moves.
     has_errors: bool,
 }
 
-/// Work zero of the walk, in all axes. It separates moves that work zero shifts from all others: it
-/// is 17 km away, farther than any machine reaches, and well within [`Nm::LIMIT`].
+/// Work zero of the walk, in all axes. It is 17 km away, farther than any machine reaches, and well
+/// within [`Nm::LIMIT`]. So the coordinates show which moves work zero shifts.
 const FAR: i64 = 1 << 44;
 
 fn widen(extent: &mut Option<[Nm; 2]>, [low, high]: [Nm; 2]) {
@@ -53,7 +53,8 @@ impl Reach {
         let far = [Nm(FAR); AXES];
         let start = Start {
             zero: far,
-            // 1 nm from work zero, so that a move to work zero counts. It is far less than a step.
+            // The walk begins 1 nm from work zero, far less than a step, so that a move to work
+            // zero counts.
             at: far.map(|Nm(nm)| Nm(nm + 1)),
             ..start
         };
@@ -78,7 +79,7 @@ impl Reach {
     }
 
     fn add(&mut self, axis: usize, span: [Nm; 2], config: &Config<AXES>, zero: Nm, at: &At<'_>) {
-        // The end decides: a move that begins at a machine coordinate begins far from the part.
+        // Only the end counts: a move may begin at a machine coordinate, far from the part.
         let is_part = span[1].0 > FAR / 2;
         let span = span.map(|Nm(nm)| if is_part { Nm(nm - FAR) } else { Nm(nm) });
         let there = span.map(|Nm(nm)| if is_part { Nm(nm + zero.0) } else { Nm(nm) });
@@ -142,7 +143,7 @@ enum InAxis {
     },
 }
 
-/// Where a part without a stated work zero lies on the table; its highest Z is at the top of Z.
+/// Where on the table a part without a stated work zero lies. Its highest Z is at the top of Z.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lie {
     /// The part is in the middle of the table.
@@ -163,8 +164,8 @@ pub struct Placing {
     pub is_certain: bool,
 }
 
-/// The work zero with which a part lies as wanted. An axis keeps machine zero if its limits are not
-/// known, if the part does not move it, or if it is too short for the part.
+/// Computes the work zero that gives a part the wanted position. An axis keeps machine zero if its
+/// limits are not known, if the part does not move it, or if it is too short for the part.
 ///
 /// # Errors
 ///
@@ -197,7 +198,7 @@ pub fn placing(
     })
 }
 
-/// The zero with which the part is in the middle of the travel, or in Z at its upper end.
+/// The zero that puts the part in the middle of the travel, or in Z at its upper end.
 fn middle(axis: usize, [least, most]: [Nm; 2], [low, high]: [Nm; 2]) -> Nm {
     let room = (high.0 - low.0) - (most.0 - least.0);
     if room < 0 {
@@ -207,7 +208,7 @@ fn middle(axis: usize, [least, most]: [Nm; 2], [low, high]: [Nm; 2]) -> Nm {
         2 => high.0 - most.0,
         _ => low.0 + room / 2 - least.0,
     };
-    // Rounded to a short number if there is room for it.
+    // A short number, if the part still fits with it.
     let even = exact.div_euclid(ROUND) * ROUND;
     Nm(if low.0 - least.0 <= even { even } else { exact })
 }
@@ -215,9 +216,9 @@ fn middle(axis: usize, [least, most]: [Nm; 2], [low, high]: [Nm; 2]) -> Nm {
 /// A position in the middle is rounded to hundredths of a millimetre, nm.
 const ROUND: i64 = 10_000;
 
-/// Reports where a program leaves the travel; `first` is the first such move. It gives one error
-/// for the position of the part, with a zero that corrects it. It gives one error for each axis in
-/// which the part is too large, and one for each axis whose machine coordinates are beyond.
+/// Reports where a program leaves the travel. `first` is the first such move. One error is about
+/// the position of the part, with a zero that corrects it. One error is about each axis in which
+/// the part is too large, and one about each axis whose machine coordinates are beyond its travel.
 ///
 /// # Errors
 ///
@@ -234,8 +235,8 @@ pub fn report_beyond(
     let reach = Reach::of(source, file, start, config, start.zero)?;
     let mut leaves = reach.part_leaves.iter().chain(&reach.machine_leaves);
     if leaves.all(Option::is_none) {
-        // An axis that does not move is beyond: machine zero, where the program begins, is outside
-        // its limits.
+        // An axis that does not move is beyond its travel: the program begins at machine zero,
+        // which is outside its limits.
         let (place, beyond) = first;
         let message = "an axis is beyond its soft limit while another one moves";
         let finding = Finding::error("E0401", message, place.clone());
@@ -247,7 +248,7 @@ pub fn report_beyond(
     Ok(())
 }
 
-/// One move beyond the travel, where the rest of the program is not known.
+/// The finding of one move beyond the travel, if the rest of the program is not known.
 pub fn move_beyond((place, error): &(Place, MoveError), machine: &MachineFile) -> Finding {
     let message = "the move ends beyond the travel";
     placed(
@@ -257,7 +258,7 @@ pub fn move_beyond((place, error): &(Place, MoveError), machine: &MachineFile) -
     )
 }
 
-/// Reports the axes whose machine coordinates are beyond the travel.
+/// Reports the axes whose machine coordinates are beyond their travel.
 fn report_machine_frame(
     reach: &Reach,
     machine: &MachineFile,
@@ -285,7 +286,7 @@ fn report_machine_frame(
 /// The correction of work zero, in words.
 #[derive(Default)]
 struct Remedy {
-    /// Extent of the part in each axis in which it is beyond.
+    /// Extent of the part in each axis in which it is beyond the travel.
     parts: Vec<String>,
     /// The travel of these axes.
     travels: Vec<String>,
@@ -362,7 +363,7 @@ fn span([low, high]: [Nm; 2]) -> String {
     format!("{low} to {high} mm")
 }
 
-/// Adds the position that is beyond, and the place of the limit in the machine file.
+/// Adds the position that is beyond the travel, and the line of the limit in the machine file.
 fn placed(finding: Finding, beyond: &MoveError, machine: &MachineFile) -> Finding {
     let MoveError::Travel {
         axis,

@@ -1,7 +1,7 @@
 //! The tables of the micro mill.
 
 use super::wanted;
-use crate::lash::SimulatedBench;
+use crate::backlash::SimulatedBench;
 use crate::machines::machine_file::MachineFile;
 use husillo_metrology::originals::micromill::{
     Screws, Settings, Shop, circles, interpolators, lines, marks, part, power_chips, sequences,

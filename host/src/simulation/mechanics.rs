@@ -27,22 +27,22 @@ pub struct Mechanics {
 
 impl Mechanics {
     /// A homed machine at rest. It has the backlash of its file or, if worn, that of
-    /// `[simulated_lash]`.
+    /// `[simulated_backlash]`.
     ///
     /// # Errors
     ///
     /// A driver does not have the step mode of the machine file, or a worn machine has no
-    /// `[simulated_lash]`.
+    /// `[simulated_backlash]`.
     pub fn new(machine: &MachineFile, is_worn: bool) -> Result<Self, String> {
         let motors = setup::motors(machine)?;
         let mut rig = setup::rig(machine, &motors);
         if is_worn {
             let steps = machine.xyz(|axis| axis.step);
-            let field = machine.lash.field(steps).ok_or_else(|| {
+            let field = machine.backlash.field(steps).ok_or_else(|| {
                 let path = &machine.path;
-                format!("{path}: no [simulated_lash], which describes the worn screws")
+                format!("{path}: no [simulated_backlash], which describes the worn screws")
             })?;
-            rig = rig.with_lash_field(setup::field(field));
+            rig = rig.with_backlash_field(setup::field(field));
         }
         Ok(Self {
             motors,

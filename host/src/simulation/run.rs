@@ -87,12 +87,12 @@ pub struct Run {
 
 impl Run {
     /// A homed machine at rest. It has the backlash of its file or, if worn, that of
-    /// `[simulated_lash]`. `trace` gets every step.
+    /// `[simulated_backlash]`. `trace` gets every step.
     ///
     /// # Errors
     ///
     /// A driver does not have the step mode of the machine file, a worn machine has no
-    /// `[simulated_lash]`, or the trace cannot be written.
+    /// `[simulated_backlash]`, or the trace cannot be written.
     pub fn new(
         machine: &MachineFile,
         is_worn: bool,

@@ -15,7 +15,7 @@ SESSIONS = 5
 
 
 class Emulated:
-    """A chain of modules behind a pseudo-terminal. The program is that of the variable HUSILLO."""
+    """A network behind a pseudo-terminal. The program is that of the variable HUSILLO."""
 
     def __init__(self, machine: str | Path, *arguments: str) -> None:
         self.folder = tempfile.TemporaryDirectory()

@@ -16,7 +16,7 @@ LONGEST_S = 30
 
 
 class Addresses(unittest.TestCase):
-    """The chain as the client finds it."""
+    """The network as the client finds it."""
 
     def test_modules_of_both_kinds_are_found(self) -> None:
         def session(emulated: Emulated) -> None:

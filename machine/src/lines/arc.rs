@@ -1,7 +1,13 @@
 //! Conversion of a programmed arc for the interpolator.
 
 use husillo_gcode::{Arc, Nm};
-use husillo_interp::{Direction, ProgrammedArc};
+use husillo_interp::{ArcError, Direction, ProgrammedArc, Scale};
+
+use crate::{Config, MoveError};
+
+/// Up to this difference of its radii, in steps, an arc is made as it is programmed: the last steps
+/// make up for the difference.
+const FEW_STEPS: u64 = 4;
 
 /// Returns the arc in its plane; `from` is the position before it.
 pub(crate) fn in_plane<const N: usize>(from: &[Nm; N], arc: &Arc<N>) -> ProgrammedArc {
@@ -13,5 +19,65 @@ pub(crate) fn in_plane<const N: usize>(from: &[Nm; N], arc: &Arc<N>) -> Programm
         direction: Direction::from_clockwise(arc.direction.is_clockwise()),
         turns: arc.turns,
         mismatch_nm: arc.mismatch.0.unsigned_abs(),
+    }
+}
+
+/// Whether the radii at both ends differ by more than a few steps.
+pub(crate) fn is_spiral(arc: &ProgrammedArc, scale: Scale) -> bool {
+    let steps = arc.mismatch_nm.saturating_mul(scale.steps().into());
+    steps > u64::from(scale.nm()).saturating_mul(FEW_STEPS)
+}
+
+impl<const N: usize> Config<N> {
+    /// Returns the arc that is made of a programmed one, in its plane; `None` for a line.
+    ///
+    /// Firmware without arcs on unequal steps does not contain the code that moves a centre.
+    ///
+    /// # Errors
+    /// As [`Config::made_arc`].
+    #[inline(always)]
+    pub(crate) fn flat_arc(
+        &self,
+        from: &[Nm; N],
+        arc: &Arc<N>,
+        has_ellipses: bool,
+    ) -> Result<Option<ProgrammedArc>, MoveError> {
+        if has_ellipses {
+            self.made_arc(from, arc)
+        } else {
+            Ok(Some(in_plane(from, arc)))
+        }
+    }
+
+    /// Moves the centre of an arc whose ends have different radii.
+    ///
+    /// A spiral of part of a turn has its direction at neither end at a right angle to the spoke,
+    /// and its speed changes. So it is made as the circle through its ends with the nearest centre,
+    /// which keeps the acceleration of the axes. About a whole turn stays a spiral: its slope is below
+    /// a fifth of the difference of the radii per radius. Its speed changes as 1 / radius, so the
+    /// path stops at its ends.
+    ///
+    /// # Errors
+    /// As [`ProgrammedArc::as_circle`] on axes of different steps, where every arc is a circle, and
+    /// [`MoveError::UnequalSteps`] for a machine without the axes of the plane.
+    #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
+    fn made_arc(&self, from: &[Nm; N], arc: &Arc<N>) -> Result<Option<ProgrammedArc>, MoveError> {
+        let programmed = in_plane(from, arc);
+        let [Some(first), Some(second)] = arc.plane.axes().map(|number| self.axes.get(number))
+        else {
+            return Err(MoveError::UnequalSteps);
+        };
+        let scale = first.scale;
+        let is_equal = scale == second.scale;
+        if is_equal && !is_spiral(&programmed, scale) {
+            return Ok(Some(programmed));
+        }
+        match programmed.as_circle([scale, second.scale]) {
+            Ok(circle) => Ok(Some(circle)),
+            Err(ArcError::Degenerate) => Ok(None),
+            Err(ArcError::Unequal) if is_equal => Ok(Some(programmed)),
+            Err(ArcError::Unequal) => Err(MoveError::UnequalSteps),
+            Err(_) => Err(MoveError::ArcTooLarge),
+        }
     }
 }

@@ -15,7 +15,7 @@ pub struct Axis {
     /// Highest step rate in steps/s, at least 1. Rapid moves and take-up run at this rate.
     pub max_rate_hz: u32,
     /// Backlash in whole motor steps; 0 for none.
-    pub lash_steps: u32,
+    pub backlash_steps: u32,
     /// Acceleration ramp; `None` if the axis reaches any rate at once.
     pub ramp: Option<AxisRamp>,
 }

@@ -1,6 +1,6 @@
 //! Stepping axes with encoders: lost steps are reported and re-emitted.
 
-use husillo_backlash::{Backlash, Lash};
+use husillo_backlash::{Backlash, BacklashModel};
 use husillo_interp::{Moves, Path};
 use husillo_planner::Timer;
 
@@ -76,7 +76,7 @@ enum State {
 pub struct ClosedLoop<
     const N: usize,
     P = Path<N>,
-    L: Lash<N> = Backlash,
+    L: BacklashModel<N> = Backlash,
     const QUEUE: usize = 16,
     E: Extension<N> = (),
 > {
@@ -94,7 +94,7 @@ pub struct ClosedLoop<
     machine: Machine<N, P, L, QUEUE, E>,
 }
 
-impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N>>
+impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Extension<N>>
     ClosedLoop<N, P, L, QUEUE, E>
 {
     /// Wraps a machine at standstill with the encoders of its axes. The encoder positions at the
@@ -320,12 +320,12 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
             }
             watch.attempts = watch.attempts.saturating_add(1);
             self.legs = match self.machine.play(axis) {
-                Some((heading, lash)) => watch.legs(behind, heading, lash),
+                Some((heading, backlash)) => watch.legs(behind, heading, backlash),
                 // Without take-up the screw still has its backlash.
                 None => {
                     let facts = self.machine.config().axes.get(axis);
-                    let lash = facts.map_or(0, |facts| facts.lash_steps);
-                    watch.legs(behind, watch.heading, lash)
+                    let backlash = facts.map_or(0, |facts| facts.backlash_steps);
+                    watch.legs(behind, watch.heading, backlash)
                 }
             };
             let timer_hz = self.machine.config().timer_hz;

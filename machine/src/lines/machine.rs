@@ -6,7 +6,7 @@ mod extended;
 mod next_event;
 mod tapping;
 
-use husillo_backlash::{Backlash, Flank, Lash};
+use husillo_backlash::{Backlash, BacklashModel, Flank};
 use husillo_gcode::{Block, Command, Commands, Error, Modal, Nm, PathMode};
 use husillo_interp::{Moves, Path, Step};
 use husillo_planner::{Ramp, Timer};
@@ -39,10 +39,10 @@ pub enum Origin {
 /// axis engaged on its positive flank (as pulled off its switch).
 ///
 /// The steps of events are motor steps. Where the backlash varies with the position
-/// ([`Lash::follow`]), an axis occasionally needs a correction step while it moves. A path step
-/// then has one motor step more, one less, or one of an axis that otherwise stands. A second step
-/// of an axis is inserted before it after half the time, or after the interval of the highest rate
-/// of the axis.
+/// ([`BacklashModel::follow`]), an axis occasionally needs a correction step while it moves. A path
+/// step then has one motor step more, one less, or one of an axis that otherwise stands. A second
+/// step of an axis is inserted before it after half the time, or after the interval of the highest
+/// rate of the axis.
 ///
 /// `E` is `()` for a machine of axes, spindle and coolant. [`Extended`](crate::Extended) adds
 /// cutter compensation and the commands that need [`Equipment`].
@@ -53,7 +53,7 @@ pub enum Origin {
 pub struct Machine<
     const N: usize,
     P = Path<N>,
-    L: Lash<N> = Backlash,
+    L: BacklashModel<N> = Backlash,
     const QUEUE: usize = 16,
     E: Extension<N> = (),
 > {
@@ -111,18 +111,18 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize, E: Extension<N>>
 {
     /// Creates a machine with one backlash value per axis.
     pub fn new(config: Config<N>) -> Self {
-        let lash = config
+        let backlash = config
             .axes
-            .map(|axis| Backlash::new(axis.lash_steps, Flank::Positive));
-        Self::with_lash(config, lash)
+            .map(|axis| Backlash::new(axis.backlash_steps, Flank::Positive));
+        Self::with_backlash(config, backlash)
     }
 }
 
-impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N>>
+impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Extension<N>>
     Machine<N, P, L, QUEUE, E>
 {
     /// Creates a machine with a custom backlash model per axis and a custom queue length.
-    pub fn with_lash(mut config: Config<N>, lash: [L; N]) -> Self {
+    pub fn with_backlash(mut config: Config<N>, backlash: [L; N]) -> Self {
         const { assert!(QUEUE > 0, "the move that is executed takes a place") };
         if !E::IS_EXTENDED {
             config.equipment = Equipment::NONE;
@@ -139,7 +139,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
             mode: PathMode::default(),
             has_ended: false,
             segment: None,
-            take_up: TakeUp::new(lash),
+            take_up: TakeUp::new(backlash),
             guard: StepGuard::new(),
             held: None,
             signals: [const { None }; 4],
@@ -343,12 +343,12 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
             if self.waiting.is_some() || self.schedule.is_full() || stands {
                 return;
             }
-            let has_lash = self.take_up.stops();
+            let has_backlash = self.take_up.stops();
             if !self.schedule.is_whole() {
-                self.schedule.push_part(None, has_lash);
+                self.schedule.push_part(None, has_backlash);
                 continue;
             }
-            if E::IS_EXTENDED && self.push_chord(has_lash) {
+            if E::IS_EXTENDED && self.push_chord(has_backlash) {
                 continue;
             }
             let mut next = self.next.take();
@@ -369,7 +369,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
                 }
                 Some(Command::Path { mode }) => self.schedule.set_mode(mode),
                 Some(command) if command.end().is_some() => {
-                    self.schedule.push(&self.config, command, has_lash);
+                    self.schedule.push(&self.config, command, has_backlash);
                 }
                 other => self.waiting = other,
             }

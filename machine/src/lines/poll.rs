@@ -1,12 +1,12 @@
 //! Room in the queue, for programs that wait with `nb::block!`.
 
-use husillo_backlash::Lash;
+use husillo_backlash::BacklashModel;
 use husillo_interp::Moves;
 
 use crate::lines::extension::Extension;
 use crate::{Machine, Refused};
 
-impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N>>
+impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Extension<N>>
     Machine<N, P, L, QUEUE, E>
 {
     /// Takes a line as [`line`](Machine::line) does, for a loop that takes events meanwhile.

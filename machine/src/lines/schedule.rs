@@ -144,10 +144,15 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
         self.lattice = lattice;
     }
 
-    /// Plans a move and appends it; the queue has room. `has_lash` marks the axes that must not
+    /// Plans a move and appends it; the queue has room. `has_backlash` marks the axes that must not
     /// reverse while moving.
-    pub(crate) fn push(&mut self, config: &Config<N>, command: Command<N>, has_lash: [bool; N]) {
-        self.push_part_of(None, config, command, has_lash);
+    pub(crate) fn push(
+        &mut self,
+        config: &Config<N>,
+        command: Command<N>,
+        has_backlash: [bool; N],
+    ) {
+        self.push_part_of(None, config, command, has_backlash);
     }
 
     /// Appends a chord of a curve. Chords follow each other as the curve does: at most the speed of
@@ -158,13 +163,13 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
         tolerance: Option<Nm>,
         config: &Config<N>,
         chord: Command<N>,
-        has_lash: [bool; N],
+        has_backlash: [bool; N],
     ) {
         let mode = self.mode;
         if tolerance.is_some() {
             self.mode = PathMode::Blend { tolerance };
         }
-        self.push_part_of(Some(curve), config, chord, has_lash);
+        self.push_part_of(Some(curve), config, chord, has_backlash);
         self.mode = mode;
     }
 
@@ -174,7 +179,7 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
         whole: Option<&Segment<N>>,
         config: &Config<N>,
         command: Command<N>,
-        has_lash: [bool; N],
+        has_backlash: [bool; N],
     ) {
         let Some(to) = command.end() else { return };
         let segment = Segment {
@@ -209,7 +214,7 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
             return;
         }
         let mut stretch = match counts_q16 {
-            None => self.join(&segment, &tempo),
+            None => self.join(config, &segment, &tempo),
             // The speed of the spindle is not planned, so the path stops before and after the move.
             Some(_) => {
                 self.direction = None;
@@ -217,7 +222,7 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
             }
         };
         let is_round = tempo.round.is_some();
-        if is_round && counts_q16.is_none() && self.has_ramps() && has_lash.contains(&true) {
+        if is_round && counts_q16.is_none() && self.has_ramps() && has_backlash.contains(&true) {
             self.arc = Some(Parts {
                 dry: path.clone(),
                 first: None,
@@ -228,10 +233,10 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
                 ticks_q16,
                 total_sweep: path.total_sweep(),
             });
-            self.push_part(Some(path), has_lash);
+            self.push_part(Some(path), has_backlash);
             return;
         }
-        if !is_round && self.turns(ways, has_lash) {
+        if !is_round && self.turns(ways, has_backlash) {
             stretch.entry_limit_nm_per_s = 0;
         }
         let work = Work {
@@ -254,29 +259,31 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
 
     /// Stores the directions of a straight move. Returns whether an axis with backlash reverses.
     #[inline]
-    fn turns(&mut self, ways: [i8; N], has_lash: [bool; N]) -> bool {
+    fn turns(&mut self, ways: [i8; N], has_backlash: [bool; N]) -> bool {
         let mut turns = false;
-        for ((heading, way), has_lash) in self.heading.iter_mut().zip(ways).zip(has_lash) {
-            turns |= way != 0 && way != *heading && has_lash;
+        for ((heading, way), has_backlash) in self.heading.iter_mut().zip(ways).zip(has_backlash) {
+            turns |= way != 0 && way != *heading && has_backlash;
             *heading = if way == 0 { *heading } else { way };
         }
         turns
     }
 
     /// The move with its junction to the previous one; its end direction replaces the stored one.
-    fn join(&mut self, segment: &Segment<N>, tempo: &Tempo) -> Stretch {
+    fn join(&mut self, config: &Config<N>, segment: &Segment<N>, tempo: &Tempo) -> Stretch {
         let Some(limits) = &self.limits else {
             return STAND;
         };
-        let Some([first, last]) = tangents(segment, tempo) else {
+        let Some([first, last]) = tangents(config, segment, tempo, P::HAS_ELLIPSES) else {
             self.direction = None;
             return STAND;
         };
+        // The speed of a spiral is not planned at its ends, so the path stops there.
+        let is_spiral = tempo.round.is_some_and(|round| round.is_spiral());
         let entry_limit_nm_per_s = match &self.direction {
-            Some(before) => limits.junction(self.mode, before, &first),
-            None => 0,
+            Some(before) if !is_spiral => limits.junction(self.mode, before, &first),
+            _ => 0,
         };
-        self.direction = Some(last);
+        self.direction = (!is_spiral).then_some(last);
         Stretch {
             entry_limit_nm_per_s,
             ..limits.stretch(tempo, &first)
@@ -285,7 +292,7 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
 
     /// Appends the next part of an arc, up to where an axis with backlash reverses. The queue has
     /// room.
-    pub(crate) fn push_part(&mut self, path: Option<P>, has_lash: [bool; N]) {
+    pub(crate) fn push_part(&mut self, path: Option<P>, has_backlash: [bool; N]) {
         let Some(mut arc) = self.arc.take() else {
             return;
         };
@@ -293,10 +300,10 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
         let mut is_stop = path.is_none();
         while let Some(step) = arc.first.take().or_else(|| arc.dry.next()) {
             let ways: [i8; N] = step.deltas();
-            let axes = ways.iter().zip(&self.heading).zip(has_lash);
+            let axes = ways.iter().zip(&self.heading).zip(has_backlash);
             let turns = axes
                 .into_iter()
-                .any(|((way, heading), has_lash)| *way != 0 && way != heading && has_lash);
+                .any(|((way, heading), has_backlash)| *way != 0 && way != heading && has_backlash);
             if turns && events > 0 {
                 arc.first = Some(step);
                 break;

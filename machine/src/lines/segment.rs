@@ -172,9 +172,11 @@ impl<const N: usize> Config<N> {
                 self.check_point(&arc.to)?;
                 let longest = self.check_length(from, &arc.to)?;
                 let plane = arc.plane.axes();
-                for (number, [low, high]) in plane.into_iter().zip(in_plane(from, arc).extent()) {
-                    self.check_travel(number, Nm(low))?;
-                    self.check_travel(number, Nm(high))?;
+                if let Some(made) = self.flat_arc(from, arc, ELLIPSES)? {
+                    for (number, [low, high]) in plane.into_iter().zip(made.extent()) {
+                        self.check_travel(number, Nm(low))?;
+                        self.check_travel(number, Nm(high))?;
+                    }
                 }
                 let mismatch = arc.mismatch;
                 match self.arc_tolerance {
@@ -311,12 +313,14 @@ impl<const N: usize> Config<N> {
             return Err(MoveError::UnequalSteps);
         }
         let steps = [start, end].map(|at| plane.map(|axis| at.get(axis).copied().unwrap_or(0)));
-        let programmed = in_plane(from, arc);
+        let Some(made) = self.flat_arc(from, arc, ELLIPSES)? else {
+            return Ok(OnGrid::Line);
+        };
         let grid = if is_equal {
-            programmed.on_grid(first.scale, steps).map(OnGrid::Circle)
+            made.on_grid(first.scale, steps).map(OnGrid::Circle)
         } else {
             let scales = [first.scale, second.scale];
-            programmed.on_grids(scales, steps).map(OnGrid::Ellipse)
+            made.on_grids(scales, steps).map(OnGrid::Ellipse)
         };
         match grid {
             Err(ArcError::Degenerate) => Ok(OnGrid::Line),

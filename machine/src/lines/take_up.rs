@@ -1,7 +1,7 @@
 //! Take-up of axes before they reverse and where the backlash changes: one axis at a time, as fast
 //! as possible.
 
-use husillo_backlash::{Compensator, Lash};
+use husillo_backlash::{BacklashModel, Compensator};
 use husillo_interp::Step;
 use husillo_planner::{Rates, SCurve, Timer, Trapezoid};
 
@@ -20,7 +20,7 @@ pub(crate) enum Followed<const N: usize> {
 
 /// Take-up of all axes: steps due and steps in progress.
 #[derive(Clone, Debug)]
-pub(crate) struct TakeUp<const N: usize, L: Lash<N>> {
+pub(crate) struct TakeUp<const N: usize, L: BacklashModel<N>> {
     compensator: Compensator<N, L>,
     is_on: bool,
     /// Motor steps still to make, signed.
@@ -33,10 +33,10 @@ pub(crate) struct TakeUp<const N: usize, L: Lash<N>> {
     unfinished: Option<[i32; N]>,
 }
 
-impl<const N: usize, L: Lash<N>> TakeUp<N, L> {
-    pub(crate) const fn new(lash: [L; N]) -> Self {
+impl<const N: usize, L: BacklashModel<N>> TakeUp<N, L> {
+    pub(crate) const fn new(backlash: [L; N]) -> Self {
         TakeUp {
-            compensator: Compensator::new(lash),
+            compensator: Compensator::new(backlash),
             is_on: true,
             owed: [0; N],
             pace: None,
@@ -51,8 +51,8 @@ impl<const N: usize, L: Lash<N>> TakeUp<N, L> {
 
     /// The axes that must not reverse while the path moves.
     pub(crate) fn stops(&self) -> [bool; N] {
-        let lash = self.compensator.lash().each_ref();
-        lash.map(|lash| self.is_on && !lash.is_free())
+        let backlash = self.compensator.backlash().each_ref();
+        backlash.map(|backlash| self.is_on && !backlash.is_free())
     }
 
     /// Whether a take-up is in progress.
@@ -91,20 +91,20 @@ impl<const N: usize, L: Lash<N>> TakeUp<N, L> {
         if !self.is_on {
             return;
         }
-        let lash = self.compensator.before(delta, load);
+        let backlash = self.compensator.before(delta, load);
         let mut unfinished = self.unfinished.take().unwrap_or([0; N]);
         let axes = self
             .owed
             .iter_mut()
             .zip(&mut unfinished)
-            .zip(delta.iter().zip(lash));
-        for ((owed, rest), (delta, lash)) in axes {
+            .zip(delta.iter().zip(backlash));
+        for ((owed, rest), (delta, backlash)) in axes {
             let direction = i32::from(*delta);
             if direction != 0 {
                 // A reversal after an interrupted take-up needs only the steps that were made: the
                 // rest has the other sign. Backlash and rest are below 2^31.
-                let lash = i32::try_from(lash).unwrap_or(i32::MAX);
-                *owed = direction.wrapping_mul(lash).saturating_add(*rest);
+                let backlash = i32::try_from(backlash).unwrap_or(i32::MAX);
+                *owed = direction.wrapping_mul(backlash).saturating_add(*rest);
                 *rest = 0;
             }
         }

@@ -3,16 +3,17 @@
 use husillo_gcode::{Command, Direction as Turning};
 use husillo_planner::Tangent;
 
-use crate::Segment;
-use crate::lines::arc::in_plane;
 use crate::lines::tempo::Tempo;
+use crate::{Config, Segment};
 use husillo_planner::mul_div;
 
 /// The directions of the path at the start and at the end of a move; `None` for a move without
 /// distance.
 pub(crate) fn tangents<const N: usize>(
+    config: &Config<N>,
     segment: &Segment<N>,
     tempo: &Tempo,
+    has_ellipses: bool,
 ) -> Option<[Tangent<N>; 2]> {
     let to = match &segment.command {
         Command::Rapid { to }
@@ -29,7 +30,7 @@ pub(crate) fn tangents<const N: usize>(
     let (Command::Arc { arc, .. }, Some(round)) = (&segment.command, &tempo.round) else {
         return Tangent::new(straight).map(|direction| [direction; 2]);
     };
-    let flat = in_plane(&segment.from, arc);
+    let flat = config.flat_arc(&segment.from, arc, has_ellipses).ok()??;
     let tangent = |[x, y]: [i64; 2], size: u64| {
         let [across, up] = match arc.direction {
             Turning::CounterClockwise => [y.saturating_neg(), x],

@@ -3,7 +3,7 @@
 use husillo_gcode::{Command, Feed, Nm};
 use husillo_interp::{Moves, length};
 
-use crate::lines::arc::in_plane;
+use crate::lines::arc::{in_plane, is_spiral};
 use crate::{Axis, Config, Segment};
 use husillo_planner::{mul_div, mul_div_q16, times};
 
@@ -30,7 +30,17 @@ pub(crate) struct Tempo {
 pub(crate) struct Round {
     pub(crate) plane: [usize; 2],
     pub(crate) around_nm: u64,
+    /// Length that an axis would cover at the highest speed of the arc.
+    pub(crate) fastest_nm: u64,
+    /// The radius that limits the speed.
     pub(crate) radius_nm: u64,
+}
+
+impl Round {
+    /// Whether the speed changes with the radius.
+    pub(crate) const fn is_spiral(&self) -> bool {
+        self.fastest_nm != self.around_nm
+    }
 }
 
 impl Tempo {
@@ -72,7 +82,7 @@ impl<const N: usize> Config<N> {
         for ((number, straight), ((from, to), axis)) in (0..N).zip(&mut ways).zip(axes) {
             let way = match &round {
                 // Somewhere on a quarter turn one axis has the full path speed.
-                Some(round) if is_round(number) => round.around_nm,
+                Some(round) if is_round(number) => round.fastest_nm,
                 _ => {
                     *straight = to.0.abs_diff(from.0);
                     *straight
@@ -143,16 +153,31 @@ impl<const N: usize> Config<N> {
         let plane = arc.plane.axes();
         let [first, _] = plane.map(|number| self.axes.get(number));
         let scale = first?.scale;
-        let [radius_nm, _] = in_plane(&segment.from, arc).radii();
-        Some(Round {
+        let flat = self.flat_arc(&segment.from, arc, P::HAS_ELLIPSES).ok()??;
+        let [radius_nm, end_nm] = flat.radii();
+        // The swept area divided by the radius is the length of the arc in steps.
+        let around_nm = mul_div(
+            path.total_sweep(),
+            u64::from(scale.nm()),
+            times(path.radius()?, scale.steps().into()).unwrap_or(u64::MAX),
+        );
+        let round = Round {
             plane,
-            // The swept area divided by the radius is the length of the arc in steps.
-            around_nm: mul_div(
-                path.total_sweep(),
-                u64::from(scale.nm()),
-                times(path.radius()?, scale.steps().into()).unwrap_or(u64::MAX),
-            ),
+            around_nm,
+            fastest_nm: around_nm,
             radius_nm,
+        };
+        if !P::HAS_ELLIPSES || !is_spiral(&flat, scale) {
+            return Some(round);
+        }
+        // A spiral sweeps an equal area in each second, so its speed is highest at the smaller
+        // radius s: m / s times that at the mean radius m. There v^2 m^2 / s^3 is the acceleration.
+        let (smaller, mean) = (radius_nm.min(end_nm), radius_nm.midpoint(end_nm).max(1));
+        let share = |value: u64| mul_div(value, smaller, mean);
+        Some(Round {
+            fastest_nm: mul_div(around_nm, mean, smaller.max(1)),
+            radius_nm: share(share(smaller)),
+            ..round
         })
     }
 }

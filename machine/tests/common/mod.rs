@@ -6,14 +6,14 @@ use husillo_gcode::{Dialect, Nm};
 use husillo_interp::Path;
 use husillo_machine::{Axis, Config, Equipment, Event, Machine, Origin, Scale};
 
-pub const LASH_STEPS: [u32; 3] = [1457, 1271, 0];
+pub const BACKLASH_STEPS: [u32; 3] = [1457, 1271, 0];
 
-pub fn axis(lash_steps: u32) -> Axis {
+pub fn axis(backlash_steps: u32) -> Axis {
     Axis {
         scale: Scale::new(140, 1).unwrap(),
         travel: None,
         max_rate_hz: 170,
-        lash_steps,
+        backlash_steps,
         ramp: None,
     }
 }
@@ -21,7 +21,7 @@ pub fn axis(lash_steps: u32) -> Axis {
 /// The micro mill, without limits.
 pub fn config() -> Config<3> {
     Config {
-        axes: LASH_STEPS.map(axis),
+        axes: BACKLASH_STEPS.map(axis),
         timer_hz: 1_000_000,
         dialect: Dialect::RS274,
         arc_tolerance: None,
@@ -60,7 +60,7 @@ impl Screw {
         for axis in 0..3 {
             self.motor[axis] += i64::from(delta[axis]);
             let low = self.motor[axis];
-            let high = low + i64::from(LASH_STEPS[axis]);
+            let high = low + i64::from(BACKLASH_STEPS[axis]);
             self.tool[axis] = self.tool[axis].clamp(low, high);
         }
     }

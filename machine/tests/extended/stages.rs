@@ -22,8 +22,8 @@ fn steps(events: &[Event<3>]) -> Vec<Event<3>> {
     events.iter().filter(moves).copied().collect()
 }
 
-/// A chain of modal state, compensation and machine outside the machine gives the same events as
-/// the machine itself.
+/// Modal state, compensation and machine, called one after the other by the user, give the same
+/// events as the machine itself.
 #[test]
 fn compensation_stands_before_the_machine() {
     let mut inside = Vec::new();

@@ -18,10 +18,10 @@ pub struct Reading {
 /// The errors of an axis, found from readings.
 #[derive(Clone, Debug)]
 pub struct AxisFit {
-    /// The table. It has no knots if they would be noise.
+    /// The table of errors. It is empty if the residuals are only noise.
     pub table: ErrorTable<Vec<Knot>>,
     /// Number of different lengths.
-    pub places: usize,
+    pub lengths: usize,
     /// Largest minus smallest error of a reading, nm: without the table, with the scale alone, and
     /// with the whole table.
     pub spans: [f64; 3],
@@ -30,31 +30,31 @@ pub struct AxisFit {
 }
 
 /// Sum and number of the readings of one length, for positive, negative and unknown direction.
-type Place = [(f64, f64); 3];
+type Passes = [(f64, f64); 3];
 
 impl AxisFit {
     /// Fits a straight line to the means of both directions by least squares, and puts the
-    /// residuals into the table. `resolution` is the length of a count in nm: readings are not more
+    /// residuals into the table. `resolution` is the length of a count in nm. Readings are not more
     /// accurate than this.
     ///
     /// # Errors
     ///
-    /// A sentence: there are too few lengths, or the errors are larger than those of any screw or
+    /// A sentence: there are too few lengths, or the errors are too large for any real screw or
     /// scale.
     pub fn new(readings: &[Reading], resolution: f64, no_table: bool) -> Result<Self, String> {
-        let mut places: BTreeMap<i64, Place> = BTreeMap::new();
+        let mut lengths: BTreeMap<i64, Passes> = BTreeMap::new();
         for reading in readings {
-            let place = places.entry(reading.nominal).or_default();
-            let (sum, number) = &mut place[index(reading.flank)];
+            let passes = lengths.entry(reading.nominal).or_default();
+            let (sum, number) = &mut passes[index(reading.flank)];
             *sum += reading.reading as f64;
             *number += 1.0;
         }
-        if places.len() < 2 {
+        if lengths.len() < 2 {
             return Err("readings of at least two different lengths are needed".into());
         }
-        let means: Vec<(f64, [f64; 2])> = places
+        let means: Vec<(f64, [f64; 2])> = lengths
             .iter()
-            .map(|(nominal, place)| (*nominal as f64, means(place)))
+            .map(|(nominal, passes)| (*nominal as f64, means(passes)))
             .collect();
         let points: Vec<(f64, f64)> = means
             .iter()
@@ -84,12 +84,12 @@ impl AxisFit {
                 negative_nm: left(nominal, negative).round() as i32,
             })
             .collect();
-        let noise = noise(readings, &places, resolution);
+        let noise = noise(readings, &lengths, resolution);
         let squares = knots
             .iter()
             .flat_map(|knot| [knot.positive_nm, knot.negative_nm]);
         let squares: f64 = squares.map(|nm| f64::from(nm) * f64::from(nm)).sum();
-        // Two means always lie on a line. Their residuals are backlash.
+        // With two lengths the means always lie on a line. Their residuals are backlash.
         let is_noise = squares / (2.0 * means.len() as f64) < (1.5 * noise).powi(2);
         let kept = if no_table || is_noise {
             Vec::new()
@@ -105,14 +105,14 @@ impl AxisFit {
         ];
         Ok(Self {
             table,
-            places: means.len(),
+            lengths: means.len(),
             spans,
             noise,
         })
     }
 }
 
-/// Index of a direction in a [`Place`].
+/// Index of a direction in [`Passes`].
 const fn index(flank: Flank) -> usize {
     match flank {
         Flank::Positive => 0,
@@ -121,8 +121,8 @@ const fn index(flank: Flank) -> usize {
     }
 }
 
-/// Mean reading of each direction. A direction without a reading gets the mean of the other one.
-fn means([positive, negative, both]: &Place) -> [f64; 2] {
+/// Mean reading of each direction. A direction without a reading has the mean of the other one.
+fn means([positive, negative, both]: &Passes) -> [f64; 2] {
     let mean = |one: (f64, f64), other: (f64, f64)| {
         let (sum, number) = (one.0 + both.0, one.1 + both.1);
         if number > 0.0 {
@@ -135,15 +135,15 @@ fn means([positive, negative, both]: &Place) -> [f64; 2] {
 }
 
 /// Standard deviation of the mean reading of a length in one direction, from repeated readings. It
-/// is at least that of rounding to counts.
-fn noise(readings: &[Reading], places: &BTreeMap<i64, Place>, resolution: f64) -> f64 {
+/// is at least the standard deviation of rounding to counts.
+fn noise(readings: &[Reading], lengths: &BTreeMap<i64, Passes>, resolution: f64) -> f64 {
     let (mut squares, mut free) = (0.0, 0.0);
     for reading in readings {
-        let (sum, number) = places[&reading.nominal][index(reading.flank)];
+        let (sum, number) = lengths[&reading.nominal][index(reading.flank)];
         squares += (reading.reading as f64 - sum / number).powi(2);
         free += (number - 1.0) / number;
     }
-    let groups = places
+    let groups = lengths
         .values()
         .flatten()
         .filter(|(_, number)| *number > 0.0);
@@ -208,10 +208,10 @@ mod tests {
             }
         }
         let fit = AxisFit::new(&readings, 10.0, false).unwrap();
-        assert_eq!((fit.places, fit.table.knots().len()), (81, 81));
+        assert_eq!((fit.lengths, fit.table.knots().len()), (81, 81));
         assert!(fit.spans[0] > 20_000.0 && fit.spans[1] > 7_000.0, "{fit:?}");
         assert!(fit.spans[2] < 50.0, "{fit:?}");
-        // The errors are right between the lengths as well.
+        // The table is right between the lengths, too.
         let shift =
             truth(0.0, Flank::Unknown) + 1000.0 - fit.table.position_nm(0, Flank::Unknown) as f64;
         for step in -390..=390 {

@@ -1,7 +1,7 @@
-//! A machine with known errors: positions and goals are true positions.
+//! A machine whose known errors are corrected. Positions and goals are true positions.
 
-use crate::heads::{Errors, Head, Memory, Port, Probed, Prober, Touched, View, Whereabouts};
-use crate::trouble::Trouble;
+use crate::error::Error;
+use crate::heads::{AxisPosition, Errors, Head, Memory, Port, Probed, Prober, Touched, View};
 use husillo_backlash::{ErrorTable, Flank};
 use husillo_probe::{Edge, Measurement, UnitVector};
 use std::cmp::Ordering;
@@ -13,10 +13,10 @@ use std::rc::Rc;
 pub struct Calibrated<P> {
     prober: P,
     errors: Errors,
-    /// The errors in use. The table of an axis is in use after homing.
+    /// The errors in use. The table of an axis is used only after homing.
     view: View,
-    /// The readings of the last goal, while the machine is there. An axis with the same goal again
-    /// does not reverse, even if it stands slightly off.
+    /// The readings of the last goal, while the machine is there. If an axis has the same goal
+    /// again, it does not move, even if it stands slightly off. So it does not reverse.
     sent: Option<[i64; 3]>,
 }
 
@@ -25,7 +25,7 @@ impl<P: Prober> Calibrated<P> {
     pub fn new(prober: P, errors: Errors) -> Self {
         let mut in_force = errors.clone();
         for axis in &mut in_force.axes {
-            // The same scale without entries. The scale is valid, as it comes from a table.
+            // The same scale without entries. The scale is valid, because it comes from a table.
             *axis = ErrorTable::new(axis.scale_ppb(), Vec::new()).unwrap_or_default();
         }
         Self {
@@ -42,14 +42,14 @@ impl<P: Prober> Calibrated<P> {
     }
 
     /// Returns the readings of the last goal, or of the present position if there is none.
-    fn from(&mut self) -> Result<[i64; 3], Trouble> {
+    fn from(&mut self) -> Result<[i64; 3], Error> {
         match self.sent {
             Some(sent) => Ok(sent),
             None => self.prober.position(),
         }
     }
 
-    /// From now on the readings of an axis count from its index, and its table is in use.
+    /// Begins to use the table of an axis, because its readings now count from its index.
     pub fn set_homed(&mut self, coordinate: usize) {
         let in_force = Rc::make_mut(&mut self.view.errors);
         in_force.axes[coordinate].clone_from(&self.errors.axes[coordinate]);
@@ -60,24 +60,24 @@ impl<P: Prober> Calibrated<P> {
     ///
     /// # Errors
     ///
-    /// [`Trouble::NotHomed`].
-    fn begin(&mut self) -> Result<(), Trouble> {
+    /// [`Error::NotHomed`].
+    fn begin(&mut self) -> Result<(), Error> {
         let tables = self.errors.axes.iter().zip(&self.view.errors.axes);
         for (axis, (whole, in_force)) in "XYZ".chars().zip(tables) {
             if whole != in_force {
-                return Err(Trouble::NotHomed { axis });
+                return Err(Error::NotHomed { axis });
             }
         }
         self.prober.see_as(&self.view);
         Ok(())
     }
 
-    /// Returns the readings of a goal for a move from these readings, and the flanks after the
+    /// Returns the readings of a goal for a move that begins at `from`, and the flanks after the
     /// move.
     fn reading_of(&self, from: [i64; 3], goal: [i64; 3]) -> ([i64; 3], [Flank; 3]) {
         let goal = [0, 1, 2].map(|axis: usize| goal[axis].saturating_add(self.view.zero[axis]));
-        // On leaning axes a move along one coordinate moves other axes too. So only the readings
-        // show which axes reverse.
+        // If axes are not square, a move along one coordinate also moves other axes. So only the
+        // readings show which axes reverse.
         let there = self.view.errors.reading_nm(goal, self.view.flanks);
         let mut flanks = self.view.flanks;
         for (flank, (from, to)) in flanks.iter_mut().zip(from.into_iter().zip(there)) {
@@ -91,25 +91,25 @@ impl<P: Prober> Calibrated<P> {
     }
 
     /// After a failure the direction of the last move of the axes is unknown.
-    fn lost(&mut self, trouble: Trouble) -> Trouble {
-        if trouble.has_moved() {
+    fn lost(&mut self, error: Error) -> Error {
+        if error.has_moved() {
             self.view.flanks = [Flank::Unknown; 3];
         }
-        trouble
+        error
     }
 
-    /// Makes a move. `go` gets the prober and the readings of the goal.
+    /// Makes a move. `go` receives the prober and the readings of the goal.
     fn go_with(
         &mut self,
         goal: [i64; 3],
-        go: impl FnOnce(&mut P, [i64; 3]) -> Result<Probed, Trouble>,
-    ) -> Result<Probed, Trouble> {
+        go: impl FnOnce(&mut P, [i64; 3]) -> Result<Probed, Error>,
+    ) -> Result<Probed, Error> {
         self.begin()?;
         let from = self.from()?;
         let (reading, flanks) = self.reading_of(from, goal);
         // A move that fails leaves the axes at any position.
         self.sent = None;
-        let ended = go(&mut self.prober, reading).map_err(|trouble| self.lost(trouble))?;
+        let ended = go(&mut self.prober, reading).map_err(|error| self.lost(error))?;
         self.view.flanks = flanks;
         if ended.changed_nm.is_none() {
             self.sent = Some(reading);
@@ -121,18 +121,18 @@ impl<P: Prober> Calibrated<P> {
         })
     }
 
-    /// Makes a touch. `touch` gets the prober, and the direction and the distance on its axes.
-    /// Returns its result and the flanks at the contact.
+    /// Makes a touch. `touch` receives the prober, and the direction and the distance on its axes.
+    /// Returns the result of `touch` and the flanks at the contact.
     fn touch_with<T>(
         &mut self,
         direction: &UnitVector,
         distance: u64,
-        touch: impl FnOnce(&mut P, &UnitVector, u64) -> Result<T, Trouble>,
-    ) -> Result<(T, [Flank; 3]), Trouble> {
+        touch: impl FnOnce(&mut P, &UnitVector, u64) -> Result<T, Error>,
+    ) -> Result<(T, [Flank; 3]), Error> {
         self.begin()?;
         let start = self.from()?;
         let from = self.view.position_from(start, self.view.flanks);
-        // A straight line is also straight in readings, apart from the bend due to a table. A
+        // A straight line is also straight in readings, except that a table bends it slightly. A
         // distance of 17 m gives the direction accurately enough.
         let part = distance.min(1 << 34);
         let ahead = direction.scaled(part as i64);
@@ -144,7 +144,7 @@ impl<P: Prober> Calibrated<P> {
         let length = squares.sum::<f64>().sqrt() / (part.max(1) as f64) * distance as f64;
         self.sent = None;
         let touched = touch(&mut self.prober, &leaned, length.round() as u64)
-            .map_err(|trouble| self.lost(trouble))?;
+            .map_err(|error| self.lost(error))?;
         // The probe has backed off, so the axes that moved have reversed.
         let ways = along.into_iter().zip(flanks);
         for (flank, (along, at_contact)) in self.view.flanks.iter_mut().zip(ways) {
@@ -160,25 +160,25 @@ impl<P: Prober> Calibrated<P> {
 }
 
 impl<P: Prober> Prober for Calibrated<P> {
-    fn position(&mut self) -> Result<[i64; 3], Trouble> {
+    fn position(&mut self) -> Result<[i64; 3], Error> {
         let readings = self.prober.position()?;
         Ok(self.view.position_from(readings, self.view.flanks))
     }
 
-    fn go_to(&mut self, goal_nm: [i64; 3]) -> Result<[i64; 3], Trouble> {
+    fn go_to(&mut self, goal_nm: [i64; 3]) -> Result<[i64; 3], Error> {
         self.go_with(goal_nm, |prober, goal| Ok(undisturbed(prober.go_to(goal)?)))
             .map(|ended| ended.at_nm)
     }
 
-    fn guarded_to(&mut self, goal_nm: [i64; 3]) -> Result<[i64; 3], Trouble> {
+    fn guarded_to(&mut self, goal_nm: [i64; 3]) -> Result<[i64; 3], Error> {
         self.go_with(goal_nm, |prober, goal| {
             Ok(undisturbed(prober.guarded_to(goal)?))
         })
         .map(|ended| ended.at_nm)
     }
 
-    // The errors of the axes are below the required accuracy of a speed.
-    fn feed_to(&mut self, goal_nm: [i64; 3], nm_per_min: u64) -> Result<[i64; 3], Trouble> {
+    // The errors of the axes are too small to matter for a speed.
+    fn feed_to(&mut self, goal_nm: [i64; 3], nm_per_min: u64) -> Result<[i64; 3], Error> {
         self.go_with(goal_nm, |prober, goal| {
             Ok(undisturbed(prober.feed_to(goal, nm_per_min)?))
         })
@@ -190,7 +190,7 @@ impl<P: Prober> Prober for Calibrated<P> {
         goal_nm: [i64; 3],
         nm_per_min: u64,
         until: Edge,
-    ) -> Result<Probed, Trouble> {
+    ) -> Result<Probed, Error> {
         self.go_with(goal_nm, |prober, goal| {
             prober.probe_to(goal, nm_per_min, until)
         })
@@ -200,7 +200,7 @@ impl<P: Prober> Prober for Calibrated<P> {
         self.prober.has_collided()
     }
 
-    fn touch(&mut self, direction: &UnitVector, distance_nm: u64) -> Result<Touched, Trouble> {
+    fn touch(&mut self, direction: &UnitVector, distance_nm: u64) -> Result<Touched, Error> {
         let (touched, flanks) = self.touch_with(direction, distance_nm, P::touch)?;
         Ok(Touched {
             centre_nm: self.view.position_from(touched.centre_nm, flanks),
@@ -229,7 +229,7 @@ impl<P: Port> Calibrated<Head<P>> {
     /// # Errors
     ///
     /// No answer.
-    pub fn whereabouts(&mut self) -> Result<Vec<Whereabouts>, Trouble> {
+    pub fn axis_positions(&mut self) -> Result<Vec<AxisPosition>, Error> {
         let replies = self.prober.read_twice()?;
         let readings = self.prober.place_of(&replies);
         let place = self.view.errors.position_nm(readings, self.view.flanks);
@@ -237,7 +237,7 @@ impl<P: Port> Calibrated<Head<P>> {
         let axes = axes.map(|(axis, reply)| {
             let coordinate = axis.settings.coordinate();
             let machine = place[coordinate];
-            Whereabouts {
+            AxisPosition {
                 coordinate,
                 machine: axis.is_homed.then_some(machine),
                 work: machine.saturating_sub(self.view.zero[coordinate]),
@@ -253,7 +253,7 @@ impl<P: Port> Calibrated<Head<P>> {
     /// # Errors
     ///
     /// No answer, or an axis that does not come to rest.
-    pub fn memory(&mut self) -> Result<Memory, Trouble> {
+    pub fn memory(&mut self) -> Result<Memory, Error> {
         let mut memory = self.prober.memory()?;
         for axis in &mut memory.axes {
             let coordinate = "XYZ".find(axis.letter).unwrap_or_default();
@@ -263,7 +263,7 @@ impl<P: Port> Calibrated<Head<P>> {
         Ok(memory)
     }
 
-    /// Takes zeros, homes and directions of approach from an earlier session. The head must have
+    /// Restores zeros, homes and directions of approach of an earlier session. The head must have
     /// rejoined the same modules.
     pub fn recall(&mut self, memory: &Memory) {
         for axis in &memory.axes {
@@ -277,13 +277,13 @@ impl<P: Port> Calibrated<Head<P>> {
         self.sent = None;
     }
 
-    /// Makes the present position of an axis 0. The held position may differ slightly and does not
-    /// change.
+    /// Makes the measured position of an axis 0. The held position may differ from it slightly, and
+    /// does not change.
     ///
     /// # Errors
     ///
     /// There is no such axis, or no answer.
-    pub fn set_zero(&mut self, coordinate: usize) -> Result<(), Trouble> {
+    pub fn set_zero(&mut self, coordinate: usize) -> Result<(), Error> {
         self.prober.index(coordinate)?;
         let present = self.position()?;
         self.view.zero[coordinate] += present[coordinate];
@@ -296,12 +296,12 @@ impl<P: Port> Calibrated<Head<P>> {
     /// # Errors
     ///
     /// Those of [`Head::home`].
-    pub fn home(&mut self, coordinate: usize) -> Result<(), Trouble> {
+    pub fn home(&mut self, coordinate: usize) -> Result<(), Error> {
         self.sent = None;
         self.prober.see_as(&self.view);
         self.prober
             .home(coordinate)
-            .map_err(|trouble| self.lost(trouble))?;
+            .map_err(|error| self.lost(error))?;
         self.set_homed(coordinate);
         // The axis ran beyond the index and came back.
         self.view.flanks[coordinate] = Flank::Negative;
@@ -319,12 +319,12 @@ impl<P: Port> Calibrated<Head<P>> {
         is_positive: bool,
         seconds: f64,
         is_slow: bool,
-    ) -> Result<(), Trouble> {
+    ) -> Result<(), Error> {
         self.sent = None;
         self.prober.see_as(&self.view);
         self.prober
             .jog(coordinate, is_positive, seconds, is_slow)
-            .map_err(|trouble| self.lost(trouble))?;
+            .map_err(|error| self.lost(error))?;
         self.view.flanks[coordinate] = if is_positive {
             Flank::Positive
         } else {
@@ -338,15 +338,11 @@ impl<P: Port> Calibrated<Head<P>> {
     /// # Errors
     ///
     /// Those of [`Head::touch`].
-    pub fn measure(
-        &mut self,
-        direction: &UnitVector,
-        distance: u64,
-    ) -> Result<Measurement, Trouble> {
+    pub fn measure(&mut self, direction: &UnitVector, distance: u64) -> Result<Measurement, Error> {
         let (mut measurement, flanks) = self.touch_with(direction, distance, Head::touch)?;
         let touch = &mut measurement.touch;
         touch.position = self.view.position_from(touch.position, flanks);
-        // On leaning axes the direction of the readings was different.
+        // If axes are not square, the direction of the readings was different.
         touch.direction = *direction;
         Ok(measurement)
     }
@@ -370,7 +366,7 @@ mod tests {
         count: i64,
         at: [i64; 3],
         flanks: [Flank; 3],
-        /// True position of a face at right angles to X.
+        /// True position of a face perpendicular to X.
         face: f64,
     }
 
@@ -440,11 +436,11 @@ mod tests {
             false
         }
 
-        fn position(&mut self) -> Result<[i64; 3], Trouble> {
+        fn position(&mut self) -> Result<[i64; 3], Error> {
             Ok(self.at)
         }
 
-        fn go_to(&mut self, goal: [i64; 3]) -> Result<[i64; 3], Trouble> {
+        fn go_to(&mut self, goal: [i64; 3]) -> Result<[i64; 3], Error> {
             for ((at, flank), goal) in self.at.iter_mut().zip(&mut self.flanks).zip(goal) {
                 let to = (goal as f64 / self.count as f64).round() as i64 * self.count;
                 *flank = Flank::towards((to - *at).signum() as i8).unwrap_or(*flank);
@@ -453,16 +449,16 @@ mod tests {
             Ok(self.at)
         }
 
-        fn guarded_to(&mut self, goal: [i64; 3]) -> Result<[i64; 3], Trouble> {
+        fn guarded_to(&mut self, goal: [i64; 3]) -> Result<[i64; 3], Error> {
             self.go_to(goal)
         }
 
-        fn feed_to(&mut self, goal: [i64; 3], _: u64) -> Result<[i64; 3], Trouble> {
+        fn feed_to(&mut self, goal: [i64; 3], _: u64) -> Result<[i64; 3], Error> {
             self.go_to(goal)
         }
 
         /// Moves in steps of a count of the longest distance.
-        fn probe_to(&mut self, goal: [i64; 3], _: u64, until: Edge) -> Result<Probed, Trouble> {
+        fn probe_to(&mut self, goal: [i64; 3], _: u64, until: Edge) -> Result<Probed, Error> {
             let from = self.at;
             let way = [0, 1, 2].map(|axis: usize| goal[axis] - from[axis]);
             let steps = way.iter().map(|way| way.abs()).max().unwrap_or(0) / self.count;
@@ -480,7 +476,7 @@ mod tests {
             Ok(undisturbed(self.at))
         }
 
-        fn touch(&mut self, direction: &UnitVector, way: u64) -> Result<Touched, Trouble> {
+        fn touch(&mut self, direction: &UnitVector, way: u64) -> Result<Touched, Error> {
             let from = self.at;
             // Bisection of the distance to the face.
             let (mut free, mut beyond) = (0, way as i64);
@@ -505,7 +501,8 @@ mod tests {
         }
     }
 
-    /// The errors found by three passes of reference lengths every 10 mm, and by a bar of 250 mm.
+    /// The errors that are found with three passes of reference lengths every 10 mm, and with a bar
+    /// of 250 mm.
     fn calibrated(machine: &Wrong) -> Errors {
         let mut errors = Errors::default();
         for axis in 0..3 {
@@ -516,7 +513,7 @@ mod tests {
                 for flank in [Flank::Positive, Flank::Negative] {
                     let mut truth = [0.0; 3];
                     truth[axis] = nominal * 1e6;
-                    // The lengths lie along the axis, even if it leans.
+                    // The reference lengths lie along the axis, even if it is not square.
                     let alone = Wrong {
                         leans: [0.0; 3],
                         ..*machine
@@ -553,15 +550,15 @@ mod tests {
         errors
     }
 
-    /// The machine with its known errors, homed where it stands.
+    /// The machine with its known errors. Its present position is its home.
     fn homed(machine: Wrong, errors: Errors) -> Calibrated<Wrong> {
         let mut calibrated = Calibrated::new(machine, errors);
         (0..3).for_each(|axis| calibrated.set_homed(axis));
         calibrated
     }
 
-    /// Largest error of the calibrated machine over its range, relative to the first position, in
-    /// nm: of its reported position, and of its goal.
+    /// Largest error of the reported position, and of the goal, over the range of the calibrated
+    /// machine, nm. Errors are relative to the first position.
     fn worst(machine: &Wrong, errors: Errors) -> [f64; 2] {
         let mut calibrated = homed(*machine, errors);
         let mut worst = [0.0f64; 2];
@@ -637,13 +634,13 @@ mod tests {
         let touched = calibrated.touch(&UnitVector::X, 60_000_000).unwrap();
         let [x, y, z] = touched.centre_nm;
         assert!(x.abs_diff(31_234_567) < 200, "{touched:?}");
-        // The touch went at right angles to the face, not along the axis.
+        // The touch was perpendicular to the face, not along the axis.
         assert!(
             y.abs_diff(90_000_000) < 200 && z.abs_diff(70_000_000) < 200,
             "{touched:?}"
         );
-        // To the face and off it: the contact changes at the same position, and the machine stops
-        // beyond it.
+        // On the way to the face and off it the contact changes at the same position. The machine
+        // stops beyond this position.
         for (goal, until) in [
             (32_000_000, Edge::Made),
             (30_000_000, Edge::Broken),

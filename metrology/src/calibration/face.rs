@@ -1,11 +1,11 @@
 //! Calibration of the probe on a face at a known position.
 
+use crate::error::Error;
 use crate::heads::Stylus;
 use crate::scale::Scale;
-use crate::trouble::Trouble;
 use husillo_probe::{Measurement, PreTravel, UnitVector};
 
-/// A face at right angles to an axis.
+/// A face perpendicular to an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Face {
     /// The axis, 0 for X to 2 for Z.
@@ -15,23 +15,24 @@ pub struct Face {
 }
 
 impl Face {
-    /// Returns the probe with the pre-travel for which this touch along the axis lies on the face.
+    /// Returns the probe with the pre-travel that puts the point of this touch along the axis on
+    /// the face.
     ///
-    /// A sphere or a ring gives a table by direction. If this direction is in the table, all its
-    /// entries change, each by its component along the direction. This is equivalent to a shift of
-    /// that body, which its own touches cannot show.
+    /// A sphere or a ring gives a table by direction. If the direction of this touch is in the
+    /// table, all entries change, each by its component along the direction. This is equivalent to
+    /// a shift of the sphere or ring. Its own touches cannot show such a shift.
     ///
     /// # Errors
     ///
-    /// A pre-travel beyond `over_travel` counts, or below -2 counts. Face and touch are rounded by
-    /// up to two counts.
+    /// The pre-travel is more than `over_travel` counts, or less than -2 counts. The rounding of
+    /// face and touch adds up to two counts.
     pub fn calibrate(
         &self,
         mut stylus: Stylus,
         measurement: &Measurement,
         scale: Scale,
         over_travel: u32,
-    ) -> Result<Stylus, Trouble> {
+    ) -> Result<Stylus, Error> {
         let face = surface_nm(&stylus, measurement)[self.axis];
         let direction = measurement.touch.direction;
         let parts = |vector: &UnitVector| vector.components().map(|part| part.to_num::<f64>());
@@ -39,12 +40,13 @@ impl Face {
             let pairs = parts(entry).into_iter().zip(parts(&direction));
             pairs.map(|(a, b)| a * b).sum()
         };
-        // The component along the axis is 1 or -1. Pre-travel is within 2 m, so the cast is safe.
+        // The component along the axis is 1 or -1. A pre-travel is below 2 m, so the cast does not
+        // saturate.
         let beyond = (face - self.position) as f64 * parts(&direction)[self.axis];
         let found = i64::from(stylus.pre_travel.along(&direction)) + beyond as i64;
         let possible = scale.of_counts(-2)..=scale.of_counts(over_travel.into());
         if !possible.contains(&found) {
-            return Err(Trouble::PreTravel {
+            return Err(Error::PreTravel {
                 found: scale.text(found),
                 most: scale.text(*possible.end()),
             });
@@ -77,8 +79,8 @@ pub fn is_by_axis(stylus: &Stylus) -> bool {
     stylus.pre_travel.entries().len() <= 6
 }
 
-/// The touched point of a face at right angles to the direction: `p - ed d - r n`, amounts of the
-/// scale.
+/// The touched point of a face perpendicular to the direction of travel: the latched position minus
+/// pre-travel and ball radius, amounts of the scale.
 #[must_use]
 pub fn surface_nm(stylus: &Stylus, measurement: &Measurement) -> [i64; 3] {
     let touch = &measurement.touch;
@@ -110,7 +112,7 @@ mod tests {
         }
     }
 
-    fn calibrated(stylus: Stylus, z: i64) -> Result<Stylus, Trouble> {
+    fn calibrated(stylus: Stylus, z: i64) -> Result<Stylus, Error> {
         let face = Face {
             axis: 2,
             position: -5_000_000,
@@ -139,7 +141,7 @@ mod tests {
         assert!(calibrated(stylus, -3_996_000).is_ok());
         for z in [-3_990_000, -4_300_000] {
             let none = calibrated(stylus, z);
-            assert!(matches!(none, Err(Trouble::PreTravel { .. })), "{none:?}");
+            assert!(matches!(none, Err(Error::PreTravel { .. })), "{none:?}");
         }
     }
 
@@ -162,7 +164,8 @@ mod tests {
         let found = calibrated(stylus, -4_015_000).unwrap();
         let of = |direction| found.pre_travel.along(&direction);
         assert_eq!(of(directions[0]), 15_000);
-        // The body seems to be shifted by 10 um: 0.8 of it here, and nothing at right angles.
+        // The body seems to be shifted by 10 um. In this direction that is 0.8 of it, and nothing
+        // perpendicular to it.
         assert_eq!((of(slanted), of(UnitVector::X)), (13_000, 5_000));
     }
 }

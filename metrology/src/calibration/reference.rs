@@ -1,7 +1,7 @@
 //! Calibration of the probe on a body of known size.
 
+use crate::error::Error;
 use crate::heads::{Prober, Stylus};
-use crate::trouble::Trouble;
 use husillo_probe::{
     Calibration, FitError, PreTravel, Reference, Residuals, Tip, Touch, UnitVector,
 };
@@ -41,8 +41,9 @@ pub struct FoundProbe {
 
 /// The rings of points on a sphere below its pole, at 72, 54, 36, 18 and 0 degrees. Each row has
 /// the horizontal part, the vertical part, and the step through [`CLOCK`]. Between the rings the
-/// curvature of the pre-travel makes the table inexact. With the probe of the example a sphere is
-/// measured 0.5 um too small with rings 30 degrees apart, and 0.15 um too small with these.
+/// table is inexact, because it is interpolated and the pre-travel is curved. With the probe of the
+/// example a sphere is measured 0.5 um too small if the rings are 30 degrees apart, and 0.15 um too
+/// small with these rings.
 const LEVELS: [(i64, i64, usize); 5] = [
     (309, 951, 2),
     (588, 809, 2),
@@ -55,7 +56,7 @@ const FIRST: usize = 13;
 /// Number of all points.
 const POINTS: usize = 49;
 
-/// Directions every 30 degrees. The three lobes of a usual probe have half a wave in 60 degrees.
+/// Directions every 30 degrees. Half a wave of the three lobes of a usual probe is 60 degrees.
 const CLOCK: [(i64, i64); 12] = [
     (1000, 0),
     (866, 500),
@@ -73,19 +74,19 @@ const CLOCK: [(i64, i64); 12] = [
 
 impl ReferenceBody {
     /// Touches the body and finds the pre-travel by direction. First it finds the centre, then it
-    /// touches in all directions. The tip radius is taken as given: every approach is along the
-    /// normal, and there tip radius and pre-travel cannot be separated. The path to the sphere
-    /// leads over it automatically. For a ring the probe must start above the ring or in it.
+    /// touches in all directions. The given tip radius is used: every approach is along the normal,
+    /// in which tip radius and pre-travel cannot be separated. The path to the sphere automatically
+    /// goes over its top. For a ring the probe must start above the ring or in it.
     ///
     /// # Errors
     ///
-    /// [`Trouble`] of the machine, and [`Trouble::Fit`] if the touches do not lie on such a body.
+    /// [`Error`] of the machine, and [`Error::Fit`] if the touches do not lie on such a body.
     pub fn calibrate(
         &self,
         prober: &mut impl Prober,
         tip_radius: i32,
         clearance: i64,
-    ) -> Result<FoundProbe, Trouble> {
+    ) -> Result<FoundProbe, Error> {
         match self.body {
             Body::Sphere => self.calibrate_sphere(prober, tip_radius, clearance),
             Body::Ring => self.calibrate_ring(prober, tip_radius, clearance),
@@ -97,9 +98,10 @@ impl ReferenceBody {
         prober: &mut impl Prober,
         tip_radius: i32,
         clearance: i64,
-    ) -> Result<FoundProbe, Trouble> {
+    ) -> Result<FoundProbe, Error> {
         let touching = self.radius + i64::from(tip_radius);
-        // A chord between neighbouring points stays at least 0.89 of this distance from the centre.
+        // The chord between two neighbouring points is never nearer to the centre than 0.89 of this
+        // distance.
         let far = touching + touching / 4 + self.doubt();
         let [x, y, z] = self.centre;
         let above = z + far;
@@ -129,12 +131,12 @@ impl ReferenceBody {
                     direction,
                 });
             }
-            Ok::<_, Trouble>(touches)
+            Ok::<_, Error>(touches)
         };
-        // The pole and the upper rings determine the centre.
+        // The touches of the pole and of the upper rings determine the centre.
         let touches = pass(&normals[..FIRST], centre, self.doubt())?;
         let one = Calibration::fit(touches, &reference, Some(tip_radius), [UnitVector::Z]);
-        centre = one.map_err(Trouble::Fit)?.centre_nm;
+        centre = one.map_err(Error::Fit)?.centre_nm;
         let touches = pass(&normals, centre, clearance)?;
         // The last touch is at the side of the sphere. A straight move to its top would go through
         // it.
@@ -151,7 +153,7 @@ impl ReferenceBody {
         prober: &mut impl Prober,
         tip_radius: i32,
         clearance: i64,
-    ) -> Result<FoundProbe, Trouble> {
+    ) -> Result<FoundProbe, Error> {
         let touching = self.radius - i64::from(tip_radius);
         let [x, y, _] = self.centre;
         let [_, _, from_z] = prober.position()?;
@@ -175,11 +177,11 @@ impl ReferenceBody {
                 });
             }
             prober.guarded_to(centre)?;
-            Ok::<_, Trouble>(touches)
+            Ok::<_, Error>(touches)
         };
         let touches = pass(3, self.centre, self.doubt())?;
         let one = Calibration::fit(touches, &reference, Some(tip_radius), [UnitVector::X]);
-        let [x, y, _] = one.map_err(Trouble::Fit)?.centre_nm;
+        let [x, y, _] = one.map_err(Error::Fit)?.centre_nm;
         let touches = pass(1, [x, y, self.centre[2]], clearance)?;
         fitted::<12>(touches, &reference, tip_radius, directions.to_vec())
     }
@@ -190,15 +192,15 @@ impl ReferenceBody {
     }
 }
 
-/// The failure of a table that cannot be made.
-const NONE: Trouble = Trouble::Fit(FitError::TooFewPoints);
+/// The error if a table cannot be made.
+const NONE: Error = Error::Fit(FitError::TooFewPoints);
 
 fn fitted<const K: usize>(
     touches: Vec<Touch>,
     reference: &Reference,
     tip_radius: i32,
     directions: Vec<[i64; 3]>,
-) -> Result<FoundProbe, Trouble> {
+) -> Result<FoundProbe, Error> {
     let units: Vec<UnitVector> = directions
         .iter()
         .map(|direction| unit(*direction))
@@ -211,7 +213,7 @@ fn fitted<const K: usize>(
         [UnitVector::Z],
     );
     let found = Calibration::fit(touches, reference, Some(tip_radius), units);
-    let (uniform, found) = (uniform.map_err(Trouble::Fit)?, found.map_err(Trouble::Fit)?);
+    let (uniform, found) = (uniform.map_err(Error::Fit)?, found.map_err(Error::Fit)?);
     let entries = found.tip.pre_travel.entries();
     let table = directions.iter().zip(entries);
     Ok(FoundProbe {
@@ -250,7 +252,7 @@ mod tests {
     const BALL: i32 = 1_000_000;
     const CENTRE: [i64; 3] = [3_210_000, -2_345_000, -14_000_000];
 
-    /// A machine with 2 um per count before a sphere that does not lie on whole counts. A touch has
+    /// A machine with 2 um per count, and a sphere that does not lie on whole counts. A touch has
     /// 0.5 um of noise.
     fn machine(seed: u64) -> Head {
         machine_with_noise(seed, 0.0005)
@@ -281,8 +283,8 @@ mod tests {
         };
         let file = three_axes();
         let mounted = Mounted::new(piece, &file).unwrap();
-        let chain = SimulatedNetwork::new(&[4; 3], &[], Some(mounted)).unwrap();
-        let line = Line::new(SimulatedPort::new(chain));
+        let network = SimulatedNetwork::new(&[4; 3], &[], Some(mounted)).unwrap();
+        let line = Line::new(SimulatedPort::new(network));
         Head::start(line, &file, 1).unwrap()
     }
 
@@ -303,7 +305,8 @@ mod tests {
         let above = centre[2] + 15_000_000;
         let touch = |normal: &UnitVector| {
             let at = |distance| plus(centre, normal.scaled(distance));
-            // Outwards, over the top and down, so that no chord comes near the sphere.
+            // The path leads outwards, over the top and down, so that no move comes near the
+            // sphere.
             let [x, y, _] = at(20_000_000);
             head.go_to([x, y, above]).unwrap();
             head.go_to(at(20_000_000)).unwrap();

@@ -12,19 +12,19 @@ const PLANES: [(usize, usize, &str); 3] = [(0, 1, "xy"), (0, 2, "xz"), (1, 2, "y
 /// The angles found from a bar.
 #[derive(Clone, Debug)]
 pub struct SquareFit {
-    /// The leans.
+    /// The angles by which axes are not square.
     pub squareness: Squareness,
-    /// Whether the bar lay along both diagonals of each plane. If not, the lean of the plane is
+    /// Whether the bar lay along both diagonals of each plane. If not, the angle of the plane is
     /// unknown and set to 0.
     pub is_known: [bool; 3],
-    /// Length of the bar with these leans, nm: the given one, or the best fit.
+    /// Length of the bar, nm: the given one, or the best fit.
     pub length: f64,
-    /// Largest deviation of the length of the bar, nm: with square axes, and with these leans.
+    /// Largest deviation of the length of the bar, nm: with square axes, and with these angles.
     pub worst: [f64; 2],
 }
 
 impl SquareFit {
-    /// Finds the leans by least squares (Gauss-Newton), and the length of the bar if it is not
+    /// Finds the angles by least squares (Gauss-Newton), and the length of the bar if it is not
     /// given.
     ///
     /// # Errors
@@ -101,7 +101,7 @@ impl SquareFit {
         })
     }
 
-    /// Names of the planes whose lean is not known.
+    /// Names of the planes whose angle is not known.
     pub fn unknown(&self) -> Vec<&'static str> {
         let planes = PLANES.iter().zip(self.is_known);
         planes
@@ -128,7 +128,7 @@ fn leaned([x, y, z]: &[f64; 3], [xy, xz, yz]: [f64; 3]) -> [f64; 3] {
 mod tests {
     use super::*;
 
-    /// A bar of 200 mm at these directions, as a machine with these leans reads it.
+    /// The readings of a machine with these angles for a bar of 200 mm in these directions.
     fn read(frame: &Squareness, directions: &[[f64; 3]]) -> Vec<Ends> {
         let place = |direction: &[f64; 3]| {
             let end = direction.map(|part| (part * 200e6 / long(direction)).round() as i64);

@@ -8,12 +8,13 @@ use husillo_planner::Tangent;
 /// collision, and all axes stop. Each module stops its own axis without the host.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Approach {
-    /// At the speed of moves. The axes stop abruptly.
+    /// The move has its full speed. The axes stop abruptly.
     #[default]
     Rapid,
-    /// The axes stop gently, with the deceleration of a search. The move is slow enough that they
-    /// stop within half of the over-travel of the probe: v^2 / 2a is at most that. The other half
-    /// covers the lag of the servo and the reaction time of its module, one servo period.
+    /// The axes stop gently, with the deceleration of a search. The move is so slow that its
+    /// braking distance, v^2 / 2a, is at most half of the over-travel of the probe. The other half
+    /// is for the lag of the servo and for the reaction time of its module, which is one servo
+    /// period.
     Guarded,
 }
 
@@ -40,9 +41,9 @@ impl<P: Port> Head<P> {
 
 #[cfg(test)]
 mod tests {
+    use crate::error::Error;
     use crate::heads::{Head, Line, Port, Prober};
     use crate::simulated::{SimulatedNetwork, SimulatedPort, three_axes};
-    use crate::trouble::Trouble;
     use husillo_transports::nmc::{Baud, Timing};
     use std::cell::Cell;
     use std::io;
@@ -52,7 +53,7 @@ mod tests {
     /// The face of the tests, counts of X.
     const FACE: i32 = 2000;
 
-    /// A port that notes how far X was.
+    /// A port that records the farthest position of X.
     struct Noting {
         port: SimulatedPort,
         farthest: Rc<Cell<i64>>,
@@ -79,7 +80,12 @@ mod tests {
             let end_us = self.elapsed_us() + u64::from(wait_us.max(1));
             while self.elapsed_us() < end_us {
                 let bytes = self.port.receive(1)?;
-                let counts = self.port.chain.chain().motor(0).map(|motor| motor.counts());
+                let counts = self
+                    .port
+                    .network
+                    .servo_network()
+                    .motor(0)
+                    .map(|motor| motor.counts());
                 let farthest = self.farthest.get().max(counts.unwrap_or_default());
                 self.farthest.set(farthest);
                 if !bytes.is_empty() {
@@ -90,7 +96,8 @@ mod tests {
         }
     }
 
-    /// The machine of three axes before the face, homed where it stands, and how far X was.
+    /// The machine of three axes before the face, with its home at its present position, and the
+    /// farthest position of X.
     fn head(over_travel: u32, acceleration: u32) -> (Head<Noting>, Rc<Cell<i64>>) {
         let mut machine = three_axes();
         machine.probe.over_travel = over_travel;
@@ -98,10 +105,10 @@ mod tests {
             axis.acceleration = acceleration;
         }
         let face = format!("1:{FACE}").parse().unwrap();
-        let chain = SimulatedNetwork::of_machine(&machine, &[face], None).unwrap();
+        let network = SimulatedNetwork::of_machine(&machine, &[face], None).unwrap();
         let farthest = Rc::new(Cell::new(0));
         let port = Noting {
-            port: SimulatedPort::new(chain),
+            port: SimulatedPort::new(network),
             farthest: farthest.clone(),
         };
         let mut head = Head::start(Line::new(port), &machine, 1).unwrap();
@@ -109,9 +116,9 @@ mod tests {
         (head, farthest)
     }
 
-    /// From wherever a guarded move comes, the motor stays within the over-travel while it brakes.
-    /// It brakes with the deceleration of a search: over half of the over-travel, if the move had
-    /// room to reach its speed.
+    /// Wherever a guarded move begins, the motor stays within the over-travel while it brakes. It
+    /// brakes with the deceleration of a search. If the move had room to reach its speed, the
+    /// braking distance is half of the over-travel.
     #[test]
     fn a_guarded_move_stops_within_the_over_travel() {
         let moves = [[0, 0], [MM, 3 * MM], [2 * MM, -MM], [2_500_000, 700_000]];
@@ -121,7 +128,7 @@ mod tests {
                 head.go_to([from, 0, 0]).unwrap();
                 let met = head.guarded_to([9 * MM, across, 0]);
                 let context = format!("{over_travel} {acceleration} from {from}: {met:?}");
-                let Err(Trouble::Collision {
+                let Err(Error::Collision {
                     axes,
                     at,
                     speed: Some(_),
@@ -159,7 +166,7 @@ mod tests {
             } else {
                 head.go_to(goal)
             };
-            let Err(Trouble::Collision {
+            let Err(Error::Collision {
                 speed: Some(speed),
                 beyond: Some(beyond),
                 ..
@@ -189,12 +196,12 @@ mod tests {
         head.guarded_to([0; 3]).unwrap();
         let seconds = (head.line.elapsed_us() - before) as f64 / 1e6;
         assert!((3.0..4.2).contains(&seconds), "{seconds} s");
-        // Towards the face again: it is watched again.
+        // In the next move towards the face the contact is watched again.
         let again = head.guarded_to([9 * MM, 0, 0]);
-        assert!(matches!(again, Err(Trouble::Collision { .. })), "{again:?}");
+        assert!(matches!(again, Err(Error::Collision { .. })), "{again:?}");
     }
 
-    /// A guarded move ends at its goal as any other.
+    /// A guarded move without a contact ends at its goal, as any other move does.
     #[test]
     fn a_guarded_move_without_a_contact_ends_at_its_goal() {
         let (mut head, _) = head(100, 6000);

@@ -5,17 +5,17 @@ use super::head::{Head, is_done};
 use super::port::Port;
 use super::search::{Search, searches};
 use super::straight_move::FinishedMove;
+use crate::error::Error;
 use crate::scale::Scale;
-use crate::trouble::Trouble;
 use husillo_transports::nmc::{Homing, Reply, StopMode};
 use std::collections::VecDeque;
 
-/// Number of consecutive readings without a contact after which a pressed probe counts as free.
-/// More than one is needed, because contacts bounce.
+/// A pressed probe counts as free after this number of consecutive readings without a contact. One
+/// is not enough, because contacts bounce.
 const FREE_READINGS: u32 = 2;
 
-/// Number of readings from which a speed is computed. A module is read at any instant of its
-/// period.
+/// Number of readings from which a speed is computed. One period is not enough, because a module is
+/// read at any instant of its period.
 const SPEED_READINGS: usize = 8;
 
 /// A move outside of a search, and its readings.
@@ -24,8 +24,7 @@ pub(super) struct Watch {
     axes: String,
     /// Its reaction to a contact.
     approach: Approach,
-    /// Whether the modules watch the contact by themselves. They do not until a pressed probe is
-    /// free.
+    /// Whether the modules watch the contact by themselves. While the probe is pressed they do not.
     is_armed: bool,
     free_readings: u32,
     /// Start of the move, counts.
@@ -61,8 +60,8 @@ impl Watch {
 }
 
 impl<P: Port> Head<P> {
-    /// The search for a collision: in a move without a touch, each module stops its own axis when a
-    /// contact changes. It does so within a servo period and without the host.
+    /// The search that detects a collision. In a move that is not a touch, each module stops its
+    /// own axis when a contact changes. It does so within a servo period and without the host.
     pub(super) const fn contact_watch(&self, approach: Approach) -> Search {
         Search {
             events: self.probe.switches.events(),
@@ -91,7 +90,7 @@ impl<P: Port> Head<P> {
         goal: &[i32],
         rate: Option<u32>,
         approach: Approach,
-    ) -> Result<FinishedMove, Trouble> {
+    ) -> Result<FinishedMove, Error> {
         if !self.is_touching()? {
             return Ok(self.go_free(goal, rate, false, approach)?.0);
         }
@@ -113,7 +112,7 @@ impl<P: Port> Head<P> {
     }
 
     /// Retracts after a touch, which may have ended in contact or just before it.
-    pub(super) fn retract(&mut self, goal: &[i32], rate: u32) -> Result<FinishedMove, Trouble> {
+    pub(super) fn retract(&mut self, goal: &[i32], rate: u32) -> Result<FinishedMove, Error> {
         self.supervised(|head| Ok(head.go_free(goal, Some(rate), true, Approach::Rapid)?.0))
     }
 
@@ -125,7 +124,7 @@ impl<P: Port> Head<P> {
         rate: Option<u32>,
         is_touching: bool,
         approach: Approach,
-    ) -> Result<(FinishedMove, Watch), Trouble> {
+    ) -> Result<(FinishedMove, Watch), Error> {
         let mut watch = Watch {
             approach,
             ..self.watch(goal)
@@ -181,12 +180,12 @@ impl<P: Port> Head<P> {
         }
     }
 
-    /// From now on the modules watch the contact, unless the probe `is_touching`.
+    /// Lets the modules watch the contact from now on, unless the probe `is_touching`.
     pub(super) fn begin_watch(
         &mut self,
         watch: &mut Watch,
         is_touching: bool,
-    ) -> Result<(), Trouble> {
+    ) -> Result<(), Error> {
         watch.is_armed = !is_touching;
         let contacts = self.contact_watch(watch.approach);
         if is_touching {
@@ -196,8 +195,8 @@ impl<P: Port> Head<P> {
         }
     }
 
-    /// The modules stop watching the contact. Returns whether they watched it.
-    pub(super) fn end_watch(&mut self, watch: &mut Watch) -> Result<bool, Trouble> {
+    /// Lets the modules stop watching the contact. Returns whether they watched it.
+    pub(super) fn end_watch(&mut self, watch: &mut Watch) -> Result<bool, Error> {
         let was_armed = std::mem::take(&mut watch.is_armed);
         if was_armed {
             self.disarm(self.contact_watch(watch.approach))?;
@@ -209,8 +208,8 @@ impl<P: Port> Head<P> {
     ///
     /// # Errors
     ///
-    /// [`Trouble::Collision`]. The axes are stopped then.
-    pub(super) fn look(&mut self, watch: &mut Watch, replies: &[Reply]) -> Result<(), Trouble> {
+    /// [`Error::Collision`]. Then the axes are stopped.
+    pub(super) fn look(&mut self, watch: &mut Watch, replies: &[Reply]) -> Result<(), Error> {
         let is_touching = self.is_closed(replies);
         if watch.is_armed {
             if is_touching || !replies.iter().all(searches) {
@@ -244,7 +243,7 @@ impl<P: Port> Head<P> {
         search: Search,
         watch: &mut Watch,
         replies: &[Reply],
-    ) -> Result<(), Trouble> {
+    ) -> Result<(), Error> {
         if !search.is_touch() && self.is_closed(replies) {
             return Err(self.collision(watch));
         }
@@ -252,14 +251,14 @@ impl<P: Port> Head<P> {
         Ok(())
     }
 
-    /// Whether the probe is pressed. The axes stand.
-    pub(super) fn is_touching(&mut self) -> Result<bool, Trouble> {
+    /// Whether the probe is pressed. Call it while the axes stand still.
+    pub(super) fn is_touching(&mut self) -> Result<bool, Error> {
         let mut replies = self.read()?;
         if self.is_closed(&replies) {
-            // A single reading may be wrong and undetected. Two equal readings are right.
+            // A single reading may have an undetected error. Two equal readings are right.
             replies = self.read_twice()?;
         }
-        // Axes that are held at a contact swing to both sides of it.
+        // Axes that are held at a contact oscillate around it.
         let is_near =
             |contact: &Vec<i32>| distance(contact, &counts(&replies)) <= self.slack_counts();
         let is_touching = self.is_closed(&replies) || self.contact_at.as_ref().is_some_and(is_near);
@@ -272,19 +271,19 @@ impl<P: Port> Head<P> {
     }
 
     /// Stops all axes and returns the reason: a collision if a second reading confirms the contact.
-    pub(super) fn collision(&mut self, watch: &Watch) -> Trouble {
+    pub(super) fn collision(&mut self, watch: &Watch) -> Error {
         let has_collided = self.has_collided;
         self.has_collided = true;
         match self.met(watch) {
-            Ok(Some(trouble)) | Err(trouble) => trouble,
+            Ok(Some(error)) | Err(error) => error,
             Ok(None) => {
                 self.has_collided = has_collided;
-                Trouble::DoubtfulContact
+                Error::DoubtfulContact
             }
         }
     }
 
-    fn met(&mut self, watch: &Watch) -> Result<Option<Trouble>, Trouble> {
+    fn met(&mut self, watch: &Watch) -> Result<Option<Error>, Error> {
         self.stop(match watch.approach {
             Approach::Rapid => StopMode::Abrupt,
             Approach::Guarded => StopMode::Smooth,
@@ -303,13 +302,13 @@ impl<P: Port> Head<P> {
             counts(&replies)
         };
         let place = self.place_at(&at);
-        // A latched position is that of the contact.
+        // A latched position is the position of the contact.
         let beyond = has_latched.then(|| self.length_text(distance(&at, &counts(&replies))));
-        // A probe that is pressed deeper keeps its first contact.
+        // If the probe was already pressed, the position of the first contact stays.
         if has_latched || self.contact_at.is_none() {
             self.contact_at = Some(at);
         }
-        Ok(Some(Trouble::Collision {
+        Ok(Some(Error::Collision {
             axes: watch.axes.clone(),
             at: self.text(place),
             speed: watch.speed(self.scale),
@@ -317,8 +316,8 @@ impl<P: Port> Head<P> {
         }))
     }
 
-    /// Whether the axes press the probe deeper than permitted: they are farther than the
-    /// over-travel from the first contact, and move away from it.
+    /// Whether the axes press the probe deeper than permitted: they are farther from the first
+    /// contact than the over-travel, and still move away from it.
     fn is_pressed_deeper(&self, watch: &Watch, replies: &[Reply]) -> bool {
         let Some(contact) = &self.contact_at else {
             return false;
@@ -339,7 +338,7 @@ impl<P: Port> Head<P> {
         f64::from(self.probe.over_travel) + f64::from(self.probe.back_off)
     }
 
-    /// The same as a whole number.
+    /// The distance of [`leaving_counts`](Self::leaving_counts) as a whole number.
     pub(super) fn leaving(&self) -> i32 {
         // The cast saturates.
         self.leaving_counts() as i32
@@ -351,7 +350,7 @@ impl<P: Port> Head<P> {
         4.0 * f64::from(most.unwrap_or_default())
     }
 
-    /// The point before the goal at which a pressed probe is free.
+    /// The point on the path to the goal at which a pressed probe is free.
     fn beginning_of(&self, goal: &[i32]) -> Vec<i32> {
         let from: Vec<i32> = self.axes.iter().map(|axis| axis.held).collect();
         let part = self.leaving_counts() / distance(&from, goal);
@@ -361,7 +360,7 @@ impl<P: Port> Head<P> {
         let pairs = from.iter().zip(goal);
         let between = |(from, goal): (&i32, &i32)| {
             let delta = f64::from(*goal) - f64::from(*from);
-            // Between two counts.
+            // The point is between two counts.
             (f64::from(*from) + delta * part).round() as i32
         };
         pairs.map(between).collect()

@@ -1,15 +1,15 @@
-//! End switches. An axis that reaches one stops, and all others stop with it.
+//! End switches. If an axis reaches one, all axes stop.
 
 use super::collision::Watch;
 use super::head::Head;
 use super::port::Port;
 use super::search::{Search, searches};
 use super::wiring::End;
-use crate::trouble::Trouble;
+use crate::error::Error;
 use husillo_transports::nmc::{Homing, Reply};
 
-/// Number of consecutive readings after which an end switch counts as open. More than one is
-/// needed, because contacts bounce.
+/// An end switch counts as open after this number of consecutive readings. One is not enough,
+/// because contacts bounce.
 const OPEN_READINGS: u32 = 2;
 
 impl<P: Port> Head<P> {
@@ -18,13 +18,13 @@ impl<P: Port> Head<P> {
         self.has_met_end
     }
 
-    /// Checks a reading of all axes for an end switch that has closed. Each closing is reported
-    /// once, so that the axis can leave it.
+    /// Checks a reading of all axes for an end switch that has closed. A closed switch is reported
+    /// only once, so that the axis can leave it.
     ///
     /// # Errors
     ///
-    /// [`Trouble::EndSwitch`].
-    pub(super) fn look_at_ends(&mut self, replies: &[Reply]) -> Result<(), Trouble> {
+    /// [`Error::EndSwitch`].
+    pub(super) fn look_at_ends(&mut self, replies: &[Reply]) -> Result<(), Error> {
         let mut met = None;
         for (index, (axis, reply)) in self.axes.iter_mut().zip(replies).enumerate() {
             if !axis.settings.is_end_closed(reply) {
@@ -55,9 +55,9 @@ impl<P: Port> Head<P> {
         Err(self.end_switch(index, counts))
     }
 
-    fn end_switch(&self, index: usize, counts: i32) -> Trouble {
+    fn end_switch(&self, index: usize, counts: i32) -> Error {
         let axis = &self.axes[index];
-        Trouble::EndSwitch {
+        Error::EndSwitch {
             axis: axis.settings.letter,
             end: axis.end,
             at: self.axis_text(index, counts),
@@ -65,10 +65,10 @@ impl<P: Port> Head<P> {
         }
     }
 
-    /// Reads moving axes. The failure of an end switch includes their speed.
-    pub(super) fn read_moving(&mut self, watch: &Watch) -> Result<Vec<Reply>, Trouble> {
-        self.read().map_err(|trouble| match trouble {
-            Trouble::EndSwitch { axis, end, at, .. } => Trouble::EndSwitch {
+    /// Reads moving axes. The error of an end switch contains their speed.
+    pub(super) fn read_moving(&mut self, watch: &Watch) -> Result<Vec<Reply>, Error> {
+        self.read().map_err(|error| match error {
+            Error::EndSwitch { axis, end, at, .. } => Error::EndSwitch {
                 axis,
                 end,
                 at,
@@ -82,8 +82,8 @@ impl<P: Port> Head<P> {
     ///
     /// # Errors
     ///
-    /// [`Trouble::EndSwitch`].
-    pub(super) fn check_ends(&mut self, goal: &[i32]) -> Result<(), Trouble> {
+    /// [`Error::EndSwitch`].
+    pub(super) fn check_ends(&mut self, goal: &[i32]) -> Result<(), Error> {
         if self.axes.iter().all(|axis| axis.settings.end().is_none()) {
             return Ok(());
         }
@@ -98,7 +98,7 @@ impl<P: Port> Head<P> {
                     return Err(self.end_switch(index, axis.held));
                 }
                 None if ahead.unsigned_abs() > u64::from(self.leaving().unsigned_abs()) => {
-                    return Err(Trouble::UnknownEnd {
+                    return Err(Error::UnknownEnd {
                         axis: axis.settings.letter,
                         at: self.axis_text(index, axis.held),
                         most: self.scale.text(self.scale.of_counts(self.leaving().into())),
@@ -110,14 +110,14 @@ impl<P: Port> Head<P> {
         Ok(())
     }
 
-    /// Moves an axis to its end switch and off it again until it opens. The axis then is at twice
-    /// the back-off from the switch.
+    /// Moves an axis to its end switch, and off it until the switch opens. In the end the axis is
+    /// twice the back-off away from the switch.
     ///
     /// # Errors
     ///
-    /// [`Trouble::NoEndSwitch`] if the switch does not close over the length of the travel, or does
+    /// [`Error::NoEndSwitch`] if the switch does not close over the length of the travel, or does
     /// not open soon afterwards, and the errors of a move.
-    pub(super) fn search_end(&mut self, index: usize, end: End) -> Result<(), Trouble> {
+    pub(super) fn search_end(&mut self, index: usize, end: End) -> Result<(), Error> {
         let [quick, slow] = [self.probe.rate, self.probe.slow_rate];
         let clear = i32::try_from(self.probe.back_off).unwrap_or(i32::MAX);
         let outwards = end.sign();
@@ -132,26 +132,27 @@ impl<P: Port> Head<P> {
         if !self.axes[index].is_at_end {
             self.seek_end(index, outwards, quick, length)?;
         }
-        // A switch that sticks closed must not lead the axis to the other end, or to a part.
+        // The distance is limited. Otherwise a switch that sticks closed would send the axis to the
+        // other end, or into a part.
         let open = self.seek_end(index, -outwards, slow, self.off_switch())?;
         self.axes[index].is_at_end = false;
         let inside = open.saturating_sub(outwards.saturating_mul(clear));
         self.only(index, inside, None, quick).map(drop)
     }
 
-    /// Reads an axis that stands until it is certain whether its end switch is open. The switch may
+    /// Reads an axis at rest until it is certain whether its end switch is open. The switch may
     /// have opened since the last move.
-    fn read_end(&mut self, index: usize) -> Result<(), Trouble> {
+    fn read_end(&mut self, index: usize) -> Result<(), Error> {
         self.axes[index].is_end_sought = true;
         let read = (0..OPEN_READINGS).try_for_each(|_| self.read().map(drop));
         self.axes[index].is_end_sought = false;
         read
     }
 
-    /// Leaves an end switch that is not the one of a search. Returns where it opens, and the sign
-    /// of the direction. If the end is not known, the axis tries both directions, each over a short
-    /// distance.
-    fn leave_end(&mut self, index: usize) -> Result<(i32, i32), Trouble> {
+    /// Leaves an end switch to which no search has led. Returns the position at which the switch
+    /// opens, and the sign of the direction. If it is not known which end it is, the axis tries
+    /// both directions, each over a short distance.
+    fn leave_end(&mut self, index: usize) -> Result<(i32, i32), Error> {
         let (slow, short) = (self.probe.slow_rate, self.leaving());
         let left = match self.axes[index].end {
             Some(end) => {
@@ -162,8 +163,8 @@ impl<P: Port> Head<P> {
                 )
             }
             None => match self.seek_end(index, 1, slow, short) {
-                Err(Trouble::NoEndSwitch { .. }) => {
-                    // Back to the start, and as far to the other side.
+                Err(Error::NoEndSwitch { .. }) => {
+                    // Back to the start, and the same distance to the other side.
                     let twice = short.saturating_mul(2);
                     (self.seek_end(index, -1, slow, twice)?, -1)
                 }
@@ -174,8 +175,9 @@ impl<P: Port> Head<P> {
         Ok(left)
     }
 
-    /// The longest move off a switch that the axis has met, counts: the distance over which it may
-    /// leave an unknown end, and as much for the way in which it came to rest.
+    /// The longest move off a switch that the axis has met, counts. It is twice the distance over
+    /// which an axis may leave an unknown end: once for this distance, and once for the distance in
+    /// which the axis came to rest beyond the switch.
     fn off_switch(&self) -> i32 {
         self.leaving().saturating_mul(2)
     }
@@ -186,14 +188,9 @@ impl<P: Port> Head<P> {
         high.saturating_sub(low)
     }
 
-    /// Moves an axis until its end switch changes, at most by a length. Returns where.
-    fn seek_end(
-        &mut self,
-        index: usize,
-        sign: i32,
-        rate: u32,
-        length: i32,
-    ) -> Result<i32, Trouble> {
+    /// Moves an axis until its end switch changes, at most by `length`. Returns the position of the
+    /// change.
+    fn seek_end(&mut self, index: usize, sign: i32, rate: u32, length: i32) -> Result<i32, Error> {
         let axis = &mut self.axes[index];
         axis.is_end_sought = true;
         let goal = axis.held.saturating_add(sign.saturating_mul(length));
@@ -211,7 +208,7 @@ impl<P: Port> Head<P> {
         let finished = finished?;
         match finished.is_found {
             true => Ok(finished.replies[index].readings.home),
-            false => Err(Trouble::NoEndSwitch {
+            false => Err(Error::NoEndSwitch {
                 axis: letter,
                 length: self.scale.text(self.scale.of_counts(length.into())),
             }),
@@ -238,20 +235,20 @@ mod tests {
         machine
     }
 
-    /// It stands this far from its end switch, which closes at this count.
+    /// A head whose end switch closes at this count.
     fn head(end: End, switch: &str) -> Simulated {
         let machine = machine(end);
-        let chain = SimulatedNetwork::of_machine(&machine, &[], None).unwrap();
-        let chain = chain.with_ends(&[switch.parse().unwrap()]).unwrap();
-        Simulated::start(Line::new(SimulatedPort::new(chain)), &machine, 1).unwrap()
+        let network = SimulatedNetwork::of_machine(&machine, &[], None).unwrap();
+        let network = network.with_ends(&[switch.parse().unwrap()]).unwrap();
+        Simulated::start(Line::new(SimulatedPort::new(network)), &machine, 1).unwrap()
     }
 
     fn motors(head: &mut Simulated) -> [i64; 3] {
-        let chain = &mut head.line.port().chain;
+        let network = &mut head.line.port().network;
         for _ in 0..2000 {
-            chain.tick();
+            network.tick();
         }
-        [0, 1, 2].map(|module| chain.chain().motor(module).unwrap().counts())
+        [0, 1, 2].map(|module| network.servo_network().motor(module).unwrap().counts())
     }
 
     #[test]
@@ -260,7 +257,7 @@ mod tests {
             let mut head = head(end, switch);
             head.axes.iter_mut().for_each(|axis| axis.is_homed = true);
             let met = head.go_to([sign * 4 * MM, 4 * MM, 0]);
-            let Err(Trouble::EndSwitch {
+            let Err(Error::EndSwitch {
                 axis,
                 end: at_end,
                 at,
@@ -280,32 +277,32 @@ mod tests {
             assert!((450..600).contains(&at[1]), "{at:?}");
             assert!(head.has_met_end());
 
-            // Farther out nothing moves, and Y alone may.
+            // A move farther out is refused. A move of Y alone is not.
             for goal in [sign * 2 * MM, sign * 40 * MM] {
                 let farther = head.go_to([goal, MM, 0]);
-                assert!(matches!(farther, Err(Trouble::EndSwitch { .. })));
+                assert!(matches!(farther, Err(Error::EndSwitch { .. })));
             }
             let jog = head.jog(0, sign > 0, 1.0, false);
-            assert!(matches!(jog, Err(Trouble::EndSwitch { .. })), "{jog:?}");
+            assert!(matches!(jog, Err(Error::EndSwitch { .. })), "{jog:?}");
             let held = motors(&mut head);
             assert!(held[0].abs_diff(at[0]) <= 2, "{held:?} {at:?}");
-            // Off it slowly: 1 mm at 0.4 mm/s, then at full speed.
+            // The axis leaves the switch slowly, 1 mm at 0.4 mm/s, and then has its full speed.
             let before = head.line.elapsed_us();
             head.go_to([0, 0, 0]).unwrap();
             assert!(head.line.elapsed_us() - before > 2_500_000);
             let before = head.line.elapsed_us();
             head.go_to([-sign * MM, 0, 0]).unwrap();
             assert!(head.line.elapsed_us() - before < 1_500_000);
-            // It is watched again, also in a search and in a jog.
+            // The switch is watched again, also in a search and in a jog.
             let direction = match sign {
                 1 => husillo_probe::UnitVector::X,
                 _ => husillo_probe::UnitVector::X.reversed(),
             };
             let touch = head.touch(&direction, 4_000_000);
-            assert!(matches!(touch, Err(Trouble::EndSwitch { .. })), "{touch:?}");
+            assert!(matches!(touch, Err(Error::EndSwitch { .. })), "{touch:?}");
             head.go_to([0, 0, 0]).unwrap();
             let jog = head.jog(0, sign > 0, 60.0, false);
-            assert!(matches!(jog, Err(Trouble::EndSwitch { .. })), "{jog:?}");
+            assert!(matches!(jog, Err(Error::EndSwitch { .. })), "{jog:?}");
         }
     }
 
@@ -329,7 +326,7 @@ mod tests {
     fn an_axis_that_begins_at_its_end_switch_leaves_it() {
         let mut head = head(End::High, "1:-40");
         let farther = head.go_to([MM, 0, 0]);
-        assert!(matches!(farther, Err(Trouble::EndSwitch { .. })));
+        assert!(matches!(farther, Err(Error::EndSwitch { .. })));
         head.go_to([-MM, 0, 0]).unwrap();
         head.home(0).unwrap();
         assert_eq!(head.axes[0].origin.rem_euclid(400) % 399 % 398, 0);
@@ -341,7 +338,7 @@ mod tests {
         head.axes[0].settings.travel = [-500, 500];
         let home = head.home(0);
         assert!(
-            matches!(home, Err(Trouble::NoEndSwitch { axis: 'X', .. })),
+            matches!(home, Err(Error::NoEndSwitch { axis: 'X', .. })),
             "{home:?}"
         );
     }
@@ -352,15 +349,15 @@ mod tests {
         let mut head = head(End::Low, "1:..-500");
         head.go_to([-MM, 0, 0]).unwrap_err();
         let before = motors(&mut head)[0];
-        head.line.port().chain.hold_ends(1, Some(true));
+        head.line.port().network.hold_ends(1, Some(true));
         let home = head.home(0);
-        let Err(Trouble::NoEndSwitch { axis: 'X', length }) = home else {
+        let Err(Error::NoEndSwitch { axis: 'X', length }) = home else {
             panic!("{home:?}")
         };
         assert_eq!(length, "0.6400 mm");
         let moved = motors(&mut head)[0] - before;
         assert!((300..=340).contains(&moved), "{moved}");
-        head.line.port().chain.hold_ends(1, None);
+        head.line.port().network.hold_ends(1, None);
         head.home(0).unwrap();
     }
 
@@ -369,10 +366,10 @@ mod tests {
     fn between(switches: [&str; 2]) -> Simulated {
         let mut machine = three_axes();
         machine.axes[0].limits = [Wiring::Probe, Wiring::Ends];
-        let chain = SimulatedNetwork::of_machine(&machine, &[], None).unwrap();
+        let network = SimulatedNetwork::of_machine(&machine, &[], None).unwrap();
         let ends = switches.map(|switch| switch.parse().unwrap());
-        let chain = chain.with_ends(&ends).unwrap();
-        Simulated::start(Line::new(SimulatedPort::new(chain)), &machine, 1).unwrap()
+        let network = network.with_ends(&ends).unwrap();
+        Simulated::start(Line::new(SimulatedPort::new(network)), &machine, 1).unwrap()
     }
 
     #[test]
@@ -381,7 +378,7 @@ mod tests {
         head.axes.iter_mut().for_each(|axis| axis.is_homed = true);
         for (end, sign) in [(End::High, 1), (End::Low, -1), (End::High, 1)] {
             let met = head.go_to([sign * 4 * MM, 0, 0]);
-            let Err(Trouble::EndSwitch {
+            let Err(Error::EndSwitch {
                 end: at_end,
                 speed: Some(_),
                 ..
@@ -392,11 +389,11 @@ mod tests {
             assert_eq!(at_end, Some(end));
             let farther = head.go_to([sign * 40 * MM, 0, 0]);
             assert!(
-                matches!(farther, Err(Trouble::EndSwitch { speed: None, .. })),
+                matches!(farther, Err(Error::EndSwitch { speed: None, .. })),
                 "{farther:?}"
             );
             let jog = head.jog(0, sign > 0, 1.0, false);
-            assert!(matches!(jog, Err(Trouble::EndSwitch { .. })), "{jog:?}");
+            assert!(matches!(jog, Err(Error::EndSwitch { .. })), "{jog:?}");
             head.go_to([0; 3]).unwrap();
         }
     }
@@ -411,7 +408,7 @@ mod tests {
         for goal in [MM, -MM] {
             let far = head.go_to([goal, 0, 0]);
             assert!(
-                matches!(far, Err(Trouble::UnknownEnd { axis: 'X', .. })),
+                matches!(far, Err(Error::UnknownEnd { axis: 'X', .. })),
                 "{far:?}"
             );
         }
@@ -419,7 +416,7 @@ mod tests {
         head.jog(0, true, 60.0, true).unwrap();
         assert!(motors(&mut head)[0].abs_diff(160) <= 2);
         let far = head.go_to([MM, 0, 0]);
-        assert!(matches!(far, Err(Trouble::UnknownEnd { .. })), "{far:?}");
+        assert!(matches!(far, Err(Error::UnknownEnd { .. })), "{far:?}");
         head.jog(0, false, 60.0, true).unwrap();
         head.jog(0, false, 60.0, true).unwrap();
         // The switch is open: the axis is free.
@@ -427,7 +424,7 @@ mod tests {
         assert!(low < -2000);
     }
 
-    /// Wherever the axis stands at power-up, also in either switch: home is at the low switch.
+    /// Wherever the axis is at power-up, even at one of the switches, home is at the low switch.
     #[test]
     fn home_between_two_switches_is_at_the_low_one() {
         // The length of the axis is 1800 counts. It stands at 0.
@@ -463,7 +460,7 @@ mod tests {
             panic!("the modules were not recognised");
         };
         let farther = head.go_to([4 * MM, 0, 0]);
-        let Err(Trouble::EndSwitch {
+        let Err(Error::EndSwitch {
             end: Some(End::High),
             ..
         }) = farther

@@ -1,5 +1,5 @@
-//! The head of a measuring machine: one to three servo axes on a line that move together in
-//! straight lines.
+//! The head of a measuring machine: one to three servo axes that move together along straight
+//! paths.
 
 mod positions;
 mod supervision;
@@ -12,8 +12,8 @@ use super::port::Port;
 use super::prober::{Probed, Prober, Touched};
 use super::servo::Servo;
 use super::view::{Errors, View};
+use crate::error::Error;
 use crate::scale::Scale;
-use crate::trouble::Trouble;
 use husillo_probe::{Edge, UnitVector};
 use husillo_transports::nmc::{
     CYCLE_US, Command, EVERY_GROUP, Group, Items, Reply, Reset, Status, Stop, StopMode,
@@ -30,21 +30,21 @@ pub struct Head<P> {
     pub(crate) axes: Vec<Servo>,
     pub(super) probe: ProbeSettings,
     pub(super) scale: Scale,
-    /// Converts readings to the positions of messages.
+    /// Converts readings to positions for messages.
     view: View,
     /// Period of the modules' profiles, s.
     pub(super) period_s: f64,
     /// Number of slow touches to average.
     pub(super) touches: u8,
-    /// A failure has stopped the axes, so their held positions are unknown.
+    /// Whether a failure has stopped the axes, so that their held positions are unknown.
     is_astray: bool,
-    /// The axis whose module has reported a fault, until the module gets a stop command.
+    /// The axis whose module has reported a fault, until its module receives a stop command.
     given_up: Option<usize>,
     /// First contact of a probe that is pressed now, counts.
     pub(super) contact_at: Option<Vec<i32>>,
-    /// There was a collision.
+    /// Whether there was a collision.
     pub(super) has_collided: bool,
-    /// An axis has met an end switch.
+    /// Whether an axis has met an end switch.
     pub(super) has_met_end: bool,
 }
 
@@ -53,21 +53,21 @@ impl<P: Port> Head<P> {
     ///
     /// # Errors
     ///
-    /// No answer, fewer modules than the machine has or other ones, different periods, no motor
-    /// power, or a machine without axes.
-    pub fn start(line: Line<P>, machine: &Machine, touches: u8) -> Result<Self, Trouble> {
+    /// There is no answer, a module is missing or of another kind, periods differ, a motor has no
+    /// power, or the machine has no axes.
+    pub fn start(line: Line<P>, machine: &Machine, touches: u8) -> Result<Self, Error> {
         let mut head = Self::of(line, machine, touches)?;
         let modules = machine.axes.iter().map(|axis| axis.module);
-        let chain = head.line.start_servos(machine.baud, modules)?;
+        let network = head.line.start_servos(machine.baud, modules)?;
         let versions = head.axes.iter().map(|axis| {
             let place = usize::from(axis.settings.module).wrapping_sub(1);
-            let device = chain.devices.get(place);
+            let device = network.devices.get(place);
             device.map_or(u8::MAX, |(_, version)| *version)
         });
         let versions: Vec<u8> = versions.collect();
         head.set_period(&versions)?;
         // The reset has put all modules into this group. So the reset of the next session reaches
-        // them too.
+        // them, too.
         head.lead_group()?;
         for index in 0..head.axes.len() {
             head.switch_on(index)?;
@@ -76,9 +76,9 @@ impl<P: Port> Head<P> {
     }
 
     /// Creates a head whose line is not started.
-    pub(super) fn of(mut line: Line<P>, machine: &Machine, touches: u8) -> Result<Self, Trouble> {
+    pub(super) fn of(mut line: Line<P>, machine: &Machine, touches: u8) -> Result<Self, Error> {
         if machine.axes.is_empty() {
-            return Err(Trouble::NoAxis { axis: 'X' });
+            return Err(Error::NoAxis { axis: 'X' });
         }
         line.name_axes(machine);
         Ok(Self {
@@ -98,7 +98,7 @@ impl<P: Port> Head<P> {
     }
 
     /// Sets the period of the profiles. `versions` are those of the modules of the axes.
-    pub(super) fn set_period(&mut self, versions: &[u8]) -> Result<(), Trouble> {
+    pub(super) fn set_period(&mut self, versions: &[u8]) -> Result<(), Error> {
         // Before version 10, a rate divisor slows the profile of a module. From version 10 on it
         // slows the derivative only.
         let pairs = self.axes.iter().zip(versions);
@@ -108,7 +108,7 @@ impl<P: Port> Head<P> {
         });
         let periods: Vec<u8> = periods.collect();
         if periods.windows(2).any(|pair| pair[0] != pair[1]) {
-            return Err(Trouble::Periods);
+            return Err(Error::Periods);
         }
         let divisor = periods.first().copied().unwrap_or(1);
         self.period_s = f64::from(CYCLE_US) * 1e-6 * f64::from(divisor);
@@ -116,7 +116,7 @@ impl<P: Port> Head<P> {
     }
 
     /// Makes the module of the first of several axes the leader of the group of all modules.
-    pub(super) fn lead_group(&mut self) -> Result<(), Trouble> {
+    pub(super) fn lead_group(&mut self) -> Result<(), Error> {
         if let [first, _, ..] = self.axes[..] {
             let group = Group {
                 address: EVERY_GROUP,
@@ -129,7 +129,7 @@ impl<P: Port> Head<P> {
         Ok(())
     }
 
-    fn switch_on(&mut self, index: usize) -> Result<(), Trouble> {
+    fn switch_on(&mut self, index: usize) -> Result<(), Error> {
         let axis = self.axes[index];
         let module = axis.settings.module;
         self.line
@@ -148,7 +148,7 @@ impl<P: Port> Head<P> {
     /// # Errors
     ///
     /// No answer, or a fault of the axis.
-    pub(super) fn hold_checked(&mut self, index: usize) -> Result<(), Trouble> {
+    pub(super) fn hold_checked(&mut self, index: usize) -> Result<(), Error> {
         let axis = self.axes[index];
         let reply = self.read_axis_twice(&axis, READ)?;
         let at = reply.readings.position;
@@ -171,7 +171,7 @@ impl<P: Port> Head<P> {
     /// # Errors
     ///
     /// No such axis, or no answer.
-    pub fn status(&mut self, coordinate: usize) -> Result<Reply, Trouble> {
+    pub fn status(&mut self, coordinate: usize) -> Result<Reply, Error> {
         let items = READ
             .with(Items::AUXILIARY)
             .with(Items::CURRENT)
@@ -180,31 +180,32 @@ impl<P: Port> Head<P> {
         self.read_axis_twice(&axis, items)
     }
 
-    /// Goes to a position in a straight line. Returns the position at which the axes stand.
+    /// Moves to a position along a straight path. Returns the position at which the axes come to
+    /// rest.
     ///
     /// # Errors
     ///
-    /// [`Trouble`]. If the goal is outside of the travel, nothing moves.
-    pub fn go_to(&mut self, goal: [i64; 3]) -> Result<[i64; 3], Trouble> {
+    /// [`Error`]. If the goal is outside of the travel, nothing moves.
+    pub fn go_to(&mut self, goal: [i64; 3]) -> Result<[i64; 3], Error> {
         self.go_at(goal, None, Approach::Rapid)
     }
 
-    /// Goes there in a guarded move, see [`Approach::Guarded`].
+    /// Moves to a position in a guarded move: see [`Approach::Guarded`].
     ///
     /// # Errors
     ///
     /// Those of [`go_to`](Self::go_to).
-    pub fn guarded_to(&mut self, goal: [i64; 3]) -> Result<[i64; 3], Trouble> {
+    pub fn guarded_to(&mut self, goal: [i64; 3]) -> Result<[i64; 3], Error> {
         self.go_at(goal, None, Approach::Guarded)
     }
 
-    /// Goes there with at most `rate` counts/s.
+    /// Moves to a position with at most `rate` counts/s.
     fn go_at(
         &mut self,
         goal: [i64; 3],
         rate: Option<u32>,
         approach: Approach,
-    ) -> Result<[i64; 3], Trouble> {
+    ) -> Result<[i64; 3], Error> {
         let meant = goal;
         let goal = self.counts(goal)?;
         self.check_travel(&goal, meant)?;
@@ -221,10 +222,10 @@ impl<P: Port> Head<P> {
     }
 
     /// Index of an axis in the machine file. `coordinate` is 0 for X to 2 for Z.
-    pub(crate) fn index(&self, coordinate: usize) -> Result<usize, Trouble> {
+    pub(crate) fn index(&self, coordinate: usize) -> Result<usize, Error> {
         let mut axes = self.axes.iter();
         let found = axes.position(|axis| axis.settings.coordinate() == coordinate);
-        found.ok_or(Trouble::NoAxis {
+        found.ok_or(Error::NoAxis {
             axis: "XYZ".chars().nth(coordinate).unwrap_or('?'),
         })
     }
@@ -244,20 +245,20 @@ pub(super) const fn stop(mode: StopMode) -> Command {
 }
 
 impl<P: Port> Prober for Head<P> {
-    fn position(&mut self) -> Result<[i64; 3], Trouble> {
+    fn position(&mut self) -> Result<[i64; 3], Error> {
         let replies = self.read_twice()?;
         Ok(self.place_of(&replies))
     }
 
-    fn go_to(&mut self, goal_nm: [i64; 3]) -> Result<[i64; 3], Trouble> {
+    fn go_to(&mut self, goal_nm: [i64; 3]) -> Result<[i64; 3], Error> {
         self.go_to(goal_nm)
     }
 
-    fn guarded_to(&mut self, goal_nm: [i64; 3]) -> Result<[i64; 3], Trouble> {
+    fn guarded_to(&mut self, goal_nm: [i64; 3]) -> Result<[i64; 3], Error> {
         self.guarded_to(goal_nm)
     }
 
-    fn feed_to(&mut self, goal_nm: [i64; 3], nm_per_min: u64) -> Result<[i64; 3], Trouble> {
+    fn feed_to(&mut self, goal_nm: [i64; 3], nm_per_min: u64) -> Result<[i64; 3], Error> {
         self.go_at(goal_nm, Some(self.rate(nm_per_min)), Approach::Rapid)
     }
 
@@ -266,7 +267,7 @@ impl<P: Port> Prober for Head<P> {
         goal_nm: [i64; 3],
         nm_per_min: u64,
         until: Edge,
-    ) -> Result<Probed, Trouble> {
+    ) -> Result<Probed, Error> {
         self.search_to(goal_nm, self.rate(nm_per_min), until)
     }
 
@@ -278,7 +279,7 @@ impl<P: Port> Prober for Head<P> {
         self.view = view.clone();
     }
 
-    fn touch(&mut self, direction: &UnitVector, distance_nm: u64) -> Result<Touched, Trouble> {
+    fn touch(&mut self, direction: &UnitVector, distance_nm: u64) -> Result<Touched, Error> {
         let measurement = self.touch(direction, distance_nm)?;
         Ok(Touched {
             centre_nm: measurement.touch.position,
@@ -307,8 +308,8 @@ mod tests {
 
     /// The machine of three axes with a face.
     fn started(face: &str, button: StopButton) -> Head {
-        let chain = SimulatedNetwork::new(&[4; 3], &[face.parse().unwrap()], None).unwrap();
-        let line = Line::new(SimulatedPort::new(chain)).with_operator(button);
+        let network = SimulatedNetwork::new(&[4; 3], &[face.parse().unwrap()], None).unwrap();
+        let line = Line::new(SimulatedPort::new(network)).with_operator(button);
         let mut head = Head::start(line, &three_axes(), 1).unwrap();
         // Homed where it stands.
         head.axes.iter_mut().for_each(|axis| axis.is_homed = true);
@@ -332,9 +333,9 @@ mod tests {
             "{:?}",
             head.held()
         );
-        // The travel is 2 mm to each side of where it stood.
+        // The travel is 2 mm to each side of the first position.
         let beyond = head.go_to([2_100_000, 0, 0]);
-        assert!(matches!(beyond, Err(Trouble::OutsideTravel { .. })));
+        assert!(matches!(beyond, Err(Error::OutsideTravel { .. })));
         // The next index is at 1200 counts. From there the travel is 2 mm to each side.
         head.axes[0].settings.travel = [-2000, 2000];
         head.home(0).unwrap();
@@ -343,7 +344,7 @@ mod tests {
         let (time, _) = seconds(&mut head, |head| head.go_to([1_900_000, 0, 0]).unwrap());
         assert!((0.9..1.5).contains(&time), "{time} s");
         let beyond = head.go_to([2_100_000, 0, 0]);
-        assert!(matches!(beyond, Err(Trouble::OutsideTravel { .. })));
+        assert!(matches!(beyond, Err(Error::OutsideTravel { .. })));
         assert_eq!(head.axes[0].travel_counts()[1], head.axes[0].origin + 1000);
     }
 
@@ -372,13 +373,15 @@ mod tests {
 
     /// Positions of the motors, now and a second later.
     fn motors(head: &mut Head) -> [[i64; 3]; 2] {
-        let chain = &mut head.line.port().chain;
-        let mut at = || [0, 1, 2].map(|module| chain.chain().motor(module).unwrap().counts());
+        let network = &mut head.line.port().network;
+        let mut at =
+            || [0, 1, 2].map(|module| network.servo_network().motor(module).unwrap().counts());
         let before = at();
         for _ in 0..2000 {
-            chain.tick();
+            network.tick();
         }
-        let mut at = || [0, 1, 2].map(|module| chain.chain().motor(module).unwrap().counts());
+        let mut at =
+            || [0, 1, 2].map(|module| network.servo_network().motor(module).unwrap().counts());
         [before, at()]
     }
 
@@ -386,7 +389,7 @@ mod tests {
     fn a_module_that_is_gone_stops_the_others() {
         let mut head = head();
         // Without supply from 1 s to 1.5 s. The move takes 3 s.
-        head.line.port().chain.interrupt(1, 3000);
+        head.line.port().network.interrupt(1, 3000);
         let gone = head.go_to([6 * MM, 6 * MM, 0]);
         assert!(gone.is_err(), "{gone:?}");
         motors(&mut head);
@@ -401,20 +404,20 @@ mod tests {
     fn an_interrupted_move_ends_before_its_goal_and_another_may_follow() {
         let button = StopButton::default();
         let mut head = started("3:..-2000", button.clone());
-        head.line.port().chain.ask_after(2000, button.clone());
+        head.line.port().network.ask_after(2000, button.clone());
         let ended = head.go_to([6 * MM, 6 * MM, 0]);
-        assert!(matches!(ended, Err(Trouble::Interrupted)), "{ended:?}");
+        assert!(matches!(ended, Err(Error::Interrupted)), "{ended:?}");
         assert!(button.has_stopped() && !button.is_stop_wanted());
         motors(&mut head);
         let [at, later] = motors(&mut head);
         assert!((100..2900).contains(&at[0]), "{at:?}");
         assert!((0..3).all(|axis| at[axis].abs_diff(later[axis]) <= 1));
-        // The head holds the axes where they stand, so this is a straight move.
+        // The head holds the axes at their positions, so this is a straight move.
         let there = head.go_to([5 * MM, 2 * MM, MM]).unwrap();
         let wanted = [5 * MM, 2 * MM, MM];
         assert!((0..3).all(|axis| there[axis].abs_diff(wanted[axis]) <= 2_000));
         // The same with a jog.
-        head.line.port().chain.ask_after(1000, button);
+        head.line.port().network.ask_after(1000, button);
         assert!(head.jog(0, true, 60.0, false).is_err());
         motors(&mut head);
         let [at, later] = motors(&mut head);
@@ -439,7 +442,7 @@ mod tests {
     fn a_contact_during_a_move_stops_all_axes_and_is_left_slowly() {
         let mut head = head();
         let met = head.go_to([6 * MM, 0, -12 * MM]);
-        let Err(Trouble::Collision {
+        let Err(Error::Collision {
             axes,
             at,
             speed,
@@ -459,16 +462,17 @@ mod tests {
         assert!(at[2].abs_diff(-2000) <= 25, "{at:?}");
         assert!((0..3).all(|axis| at[axis].abs_diff(later[axis]) <= 1));
 
-        // Deeper in steps: at most by what a probe takes, 100 counts.
+        // The probe may be pressed deeper step by step, but not beyond its over-travel of 100
+        // counts.
         let mut depth = 0;
         let stopped = loop {
             depth += 1;
             match head.go_to([2 * MM, 0, -4 * MM - depth * MM / 10]) {
                 Ok(_) => assert!(depth < 9, "nothing stops it"),
-                Err(trouble) => break trouble,
+                Err(error) => break error,
             }
         };
-        assert!(matches!(stopped, Trouble::Collision { .. }), "{stopped}");
+        assert!(matches!(stopped, Error::Collision { .. }), "{stopped}");
         let [at, _] = motors(&mut head);
         assert!((-2130..=-2096).contains(&at[2]), "{at:?}");
 
@@ -477,9 +481,9 @@ mod tests {
         assert!(there.unwrap()[2].abs_diff(0) <= 2_000);
         assert!((2.2..3.8).contains(&time), "{time} s");
         assert!(head.go_to([0, 0, -3 * MM]).is_ok());
-        // A jog meets it as well.
+        // A jog detects the contact, too.
         let met = head.jog(2, false, 60.0, false);
-        assert!(matches!(met, Err(Trouble::Collision { .. })), "{met:?}");
+        assert!(matches!(met, Err(Error::Collision { .. })), "{met:?}");
         let [at, _] = motors(&mut head);
         assert!(at[2].abs_diff(-2000) <= 25, "{at:?}");
     }
@@ -490,13 +494,13 @@ mod tests {
         let mut head = started("3:150", StopButton::default());
         head.go_to([0, 0, MM / 10]).unwrap();
         let met = head.home(2);
-        assert!(matches!(met, Err(Trouble::Collision { .. })), "{met:?}");
+        assert!(matches!(met, Err(Error::Collision { .. })), "{met:?}");
         let [at, _] = motors(&mut head);
         assert!(at[2].abs_diff(150) <= 4, "{at:?}");
-        // Homing does not begin in contact.
+        // Homing does not begin while the probe is in contact.
         let begun = head.home(2);
         assert!(
-            matches!(begun, Err(Trouble::Probe(Failure::ContactAtStart))),
+            matches!(begun, Err(Error::Probe(Failure::ContactAtStart))),
             "{begun:?}"
         );
     }
@@ -516,7 +520,7 @@ mod tests {
         assert!((z - 20_000..=z).contains(&made.at_nm[2]), "{made:?}");
         assert!(matches!(
             down(&mut head, 12_000_000),
-            Err(Trouble::Probe(Failure::ContactAtStart))
+            Err(Error::Probe(Failure::ContactAtStart))
         ));
         let broken = up(&mut head, 12_000_000).unwrap();
         let [.., z] = broken.changed_nm.unwrap();
@@ -524,10 +528,7 @@ mod tests {
             z.abs_diff(-4 * MM) <= 2_000 && broken.at_nm[2] >= z,
             "{broken:?}"
         );
-        assert!(matches!(
-            up(&mut head, 12_000_000),
-            Err(Trouble::NotTouching)
-        ));
+        assert!(matches!(up(&mut head, 12_000_000), Err(Error::NotTouching)));
 
         // The speed of a search, 0.4 mm/s, is the limit of the feed: 2.5 s and the time to come to
         // rest.
@@ -543,7 +544,7 @@ mod tests {
         assert!(ended.at_nm[0].abs_diff(MM) <= 2_000, "{ended:?}");
         // Beyond the travel nothing moves.
         let beyond = head.probe_to([0, 0, 900 * MM], 24_000_000, Edge::Broken);
-        assert!(matches!(beyond, Err(Trouble::OutsideTravel { .. })));
+        assert!(matches!(beyond, Err(Error::OutsideTravel { .. })));
         assert_eq!(head.held()[0], MM);
     }
 }

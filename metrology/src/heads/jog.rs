@@ -3,24 +3,25 @@
 use super::head::{Head, is_done, stop};
 use super::port::Port;
 use super::straight_move::per_period;
-use crate::trouble::Trouble;
+use crate::error::Error;
 use husillo_transports::nmc::{Command, Mode, StopMode, Trajectory};
 
 impl<P: Port> Head<P> {
-    /// Runs an axis for some time and stops it smoothly. It runs at the speed of moves, or at that
-    /// of a search if it `is_slow` or starts in contact. The jog is a move over the distance of
-    /// this time, within the travel. So the module ends it as requested even without the host.
+    /// Moves an axis for a time and stops it smoothly. Its speed is that of moves, or that of a
+    /// search if it `is_slow` or starts in contact. The jog is a move over the distance that
+    /// belongs to the time, within the travel. So the module ends it as requested even without the
+    /// host.
     ///
     /// # Errors
     ///
-    /// [`Trouble`]. All axes are stopped then.
+    /// [`Error`]. Then all axes are stopped.
     pub fn jog(
         &mut self,
         coordinate: usize,
         is_positive: bool,
         seconds: f64,
         is_slow: bool,
-    ) -> Result<(), Trouble> {
+    ) -> Result<(), Error> {
         let index = self.index(coordinate)?;
         self.supervised(|head| head.run(index, is_positive, seconds, is_slow))
     }
@@ -31,7 +32,7 @@ impl<P: Port> Head<P> {
         is_positive: bool,
         seconds: f64,
         is_slow: bool,
-    ) -> Result<(), Trouble> {
+    ) -> Result<(), Error> {
         let axis = self.axes[index];
         let [low, high] = axis.travel_counts();
         // The axis may stop this far beyond its goal.
@@ -42,7 +43,7 @@ impl<P: Port> Head<P> {
             low.saturating_add(slack)
         };
         if axis.is_at_end && axis.end.is_none() {
-            // It must stay near its switch until the switch opens.
+            // The axis must stay near its switch until the switch opens.
             let most = self.leaving();
             goal = goal.clamp(
                 axis.held.saturating_sub(most),
@@ -155,13 +156,13 @@ mod tests {
         }
     }
 
-    /// The counts that a jog of this time makes if the cable is pulled after a second. The axis is
-    /// homed where it stands.
+    /// The counts of a jog for this time, if the cable is pulled after a second. The present
+    /// position is home.
     fn jogged(seconds: f64, is_positive: bool, pulled_us: u64) -> i64 {
         let machine = one_axis();
-        let chain = SimulatedNetwork::of_machine(&machine, &[], None).unwrap();
+        let network = SimulatedNetwork::of_machine(&machine, &[], None).unwrap();
         let pulled = Pulled {
-            port: Rc::new(RefCell::new(SimulatedPort::new(chain))),
+            port: Rc::new(RefCell::new(SimulatedPort::new(network))),
             from_us: Rc::new(Cell::new(u64::MAX)),
         };
         let mut head = Head::start(Line::new(pulled.clone()), &machine, 1).unwrap();
@@ -173,13 +174,13 @@ mod tests {
         assert_eq!(ended.is_ok(), pulled_us == u64::MAX, "{ended:?}");
         let mut port = pulled.port.borrow_mut();
         for _ in 0..40_000 {
-            port.chain.tick();
+            port.network.tick();
         }
-        port.chain.motor(1).unwrap().counts()
+        port.network.motor(1).unwrap().counts()
     }
 
-    /// 1200 counts/s: without its host a jog goes as far as with it, not to the end of the travel
-    /// at 8000 counts.
+    /// At 1200 counts/s: without its host a jog ends at the same position as with it, not at the
+    /// end of the travel at 8000 counts.
     #[test]
     fn a_jog_whose_host_is_killed_ends_as_asked() {
         for (seconds, is_positive) in [(3.0, true), (2.0, false)] {

@@ -6,10 +6,10 @@ use super::machine::Machine;
 use super::memory::MARK;
 use super::operator::Operator;
 use super::port::Port;
-use crate::trouble::Trouble;
+use crate::error::Error;
 use husillo_transports::nmc::{
-    Baud, Chain, Command, EVERY_GROUP, Group, Host, Items, Next, Outcome, Progress, Reply, Startup,
-    Step,
+    Baud, Command, EVERY_GROUP, Group, Host, Items, Network, Next, Outcome, Progress, Reply,
+    Startup, Step,
 };
 use std::fmt;
 
@@ -49,8 +49,8 @@ impl<P: Port> Line<P> {
         }
     }
 
-    /// Returns the line with an operator. No step begins while the operator requests a stop that is
-    /// not carried out yet.
+    /// Adds an operator to the line. While a stop that the operator has requested is not carried
+    /// out, no step begins.
     #[must_use]
     pub fn with_operator(self, operator: impl Operator + 'static) -> Self {
         Self {
@@ -103,32 +103,32 @@ impl<P: Port> Line<P> {
     /// # Errors
     ///
     /// The port fails, no module answers, or the answers are damaged.
-    pub fn start_up(&mut self, baud: Baud) -> Result<Chain, Trouble> {
+    pub fn start_up(&mut self, baud: Baud) -> Result<Network, Error> {
         match self.start_by(baud, Startup::new(baud)) {
-            // An earlier session may have left the modules in groups that do not hear the common
-            // reset.
-            Err(Trouble::NoModules) => self.start_by(baud, Startup::new(baud).resetting_each()),
+            // An earlier session may have put the modules into groups that the common reset does
+            // not address.
+            Err(Error::NoModules) => self.start_by(baud, Startup::new(baud).resetting_each()),
             other => other,
         }
     }
 
-    fn start_by(&mut self, baud: Baud, mut startup: Startup) -> Result<Chain, Trouble> {
+    fn start_by(&mut self, baud: Baud, mut startup: Startup) -> Result<Network, Error> {
         self.host.set_timing(self.port.timing(Baud::default()));
         let mut outcome = None;
         loop {
             match startup.next(outcome.as_ref()) {
-                Next::Done(chain) if !chain.is_complete => return Err(Trouble::Doubtful),
-                Next::Done(chain) if chain.modules == 0 => return Err(Trouble::NoModules),
-                Next::Done(chain) => {
+                Next::Done(network) if !network.is_complete => return Err(Error::Doubtful),
+                Next::Done(network) if network.modules == 0 => return Err(Error::NoModules),
+                Next::Done(network) => {
                     self.host.set_timing(self.port.timing_of_known(baud));
-                    return Ok(chain);
+                    return Ok(network);
                 }
                 Next::Step(step) => {
                     outcome = match self.step(step) {
                         Ok(outcome) => Some(outcome),
                         // A module does not have this rate: the start-up keeps the old one.
-                        Err(Trouble::Refused(_)) => None,
-                        Err(trouble) => return Err(trouble),
+                        Err(Error::Refused(_)) => None,
+                        Err(error) => return Err(error),
                     }
                 }
             }
@@ -141,12 +141,12 @@ impl<P: Port> Line<P> {
     }
 
     /// Joins modules that an earlier session has set up, without a reset. The first of several
-    /// leads their group. The modules are not asked.
+    /// modules leads their group. Nothing is sent to the modules.
     ///
     /// # Errors
     ///
     /// The port fails.
-    pub(super) fn rejoin(&mut self, baud: Baud, modules: &[u8]) -> Result<(), Trouble> {
+    pub(super) fn rejoin(&mut self, baud: Baud, modules: &[u8]) -> Result<(), Error> {
         self.step(Step::Switch(baud))?;
         self.step(Step::Flush)?;
         self.host.set_timing(self.port.timing_of_known(baud));
@@ -170,26 +170,26 @@ impl<P: Port> Line<P> {
         &mut self,
         baud: Baud,
         modules: impl IntoIterator<Item = u8>,
-    ) -> Result<Chain, Trouble> {
-        let chain = self.start_up(baud)?;
+    ) -> Result<Network, Error> {
+        let network = self.start_up(baud)?;
         let wanted: Vec<u8> = modules.into_iter().collect();
-        if let Some(last) = wanted.iter().max().filter(|last| **last > chain.modules) {
-            return Err(Trouble::NoModule {
+        if let Some(last) = wanted.iter().max().filter(|last| **last > network.modules) {
+            return Err(Error::NoModule {
                 wanted: *last,
-                modules: chain.modules,
+                modules: network.modules,
             });
         }
         for module in wanted {
             // Servo modules are of type 0, which also stands for an unknown one.
-            let device = chain.devices.get(usize::from(module).wrapping_sub(1));
+            let device = network.devices.get(usize::from(module).wrapping_sub(1));
             if let Some((kind @ 1.., _)) = device {
-                return Err(Trouble::NotServo {
+                return Err(Error::NotServo {
                     module,
                     kind: *kind,
                 });
             }
         }
-        Ok(chain)
+        Ok(network)
     }
 
     /// Sends a command to a module.
@@ -197,7 +197,7 @@ impl<P: Port> Line<P> {
     /// # Errors
     ///
     /// The port or the link fails.
-    pub fn command(&mut self, address: u8, command: Command) -> Result<Reply, Trouble> {
+    pub fn command(&mut self, address: u8, command: Command) -> Result<Reply, Error> {
         self.answer(address, Step::Request { address, command })
     }
 
@@ -211,7 +211,7 @@ impl<P: Port> Line<P> {
         address: u8,
         items: Items,
         jitter_counts: u32,
-    ) -> Result<Reply, Trouble> {
+    ) -> Result<Reply, Error> {
         let step = Step::ReadTwice {
             address,
             items,
@@ -220,20 +220,20 @@ impl<P: Port> Line<P> {
         self.answer(address, step)
     }
 
-    fn answer(&mut self, address: u8, step: Step) -> Result<Reply, Trouble> {
+    fn answer(&mut self, address: u8, step: Step) -> Result<Reply, Error> {
         match self.step(step)? {
             Outcome::Answered(reply) | Outcome::Confirmed(reply) => Ok(reply),
             Outcome::Sent => Ok(Reply::default()),
-            Outcome::Failed(failure) => Err(Trouble::Link {
+            Outcome::Failed(failure) => Err(Error::Link {
                 module: self.name(address),
                 failure,
             }),
         }
     }
 
-    fn step(&mut self, step: Step) -> Result<Outcome, Trouble> {
+    fn step(&mut self, step: Step) -> Result<Outcome, Error> {
         if self.operator.is_stop_wanted() {
-            return Err(Trouble::Interrupted);
+            return Err(Error::Interrupted);
         }
         if let Step::Switch(baud) = step {
             self.port.set_baud(baud)?;
@@ -274,7 +274,7 @@ mod tests {
     use super::*;
     use crate::simulated::{DcMotorModel, NetworkModule, SimulatedNetwork, SimulatedPort};
 
-    /// A program may leave the modules with other addresses and in another group.
+    /// A program may have left the modules with other addresses and in another group.
     #[test]
     fn a_module_of_another_kind_is_no_axis() {
         let servo = NetworkModule::Servo {
@@ -283,8 +283,8 @@ mod tests {
         };
         let modules = [servo, NetworkModule::Io { version: 2 }];
         let started = |module| {
-            let chain = SimulatedNetwork::of_modules(&modules, &[], None).unwrap();
-            Line::new(SimulatedPort::new(chain)).start_servos(Baud::B19200, [module])
+            let network = SimulatedNetwork::of_modules(&modules, &[], None).unwrap();
+            Line::new(SimulatedPort::new(network)).start_servos(Baud::B19200, [module])
         };
         assert_eq!(started(1).unwrap().devices[1], (2, 2));
         let error = started(2).unwrap_err().to_string();
@@ -295,8 +295,8 @@ mod tests {
 
     #[test]
     fn modules_in_other_groups_are_found() {
-        let chain = SimulatedNetwork::new(&[4; 2], &[], None).unwrap();
-        let mut line = Line::new(SimulatedPort::new(chain));
+        let network = SimulatedNetwork::new(&[4; 2], &[], None).unwrap();
+        let mut line = Line::new(SimulatedPort::new(network));
         assert_eq!(line.start_up(Baud::B19200).unwrap().modules, 2);
         let group = Group {
             address: 0x90,
@@ -314,11 +314,8 @@ mod tests {
 
     #[test]
     fn a_line_without_modules_is_reported() {
-        let chain = SimulatedNetwork::new(&[], &[], None).unwrap();
-        let mut line = Line::new(SimulatedPort::new(chain));
-        assert!(matches!(
-            line.start_up(Baud::B19200),
-            Err(Trouble::NoModules)
-        ));
+        let network = SimulatedNetwork::new(&[], &[], None).unwrap();
+        let mut line = Line::new(SimulatedPort::new(network));
+        assert!(matches!(line.start_up(Baud::B19200), Err(Error::NoModules)));
     }
 }

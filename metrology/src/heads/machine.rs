@@ -60,7 +60,7 @@ pub struct AxisSettings {
 pub struct ProbeSettings {
     /// Speed of the search, counts/s.
     pub rate: u32,
-    /// Speed of the slow touches, whose positions count, counts/s.
+    /// Speed of the slow touches, whose positions are measured, counts/s.
     pub slow_rate: u32,
     /// Distance that the probe backs off before the next touch, counts.
     pub back_off: u32,
@@ -68,8 +68,8 @@ pub struct ProbeSettings {
     pub over_travel: u32,
     /// Its contacts.
     pub switches: Switches,
-    /// Radius of the ball, and the pre-travel from touch to signal. With radius 0, positions of the
-    /// centre of the ball are measured.
+    /// Radius of the ball, and the pre-travel from touch to signal. With radius 0, results are
+    /// positions of the centre of the ball.
     pub stylus: Stylus,
 }
 

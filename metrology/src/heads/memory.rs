@@ -8,31 +8,31 @@ use super::machine::Machine;
 use super::port::Port;
 use super::settling::SETTLING_US;
 use super::wiring::End;
-use crate::trouble::Trouble;
+use crate::error::Error;
 use husillo_backlash::Flank;
 use husillo_transports::nmc::{Auxiliary, Baud, Command, Items, Reply, StopMode};
 
-/// The items that show whether a module is unchanged.
+/// The items of a reading that show whether a module is unchanged.
 const LEFT: Items = READ.with(Items::AUXILIARY);
 
 /// The status items that a session defines in its modules. A reset clears them, and other programs
-/// define others. So they show that the modules still count from the same position.
+/// define different items. So these items show that the modules still count from the same position.
 pub(super) const MARK: Items = Items::AUXILIARY.with(Items::CURRENT);
 
-/// The axes of a machine as a session has left them. Modules keep their counts until they are reset
-/// or lose their supply.
+/// The state of the axes of a machine at the end of a session. Modules keep their counts until they
+/// are reset or lose their supply.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Memory {
     /// Rate of the modules.
     pub baud: Baud,
-    /// The session did not end, because its program was killed. The axes may be at any position,
-    /// and may move.
+    /// Whether the session did not end, because its program was killed. The axes may then be at any
+    /// position, and may move.
     pub in_use: bool,
     /// The axes, in the order of the machine file.
     pub axes: Vec<AxisMemory>,
 }
 
-/// An axis as a session has left it.
+/// The state of an axis at the end of a session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AxisMemory {
     /// `X`, `Y` or `Z`.
@@ -41,13 +41,13 @@ pub struct AxisMemory {
     pub module: u8,
     /// Its position, counts.
     pub counts: i32,
-    /// The counts that the module latched last. They are 0 after a reset.
+    /// The last counts that the module latched. They are 0 after a reset.
     pub latched: i32,
     /// Whether its servo is on and holds it.
     pub is_held: bool,
     /// Whether it has been homed.
     pub is_homed: bool,
-    /// Counts at reading 0. After homing this is home.
+    /// The counts at which the reading is 0. After homing this is home.
     pub origin: i32,
     /// The position that counts as 0, an amount of the scale.
     pub zero: i64,
@@ -78,20 +78,20 @@ pub enum Rejoined<P> {
 }
 
 impl<P: Port> Head<P> {
-    /// Continues from the state in which an earlier session has left the modules. It asks them
-    /// without a reset and compares their answers with the memory. Origins and homes are then still
-    /// valid. If the program of the session was killed, all axes are first stopped smoothly, and
-    /// only the status items that the session defined in their modules are compared.
+    /// Continues from the state in which an earlier session has left the modules. It reads them
+    /// without a reset, and compares the answers with the memory. If they agree, origins and homes
+    /// are still valid. If the program of the session was killed, all axes are first stopped
+    /// smoothly, and only the status items that the session defined in their modules are compared.
     ///
     /// # Errors
     ///
-    /// A machine without axes or with different periods, or a fault of an axis that is unchanged.
+    /// The machine has no axes, its periods differ, or an unchanged axis has a fault.
     pub fn rejoin(
         line: Line<P>,
         machine: &Machine,
         touches: u8,
         memory: &Memory,
-    ) -> Result<Rejoined<P>, Trouble> {
+    ) -> Result<Rejoined<P>, Error> {
         let mut head = Self::of(line, machine, touches)?;
         let axes = machine.axes.iter().map(|axis| (axis.letter, axis.module));
         let left = memory.axes.iter().map(|axis| (axis.letter, axis.module));
@@ -110,7 +110,7 @@ impl<P: Port> Head<P> {
             axis.origin = left.origin;
             axis.is_homed = left.is_homed;
             axis.heading = left.end.filter(|_| !memory.in_use);
-            // The machine file may have other gains in the meantime.
+            // The gains in the machine file may have been changed since.
             let module = axis.settings.module;
             let gains = axis.settings.gains;
             head.line.command(module, Command::SetGain(gains))?;
@@ -124,11 +124,11 @@ impl<P: Port> Head<P> {
     }
 
     /// Returns the versions of the modules if all are unchanged.
-    fn versions_if_as_left(&mut self, memory: &Memory) -> Result<Vec<u8>, Trouble> {
+    fn versions_if_as_left(&mut self, memory: &Memory) -> Result<Vec<u8>, Error> {
         let modules: Vec<u8> = self.axes.iter().map(|axis| axis.settings.module).collect();
         self.line.rejoin(memory.baud, &modules)?;
         for module in &modules {
-            // Its reply has the items of the mark, or is not understood.
+            // The reply has the items of [`MARK`], or is not understood.
             self.line.command(*module, Command::NoOperation)?;
         }
         if memory.in_use {
@@ -140,20 +140,21 @@ impl<P: Port> Head<P> {
         for (axis, left) in pairs {
             let reply = self.read_axis_twice(&axis, LEFT.with(Items::DEVICE))?;
             if !memory.in_use && !left.is_still_true(&reply, axis.settings.in_position) {
-                return Err(Trouble::NoModules);
+                return Err(Error::NoModules);
             }
             versions.push(reply.readings.version);
         }
         Ok(versions)
     }
 
-    /// Returns the state that the session leaves when the axes stand. A head alone has no zeros and
-    /// flanks. A fault of an axis is no error here.
+    /// Waits until the axes are at rest, and returns the state that the session leaves. It has no
+    /// zeros and flanks, because a head does not know them. A fault of an axis is not an error
+    /// here.
     ///
     /// # Errors
     ///
     /// No answer, or an axis that does not come to rest.
-    pub(crate) fn memory(&mut self) -> Result<Memory, Trouble> {
+    pub(crate) fn memory(&mut self) -> Result<Memory, Error> {
         self.rest()?;
         let axes = self.axes.clone();
         let axes = axes.iter().map(|axis| {
@@ -172,7 +173,7 @@ impl<P: Port> Head<P> {
                 end: axis.end.filter(|_| axis.is_at_end),
             })
         });
-        let axes: Result<Vec<_>, Trouble> = axes.collect();
+        let axes: Result<Vec<_>, Error> = axes.collect();
         Ok(Memory {
             axes: axes?,
             baud: self.line.baud(),
@@ -180,8 +181,8 @@ impl<P: Port> Head<P> {
         })
     }
 
-    /// Waits until the axes stand. A fault of an axis is no error here.
-    fn rest(&mut self) -> Result<(), Trouble> {
+    /// Waits until the axes are at rest. A fault of an axis is not an error here.
+    fn rest(&mut self) -> Result<(), Error> {
         let end_us = self.line.elapsed_us() + self.braking_us() + SETTLING_US;
         let mut before: Vec<i32> = Vec::new();
         loop {
@@ -214,8 +215,8 @@ mod tests {
 
     /// A session that has homed X, moved Y and ended.
     fn ended() -> (SimulatedPort, Memory) {
-        let chain = SimulatedNetwork::new(&[4; 3], &[], None).unwrap();
-        let line = Line::new(SimulatedPort::new(chain));
+        let network = SimulatedNetwork::new(&[4; 3], &[], None).unwrap();
+        let line = Line::new(SimulatedPort::new(network));
         let mut head = Simulated::start(line, &three_axes(), 1).unwrap();
         head.go_to([100_000, 3_000_000, 0]).unwrap();
         head.home(0).unwrap();
@@ -241,20 +242,21 @@ mod tests {
         assert!(x.abs() <= 2_000 && z.abs() <= 2_000, "{x} {z}");
         assert!(y.abs_diff(3_000_000) <= 2_000, "{y}");
         assert!(head.axes[0].is_homed && !head.axes[1].is_homed);
-        // It moves all axes together, as the leader of the group is known.
+        // All axes move together, so the leader of the group is known.
         let there = head.go_to([1_000_000, 1_000_000, 0]).unwrap();
         assert!(there[1].abs_diff(1_000_000) <= 2_000);
     }
 
-    /// Supply, reset, a motion, a drive that was switched off: each ends what was known.
+    /// A loss of supply, a reset, a motion, and a drive that was switched off: after each of them
+    /// the memory is not valid.
     #[test]
     fn modules_that_are_not_as_they_were_left_are_told_apart() {
         type Change = fn(&mut SimulatedPort);
         let changes: [Change; 4] = [
             |port| {
-                port.chain.set_power(false);
+                port.network.set_power(false);
                 port.receive(2_000).unwrap();
-                port.chain.set_power(true);
+                port.network.set_power(true);
             },
             |port| {
                 let reset = Command::ResetPosition(Reset::Zero);
@@ -266,7 +268,7 @@ mod tests {
                 port.send(there.frame(3).bytes()).unwrap();
                 port.receive(2_000).unwrap();
                 for _ in 0..1000 {
-                    port.chain.tick();
+                    port.network.tick();
                 }
             },
             |port| {
@@ -285,7 +287,7 @@ mod tests {
             let Rejoined::Changed(line) = rejoined else {
                 panic!("change {index} was not noticed");
             };
-            // The start-up finds the modules as ever.
+            // The start-up finds the modules as usual.
             Simulated::start(*line, &three_axes(), 1).unwrap();
         }
     }
@@ -341,7 +343,7 @@ mod tests {
             port.send(far.frame(1).bytes()).unwrap();
             port.receive(100_000).unwrap();
             for _ in 0..600 {
-                port.chain.tick();
+                port.network.tick();
             }
             let memory = Memory {
                 in_use: true,
@@ -354,7 +356,14 @@ mod tests {
         let Rejoined::AsLeft(mut head) = rejoin(port, &three_axes(), &memory) else {
             panic!("the modules were not recognised");
         };
-        let counts = head.line.port().chain.chain().motor(0).unwrap().counts();
+        let counts = head
+            .line
+            .port()
+            .network
+            .servo_network()
+            .motor(0)
+            .unwrap()
+            .counts();
         // 2 um per count.
         let wanted = (counts - i64::from(origin)) * 2000;
         let [x, y, _] = head.held();
@@ -365,11 +374,11 @@ mod tests {
         assert!(y.abs_diff(3_000_000) <= 2_000 && head.axes[0].is_homed);
         head.go_to([0, 3_000_000, 0]).unwrap();
 
-        // The supply was off since, or another program has set the modules up.
+        // Since then the supply was off, or another program has set the modules up.
         let (mut port, memory) = killed();
-        port.chain.set_power(false);
+        port.network.set_power(false);
         port.receive(2_000).unwrap();
-        port.chain.set_power(true);
+        port.network.set_power(true);
         let changed = rejoin(port, &three_axes(), &memory);
         assert!(matches!(changed, Rejoined::Changed(_)));
         for items in [Items::NONE, Items::AUXILIARY, LEFT] {

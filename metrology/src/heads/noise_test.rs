@@ -3,8 +3,8 @@
 use super::line::Line;
 use super::machine::Machine;
 use super::port::Port as _;
+use crate::error::Error;
 use crate::simulated::{Contact, SimulatedNetwork, SimulatedPort, three_axes};
-use crate::trouble::Trouble;
 use husillo_probe::UnitVector;
 use husillo_sim::{Damage, Noise, Random};
 use husillo_transports::nmc::{Baud, Command, Group};
@@ -18,8 +18,8 @@ const FACE: i64 = 3000;
 /// Nanometres of a count.
 const COUNT: i64 = 2000;
 
-/// Largest error of a result, counts: one as on a good line, and one that a servo at rest may move
-/// by.
+/// Largest error of a result, counts: one as on a good line, and one because a servo may move at
+/// rest.
 const TOLERANCE: i64 = 2;
 
 /// The results of all sessions.
@@ -38,8 +38,8 @@ struct Tally {
 }
 
 impl Tally {
-    fn report(&mut self, trouble: &Trouble) {
-        let text = trouble.to_string();
+    fn report(&mut self, error: &Error) {
+        let text = error.to_string();
         // Without its numbers.
         let kind: String = text.chars().filter(|sign| !sign.is_ascii_digit()).collect();
         *self.reported.entry(kind).or_default() += 1;
@@ -49,7 +49,7 @@ impl Tally {
         self.reported.values().sum()
     }
 
-    /// Reported collisions. In these sessions there are no real ones.
+    /// Number of reported collisions. In these sessions there are no real ones.
     fn collisions(&self) -> u64 {
         let errors = self.reported.iter();
         let collisions = errors.filter(|(words, _)| words.starts_with("collision"));
@@ -58,7 +58,7 @@ impl Tally {
 
     fn close(&mut self, mut port: SimulatedPort) {
         self.seconds += port.elapsed_us() as f64 * 1e-6;
-        self.add_damage(port.chain.chain().damage());
+        self.add_damage(port.network.servo_network().damage());
     }
 
     fn add_damage(&mut self, damage: Damage) {
@@ -99,22 +99,22 @@ fn port(modules: usize, noise: Noise, seed: u64) -> SimulatedPort {
         .flat_map(|module| [format!("{module}:{FACE}"), format!("{module}:..-{FACE}")])
         .map(|face| face.parse().expect("a face"))
         .collect();
-    let chain = SimulatedNetwork::new(&vec![4; modules], &faces, None).expect("a chain");
-    SimulatedPort::new(chain.with_faults(noise, seed))
+    let network = SimulatedNetwork::new(&vec![4; modules], &faces, None).expect("a network");
+    SimulatedPort::new(network.with_faults(noise, seed))
 }
 
 /// True position of the motor of a module.
 fn truth(port: &mut SimulatedPort, module: u8) -> i64 {
-    let motor = port.chain.chain().motor(usize::from(module - 1));
+    let motor = port.network.servo_network().motor(usize::from(module - 1));
     motor.expect("a motor").counts()
 }
 
 /// True positions of the motors at 0 of the modules. A session may begin anywhere.
 fn zeros(head: &mut Head) -> [i64; 3] {
     [0, 1, 2].map(|module| {
-        let chain = head.line.port().chain.chain();
-        let motor = chain.motor(module).map_or(0, |motor| motor.counts());
-        motor - i64::from(chain.axis(module).map_or(0, |axis| axis.position()))
+        let network = head.line.port().network.servo_network();
+        let motor = network.motor(module).map_or(0, |motor| motor.counts());
+        motor - i64::from(network.axis(module).map_or(0, |axis| axis.position()))
     })
 }
 
@@ -128,7 +128,7 @@ struct Plan {
     /// Largest number of sessions.
     sessions: u64,
     seed: u64,
-    /// In every session one module fails once.
+    /// Whether one module fails once in every session.
     has_outages: bool,
 }
 
@@ -156,15 +156,15 @@ fn sessions(plan: Plan) -> Tally {
         if plan.has_outages {
             let module = random.below(modules as u64) as usize;
             let periods = 1000 + random.below(40_000);
-            port.chain.interrupt(module, periods);
+            port.network.interrupt(module, periods);
         }
         let touches = 1 + random.below(2) as u8;
         match Head::start(Line::new(port), &machine, touches) {
             Ok(mut head) => {
                 // Homed where it stands, so that it moves at full speed.
                 head.axes.iter_mut().for_each(|axis| axis.is_homed = true);
-                if let Err(trouble) = session(&mut head, &mut random, &mut tally) {
-                    tally.report(&trouble);
+                if let Err(error) = session(&mut head, &mut random, &mut tally) {
+                    tally.report(&error);
                 }
                 let port = head.line.into_port();
                 // The next session continues this simulation, for at most an hour.
@@ -176,14 +176,14 @@ fn sessions(plan: Plan) -> Tally {
                 }
             }
             // The port is lost with the line, so its time does not count.
-            Err(trouble) => tally.report(&trouble),
+            Err(error) => tally.report(&error),
         }
     }
     open.into_iter().for_each(|port| tally.close(port));
     tally
 }
 
-fn session(head: &mut Head, random: &mut Random, tally: &mut Tally) -> Result<(), Trouble> {
+fn session(head: &mut Head, random: &mut Random, tally: &mut Tally) -> Result<(), Error> {
     let (axes, zeros) = (head.axes.len(), zeros(head));
     for _ in 0..10 {
         let (axis, side) = (
@@ -254,7 +254,7 @@ const NOISY: Plan = Plan {
     has_outages: false,
 };
 
-/// Twenty minutes on a line with ten times the wrong bits of a bad one.
+/// Twenty minutes on a line with ten times as many wrong bits as on a bad one.
 #[test]
 fn a_noisy_line_gives_right_results_or_errors() {
     let tally = sessions(NOISY);

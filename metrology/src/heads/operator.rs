@@ -1,19 +1,19 @@
-//! The operator of a machine, who can stop it and sees the traffic of its line.
+//! The operator of a machine, who can stop it and can see the bytes on its line.
 
 /// The operator of a machine. A stop is requested from outside, for example by a signal. The line
-/// checks for it before each of its steps. All methods have defaults: the operator `()` never stops
-/// and ignores all reports.
+/// checks for a request before each of its steps. All methods have defaults: the operator `()`
+/// never stops and ignores all reports.
 pub trait Operator {
-    /// Whether a stop is requested that is not carried out yet. No step of the line begins then.
+    /// Whether a stop is requested and not carried out yet. Then no step of the line begins.
     fn is_stop_wanted(&self) -> bool {
         false
     }
 
-    /// The motors are being stopped. This clears the request for a stop.
+    /// Called when the motors are being stopped. Clears the request for a stop.
     fn stop_is_seen_to(&self) {}
 
-    /// Called when motors may run from now on (`true`), and when they do not run any more. While
-    /// they may run, a program must stop them before it ends.
+    /// Called with `true` before motors may run, and with `false` when none runs any more. Between
+    /// these calls a program must stop them before it ends.
     fn set_moving(&self, is_moving: bool) {
         let _ = is_moving;
     }

@@ -5,10 +5,10 @@ use std::io;
 
 /// A port with its clock: a serial device, a socket, or a simulated line.
 pub trait Port {
-    /// The waiting times that suit the port at a baud rate.
+    /// The waiting times for the port at a baud rate.
     fn timing(&self, baud: Baud) -> Timing;
 
-    /// The same after the start-up, when all modules are known.
+    /// The waiting times after the start-up, when all modules are known.
     fn timing_of_known(&self, baud: Baud) -> Timing {
         self.timing(baud)
     }

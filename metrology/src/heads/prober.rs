@@ -1,7 +1,7 @@
 //! The interface of measuring routines to a machine.
 
 use super::view::View;
-use crate::trouble::Trouble;
+use crate::error::Error;
 use husillo_probe::{Edge, UnitVector};
 
 /// A machine that moves a probe in straight lines. Positions are those of the centre of the tip in
@@ -13,49 +13,50 @@ pub trait Prober {
     /// # Errors
     ///
     /// No answer.
-    fn position(&mut self) -> Result<[i64; 3], Trouble>;
+    fn position(&mut self) -> Result<[i64; 3], Error>;
 
-    /// Goes to the goal in a straight line and returns where the axes stand.
+    /// Moves to the goal along a straight path. Returns the position at which the axes come to
+    /// rest.
     ///
     /// # Errors
     ///
-    /// [`Trouble`]. If the goal is outside of the travel, nothing moves.
-    fn go_to(&mut self, goal_nm: [i64; 3]) -> Result<[i64; 3], Trouble>;
+    /// [`Error`]. If the goal is outside of the travel, nothing moves.
+    fn go_to(&mut self, goal_nm: [i64; 3]) -> Result<[i64; 3], Error>;
 
-    /// Goes to the goal in a guarded move. A contact is a collision, but the axes stop gently,
+    /// Moves to the goal in a guarded move. A contact is a collision, but the axes stop gently,
     /// within the over-travel of the probe. See [`Approach::Guarded`](super::Approach::Guarded).
     ///
     /// # Errors
     ///
     /// Those of [`go_to`](Self::go_to).
-    fn guarded_to(&mut self, goal_nm: [i64; 3]) -> Result<[i64; 3], Trouble>;
+    fn guarded_to(&mut self, goal_nm: [i64; 3]) -> Result<[i64; 3], Error>;
 
-    /// Goes to the goal with at most this speed along the path.
+    /// Moves to the goal with at most this speed along the path.
     ///
     /// # Errors
     ///
     /// Those of [`go_to`](Self::go_to).
-    fn feed_to(&mut self, goal_nm: [i64; 3], nm_per_min: u64) -> Result<[i64; 3], Trouble>;
+    fn feed_to(&mut self, goal_nm: [i64; 3], nm_per_min: u64) -> Result<[i64; 3], Error>;
 
-    /// Goes towards a goal in a straight line until the contact is made or broken. Then it brakes
-    /// and stays at that position. The speed along the path is at most `nm_per_min` and at most
-    /// that of a search.
+    /// Moves towards a goal along a straight path until the contact is made or broken. Then it
+    /// brakes, and stays at the position where it comes to rest. The speed along the path is at
+    /// most `nm_per_min`, and at most that of a search.
     ///
     /// # Errors
     ///
-    /// [`Trouble`]. Nothing moves if the goal is outside of the travel, or if the contact already
+    /// [`Error`]. Nothing moves if the goal is outside of the travel, or if the contact already
     /// has the wanted state at the start.
     fn probe_to(
         &mut self,
         goal_nm: [i64; 3],
         nm_per_min: u64,
         until: Edge,
-    ) -> Result<Probed, Trouble>;
+    ) -> Result<Probed, Error>;
 
     /// Whether there was a collision. Then no result is valid.
     fn has_collided(&self) -> bool;
 
-    /// From now on the messages contain positions instead of readings.
+    /// Sets the view by which messages contain positions instead of readings.
     fn see_as(&mut self, _: &View) {}
 
     /// Touches from the present position, within a distance of `distance_nm`. Backs off and returns
@@ -63,17 +64,17 @@ pub trait Prober {
     ///
     /// # Errors
     ///
-    /// [`Trouble`], including a failure of the probing cycle.
-    fn touch(&mut self, direction: &UnitVector, distance_nm: u64) -> Result<Touched, Trouble>;
+    /// [`Error`], including a failure of the probing cycle.
+    fn touch(&mut self, direction: &UnitVector, distance_nm: u64) -> Result<Touched, Error>;
 }
 
 /// The end of a move that watches the contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Probed {
-    /// Position of the centre of the tip when the contact changed, pre-travel included. `None`: it
-    /// did not change.
+    /// Position of the centre of the tip when the contact changed. It includes the pre-travel.
+    /// `None`: the contact did not change.
     pub changed_nm: Option<[i64; 3]>,
-    /// The position at which the machine stands: beyond the change by the braking distance, or at
+    /// The position at which the machine comes to rest: the braking distance beyond the change, or
     /// the goal.
     pub at_nm: [i64; 3],
 }
@@ -86,6 +87,6 @@ pub struct Touched {
     pub centre_nm: [i64; 3],
     /// Number of slow touches in the mean.
     pub touches: u8,
-    /// Distance of the farthest from the nearest of them.
+    /// Distance between the nearest and the farthest slow touch.
     pub spread_nm: i64,
 }

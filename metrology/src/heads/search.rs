@@ -9,7 +9,7 @@ pub struct Search {
     pub events: Homing,
     /// How a module stops its axis after the event.
     pub stop: Homing,
-    /// The only axis that searches, as its index in the machine file. `None`: all axes search.
+    /// Index in the machine file of the only axis that searches. `None`: all axes search.
     pub only: Option<usize>,
 }
 
@@ -18,7 +18,8 @@ impl Search {
         self.only.is_none_or(|only| only == index)
     }
 
-    /// Whether the search is for the contact. An axis alone searches its index or its end switch.
+    /// Whether the search is for the contact of the probe. A single axis searches its index or its
+    /// end switch.
     pub fn is_touch(self) -> bool {
         self.only.is_none()
     }

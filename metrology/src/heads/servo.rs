@@ -2,11 +2,11 @@
 
 use super::machine::AxisSettings;
 use super::wiring::End;
+use crate::error::Error;
 use crate::scale::Scale;
-use crate::trouble::Trouble;
 use husillo_transports::nmc::{Reply, Status};
 
-/// An axis behind a module. Counts are those of the module. They are 0 at the position of its
+/// An axis behind a module. Counts are those of the module, which are 0 at its position at the
 /// reset.
 #[derive(Clone, Copy, Debug)]
 pub struct Servo {
@@ -28,7 +28,7 @@ pub struct Servo {
     pub heading: Option<End>,
     /// Consecutive readings with an open end switch.
     pub open_readings: u32,
-    /// Whether its end switch is searched for, so that a closed switch is no fault.
+    /// Whether its end switch is searched for, so that a closed switch is not a fault.
     pub is_end_sought: bool,
     /// Whether its module watches the end switch.
     pub is_end_armed: bool,
@@ -57,7 +57,8 @@ impl Servo {
         scale.of_counts(i64::from(counts) - i64::from(self.origin))
     }
 
-    /// A position as counts, rounded to the nearest. It saturates outside of any travel.
+    /// A position as counts, rounded to the nearest. The result saturates far outside of any
+    /// travel.
     pub fn counts(&self, scale: Scale, position: i64) -> i32 {
         let counts = scale.to_counts(position).saturating_add(self.origin.into());
         i32::try_from(counts).unwrap_or(if counts < 0 { i32::MIN } else { i32::MAX })
@@ -90,8 +91,8 @@ impl Servo {
         counts.abs_diff(other) <= self.settings.in_position
     }
 
-    /// Registers that an end switch is closed. Its end is that of its input. If the input does not
-    /// show it, it is the end that the axis moved to. Otherwise it is the nearer one.
+    /// Registers that an end switch is closed. If its input has only one switch, this determines
+    /// the end. Otherwise it is the end to which the axis moved, or else the nearer one.
     pub(super) fn meet_end(&mut self, reply: &Reply) {
         let counts = reply.readings.position.saturating_sub(self.origin);
         let nearer = self.is_homed.then(|| self.settings.nearer_end(counts));
@@ -104,14 +105,14 @@ impl Servo {
     /// # Errors
     ///
     /// The fault that the module reports.
-    pub fn check(&self, reply: &Reply, at: impl FnOnce() -> String) -> Result<(), Trouble> {
+    pub fn check(&self, reply: &Reply, at: impl FnOnce() -> String) -> Result<(), Error> {
         if !reply.status.contains(Status::POWER_ON) {
             let axis = self.settings.letter;
-            Err(Trouble::NoPower { axis })
+            Err(Error::NoPower { axis })
         } else if reply.status.contains(Status::OVERCURRENT) {
-            Err(Trouble::OverCurrent { at: at() })
+            Err(Error::OverCurrent { at: at() })
         } else if reply.status.contains(Status::POSITION_ERROR) {
-            Err(Trouble::PositionError { at: at() })
+            Err(Error::PositionError { at: at() })
         } else {
             Ok(())
         }

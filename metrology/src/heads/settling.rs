@@ -2,18 +2,18 @@
 
 use super::head::{Head, is_done};
 use super::port::Port;
-use crate::trouble::Trouble;
+use crate::error::Error;
 use husillo_transports::nmc::Reply;
 
-/// Longest time from the end of a profile until the axes stand, us.
+/// Longest time from the end of a profile until the axes are at rest, us.
 pub const SETTLING_US: u64 = 2_000_000;
 
-/// The axes stand after this number of consecutive readings in position.
+/// The axes are at rest after this number of consecutive readings in position.
 const STILL_READINGS: u32 = 3;
 
 impl<P: Port> Head<P> {
-    /// Waits until all axes stand, at the goal or at the position where they have stopped.
-    pub(super) fn stand(&mut self, goal: Option<&[i32]>) -> Result<Vec<Reply>, Trouble> {
+    /// Waits until all axes are at rest, at the goal or at the position where they have stopped.
+    pub(super) fn stand(&mut self, goal: Option<&[i32]>) -> Result<Vec<Reply>, Error> {
         let end_us = self.line.elapsed_us() + self.braking_us() + SETTLING_US;
         let (mut still, mut before): (u32, Option<Vec<i32>>) = (0, None);
         loop {
@@ -30,8 +30,8 @@ impl<P: Port> Head<P> {
             if still >= STILL_READINGS {
                 return Ok(replies);
             }
-            // Axes that stand at the last reading get the remaining readings, even if the computer
-            // is busy and late.
+            // If the axes are in position at the last reading, the remaining readings are still
+            // made, even if the computer is busy and late.
             if let Some(before) = before.as_deref().filter(|_| still == 0) {
                 if self.line.elapsed_us() > end_us {
                     return Err(self.late(goal, before, &replies));
@@ -43,7 +43,7 @@ impl<P: Port> Head<P> {
 
     /// Waits until the axes have stopped, reads them until two readings agree, and holds them at
     /// their positions.
-    pub(super) fn settle(&mut self) -> Result<Vec<Reply>, Trouble> {
+    pub(super) fn settle(&mut self) -> Result<Vec<Reply>, Error> {
         self.stand(None)?;
         let replies = self.read_twice()?;
         for (index, reply) in replies.iter().enumerate() {
@@ -52,8 +52,8 @@ impl<P: Port> Head<P> {
         Ok(replies)
     }
 
-    /// Longest braking time of an axis, us. In an oblique move all axes have one time law. It
-    /// follows from the limits of one of them, so braking takes no longer than the longest of these
+    /// Longest braking time of an axis, us. In an oblique move all axes brake for the same time.
+    /// The limits of one of the axes determine it, so it is at most the longest of their braking
     /// times.
     pub(super) fn braking_us(&self) -> u64 {
         let axes = self.axes.iter().map(|axis| {
@@ -63,10 +63,10 @@ impl<P: Port> Head<P> {
         axes.max().unwrap_or_default()
     }
 
-    /// The failure of axes that are late. It names an axis that still moves, or the axis that is
-    /// farthest from its goal. Without a goal it names the axis that is farthest from its position
-    /// `before`.
-    pub(super) fn late(&self, goal: Option<&[i32]>, before: &[i32], replies: &[Reply]) -> Trouble {
+    /// The error of axes that are not at rest in time. It names an axis that still moves, or the
+    /// axis that is farthest from its goal. Without a goal it names the axis that is farthest from
+    /// its position `before`.
+    pub(super) fn late(&self, goal: Option<&[i32]>, before: &[i32], replies: &[Reply]) -> Error {
         let meant = goal.unwrap_or(before);
         let far = |index: &usize| replies[*index].readings.position.abs_diff(meant[*index]);
         let farthest = (0..self.axes.len()).max_by_key(far).unwrap_or_default();
@@ -74,11 +74,11 @@ impl<P: Port> Head<P> {
         let index = moving.unwrap_or(farthest);
         let at = self.axis_text(index, replies[index].readings.position);
         match (moving, goal) {
-            (None, Some(goal)) => Trouble::NotThere {
+            (None, Some(goal)) => Error::NotThere {
                 goal: self.axis_text(index, goal[index]),
                 at,
             },
-            _ => Trouble::StillMoving { at },
+            _ => Error::StillMoving { at },
         }
     }
 }

@@ -7,11 +7,11 @@ use super::search::{Search, searches};
 use super::servo::Servo;
 use super::settling::SETTLING_US;
 use super::wiring::End;
-use crate::trouble::Trouble;
+use crate::error::Error;
 use husillo_planner::{ServoLine, Tangent};
 use husillo_transports::nmc::{Command, EVERY_GROUP, Failure, Homing, Mode, Reply, Trajectory};
 
-/// How often a start command is sent if no module follows it.
+/// Number of times that a start command is sent if no module follows it.
 const STARTS: u32 = 3;
 
 /// A finished move of the axes.
@@ -26,30 +26,31 @@ pub struct FinishedMove {
 /// Converts counts/s and counts/s^2 to the units of a module: 2^-16 counts per period and per
 /// period^2. The results are at least 1.
 pub(crate) fn per_period(rate: u32, acceleration: u64, period_s: f64) -> (u32, u32) {
-    // No motor reaches 2^31, so the saturation of the casts does no harm.
+    // No motor reaches 2^31, so it does not matter that the casts saturate.
     let velocity = (f64::from(rate) * period_s * 65536.0).round() as u32;
     let acceleration = (acceleration as f64 * period_s * period_s * 65536.0).round() as u32;
     (velocity.max(1), acceleration.max(1))
 }
 
 impl<P: Port> Head<P> {
-    /// Goes in a straight line to `goal` in counts and waits until all axes stand. The speed is the
-    /// highest that the axes can reach, but at most `rate` counts/s. With a `search` each module
-    /// latches its position at the event and stops its axis, without the host. Without an event the
-    /// move ends at its goal, even if the host has gone. Without a search a contact is a collision.
+    /// Moves along a straight path to `goal`, in counts, and waits until all axes are at rest. The
+    /// speed is the highest that the axes can reach, but at most `rate` counts/s. With a `search`
+    /// each module latches its position at the event and stops its axis, without the host. Without
+    /// an event the move ends at its goal, even without the host. Without a search a contact is a
+    /// collision.
     ///
-    /// The trapezoids of the axes have one time law ([`ServoLine`]). They are loaded first and
-    /// started by one command to the group.
+    /// The trapezoids of all axes have the same ratio of time to path ([`ServoLine`]). They are
+    /// loaded first and started by one command to the group.
     ///
     /// # Errors
     ///
-    /// [`Trouble`]. All axes are stopped then.
+    /// [`Error`]. All axes are stopped then.
     pub fn travel(
         &mut self,
         goal: &[i32],
         rate: Option<u32>,
         search: Option<Search>,
-    ) -> Result<FinishedMove, Trouble> {
+    ) -> Result<FinishedMove, Error> {
         let Some(search) = search else {
             return self.go(goal, rate, Approach::Rapid);
         };
@@ -65,7 +66,7 @@ impl<P: Port> Head<P> {
         goal: &[i32],
         rate: Option<u32>,
         approach: Approach,
-    ) -> Result<FinishedMove, Trouble> {
+    ) -> Result<FinishedMove, Error> {
         self.supervised(|head| {
             head.check_ends(goal)?;
             head.go_clear(goal, rate, approach)
@@ -77,7 +78,7 @@ impl<P: Port> Head<P> {
         goal: &[i32],
         rate: Option<u32>,
         search: Search,
-    ) -> Result<FinishedMove, Trouble> {
+    ) -> Result<FinishedMove, Error> {
         let mut watch = self.watch(goal);
         let Some(line) = self.line_to(goal, rate) else {
             let replies = self.stand(Some(goal))?;
@@ -99,13 +100,13 @@ impl<P: Port> Head<P> {
                 let found = search.found_by(&replies);
                 if let Some((index, _)) = found.iter().find(|(_, is_found)| !is_found) {
                     let axis = self.axes[*index].settings.letter;
-                    return Err(Trouble::NotSeen { axis });
+                    return Err(Error::NotSeen { axis });
                 }
                 let replies = self.settle()?;
                 // A single reading may be wrong and undetected. Two equal readings are right.
                 if let Some(index) = replies.iter().position(searches) {
                     let axis = self.axes[index].settings.letter;
-                    return Err(Trouble::NotSeen { axis });
+                    return Err(Error::NotSeen { axis });
                 }
                 self.look_in_search(search, &mut watch, &replies)?;
                 return Ok(FinishedMove {
@@ -114,7 +115,7 @@ impl<P: Port> Head<P> {
                 });
             }
             if replies.iter().all(is_done) {
-                // An event while the axes settle does not count: the search ends here.
+                // The search ends here, so an event while the axes settle does not count.
                 self.disarm(search)?;
                 let replies = self.stand(Some(goal))?;
                 return Ok(FinishedMove {
@@ -129,7 +130,7 @@ impl<P: Port> Head<P> {
     }
 
     /// Arms the search on the searching axes.
-    pub(super) fn arm(&mut self, search: Search) -> Result<(), Trouble> {
+    pub(super) fn arm(&mut self, search: Search) -> Result<(), Error> {
         for (index, axis) in self.axes.iter_mut().enumerate() {
             if !search.is_for(index) {
                 continue;
@@ -144,7 +145,7 @@ impl<P: Port> Head<P> {
             let reply = self.line.command(axis.settings.module, command)?;
             if !searches(&reply) {
                 // The module has received another command, and its latch belongs to another search.
-                return Err(Trouble::Link {
+                return Err(Error::Link {
                     module: self.line.name(axis.settings.module),
                     failure: Failure::Uncertain,
                 });
@@ -154,7 +155,7 @@ impl<P: Port> Head<P> {
     }
 
     /// Ends the search.
-    pub(super) fn disarm(&mut self, search: Search) -> Result<(), Trouble> {
+    pub(super) fn disarm(&mut self, search: Search) -> Result<(), Error> {
         for (index, axis) in self.axes.iter_mut().enumerate() {
             if search.is_for(index) {
                 axis.is_end_armed = false;
@@ -207,7 +208,7 @@ impl<P: Port> Head<P> {
         goal: &[i32],
         line: &ServoLine<3>,
         search: Option<Search>,
-    ) -> Result<(), Trouble> {
+    ) -> Result<(), Error> {
         self.announce(goal);
         self.head_for(goal);
         let is_alone = self.axes.len() == 1;
@@ -215,7 +216,8 @@ impl<P: Port> Head<P> {
         for (index, goal) in goal.iter().enumerate() {
             let axis = &mut self.axes[index];
             let of = |all: [u32; 3]| match all[axis.settings.coordinate()] {
-                // An axis that does not move gets the highest rate, so that it ends immediately.
+                // An axis that does not move has the highest rate, so that its profile ends
+                // immediately.
                 0 => fastest(all),
                 part => part,
             };
@@ -249,16 +251,17 @@ impl<P: Port> Head<P> {
 
     /// Starts all axes by one command. Only the leader answers, so each module is asked whether it
     /// has begun.
-    fn start_group(&mut self, goal: &[i32], search: Option<Search>) -> Result<(), Trouble> {
+    fn start_group(&mut self, goal: &[i32], search: Option<Search>) -> Result<(), Error> {
         for _ in 0..STARTS {
             match self.line.command(EVERY_GROUP, Command::StartMotion) {
-                // If the answer of the leader is missing, the following readings decide.
+                // If the answer of the leader is missing, the following readings show whether the
+                // move has begun.
                 Ok(_)
-                | Err(Trouble::Link {
+                | Err(Error::Link {
                     failure: Failure::Uncertain,
                     ..
                 }) => {}
-                Err(trouble) => return Err(trouble),
+                Err(error) => return Err(error),
             }
             let replies = self.read()?;
             // In a short move the readings do not show the start. Such moves are checked at their
@@ -278,10 +281,10 @@ impl<P: Port> Head<P> {
                 return Ok(());
             }
             if begun.contains(&true) {
-                // The moving axes would leave the straight line.
+                // If some axes begin later, the path is no longer straight.
                 break;
             }
         }
-        Err(Trouble::NotTogether)
+        Err(Error::NotTogether)
     }
 }

@@ -8,13 +8,13 @@ pub enum Switches {
     /// One contact, at limit 1 of every module.
     #[default]
     One,
-    /// One for each sense of the only axis, as on the prototype: a touch in positive direction
-    /// closes limit 1, one in negative direction closes limit 2.
+    /// One contact for each direction of the only axis, as on the prototype. A touch in the
+    /// positive direction closes limit 1. A touch in the negative direction closes limit 2.
     PerSense,
 }
 
 impl Switches {
-    /// The events of a module that are a change of a contact.
+    /// The events of a module that report a change of a contact.
     #[must_use]
     pub const fn events(self) -> Homing {
         match self {
@@ -29,8 +29,8 @@ impl Switches {
         self.are_closed(reply)[0] || self.are_closed(reply)[1]
     }
 
-    /// Whether the contact is closed that a touch in positive direction closes, and that of a touch
-    /// in negative direction.
+    /// Whether the contact for touches in the positive direction is closed, and whether the contact
+    /// for touches in the negative direction is closed.
     #[must_use]
     pub const fn are_closed(self, reply: &Reply) -> [bool; 2] {
         let one = reply.status.contains(Status::LIMIT_1);
@@ -44,10 +44,10 @@ impl Switches {
 #[cfg(test)]
 mod tests {
     use super::Switches;
+    use crate::error::Error;
     use crate::heads::head::Head;
     use crate::heads::line::Line;
     use crate::simulated::{SimulatedNetwork, SimulatedPort, one_axis};
-    use crate::trouble::Trouble;
     use husillo_probe::UnitVector;
 
     /// A head of one axis between two faces, whose contacts are wired as `wired`.
@@ -55,8 +55,8 @@ mod tests {
         let mut machine = one_axis();
         machine.probe.switches = switches;
         let faces = ["1:900", "1:..-700"].map(|face| face.parse().unwrap());
-        let chain = SimulatedNetwork::of_machine(&machine, &faces, None).unwrap();
-        let port = SimulatedPort::new(chain.with_switches(wired));
+        let network = SimulatedNetwork::of_machine(&machine, &faces, None).unwrap();
+        let port = SimulatedPort::new(network.with_switches(wired));
         Head::start(Line::new(port), &machine, 1).unwrap()
     }
 
@@ -86,31 +86,28 @@ mod tests {
         for goal in [1500, -1500] {
             let mut head = head(Switches::PerSense, Switches::PerSense);
             let hit = head.go_to([goal, 0, 0]);
-            assert!(matches!(hit, Err(Trouble::Collision { .. })), "{hit:?}");
+            assert!(matches!(hit, Err(Error::Collision { .. })), "{hit:?}");
         }
     }
 
-    /// With a single contact at limit 1, a touch in negative direction closes that of the positive
-    /// one.
+    /// With a single contact at limit 1, a touch in the negative direction closes the contact for
+    /// the positive direction.
     #[test]
     fn the_contact_of_the_other_sense_is_refused() {
         let mut head = head(Switches::PerSense, Switches::One);
         assert!(head.touch(&UnitVector::X, 3000).is_ok());
         head.go_to([0; 3]).unwrap();
         let touch = head.touch(&UnitVector::X.reversed(), 3000);
-        assert!(
-            matches!(touch, Err(Trouble::OtherSense { .. })),
-            "{touch:?}"
-        );
+        assert!(matches!(touch, Err(Error::OtherSense { .. })), "{touch:?}");
     }
 
-    /// A second contact that the machine does not have is not looked at.
+    /// The input of a second contact that the machine does not have is ignored.
     #[test]
     fn a_single_contact_is_at_limit_1() {
         let mut head = head(Switches::One, Switches::PerSense);
         assert!(head.touch(&UnitVector::X, 3000).is_ok());
         head.go_to([0; 3]).unwrap();
         let touch = head.touch(&UnitVector::X.reversed(), 3000);
-        assert!(matches!(touch, Err(Trouble::NoContact { .. })), "{touch:?}");
+        assert!(matches!(touch, Err(Error::NoContact { .. })), "{touch:?}");
     }
 }

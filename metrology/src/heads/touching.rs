@@ -5,26 +5,26 @@ use super::port::Port;
 use super::prober::Probed;
 use super::search::Search;
 use super::straight_move::FinishedMove;
-use crate::trouble::Trouble;
+use crate::error::Error;
 use husillo_probe::{Cycle, Edge, Failure, Input, Measurement, Plan, Request, UnitVector};
 use husillo_transports::nmc::{Homing, Reply};
 
 impl<P: Port> Head<P> {
-    /// Goes towards a goal in a straight line until the contact is made or broken. It stays where
-    /// it has come to rest. The speed is at most `rate` counts/s and at most that of a search.
+    /// Moves towards a goal along a straight path until the contact is made or broken. It stays
+    /// where it comes to rest. The speed is at most `rate` counts/s, and at most that of a search.
     ///
     /// # Errors
     ///
-    /// [`Trouble`]. Nothing moves if the goal is outside of the travel, or if the contact already
+    /// [`Error`]. Nothing moves if the goal is outside of the travel, or if the contact already
     /// has the wanted state at the start.
-    pub fn search_to(&mut self, goal: [i64; 3], rate: u32, until: Edge) -> Result<Probed, Trouble> {
+    pub fn search_to(&mut self, goal: [i64; 3], rate: u32, until: Edge) -> Result<Probed, Error> {
         self.find_again()?;
         let replies = self.read_twice()?;
-        // The modules look for any change, made or broken.
+        // The modules detect any change of the contact, made or broken.
         if self.is_closed(&replies) == until.level() {
             return Err(match until {
-                Edge::Made => Trouble::Probe(Failure::ContactAtStart),
-                Edge::Broken => Trouble::NotTouching,
+                Edge::Made => Error::Probe(Failure::ContactAtStart),
+                Edge::Broken => Error::NotTouching,
             });
         }
         let meant = goal;
@@ -39,7 +39,7 @@ impl<P: Port> Head<P> {
         let at_nm = self.place_of(&finished.replies);
         if !finished.is_found {
             if self.is_closed(&finished.replies) == until.level() {
-                return Err(Trouble::NotLatched {
+                return Err(Error::NotLatched {
                     at: self.text(at_nm),
                 });
             }
@@ -57,7 +57,7 @@ impl<P: Port> Head<P> {
             .sqrt();
         let over_travel = self.scale.of_counts(self.probe.over_travel.into());
         if until == Edge::Made && beyond > over_travel as f64 {
-            return Err(Trouble::Probe(Failure::OverTravel));
+            return Err(Error::Probe(Failure::OverTravel));
         }
         Ok(Probed {
             changed_nm: Some(changed_nm),
@@ -71,20 +71,20 @@ impl<P: Port> Head<P> {
     ///
     /// # Errors
     ///
-    /// [`Trouble`], also that of the probing cycle.
-    pub fn touch(&mut self, direction: &UnitVector, distance: u64) -> Result<Measurement, Trouble> {
+    /// [`Error`], also that of the probing cycle.
+    pub fn touch(&mut self, direction: &UnitVector, distance: u64) -> Result<Measurement, Error> {
         self.find_again()?;
         let from = self.held();
         let search = distance.min(self.room(direction)).min(u32::MAX.into());
         // Limited to 32 bits above.
         let plan = self.plan(from, direction, search as u32);
-        let mut cycle = Cycle::new(&plan).map_err(Trouble::Plan)?;
+        let mut cycle = Cycle::new(&plan).map_err(Error::Plan)?;
         let mut finished = FinishedMove {
             replies: self.read()?,
             is_found: false,
         };
-        // Whether the last move was a search without a contact, and the position of a contact
-        // without a latch.
+        // Whether the last move was a search without a contact, and the position of a contact that
+        // was not latched.
         let (mut is_in_vain, mut unlatched) = (false, None);
         // The goal of a move of the cycle that is outside of the travel.
         let mut beyond: Option<(Vec<i32>, [i64; 3])> = None;
@@ -97,7 +97,7 @@ impl<P: Port> Head<P> {
             }
             let input = Input {
                 position,
-                // The latch reports a contact once. The level shows whether it lasts.
+                // The latch reports a contact once. The level shows whether it is still closed.
                 contact: finished.is_found || (is_closed && !is_in_vain),
                 latched: self.latched(&finished.replies),
                 // Each request is carried out before the next one.
@@ -133,7 +133,7 @@ impl<P: Port> Head<P> {
                 Request::Done(measurement) => return Ok(measurement),
                 Request::Failed(failure) => {
                     if let (Failure::StuckContact, Some((wanted, target))) = (failure, &beyond) {
-                        // There was no room in which to leave the contact.
+                        // Within the travel there was no room to leave the contact.
                         self.check_travel(wanted, *target)?;
                     }
                     // At most 2^32 - 1.
@@ -145,9 +145,9 @@ impl<P: Port> Head<P> {
         }
     }
 
-    /// Checks that the contact of the other sense has not closed alone.
-    fn check_sense(&self, direction: &UnitVector, replies: &[Reply]) -> Result<(), Trouble> {
-        // A probe with a contact for each sense is on a single axis.
+    /// Checks that not only the contact for the other direction has closed.
+    fn check_sense(&self, direction: &UnitVector, replies: &[Reply]) -> Result<(), Error> {
+        // A probe with a contact for each direction is on a single axis.
         let (Some(axis), [reply]) = (self.axes.first(), replies) else {
             return Ok(());
         };
@@ -156,7 +156,7 @@ impl<P: Port> Head<P> {
         let is_positive = direction.length_along(unit) > 0;
         let [positive, negative] = self.probe.switches.are_closed(reply);
         if positive != negative && positive != is_positive {
-            return Err(Trouble::OtherSense {
+            return Err(Error::OtherSense {
                 at: self.text(self.place_of(replies)),
             });
         }
@@ -184,23 +184,23 @@ impl<P: Port> Head<P> {
         }
     }
 
-    /// The failure of a search between two points. `unlatched` is the position of a contact without
-    /// a latch.
+    /// The error of a search between two points. `unlatched` is the position of a contact that was
+    /// not latched.
     fn failure(
         &self,
         failure: Failure,
         unlatched: Option<[i64; 3]>,
         [from, to]: [[i64; 3]; 2],
-    ) -> Trouble {
+    ) -> Error {
         match (failure, unlatched) {
             (Failure::NoContact | Failure::LostContact, Some(at)) => {
-                Trouble::NotLatched { at: self.text(at) }
+                Error::NotLatched { at: self.text(at) }
             }
-            (Failure::NoContact, None) => Trouble::NoContact {
+            (Failure::NoContact, None) => Error::NoContact {
                 from: self.text(from),
                 to: self.text(to),
             },
-            (failure, _) => Trouble::Probe(failure),
+            (failure, _) => Error::Probe(failure),
         }
     }
 }
@@ -225,7 +225,7 @@ impl<P: Port> Head<P> {
             .map(|(axis, goal)| {
                 let delta = (f64::from(*goal) - f64::from(axis.held)) * part;
                 let [low, high] = axis.travel_counts();
-                // Rounding may lead beyond the travel by half a count.
+                // Rounding may exceed the travel by half a count.
                 (f64::from(axis.held) + delta.round()).clamp(low.into(), high.into()) as i32
             })
             .collect()

@@ -33,7 +33,7 @@ impl View {
         self.position_from(readings, self.flanks)
     }
 
-    /// The same after moves in these directions.
+    /// The position at these readings, after moves in these directions.
     pub fn position_from(&self, readings: [i64; 3], flanks: [Flank; 3]) -> [i64; 3] {
         let place = self.errors.position_nm(readings, flanks);
         [0, 1, 2].map(|axis: usize| place[axis].saturating_sub(self.zero[axis]))

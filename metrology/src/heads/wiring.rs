@@ -45,7 +45,7 @@ impl End {
         }
     }
 
-    /// -1 for the low end, 1 for the high one.
+    /// -1 for the low end, 1 for the high end.
     pub(super) const fn sign(self) -> i32 {
         match self {
             Self::Low => -1,
@@ -80,13 +80,13 @@ impl AxisSettings {
         })
     }
 
-    /// Returns the end switch from which home is searched: the low one of two.
+    /// Returns the end switch that homing uses. If there are two, it is the low one.
     #[must_use]
     pub fn end(&self) -> Option<End> {
         self.ends().next().map(|(end, ..)| end.unwrap_or(End::Low))
     }
 
-    /// The events of the module that are a change of an end switch.
+    /// The events of the module that report a change of an end switch.
     pub(super) fn end_events(&self) -> Homing {
         let events = self.ends().map(|(_, event, _)| event);
         events.fold(Homing::default(), Homing::with)
@@ -98,7 +98,7 @@ impl AxisSettings {
         ends.any(|(.., bit)| reply.status.contains(bit))
     }
 
-    /// The end of the switch that is closed, if its input alone shows it.
+    /// The end of the closed switch, if its input has only one switch.
     pub(super) fn wired_end(&self, reply: &Reply) -> Option<End> {
         let mut ends = self.ends();
         let closed = ends.find(|(.., bit)| reply.status.contains(*bit));

@@ -2,13 +2,13 @@
 //! number for each.
 
 use super::{Parameter, Row, Table};
+use crate::error::Error;
 use crate::heads::{Head, Line, Machine};
 use crate::simulated::{Contact, SimulatedNetwork, SimulatedPort, one_axis};
-use crate::trouble::Trouble;
 use husillo_probe::UnitVector;
 use husillo_transports::nmc::Gains;
 
-/// Stated for positions and for touches, in counts and in both directions.
+/// The stated repeatability of positions and of touches, in counts, in both directions.
 const STATED_COUNTS: f64 = 1.0;
 /// The gains of the original. It does not state the other settings of its modules.
 const GAINS: Gains = Gains {
@@ -31,11 +31,11 @@ const DEAD_BAND: u8 = 14;
 const NEAR: u32 = 30;
 /// Lengths of the moves, counts. They are repeated in both directions.
 const MOVES: [i64; 10] = [1, 2, 5, 13, 40, 99, 250, 777, 1200, 2503];
-/// Where the work piece is, counts.
+/// Position of the face, counts.
 const FACE: i64 = 1000;
 /// Distances from which the face is touched, counts.
 const FROM: [i64; 8] = [150, 163, 201, 250, 333, 418, 505, 777];
-/// Equal readings after which the axis is at rest.
+/// The axis is at rest after this number of equal readings.
 const AT_REST: u32 = 20;
 /// How often each distance and each move is repeated.
 const TIMES: usize = 3;
@@ -50,7 +50,7 @@ type SimulatedHead = Head<SimulatedPort>;
 /// The simulated machine reports a failure.
 pub fn repeatability() -> Result<Table, String> {
     let today = one_axis();
-    let said = |trouble: Trouble| trouble.to_string();
+    let said = |error: Error| error.to_string();
     let with = |dead_band| {
         let mut machine = one_axis();
         machine.axes[0].gains = Gains { dead_band, ..GAINS };
@@ -109,16 +109,16 @@ pub fn repeatability() -> Result<Table, String> {
     })
 }
 
-fn start(machine: &Machine, faces: &[String]) -> Result<SimulatedHead, Trouble> {
-    // All are contacts of module 1, which exists.
+fn start(machine: &Machine, faces: &[String]) -> Result<SimulatedHead, Error> {
+    // All contacts are of module 1, which exists.
     let faces: Vec<Contact> = faces.iter().filter_map(|face| face.parse().ok()).collect();
-    let chain =
+    let network =
         SimulatedNetwork::new(&[4], &faces, None).unwrap_or_else(|why| unreachable!("{why}"));
-    Head::start(Line::new(SimulatedPort::new(chain)), machine, 1)
+    Head::start(Line::new(SimulatedPort::new(network)), machine, 1)
 }
 
 /// Returns the position at which the axis comes to rest, counts.
-fn position(head: &mut SimulatedHead) -> Result<i64, Trouble> {
+fn position(head: &mut SimulatedHead) -> Result<i64, Error> {
     let mut last = head.status(0)?.readings.position;
     let mut same = 0;
     while same < AT_REST {
@@ -130,7 +130,7 @@ fn position(head: &mut SimulatedHead) -> Result<i64, Trouble> {
 }
 
 /// Moves back and forth and returns the largest distance from a goal, counts.
-fn farthest(machine: &Machine) -> Result<f64, Trouble> {
+fn farthest(machine: &Machine) -> Result<f64, Error> {
     let mut head = start(machine, &[])?;
     let mut farthest = 0;
     for _ in 0..TIMES {
@@ -146,12 +146,12 @@ fn farthest(machine: &Machine) -> Result<f64, Trouble> {
 
 /// Touches both faces from several distances. Returns half of the larger range of the latched
 /// positions, counts.
-fn touched(machine: &Machine) -> Result<f64, Trouble> {
+fn touched(machine: &Machine) -> Result<f64, Error> {
     let faces = [format!("1:{FACE}"), format!("1:..-{FACE}")];
     let mut head = start(machine, &faces)?;
     let mut range = 0;
     for side in [1, -1] {
-        let along = UnitVector::new([side, 0, 0]).ok_or(Trouble::NotTouching)?;
+        let along = UnitVector::new([side, 0, 0]).ok_or(Error::NotTouching)?;
         let mut latched = Vec::new();
         for _ in 0..TIMES {
             for from in FROM {
@@ -178,11 +178,11 @@ mod tests {
             table.rows.iter().all(|row| row.today <= Some(1.0)),
             "{table:?}"
         );
-        // Without the dead band it is far away.
         assert!(farthest(&one_axis()).unwrap() <= 1.0);
         let mut plain = one_axis();
         plain.axes[0].gains = GAINS;
         plain.axes[0].in_position = NEAR;
+        // Without the dead band the axis stops far from its goals.
         assert!(farthest(&plain).unwrap() > 5.0);
     }
 }

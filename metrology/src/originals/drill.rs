@@ -10,9 +10,10 @@ use husillo_transports::drill::{END_OF_PROGRAM, MEMORY_BYTES, Record, Table as R
 const PITCH_NM: i64 = 2_540_000;
 /// Distance of its two rows, nm.
 const ROWS_NM: i64 = 7_620_000;
-/// The first of its 16 pins, nm: at the far end of the table, where errors have grown most.
+/// Position of the first of its 16 pins, nm. It is at the far end of the table, where errors are
+/// largest.
 const FIRST_NM: [i64; 2] = [200_000_000, 35_000_000];
-/// A thousandth of an inch: what boards need, um.
+/// The accuracy that boards need, um: a thousandth of an inch.
 const NEEDED_UM: f64 = 25.4;
 /// Steps per mm: 200 steps per turn, a speed-raising gear of 0.53499, a screw of 1 mm.
 const TRUE_STEPS_PER_MM: f64 = 200.0 * 0.53499;
@@ -24,9 +25,9 @@ const BOARD: u16 = 3000;
 /// The result of the simulated drill.
 struct Made {
     holes: Vec<DrilledHole>,
-    /// Time of each stroke of Z down and up, s.
+    /// Time of each stroke of Z, down and up, s.
     strokes_s: Vec<f64>,
-    /// Steps of X off its switch when homing began on it.
+    /// Steps that X moves off its switch if homing begins on the switch.
     back_off_steps: i32,
 }
 
@@ -91,7 +92,7 @@ pub fn holes() -> Result<Table, String> {
 
 fn drilled(wanted: &[[i64; 2]]) -> Result<Made, String> {
     let mut drill = Drill::<MEMORY_BYTES>::new(DrillConfig::ORIGINAL);
-    // X is on its switch at first.
+    // At first X is on its switch.
     let mut rig = DrillRig::new([0, 100, 50], STROKE, BOARD, 0);
     let mut strokes_s = Vec::new();
     let back_off_steps = run(&mut drill, &mut rig, &mut strokes_s);

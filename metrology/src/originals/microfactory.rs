@@ -1,4 +1,4 @@
-//! The microfactory: current of a motor over its rate, and what follows from it.
+//! The microfactory: the current of a motor at different rates, and what it determines.
 
 mod coils;
 mod current;

@@ -1,5 +1,5 @@
-//! The micro mill: lines, squares, circles and parts cut on screws with the backlash of the
-//! original.
+//! The micro mill: lines, squares, circles and parts that are cut with the backlash of the original
+//! screws.
 
 mod choices;
 mod circle;
@@ -26,7 +26,7 @@ pub use squares::squares;
 pub use supply::supply;
 
 use super::Parameter;
-use crate::calibration::backlash::{Bench, PlaceTable, RUN_UP_MM, cut_all, place_table};
+use crate::calibration::backlash::{BacklashTable, Bench, RUN_UP_MM, backlash_table, cut_all};
 use crate::quantity::Fraction;
 use std::fmt;
 
@@ -34,7 +34,7 @@ use std::fmt;
 pub const MIDDLE_MM: [f64; 2] = [5.0, 3.5];
 /// The work area, mm.
 const TRAVEL_MM: [[f64; 2]; 2] = [[0.0, 10.0], [0.0, 7.0]];
-/// The step that the original calculated with.
+/// The length of a step with which the original calculates.
 pub const NOMINAL_STEP: Fraction = Fraction { num: 140, den: 1 };
 /// The step of a screw of 0.5 mm per turn behind 28 steps and a gear of 1:128: 139.51 nm.
 pub const TRUE_STEP: Fraction = Fraction {
@@ -45,10 +45,10 @@ pub const TRUE_STEP: Fraction = Fraction {
 const FIRST_TAKE_UP_UM: [f64; 2] = [192.5, 168.5];
 /// Take-up of the original when it cut the circles of table 15, and later, um.
 const LAST_TAKE_UP_UM: [f64; 2] = [204.0, 178.0];
-/// Backlash that remained in the work according to the original, um. It is the spread of any
-/// backlash.
+/// Backlash that remained in the work according to the original, um. It is used as the spread of
+/// every backlash value.
 const LEFT_UM: [f64; 2] = [33.0, 27.0];
-/// Largest error of the reading of a mark, um. It is the spread of any length.
+/// Largest error of the reading of a mark, um. It is used as the spread of every length.
 const READING_UM: f64 = 10.0;
 /// Largest distance between two positions of the map of today, mm.
 const EVERY_MM: f64 = 1.0;
@@ -59,7 +59,7 @@ pub struct Settings {
     /// Step of the axes in nm.
     pub step: Fraction,
     /// Backlash that it takes up on X and Y.
-    pub take_up: [PlaceTable; 2],
+    pub take_up: [BacklashTable; 2],
 }
 
 impl Settings {
@@ -74,11 +74,11 @@ impl Settings {
 }
 
 /// The same backlash at every position.
-fn everywhere(um: f64) -> PlaceTable {
-    PlaceTable {
+fn everywhere(um: f64) -> BacklashTable {
+    BacklashTable {
         axes: [0, 1],
-        places_mm: [vec![0.0], vec![0.0]],
-        lash_um: vec![um],
+        positions_mm: [vec![0.0], vec![0.0]],
+        backlash_um: vec![um],
     }
 }
 
@@ -123,7 +123,7 @@ impl<'a> Shop<'a> {
     }
 }
 
-/// True length per length that the original calculated with.
+/// True length divided by the length with which the original calculates.
 fn scale() -> f64 {
     nm(TRUE_STEP) / nm(NOMINAL_STEP)
 }
@@ -132,8 +132,8 @@ fn nm(step: Fraction) -> f64 {
     step.num as f64 / step.den as f64
 }
 
-/// The settings of today: the true step, and a map by position from two-line tests all over the
-/// work area of these screws.
+/// The settings of today: the true step, and a backlash map from two-line tests over the whole work
+/// area.
 fn mapped(screws: &Screws, build: &Build<'_>) -> Result<Settings, String> {
     let mut settings = Settings {
         step: TRUE_STEP,
@@ -149,14 +149,15 @@ fn mapped(screws: &Screws, build: &Build<'_>) -> Result<Settings, String> {
     for axis in 0..2 {
         let map = settings.take_up[axis].map(TRUE_STEP, [TRUE_STEP; 3]);
         let map = map.map_err(|why| why.to_string())?;
-        let lash: Vec<_> = pairs
+        let backlash: Vec<_> = pairs
             .iter()
             .map(|pair| {
                 let taken_up_nm = pair.taken_up_nm(&map, step_nm, TRAVEL_MM);
-                (*pair, pair.lash_nm(taken_up_nm))
+                (*pair, pair.backlash_nm(taken_up_nm))
             })
             .collect();
-        settings.take_up[axis] = place_table(axis, &lash)?.ok_or("no position was measured")?;
+        settings.take_up[axis] =
+            backlash_table(axis, &backlash)?.ok_or("no position was measured")?;
     }
     Ok(settings)
 }
@@ -170,7 +171,7 @@ fn parameters(screws: &Screws) -> Vec<Parameter> {
     )];
     for (name, screw) in ["X", "Y"].iter().zip(screws.axes()) {
         parameters.push(Parameter::new(
-            format!("play of {name}"),
+            format!("backlash of {name}"),
             screw.to_string(),
             "fitted to the plays of tables 13, 14 and 15: um, with u and v in mm from the middle \
              along the own and the other axis",

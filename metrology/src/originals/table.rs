@@ -11,19 +11,19 @@ pub struct Row {
     pub unit: &'static str,
     /// The measured value.
     pub measured: f64,
-    /// The value that the simulated machine gives with the settings of the original; `None` where
-    /// no simulation reaches it.
+    /// The value of the simulated machine with the settings of the original; `None` if no
+    /// simulation gives it.
     pub rebuilt: Option<f64>,
-    /// The value with the compensation of today; `None` where nothing is compensated.
+    /// The value with the compensation of today; `None` if nothing is compensated.
     pub today: Option<f64>,
-    /// The programmed value; `None` where there is none.
+    /// The programmed value; `None` if there is none.
     pub programmed: Option<f64>,
     /// Spread of the measured value in either direction.
     pub spread: f64,
 }
 
 impl Row {
-    /// A row with a measured value and its spread only.
+    /// A row with only a measured value and its spread.
     pub fn new(name: impl Into<String>, unit: &'static str, measured: f64, spread: f64) -> Self {
         Self {
             name: name.into(),
@@ -55,7 +55,7 @@ impl Row {
         }
     }
 
-    /// Measured minus rebuilt value: what the simulation does not explain.
+    /// Measured minus rebuilt value: the part that the simulation does not explain.
     #[must_use]
     pub fn unexplained(&self) -> Option<f64> {
         Some(self.measured - self.rebuilt?)
@@ -97,7 +97,7 @@ pub struct Table {
     pub number: &'static str,
     /// What it shows.
     pub title: &'static str,
-    /// What the spread of the rows is.
+    /// The meaning of the spread of the rows.
     pub spread: &'static str,
     /// The rows.
     pub rows: Vec<Row>,
@@ -115,7 +115,7 @@ impl Table {
         [all().count(), all().filter(|within| *within).count()]
     }
 
-    /// Root mean square of what is unexplained, of the rows with this unit. `None` without such
+    /// Root mean square of the unexplained parts of the rows with this unit. `None` without such
     /// rows.
     #[must_use]
     pub fn rms(&self, unit: &str) -> Option<f64> {

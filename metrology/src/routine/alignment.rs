@@ -13,12 +13,12 @@ use husillo_probe::UnitVector;
 /// gives the direction of a second axis and the position on the third. The point gives the position
 /// on the second axis. Each direction belongs to the nearest axis of the previous frame.
 ///
-/// The radius of the ball is subtracted along the axes found, not along the travel. So the rotation
-/// of the part does not change the frame, as long as the tip can touch it.
+/// The radius of the ball is subtracted along the axes that were found, not along the travel. So
+/// the rotation of the part causes no error, as long as the tip can touch it.
 ///
 /// # Errors
 ///
-/// The line is at right angles to the plane, or a feature has the wrong shape.
+/// The line is perpendicular to the plane, or a feature has the wrong shape.
 pub fn align(
     of: [&Feature; 3],
     called_nm: [i64; 3],
@@ -39,7 +39,7 @@ pub fn align(
     let (second, sign) = nearest_axis(before.direction_to_part(&direction), Some(first));
     let along = scaled(along, sign);
     let third = 3 - first - second;
-    // A cyclic order gives a right-handed frame.
+    // If the order of the axes is cyclic, the frame is right-handed.
     let is_cyclic = (first + 1) % 3 == second;
     let last = if is_cyclic {
         cross(normal, along)
@@ -67,7 +67,8 @@ fn place_along(feature: &Feature, axis: Vector, tip: &Stylus) -> f64 {
         _ => None,
     };
     let across = outward.map_or(0.0, |outward| dot(components(outward), axis));
-    // The radius counts only if the feature was touched more along this axis than across it.
+    // The radius counts only if the feature was touched more along this axis than perpendicular to
+    // it.
     if across.abs() < 0.5 || feature.contacts.is_empty() {
         return dot(floats(feature.shape.point_nm().unwrap_or_default()), axis);
     }

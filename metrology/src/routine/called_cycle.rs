@@ -131,7 +131,7 @@ impl Cycle {
     }
 }
 
-/// A number of points from `least` to 1000. `None`: it is no such number.
+/// A number of points from `least` to 1000. `None`: it is not in this range, or not whole.
 fn count_of(points: f64, least: u32) -> Option<u32> {
     let is_possible = points.fract() == 0.0 && (f64::from(least)..=1000.0).contains(&points);
     is_possible.then_some(points as u32)

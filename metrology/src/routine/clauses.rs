@@ -27,7 +27,7 @@ impl<T> Spanned<T> {
     }
 }
 
-/// All clauses of a feature. Clauses that its statement does not take are refused while reading.
+/// All clauses of a feature. A clause that its statement does not accept is refused during reading.
 #[derive(Debug, Default)]
 pub struct Clauses {
     at: Vec<[Option<Value>; 3]>,

@@ -70,7 +70,7 @@ pub enum Verdict {
     Good,
     /// Out of its tolerance.
     Out,
-    /// Not known, because a collision may have bent or moved something.
+    /// Not known, because a collision may have bent the stylus or moved the part.
     Spoiled,
 }
 
@@ -122,7 +122,7 @@ pub fn decimal(micro: i64) -> String {
     format!("{:.4}", if tenths == 0.0 { 0.0 } else { tenths / 1e4 })
 }
 
-/// The same with a sign.
+/// Millionths as text with four decimal places and a sign.
 pub fn signed(micro: i64) -> String {
     let text = decimal(micro);
     if text.starts_with('-') {

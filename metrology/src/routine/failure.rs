@@ -1,6 +1,6 @@
 //! Why a statement of a routine has no result.
 
-use crate::Trouble;
+use crate::Error;
 use husillo_probe::FitError;
 use std::fmt;
 
@@ -8,7 +8,7 @@ use std::fmt;
 #[derive(Debug)]
 pub enum Failure {
     /// The machine has failed.
-    Machine(Trouble),
+    Machine(Error),
     /// The touches do not determine the feature.
     Fit(FitError),
     /// The points were touched from both sides.
@@ -28,7 +28,7 @@ pub enum Failure {
 impl fmt::Display for Failure {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Machine(trouble) => trouble.fmt(out),
+            Self::Machine(error) => error.fmt(out),
             Self::Fit(error) => error.fmt(out),
             Self::BothSides => out.write_str("points touched from inside and from outside"),
             Self::NoFrame => out.write_str("plane, line and point determine no frame"),
@@ -42,9 +42,9 @@ impl fmt::Display for Failure {
 
 impl std::error::Error for Failure {}
 
-impl From<Trouble> for Failure {
-    fn from(trouble: Trouble) -> Self {
-        Self::Machine(trouble)
+impl From<Error> for Failure {
+    fn from(error: Error) -> Self {
+        Self::Machine(error)
     }
 }
 

@@ -143,7 +143,7 @@ impl Feature {
         most.saturating_sub(residuals.min().unwrap_or_default())
     }
 
-    /// Number of touches that count, over all points.
+    /// Number of touches that are part of the result, over all points.
     pub fn touches(&self) -> u32 {
         let touches = self.contacts.iter().map(|contact| contact.touches);
         touches.map(u32::from).sum()
@@ -223,7 +223,7 @@ const fn least_for_form(shape: &Shape) -> usize {
 }
 
 /// The angle of a direction to X in the plane of X and Y, millionths of a degree. A line has no
-/// front, so the angle is within a quarter turn of the wanted one.
+/// front and no back. Of its two angles this is the one within a quarter turn of the wanted angle.
 fn heading_micro(frame: &Frame, direction: &UnitVector, wanted: &[Wanted]) -> i64 {
     const HALF_TURN: i64 = 180_000_000;
     let [x, y, _] = frame.direction_to_part(direction);
@@ -236,8 +236,8 @@ fn heading_micro(frame: &Frame, direction: &UnitVector, wanted: &[Wanted]) -> i6
     about + HALF_TURN / 2 - (HALF_TURN / 2 - (micro - about)).rem_euclid(HALF_TURN)
 }
 
-/// The angle of two directions without a front, millionths of a degree. It is 0 to 90 degrees, or
-/// 90 to 180 degrees if the wanted angle is beyond 90.
+/// The angle of two directions that have no front and no back, millionths of a degree. It is 0 to
+/// 90 degrees, or 90 to 180 degrees if the wanted angle is above 90.
 pub fn angle_micro(a: &UnitVector, b: &UnitVector, wanted: &[Wanted]) -> i64 {
     let cosine = dot(components(a), components(b)).abs().min(1.0);
     let sine = length(cross(components(a), components(b)));
@@ -252,8 +252,8 @@ pub fn angle_micro(a: &UnitVector, b: &UnitVector, wanted: &[Wanted]) -> i64 {
 }
 
 /// The distance of two features whose positions are `ends`, nm. It is along the direction if one is
-/// given, else at right angles to a face if one is a face. Circles, corners, webs and pockets have
-/// no height, so the part along `upright` does not count for them.
+/// given, otherwise perpendicular to a face if one feature is a face. Circles, corners, webs and
+/// pockets have no height. For them the component along `upright` does not count.
 pub fn distance_nm(
     [a, b]: [&Shape; 2],
     ends: [[i64; 3]; 2],

@@ -13,8 +13,8 @@ use husillo_probe::{Circle, Line, Middle, Plane, Sphere, UnitVector};
 /// The points that features are fitted to, on the machine.
 #[derive(Clone, Debug)]
 pub enum Points {
-    /// Touches. Features are fitted to the centres of the ball and moved by its radius along their
-    /// own normal, so that the direction of travel causes no error.
+    /// Touches. Features are fitted to the centres of the ball, and then moved by its radius along
+    /// their own normal. So the direction of travel causes no error.
     Touched(Vec<Contact>),
     /// Positions of other features, nm.
     Found(Vec<[i64; 3]>),
@@ -31,8 +31,8 @@ impl Points {
         }
     }
 
-    /// The points of the surface, from functions of their normals out of the material and of their
-    /// distances from the feature.
+    /// The points of the surface. Two functions compute the normal out of the material, and the
+    /// distance from the feature.
     fn marks(
         &self,
         tip: &Stylus,
@@ -89,7 +89,7 @@ pub fn plane(points: &Points, tip: &Stylus, frame: &Frame) -> Result<Fitted, Fai
 ///
 /// # Errors
 ///
-/// All points are above one another.
+/// All points are on one vertical line.
 pub fn edge(contacts: &[Contact], tip: &Stylus, frame: &Frame) -> Result<Fitted, Failure> {
     let outward = outward(contacts)?;
     let points = Points::Touched(contacts.to_vec());
@@ -192,8 +192,7 @@ pub fn line(points: &Points, tip: &Stylus) -> Result<Fitted, Failure> {
     Ok((shape, marks))
 }
 
-/// The direction from a line to a point, at right angles to the line. Z if the point is on the
-/// line.
+/// The direction from a line to a point, perpendicular to the line. Z if the point is on the line.
 fn away(origin_nm: [i64; 3], line: &Line, at: [i64; 3]) -> UnitVector {
     let along = components(&line.direction);
     let displacement = minus(floats(at), floats(origin_nm));
@@ -238,7 +237,7 @@ pub fn sphere(points: &Points, tip: &Stylus) -> Result<Fitted, Failure> {
     Ok((Shape::Sphere(sphere), outwards(marks, side)))
 }
 
-/// Makes the normals of a round feature point away from its middle, whatever side was touched.
+/// Turns the normals of a round feature away from its middle, whichever side was touched.
 fn outwards(mut marks: Vec<Mark>, side: Side) -> Vec<Mark> {
     for mark in &mut marks {
         mark.normal = scaled(mark.normal, side.normal());

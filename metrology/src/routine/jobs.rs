@@ -223,7 +223,7 @@ impl Needs<'_, '_> {
     }
 }
 
-/// Refuses a direction that is not at right angles to Z.
+/// Refuses a direction that is not perpendicular to Z.
 fn level(direction: Vector, reader: &LineReader<'_>) -> Result<Vector, Wrong> {
     if direction[2] == 0.0 {
         return Ok(direction);
@@ -265,7 +265,7 @@ fn points_of(job: &Job) -> Option<(usize, usize)> {
     })
 }
 
-/// The uses of the feature of a job.
+/// The possible uses of the feature of a job.
 pub fn offer(job: &Job) -> Offer {
     let shape = |point, line, plane| Offer { point, line, plane };
     match job {

@@ -15,7 +15,7 @@ pub struct LineReader<'t> {
     text: &'t str,
     words: Vec<Word<'t>>,
     at: usize,
-    /// Unit of numbers without a unit.
+    /// Unit of a number that has no unit of its own.
     unit: &'static str,
 }
 
@@ -240,7 +240,7 @@ impl<'t> LineReader<'t> {
         }
     }
 
-    /// The length of a number with the unit that is next, or else with the unit of the routine.
+    /// The length of a number. The unit is the next word, or else the unit of the routine.
     fn length_of(&mut self, number: &str, span: Range<usize>) -> Result<i64, Wrong> {
         let unit = match self.peek() {
             Some(word) if matches!(word.text, "nm" | "um" | "mm" | "in") => {
@@ -251,7 +251,7 @@ impl<'t> LineReader<'t> {
             _ => self.unit,
         };
         match quantity::parse(&format!("{number} {unit}")) {
-            // 10 m is longer than any machine, and nothing overflows.
+            // 10 m is longer than any machine. Up to this length nothing overflows.
             Ok(Quantity::Length(length)) if length.rounded().abs() <= 10_000_000_000 => {
                 Ok(length.rounded())
             }

@@ -1,4 +1,4 @@
-//! The parser of the lines of a routine. It checks each line against the lines before.
+//! The parser of the lines of a routine. It checks each line against the lines before it.
 
 use super::clauses::Clauses;
 use super::jobs::offer;

@@ -12,7 +12,7 @@ use super::feature::Feature;
 use super::frame::Frame;
 use super::runner::Runner;
 use super::vector::{floats, length};
-use crate::trouble::Trouble;
+use crate::error::Error;
 use error::At;
 use husillo_excellon::lines;
 use husillo_gcode::parameters::{Program, Value, needs_program};
@@ -24,7 +24,7 @@ use std::collections::HashMap;
 /// The G-code dialect of measuring programs.
 pub const DIALECT: Dialect = Dialect::RS274;
 
-/// A program with room for parameters and calls.
+/// A program with its capacities for parameters and calls.
 type Whole<'t> = Program<'t, 4096, 2048, 128>;
 
 /// The names of the cycles that a program can call.
@@ -192,15 +192,15 @@ fn carry_out(
     match *command {
         Command::Rapid { to } => {
             let reached = prober.go_to(to.map(|nm| nm.0));
-            reached.map_err(|trouble| at.failed(trouble))?;
+            reached.map_err(|error| at.failed(error))?;
         }
         Command::Linear { to, feed } => {
             let goal = to.map(|nm| nm.0);
             let from = prober.position();
-            let from = from.map_err(|trouble| at.failed(trouble))?;
+            let from = from.map_err(|error| at.failed(error))?;
             let speed = nm_per_min(feed, displacement(from, goal)).ok_or_else(|| at.foreign())?;
             let reached = prober.feed_to(goal, speed);
-            reached.map_err(|trouble| at.failed(trouble))?;
+            reached.map_err(|error| at.failed(error))?;
         }
         Command::Probe {
             to,
@@ -209,36 +209,35 @@ fn carry_out(
             must,
         } => {
             let goal = to.map(|nm| nm.0);
-            let from = prober.position().map_err(|trouble| at.failed(trouble))?;
+            let from = prober.position().map_err(|error| at.failed(error))?;
             let displacement = displacement(from, goal);
             let travel =
                 UnitVector::new(displacement).ok_or_else(|| at.failed(Failure::NoDirection))?;
             let speed = nm_per_min(feed, displacement).ok_or_else(|| at.foreign())?;
-            // At the end of the contact the stylus is still bent from the travel towards the
-            // surface.
+            // When the contact opens, the stylus is still bent by the travel towards the surface.
             let (until, approach) = if away {
                 (Edge::Broken, travel.reversed())
             } else {
                 (Edge::Made, travel)
             };
             let probed = prober.probe_to(goal, speed, until);
-            let probed = probed.map_err(|trouble| at.failed(trouble))?;
+            let probed = probed.map_err(|error| at.failed(error))?;
             let here = probed.at_nm.map(Nm);
             state.probed = match probed.changed_nm {
                 Some(latched) => (runner.site.tip.centre_nm(latched, &approach).map(Nm), true),
                 None if must => {
                     let [from, to] = [from, probed.at_nm].map(place_text);
-                    let trouble = match until {
-                        Edge::Made => Trouble::NoContact { from, to },
-                        Edge::Broken => Trouble::Kept { from, to },
+                    let error = match until {
+                        Edge::Made => Error::NoContact { from, to },
+                        Edge::Broken => Error::Kept { from, to },
                     };
-                    return Err(at.failed(trouble));
+                    return Err(at.failed(error));
                 }
                 None => (here, false),
             };
             state.modal.set_position(here);
         }
-        // The axes stand before every line anyway.
+        // The axes are at rest before every line, so these commands have no effect.
         Command::Dwell { .. }
         | Command::Path { .. }
         | Command::ToolLength { .. }

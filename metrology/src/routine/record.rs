@@ -30,8 +30,8 @@ pub enum Refusal {
     Failed(Failure),
 }
 
-/// Carries out lines as they come and writes those that succeed. Moves are written with their end
-/// points. Calls `each` with every feature. A line that is wrong or fails is not written, and
+/// Carries out lines as they arrive, and writes those that succeed. Moves are written with their
+/// end points. Calls `each` with every feature. A line that is wrong or fails is not written. Then
 /// `refuse` is called with it.
 ///
 /// Returns the number of refused lines.
@@ -170,7 +170,7 @@ struct Moved {
     from: [i64; 3],
     /// Its end, nm.
     to: [i64; 3],
-    /// How it meets a contact, if its line says so.
+    /// Its approach, if its line states one.
     approach: Option<Approach>,
 }
 
@@ -222,7 +222,7 @@ impl PendingMoves {
 fn is_onward(start: [i64; 3], end: [i64; 3], to: [i64; 3]) -> bool {
     let step = |from: [i64; 3], to: [i64; 3]| -> Vec<(usize, i64)> {
         let steps = (0..3).map(|axis| (axis, (to[axis] - from[axis])));
-        // An axis that stands still may be a few counts off.
+        // The position of an axis at rest may vary by a few counts.
         let steps = steps.filter(|(_, displacement)| displacement.abs() > 10_000);
         steps
             .map(|(axis, displacement)| (axis, displacement.signum()))

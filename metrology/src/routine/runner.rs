@@ -30,7 +30,7 @@ impl<'a> Runner<'a> {
     ///
     /// # Errors
     ///
-    /// The reason why it has no result. Then no feature is added.
+    /// The reason why the statement has no result. Then no feature is added.
     pub fn run(&mut self, statement: &Statement) -> Result<Option<&Feature>, Failure> {
         let site = &mut self.site;
         match &statement.order {
@@ -154,7 +154,7 @@ impl<'a> Runner<'a> {
         }
     }
 
-    /// The points of a fit: touches if all features are single touches, else positions.
+    /// The points of a fit: touches if all features are single touches, otherwise positions.
     fn points(&self, of: &[String]) -> Result<Points, Failure> {
         let mut contacts = Vec::new();
         let mut places = Vec::new();

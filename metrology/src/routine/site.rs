@@ -13,13 +13,13 @@ use std::fmt;
 pub struct Contact {
     /// Latched position of the centre of the tip, nm.
     pub latched_nm: [i64; 3],
-    /// The same without pre-travel, which is the position at the contact, nm.
+    /// The position at the contact, nm: the latched position without the pre-travel.
     pub centre_nm: [i64; 3],
     /// The direction of travel.
     pub travel: UnitVector,
     /// Number of slow touches in the mean.
     pub touches: u8,
-    /// Distance of the farthest from the nearest of them, nm.
+    /// Distance between the nearest and the farthest of them, nm.
     pub spread_nm: i64,
 }
 
@@ -55,8 +55,7 @@ impl fmt::Debug for Site<'_> {
 }
 
 impl<'a> Site<'a> {
-    /// A site with the frame of the machine, with 2 mm of clearance and of search, and with guarded
-    /// moves.
+    /// A site with the frame of the machine, 2 mm of clearance, 2 mm of search, and guarded moves.
     pub fn new(prober: &'a mut dyn Prober, tip: Stylus) -> Self {
         Self {
             prober,
@@ -128,7 +127,7 @@ impl<'a> Site<'a> {
         }))
     }
 
-    /// Goes to a point of the part in a straight line.
+    /// Moves to a point of the part along a straight path.
     ///
     /// # Errors
     ///
@@ -137,7 +136,7 @@ impl<'a> Site<'a> {
         self.go_by(self.approach, part_nm)
     }
 
-    /// Goes there with another approach than that of the other moves.
+    /// Moves to a point of the part with an approach of its own.
     ///
     /// # Errors
     ///
@@ -151,8 +150,8 @@ impl<'a> Site<'a> {
         Ok(())
     }
 
-    /// Goes to a point of the part. If there is a safe height, the path leads up to it, over the
-    /// point and down.
+    /// Moves to a point of the part. If there is a safe height, the path leads up to this height,
+    /// over the point, and down.
     ///
     /// # Errors
     ///
@@ -164,7 +163,7 @@ impl<'a> Site<'a> {
         self.travel_over(part_nm, safe_nm)
     }
 
-    /// Goes there at a given safe height.
+    /// Moves to a point of the part by way of a given safe height.
     ///
     /// # Errors
     ///
@@ -172,7 +171,8 @@ impl<'a> Site<'a> {
     pub(super) fn travel_over(&mut self, part_nm: [i64; 3], height_nm: i64) -> Result<(), Failure> {
         let [here_x, here_y, here_z] = self.position()?;
         let [x, y, z] = part_nm;
-        // Within the error of standing axes, the move goes straight down.
+        // If the tip is above the point, within the error of axes at rest, the move is straight
+        // down.
         let is_above = (here_x - x).abs().max((here_y - y).abs()) <= NEAR_NM;
         let height_nm = height_nm.max(here_z).max(z);
         if !is_above {
@@ -219,7 +219,8 @@ impl<'a> Site<'a> {
         })
     }
 
-    /// Makes these coordinates of the present position 0. A safe height stays where it is.
+    /// Makes these coordinates of the present position 0. The safe height keeps its position on the
+    /// machine.
     ///
     /// # Errors
     ///
@@ -233,7 +234,7 @@ impl<'a> Site<'a> {
         Ok(())
     }
 
-    /// Changes the frame. The tip is at `here_nm`, and a safe height stays where it is above the
+    /// Changes the frame. The tip is at `here_nm`. The safe height keeps its distance above the
     /// tip.
     pub(super) fn change_frame(&mut self, frame: Frame, here_nm: [i64; 3]) {
         if let Some(safe_nm) = self.safe_nm {
@@ -245,7 +246,7 @@ impl<'a> Site<'a> {
     }
 }
 
-/// In moves between features, positions within this distance are the same, nm.
+/// In moves between features, positions that are at most this far apart are the same, nm.
 const NEAR_NM: i64 = 10_000;
 
 /// The point at the distance `by_nm` from another along a direction, whose length is not 0.

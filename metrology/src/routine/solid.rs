@@ -2,7 +2,7 @@
 
 use super::frame::Frame;
 use super::vector::{Vector, components, dot, floats, length, minus, plus, scaled};
-use crate::Trouble;
+use crate::Error;
 use crate::heads::Stylus;
 use crate::heads::{Probed, Prober, Touched};
 use husillo_probe::{Edge, UnitVector};
@@ -95,8 +95,8 @@ impl Ideal {
     }
 }
 
-/// Combines the distances from two faces at right angles. Outside of both it is the distance from
-/// their edge.
+/// Combines the distances from two perpendicular faces. Outside of both the result is the distance
+/// from their edge.
 fn joined(a: f64, b: f64) -> f64 {
     a.max(0.0).hypot(b.max(0.0)) + a.max(b).min(0.0)
 }
@@ -109,11 +109,11 @@ fn outside(part: Vector, low: [i64; 3], high: [i64; 3]) -> f64 {
 }
 
 impl Prober for Ideal {
-    fn position(&mut self) -> Result<[i64; 3], Trouble> {
+    fn position(&mut self) -> Result<[i64; 3], Error> {
         Ok(self.at)
     }
 
-    fn go_to(&mut self, goal_nm: [i64; 3]) -> Result<[i64; 3], Trouble> {
+    fn go_to(&mut self, goal_nm: [i64; 3]) -> Result<[i64; 3], Error> {
         let (from, displacement) = (floats(self.at), minus(floats(goal_nm), floats(self.at)));
         let length = length(displacement);
         self.moves += 1;
@@ -121,7 +121,7 @@ impl Prober for Ideal {
         while gone < length {
             let gap = self.gap(plus(from, scaled(displacement, gone / length)));
             if gap < -PRESSED_NM {
-                return Err(Trouble::PositionError {
+                return Err(Error::PositionError {
                     at: format!("{:?} to {goal_nm:?}, after {gone} nm", self.at),
                 });
             }
@@ -131,12 +131,12 @@ impl Prober for Ideal {
         Ok(goal_nm)
     }
 
-    fn guarded_to(&mut self, goal_nm: [i64; 3]) -> Result<[i64; 3], Trouble> {
+    fn guarded_to(&mut self, goal_nm: [i64; 3]) -> Result<[i64; 3], Error> {
         self.guarded += 1;
         self.go_to(goal_nm)
     }
 
-    fn feed_to(&mut self, goal_nm: [i64; 3], nm_per_min: u64) -> Result<[i64; 3], Trouble> {
+    fn feed_to(&mut self, goal_nm: [i64; 3], nm_per_min: u64) -> Result<[i64; 3], Error> {
         self.speeds.push(nm_per_min);
         self.go_to(goal_nm)
     }
@@ -150,7 +150,7 @@ impl Prober for Ideal {
         goal_nm: [i64; 3],
         nm_per_min: u64,
         until: Edge,
-    ) -> Result<Probed, Trouble> {
+    ) -> Result<Probed, Error> {
         self.speeds.push(nm_per_min);
         let (from, displacement) = (floats(self.at), minus(floats(goal_nm), floats(self.at)));
         let length = length(displacement);
@@ -164,8 +164,8 @@ impl Prober for Ideal {
         let is_closed = |gap: f64| gap <= -pressed;
         if is_closed(self.gap(from)) == until.level() {
             return Err(match until {
-                Edge::Made => Trouble::Probe(husillo_probe::Failure::ContactAtStart),
-                Edge::Broken => Trouble::NotTouching,
+                Edge::Made => Error::Probe(husillo_probe::Failure::ContactAtStart),
+                Edge::Broken => Error::NotTouching,
             });
         }
         let at = |gone: f64| plus(from, scaled(displacement, gone / length));
@@ -190,7 +190,7 @@ impl Prober for Ideal {
         })
     }
 
-    fn touch(&mut self, direction: &UnitVector, distance_nm: u64) -> Result<Touched, Trouble> {
+    fn touch(&mut self, direction: &UnitVector, distance_nm: u64) -> Result<Touched, Error> {
         let (from, along) = (floats(self.at), components(direction));
         let mut gone = 0.0;
         // Sphere tracing never goes beyond the surface. It ends within 0.5 nm of it.
@@ -198,7 +198,7 @@ impl Prober for Ideal {
         while gap.abs() > 0.5 {
             gone += gap * 0.999;
             if gone > distance_nm as f64 {
-                return Err(Trouble::NoContact {
+                return Err(Error::NoContact {
                     from: format!("{:?}", self.at),
                     to: format!("{distance_nm} nm along {along:?}"),
                 });

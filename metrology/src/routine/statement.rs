@@ -25,15 +25,15 @@ pub enum Order {
     Search(i64),
     /// Safe height for the moves between features, nm. `None`: the moves are direct.
     Safe(Option<i64>),
-    /// The reaction of the following moves to a contact, if they do not state their own.
+    /// The reaction to a contact of all following moves that do not state their own.
     Moves(Approach),
-    /// A straight move to a position. `None`: with the approach that `moves` has set.
+    /// A straight move to a position, and its approach. `None`: the approach that `moves` has set.
     GoTo(Place, Option<Approach>),
     /// A straight move by these distances, nm.
     Jog([i64; 3], Option<Approach>),
     /// These coordinates of the present position become 0.
     Zero([bool; 3]),
-    /// Back to the frame of the machine.
+    /// Returns to the frame of the machine.
     MachineFrame,
     /// The frame of a plane, a line and a point.
     Frame {
@@ -73,7 +73,7 @@ pub enum Job {
     },
     /// One touch.
     Point { at: Place, towards: Vector },
-    /// Touches in a row across the travel.
+    /// Touches in a row perpendicular to the travel.
     Edge {
         at: Place,
         towards: Vector,

@@ -89,7 +89,7 @@ impl Site<'_> {
         Ok(contacts)
     }
 
-    /// Touches in a row. Between them the tip keeps its distance from the edge.
+    /// Touches in a row. Between touches the tip keeps its distance from the edge.
     fn edge(
         &mut self,
         at: Place,
@@ -111,8 +111,8 @@ impl Site<'_> {
         Ok(contacts)
     }
 
-    /// Two touches on the first face and two on the second. From outside the tip goes around the
-    /// corner.
+    /// Two touches on the first face and two on the second. If the corner is touched from outside,
+    /// the tip moves around it.
     fn corner(
         &mut self,
         at: Place,
@@ -140,8 +140,8 @@ impl Site<'_> {
         Ok(contacts)
     }
 
-    /// Touches a round feature or two faces: outwards from the middle if it is inside, else
-    /// inwards.
+    /// Touches a round feature or two opposite faces: outwards from the middle if `is_inside`,
+    /// otherwise inwards.
     fn around(
         &mut self,
         centre: [i64; 3],
@@ -158,7 +158,7 @@ impl Site<'_> {
             return Ok(contacts);
         }
         self.travel_to(centre)?;
-        // If a hole has no room for the clearance, touches begin in its middle.
+        // If a hole is too small for the clearance, touches begin in its middle.
         let reach_nm = (diameter_nm / 2 - self.radius_nm()).max(0);
         let start_nm = (reach_nm - self.clearance_nm).max(0);
         for spoke in spokes {

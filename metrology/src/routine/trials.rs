@@ -84,8 +84,8 @@ fn feature<'a>(features: &'a [Feature], name: &str) -> &'a Feature {
     found.next().unwrap()
 }
 
-/// Expects figures in nm or millionths of a degree, within 3. This is the error of the rounded
-/// touches.
+/// Expects figures in nm or millionths of a degree, with an error of at most 3, which comes from
+/// the rounding of touches.
 fn expect(features: &[Feature], name: &str, figures: &[(Figure, i64)]) {
     let feature = feature(features, name);
     for (which, wanted) in figures {
@@ -258,7 +258,7 @@ fn a_part_may_lie_anywhere() {
         turned(-4.0, 1.5, [-2.0, 1.0, -1.5]),
     ] {
         let features = run(ALIGNED, &mut plate(place)).unwrap();
-        // Touches are exact to 1 nm, and directions to 2^-30 of the distance. The frame is made
+        // Touches are exact to 1 nm, and directions to 2^-30 of the distance. The frame is computed
         // from points 40 mm apart, which adds some nm.
         for (name, figures) in [
             ("B", vec![(X, 15 * MM), (Y, 20 * MM), (Diameter, 12 * MM)]),
@@ -309,7 +309,7 @@ fn a_missing_surface_is_trouble() {
     );
     assert!(matches!(
         failed,
-        Err(Failure::Machine(crate::Trouble::NoContact { .. }))
+        Err(Failure::Machine(crate::Error::NoContact { .. }))
     ));
 }
 

@@ -58,7 +58,7 @@ pub fn minus(a: Vector, b: Vector) -> Vector {
     std::array::from_fn(|axis| a[axis] - b[axis])
 }
 
-/// The vector product: at right angles to both.
+/// The vector product, which is perpendicular to both.
 #[must_use]
 pub fn cross(a: Vector, b: Vector) -> Vector {
     [
@@ -68,12 +68,13 @@ pub fn cross(a: Vector, b: Vector) -> Vector {
     ]
 }
 
-/// The part of `a` at right angles to `axis`, with the length 1. `None`: `a` is along `axis`.
+/// The direction of the component of `a` perpendicular to `axis`, with the length 1. `None`: `a` is
+/// along `axis`.
 #[must_use]
 pub fn across(a: Vector, axis: Vector) -> Option<Vector> {
     let left = plus(a, scaled(axis, -dot(a, axis)));
     let size = length(left);
-    // Within 1 mrad of the axis the direction of the rest is not determined.
+    // If `a` is within 1 mrad of the axis, this direction is not determined.
     (size > 1e-3 * length(a)).then(|| scaled(left, 1.0 / size))
 }
 

@@ -108,7 +108,7 @@ pub const FEATURES: [Feature; 14] = [
     ("angle", &["between"], &[Angle]),
 ];
 
-/// Words that cannot be names, as they would be read as something else.
+/// Words that cannot be names, because they have another meaning.
 pub const RESERVED: [&str; 20] = [
     "at", "towards", "along", "of", "between", "points", "over", "inset", "inside", "outside",
     "within", "from", "to", "x", "y", "z", "diameter", "width", "form", "length",

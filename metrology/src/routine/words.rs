@@ -37,8 +37,8 @@ pub fn span(line: &str) -> Range<usize> {
     start..all.last().map_or(0, |word| word.span.end)
 }
 
-/// Splits a text without spaces into the letter of an axis, a number and its unit, or keeps it as
-/// one word.
+/// Splits a text without spaces into the letter of an axis, a number and its unit. Any other text
+/// stays one word.
 fn split<'t>(code: &'t str, span: Range<usize>, words: &mut Vec<Word<'t>>) {
     let text = &code[span.clone()];
     let is_axis = text.starts_with(['x', 'y', 'z', 'X', 'Y', 'Z']);

@@ -2,13 +2,13 @@
 
 use std::str::FromStr;
 
-/// A face before one axis. It closes a contact of the probe at a count and on one side of it.
+/// A face before one axis. The contact of the probe is closed from a count on, in one direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Contact {
     /// Address of the module, from 1.
     pub module: u8,
     count: i64,
-    /// Closed below instead of above.
+    /// Whether the contact is closed at and below the count, not at and above it.
     is_below: bool,
 }
 
@@ -24,7 +24,7 @@ impl Contact {
 }
 
 impl Contact {
-    /// Whether it is touched in positive direction.
+    /// Whether the face is touched in the positive direction.
     pub(super) const fn is_touched_upwards(self) -> bool {
         !self.is_below
     }

@@ -14,9 +14,9 @@ pub const IO_PANEL: &str = "pin MODULE PIN high|low, analogue MODULE 1|2|3 VALUE
 const PINS: u8 = 12;
 
 /// Connects a pin of a module to a level.
-fn pin_of(chain: &mut SimulatedNetwork, module: &str, pin: &str, level: &str) -> Option<String> {
+fn pin_of(network: &mut SimulatedNetwork, module: &str, pin: &str, level: &str) -> Option<String> {
     let number: u8 = pin.parse().ok().filter(|pin| *pin < PINS)?;
-    let is_connected = chain.connect(module.parse().ok()?, |inputs| {
+    let is_connected = network.connect(module.parse().ok()?, |inputs| {
         let mask = 1 << number;
         inputs.pins = inputs.pins & !mask | if level == "high" { mask } else { 0 };
     });
@@ -25,31 +25,31 @@ fn pin_of(chain: &mut SimulatedNetwork, module: &str, pin: &str, level: &str) ->
 
 /// Sets the reading of an analogue input of a module.
 fn analogue(
-    chain: &mut SimulatedNetwork,
+    network: &mut SimulatedNetwork,
     module: &str,
     input: &str,
     value: &str,
 ) -> Option<String> {
     let place: usize = input.parse().ok().filter(|input| (1..=3).contains(input))?;
     let reading: u8 = value.parse().ok()?;
-    let is_connected = chain.connect(module.parse().ok()?, |inputs| {
+    let is_connected = network.connect(module.parse().ok()?, |inputs| {
         inputs.analogue[place - 1] = reading;
     });
     is_connected.then(|| format!("analogue input {place} of module {module}: {reading}"))
 }
 
 /// Sends pulses to the counter of a module.
-fn pulses(chain: &mut SimulatedNetwork, module: &str, number: &str) -> Option<String> {
+fn pulses(network: &mut SimulatedNetwork, module: &str, number: &str) -> Option<String> {
     let number: u32 = number.parse().ok()?;
-    let is_connected = chain.connect(module.parse().ok()?, |inputs| {
+    let is_connected = network.connect(module.parse().ok()?, |inputs| {
         inputs.pulses = inputs.pulses.wrapping_add(number);
     });
     is_connected.then(|| format!("counter of module {module}: {number} more pulses"))
 }
 
 /// The outputs of a module.
-fn outputs(chain: &SimulatedNetwork, module: &str) -> Option<String> {
-    let (pins, [one, two]) = chain.outputs(module.parse().ok()?)?;
+fn outputs(network: &SimulatedNetwork, module: &str) -> Option<String> {
+    let (pins, [one, two]) = network.outputs(module.parse().ok()?)?;
     let pins: Vec<String> = (0..PINS)
         .filter(|pin| pins >> pin & 1 == 1)
         .map(|pin| pin.to_string())

@@ -8,7 +8,7 @@ use crate::scale::Scale;
 use husillo_sim::DcMotorModel;
 use husillo_transports::nmc::{Baud, Gains};
 
-/// With these gains every move of the simulated motor ends within a count of its goal.
+/// With these gains every move of the simulated motor ends at most a count from its goal.
 const GAINS: Gains = Gains {
     proportional: 2000,
     integral: 50,

@@ -16,21 +16,22 @@ pub const PERIOD_NS: u64 = 512_000;
 /// Seed of the noise, the same in every run.
 const NOISE_SEED: u64 = 2026;
 
-/// Modules, their motors, and the faces and the work piece before the probe. Modules count from 1,
-/// as their addresses do.
+/// Modules, their motors, and the faces and the work piece that the probe touches. Modules are
+/// counted from 1, as their addresses are.
 #[derive(Clone, Debug)]
 pub struct SimulatedNetwork {
-    chain: ServoNetwork,
-    /// What the input and output modules are connected to; without use for other modules.
+    network: ServoNetwork,
+    /// External levels and readings of each input and output module. They are not used for other
+    /// modules.
     inputs: Vec<IoInputs>,
     contacts: Vec<Contact>,
     piece: Option<Mounted>,
     switches: Switches,
-    /// End switches, each with the place of its module and the limit input it is wired to, 0 or 1.
+    /// End switches. Each has the number of its limit input, 0 or 1.
     ends: Vec<(Contact, usize)>,
-    /// What the limit inputs of the modules of axes are wired to.
+    /// The wiring of the limit inputs of each module with an axis.
     wiring: Vec<(u8, [Wiring; 2])>,
-    /// The contact of the probe is held closed or open by hand.
+    /// Whether the contact of the probe is held closed or open by hand. `None`: it is not held.
     held: Option<bool>,
     /// Modules whose end switches are held closed or open by hand.
     held_ends: BTreeMap<usize, bool>,
@@ -85,11 +86,11 @@ impl SimulatedNetwork {
             motor: machine.motor(module),
         };
         let modules: Vec<_> = (1..=machine.modules()).map(servo).collect();
-        let chain = Self::of_modules(&modules, contacts, piece)?;
+        let network = Self::of_modules(&modules, contacts, piece)?;
         let axes = machine.axes.iter();
         Ok(Self {
             wiring: axes.map(|axis| (axis.module, axis.limits)).collect(),
-            ..chain.with_switches(machine.probe.switches)
+            ..network.with_switches(machine.probe.switches)
         })
     }
 
@@ -97,7 +98,7 @@ impl SimulatedNetwork {
     ///
     /// # Errors
     ///
-    /// A contact of a module that does not exist, or that has no motor.
+    /// The module of a contact does not exist, or has no motor.
     pub fn of_modules(
         modules: &[NetworkModule],
         contacts: &[Contact],
@@ -118,7 +119,7 @@ impl SimulatedNetwork {
             }
         }
         Ok(Self {
-            chain: ServoNetwork::of_modules(modules),
+            network: ServoNetwork::of_modules(modules),
             inputs: vec![IoInputs::default(); modules.len()],
             contacts: contacts.to_vec(),
             piece,
@@ -136,19 +137,19 @@ impl SimulatedNetwork {
         })
     }
 
-    /// The same network with the contacts of such a probe. With one for each sense, a work piece
-    /// and [`hold_probe`](Self::hold_probe) close that of the positive sense.
+    /// Sets the contacts of the probe. With one contact for each direction, a work piece and
+    /// [`hold_probe`](Self::hold_probe) close the contact for the positive direction.
     #[must_use]
     pub fn with_switches(self, switches: Switches) -> Self {
         Self { switches, ..self }
     }
 
-    /// The same network with end switches. Each is written like a face: the high one closes from a
-    /// count on, the low one up to a count.
+    /// Adds end switches. Each is described like a face: the high switch is closed from a count on,
+    /// the low switch up to a count.
     ///
     /// # Errors
     ///
-    /// A module to which the machine has no such end switch wired.
+    /// The machine has no such end switch at this module.
     pub fn with_ends(mut self, ends: &[Contact]) -> Result<Self, String> {
         for switch in ends {
             let end = match switch.is_touched_upwards() {
@@ -175,73 +176,73 @@ impl SimulatedNetwork {
         Ok(self)
     }
 
-    /// The same network, whose modules receive nothing for this time after a reset.
+    /// Sets the time after a reset in which the modules receive nothing.
     #[must_use]
     pub fn with_reset_ms(self, reset_ms: u32) -> Self {
         Self {
-            chain: self.chain.with_reset_ms(reset_ms),
+            network: self.network.with_reset_ms(reset_ms),
             ..self
         }
     }
 
-    /// The same network on a line on which the transfer of a byte takes no time.
+    /// Lets the transfer of a byte on the line take no time.
     #[must_use]
     pub fn without_byte_times(self) -> Self {
         Self {
-            chain: self.chain.without_byte_times(),
+            network: self.network.without_byte_times(),
             ..self
         }
     }
 
-    /// Sets the rate of the host in bits/s. `None`: every module understands it.
+    /// Sets the rate of the host in bits/s. With `None` every module understands the host.
     pub fn set_host_rate(&mut self, bits_per_s: Option<u32>) {
-        self.chain.set_host_rate(bits_per_s);
+        self.network.set_host_rate(bits_per_s);
     }
 
-    /// Changes what an input and output module is connected to. `false` where there is no such
-    /// module.
+    /// Changes the external levels and readings of an input and output module. Returns `false` if
+    /// there is no such module.
     pub fn connect(&mut self, module: usize, change: impl FnOnce(&mut IoInputs)) -> bool {
         let Some(place) = module.checked_sub(1) else {
             return false;
         };
-        if self.chain.outputs(place).is_none() {
+        if self.network.outputs(place).is_none() {
             return false;
         }
         change(&mut self.inputs[place]);
-        self.chain.connect(place, self.inputs[place]);
+        self.network.connect(place, self.inputs[place]);
         true
     }
 
     /// Levels of the outputs of an input and output module, and the duties of its PWM outputs.
     #[must_use]
     pub fn outputs(&self, module: usize) -> Option<(u16, [u8; 2])> {
-        self.chain.outputs(module.checked_sub(1)?)
+        self.network.outputs(module.checked_sub(1)?)
     }
 
-    /// The same network with noise: `bit_errors` is the share of wrong bits on the line.
+    /// Adds noise to the line. `bit_errors` is the share of wrong bits.
     #[must_use]
     pub fn with_noise(self, bit_errors: f64) -> Self {
         Self {
-            chain: self
-                .chain
+            network: self
+                .network
                 .with_noise(Noise::of_bits(bit_errors), NOISE_SEED),
             ..self
         }
     }
 
-    /// As [`with_noise`](Self::with_noise), with noise of any kind and any seed.
+    /// Adds noise of any kind, with any seed.
     #[cfg(test)]
     pub fn with_faults(self, noise: Noise, seed: u64) -> Self {
         Self {
-            chain: self.chain.with_noise(noise, seed),
+            network: self.network.with_noise(noise, seed),
             ..self
         }
     }
 
     /// The simulated modules.
     #[cfg(test)]
-    pub fn chain(&mut self) -> &mut ServoNetwork {
-        &mut self.chain
+    pub fn servo_network(&mut self) -> &mut ServoNetwork {
+        &mut self.network
     }
 
     /// Interrupts the supply of a module for half a second. The supply returns after `periods`,
@@ -251,19 +252,20 @@ impl SimulatedNetwork {
         self.interruption = Some((module, periods));
     }
 
-    /// Presses the button after this number of periods.
+    /// Presses the stop button after this number of periods.
     #[cfg(test)]
     pub fn ask_after(&mut self, periods: u64, button: StopButton) {
         self.question = Some((periods, button));
     }
 
-    /// Holds the contact of the probe closed or open, whatever it touches. `None` releases it.
+    /// Holds the contact of the probe closed or open, whether or not it touches anything. `None`
+    /// releases it.
     pub const fn hold_probe(&mut self, is_closed: Option<bool>) {
         self.held = is_closed;
     }
 
     /// Holds the end switches of a module closed or open, wherever the axis is. `None` releases
-    /// them. `false` where there are none.
+    /// them. Returns `false` if the module has none.
     pub fn hold_ends(&mut self, module: usize, is_closed: Option<bool>) -> bool {
         match is_closed {
             Some(is_closed) => self.held_ends.insert(module, is_closed),
@@ -285,42 +287,43 @@ impl SimulatedNetwork {
 
     /// The motor of a module. `None` if it has none.
     pub fn motor(&self, module: usize) -> Option<&DcMotor> {
-        self.chain.motor(module.checked_sub(1)?)
+        self.network.motor(module.checked_sub(1)?)
     }
 
     /// Switches the supply of all modules.
     pub fn set_power(&mut self, is_on: bool) {
-        for module in 0..self.chain.len() {
-            self.chain.set_dead(module, !is_on);
+        for module in 0..self.network.len() {
+            self.network.set_dead(module, !is_on);
         }
     }
 
     /// Sends a byte to the modules.
     pub fn send(&mut self, byte: u8) {
-        self.chain.send(byte);
+        self.network.send(byte);
     }
 
     /// Number of bytes that have not arrived at the modules yet.
     pub fn on_the_line(&self) -> usize {
-        self.chain.waiting()
+        self.network.waiting()
     }
 
     /// Simulates a servo period and returns the bytes that the modules send in it.
     pub fn tick(&mut self) -> Vec<u8> {
         #[cfg(test)]
         self.fail();
-        // Faces that are touched in positive direction, and those in negative direction.
+        // Whether faces that are touched in the positive direction are touched, and whether those
+        // in the negative direction are.
         let mut closed = [false; 2];
         for contact in &self.contacts {
-            let motor = self.chain.motor(usize::from(contact.module - 1));
+            let motor = self.network.motor(usize::from(contact.module - 1));
             let is_closed = contact.is_closed(motor.map_or(0, DcMotor::counts));
             closed[usize::from(!contact.is_touched_upwards())] |= is_closed;
         }
-        let chain = &self.chain;
+        let network = &self.network;
         closed[0] |= self
             .piece
             .as_mut()
-            .is_some_and(|piece| piece.is_closed(chain));
+            .is_some_and(|piece| piece.is_closed(network));
         let [positive, negative] = match self.held {
             Some(is_closed) => [is_closed, false],
             None => closed,
@@ -337,13 +340,13 @@ impl SimulatedNetwork {
                 ..Surroundings::default()
             },
         };
-        for module in 0..self.chain.len() {
+        for module in 0..self.network.len() {
             let mut around = around;
             around.is_blocked = self.blocked.contains(&(module + 1));
             around.encoder_is_silent = self.silent.contains(&(module + 1));
             for (switch, input) in &self.ends {
                 if usize::from(switch.module) == module + 1 {
-                    let motor = self.chain.motor(module);
+                    let motor = self.network.motor(module);
                     let held = self.held_ends.get(&(module + 1)).copied();
                     let is_closed = || switch.is_closed(motor.map_or(0, DcMotor::counts));
                     let is_closed = held.unwrap_or_else(is_closed);
@@ -353,9 +356,9 @@ impl SimulatedNetwork {
                     }
                 }
             }
-            self.chain.surround(module, around);
+            self.network.surround(module, around);
         }
-        self.chain.tick()
+        self.network.tick()
     }
 
     #[cfg(test)]
@@ -370,12 +373,12 @@ impl SimulatedNetwork {
         };
         self.interruption = match self.interruption.take() {
             Some((module, 0)) => {
-                self.chain.set_dead(module, false);
+                self.network.set_dead(module, false);
                 None
             }
             Some((module, left)) => {
                 if left == OUTAGE {
-                    self.chain.set_dead(module, true);
+                    self.network.set_dead(module, true);
                 }
                 Some((module, left - 1))
             }

@@ -4,7 +4,7 @@ use crate::heads::Machine;
 use husillo_sim::{PointMm, ServoNetwork, TouchProbe, WorkPiece};
 
 /// A work piece and the probe that touches it, in the frame of the machine. Its origin is the
-/// position of the axes when the modules got their supply.
+/// position of the axes at power-up.
 #[derive(Clone, Debug)]
 pub struct Piece {
     /// The work piece.
@@ -44,10 +44,10 @@ impl Mounted {
     }
 
     /// Whether the contact of the probe is closed at the present positions of the motors.
-    pub fn is_closed(&mut self, chain: &ServoNetwork) -> bool {
+    pub fn is_closed(&mut self, network: &ServoNetwork) -> bool {
         let mut centre: PointMm = [0.0; 3];
         for &(module, coordinate) in &self.axes {
-            let motor = chain.motor(module);
+            let motor = network.motor(module);
             centre[coordinate] = motor.map_or(0.0, |motor| motor.position_counts()) * self.count_mm;
         }
         self.piece.probe.is_closed(&self.piece.work, centre)

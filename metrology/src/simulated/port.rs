@@ -5,11 +5,11 @@ use crate::heads::Port;
 use husillo_transports::nmc::{Baud, Timing};
 use std::io;
 
-/// A port with a network of simulated modules. Time passes only while the port waits for bytes.
+/// A port to a network of simulated modules. Time passes only while the port waits for bytes.
 #[derive(Clone, Debug)]
 pub struct SimulatedPort {
     /// The simulated network.
-    pub chain: SimulatedNetwork,
+    pub network: SimulatedNetwork,
     /// Time since the port was opened, ns.
     elapsed_ns: u64,
 }
@@ -17,10 +17,10 @@ pub struct SimulatedPort {
 impl SimulatedPort {
     /// The port of a network, at time 0 and at the rate after power-up.
     #[must_use]
-    pub fn new(mut chain: SimulatedNetwork) -> Self {
-        chain.set_host_rate(Some(Baud::default().bits_per_s()));
+    pub fn new(mut network: SimulatedNetwork) -> Self {
+        network.set_host_rate(Some(Baud::default().bits_per_s()));
         Self {
-            chain,
+            network,
             elapsed_ns: 0,
         }
     }
@@ -36,12 +36,12 @@ impl Port for SimulatedPort {
     }
 
     fn set_baud(&mut self, baud: Baud) -> io::Result<()> {
-        self.chain.set_host_rate(Some(baud.bits_per_s()));
+        self.network.set_host_rate(Some(baud.bits_per_s()));
         Ok(())
     }
 
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
-        bytes.iter().for_each(|byte| self.chain.send(*byte));
+        bytes.iter().for_each(|byte| self.network.send(*byte));
         Ok(())
     }
 
@@ -49,7 +49,7 @@ impl Port for SimulatedPort {
         let end_ns = self.elapsed_ns + u64::from(wait_us.max(1)) * 1000;
         while self.elapsed_ns < end_ns {
             self.elapsed_ns += PERIOD_NS;
-            let bytes = self.chain.tick();
+            let bytes = self.network.tick();
             if !bytes.is_empty() {
                 return Ok(bytes);
             }

@@ -1,8 +1,8 @@
 //! The simulated axis without a link. It is read in every servo period.
 
 use super::rig::{Rig, Sample};
+use crate::error::Error;
 use crate::heads::per_period;
-use crate::trouble::Trouble;
 use husillo_controllers::servo_law;
 use husillo_machine::{ServoAxis, ServoInputs, ServoStop};
 use husillo_pid::Drive;
@@ -24,7 +24,7 @@ pub struct Direct {
 }
 
 impl Direct {
-    /// A motor at rest, servo off.
+    /// A motor at rest, with its servo off.
     pub fn new(model: DcMotorModel) -> Self {
         let mut direct = Self {
             axis: ServoAxis::new(servo_law(&Gains::default(), VERSION)),
@@ -62,24 +62,24 @@ impl Direct {
 }
 
 impl Rig for Direct {
-    fn set_gains(&mut self, gains: &Gains) -> Result<(), Trouble> {
+    fn set_gains(&mut self, gains: &Gains) -> Result<(), Error> {
         self.rate_divisor = gains.rate_divisor.max(1);
         self.axis.set_law(servo_law(gains, VERSION));
         Ok(())
     }
 
-    fn engage(&mut self) -> Result<(), Trouble> {
+    fn engage(&mut self) -> Result<(), Error> {
         self.axis.stop(ServoStop::Abrupt);
         self.axis.clear();
         Ok(())
     }
 
-    fn hold(&mut self, position: i32) -> Result<(), Trouble> {
+    fn hold(&mut self, position: i32) -> Result<(), Error> {
         self.axis.stop(ServoStop::At(position));
         Ok(())
     }
 
-    fn go_to(&mut self, goal: i32, rate: u32, acceleration: u32) -> Result<(), Trouble> {
+    fn go_to(&mut self, goal: i32, rate: u32, acceleration: u32) -> Result<(), Error> {
         let cycle_s = SERVO_PERIOD_S * f64::from(self.rate_divisor);
         let (velocity, acceleration) = per_period(rate, acceleration.into(), cycle_s);
         self.start(ServoMotion::Trapezoid {
@@ -90,7 +90,7 @@ impl Rig for Direct {
         Ok(())
     }
 
-    fn drive(&mut self, pwm: i16, _: i32) -> Result<(), Trouble> {
+    fn drive(&mut self, pwm: i16, _: i32) -> Result<(), Error> {
         let duty = pwm.unsigned_abs().min(255) as u8;
         let reverse = pwm < 0;
         self.start(ServoMotion::Pwm { duty, reverse });
@@ -103,12 +103,12 @@ impl Rig for Direct {
         Ok(())
     }
 
-    fn release(&mut self) -> Result<(), Trouble> {
+    fn release(&mut self) -> Result<(), Error> {
         self.axis.stop(ServoStop::Off);
         Ok(())
     }
 
-    fn sample(&mut self) -> Result<Sample, Trouble> {
+    fn sample(&mut self) -> Result<Sample, Error> {
         self.tick();
         let status = self.axis.status();
         let bits = [

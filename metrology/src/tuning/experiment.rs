@@ -8,7 +8,7 @@ use super::stand::{Stand, Trace};
 use super::step::step;
 use super::stepwise::stepwise;
 use super::ultimate::ultimate;
-use crate::trouble::Trouble;
+use crate::error::Error;
 use husillo_pid::tuning::{Rule, Ultimate};
 use husillo_transports::nmc::Gains;
 use std::fmt;
@@ -16,7 +16,7 @@ use std::fmt;
 /// The method that finds the gains.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
-    /// None: a step with the gains of the axis.
+    /// No method: only a step with the gains of the axis.
     Step,
     /// The proportional gain is raised until the axis oscillates steadily.
     Ultimate,
@@ -33,8 +33,8 @@ pub struct Experiment {
     pub method: Method,
     /// The rule that computes gains from an ultimate point. It is a rule for a PID controller.
     pub rule: Rule,
-    /// Length of steps, counts. It is below the `error_limit` of the axis, and the travel has room
-    /// for twice this length.
+    /// Length of steps, counts. It must be below the `error_limit` of the axis, and the travel must
+    /// have room for twice this length.
     pub size: i32,
     /// Settings of the relay, for [`Method::Relay`].
     pub relay: RelaySettings,
@@ -46,25 +46,25 @@ pub struct Experiment {
 #[derive(Debug)]
 pub enum Failed {
     /// A limit was passed, or the link failed.
-    Trouble(Trouble),
-    /// Not even the largest gain and the slowest servo make the axis oscillate steadily.
+    Machine(Error),
+    /// The axis does not oscillate steadily, even with the largest gain and the slowest servo.
     NoUltimate,
     /// The relay found no ultimate point.
     NoRelay(NoRelay),
-    /// The module cannot have the gains of the ultimate point.
+    /// The gains that follow from the ultimate point are out of the range of the module.
     NoGains,
 }
 
-impl From<Trouble> for Failed {
-    fn from(trouble: Trouble) -> Self {
-        Self::Trouble(trouble)
+impl From<Error> for Failed {
+    fn from(error: Error) -> Self {
+        Self::Machine(error)
     }
 }
 
 impl fmt::Display for Failed {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Trouble(trouble) => trouble.fmt(out),
+            Self::Machine(error) => error.fmt(out),
             Self::NoUltimate => out.write_str(
                 "not even p = 32767 and a rate divisor of 32 make the axis oscillate steadily: no \
                  ultimate gain was found",
@@ -92,8 +92,8 @@ const RULES: [(Rule, &str, &str); 2] = [
 ];
 
 impl Experiment {
-    /// Finds gains, makes a step with them, and checks them with moves. The results go to `outcome`
-    /// as they are found, and the traces to be drawn go to the stand.
+    /// Finds gains, makes a step with them, and checks them with moves. Adds each result to
+    /// `outcome` when it is found, and the traces for the pictures to the stand.
     ///
     /// # Errors
     ///
@@ -115,7 +115,7 @@ impl Experiment {
             }
             Method::Relay => {
                 let (figures, found) = relay(stand, self.relay).map_err(|none| match none {
-                    NoRelay::Trouble(trouble) => Failed::Trouble(trouble),
+                    NoRelay::Machine(error) => Failed::Machine(error),
                     none => Failed::NoRelay(none),
                 })?;
                 outcome.relay = Some(figures);

@@ -4,15 +4,16 @@ use super::trial;
 use husillo_pid::Gains as Rates;
 use husillo_transports::nmc::{CYCLE_US, Gains};
 
-/// Largest step of the integral part, PWM. The module adds this step whenever its sum passes a
-/// multiple of 256 counts and samples. A larger step would jolt the axis.
+/// Largest step of the integral part, PWM. The module makes this step whenever its sum of errors
+/// passes a multiple of 256. A larger step would jolt the axis.
 pub(super) const STEP_PWM: f64 = 4.0;
-/// Largest drive of the integral part, of 255. It overcomes stiction and does not jolt the axis.
+/// Largest drive of the integral part; full drive is 255. It overcomes stiction and does not jolt
+/// the axis.
 const SHARE_PWM: f64 = 32.0;
 
-/// Converts the gains of a rule, per second and in PWM per count, to a module with the limits of
-/// `limits`. Also returns sentences about the gains that had to be changed. `None`: the gains are
-/// not numbers, or do not fit even when scaled.
+/// Converts the gains of a rule, which are per second and in PWM per count, to those of a module
+/// with the limits of `limits`. Also returns sentences about the gains that had to be changed.
+/// `None`: the gains are not numbers, or do not fit even when scaled.
 pub fn fit(rule: Rates<f64>, limits: &Gains) -> Option<(Gains, Vec<String>)> {
     let period_s = f64::from(CYCLE_US) * 1e-6 * f64::from(limits.rate_divisor.max(1));
     let wanted = rule.per_sample(period_s);

@@ -24,12 +24,13 @@ const LINEAR: DcMotorModel = DcMotorModel {
     ..DcMotorModel::PROTOTYPE
 };
 
-/// The ultimate point of `K / (s (1 + s T1))` behind a hold, sampled every `period_s`, under
-/// proportional control.
+/// The ultimate point of the axis `K / (s (1 + s T1))` under proportional control. The controller
+/// samples the axis every `period_s` and holds its output in between.
 ///
 /// With `a = exp(-T/T1)` the sampled axis is `(b1 z + b0) / ((z - 1)(z - a))`, `b1 = K (T - T1 (1 -
-/// a))`, `b0 = K (T1 (1 - a) - a T)`. The closed loop `z^2 - (1 + a - k b1) z + a + k b0` has its
-/// poles on the unit circle where their product is 1, at the angle whose cosine is half their sum.
+/// a))`, `b0 = K (T1 (1 - a) - a T)`. The poles of the closed loop are the zeros of `z^2 - (1 + a -
+/// k b1) z + a + k b0`. At the ultimate gain their product is 1, so they are on the unit circle.
+/// The cosine of their angle is half of their sum.
 fn known(model: &DcMotorModel, period_s: f64) -> Ultimate {
     let slope = model.constant_nm_per_a.powi(2) / model.resistance_ohm + model.viscous_nm_s;
     let lag_s = model.inertia_kg_m2 / slope;
@@ -47,16 +48,15 @@ fn known(model: &DcMotorModel, period_s: f64) -> Ultimate {
     }
 }
 
-/// The same motor with an inductance whose lag determines the ultimate point instead of the
-/// sampling.
+/// The same motor with an inductance. Its lag, not the sampling, determines the ultimate point.
 const SLOW: DcMotorModel = DcMotorModel {
     inductance_h: 0.1,
     ..LINEAR
 };
 
-/// Its ultimate point by Routh. `L J s^3 + (R J + L b) s^2 + (R b + k^2) s + Kp U k / 255 = 0` has
-/// poles on the imaginary axis if the products of the inner and of the outer coefficients are
-/// equal.
+/// The ultimate point of [`SLOW`] by the criterion of Routh. `L J s^3 + (R J + L b) s^2 + (R b +
+/// k^2) s + Kp U k / 255 = 0` has poles on the imaginary axis if the products of the inner and of
+/// the outer coefficients are equal.
 fn known_of_slow(model: &DcMotorModel) -> Ultimate {
     let m = model;
     let inner = m.resistance_ohm * m.viscous_nm_s + m.constant_nm_per_a.powi(2);
@@ -101,8 +101,8 @@ fn by_relay(model: DcMotorModel, hysteresis: u16) -> Ultimate {
     relay(&mut stand(model, 1), settings).unwrap().1
 }
 
-/// Raising the gain finds the ultimate point of the sampled loop within 5 % of the gain and 2 % of
-/// the period, at every divisor.
+/// The search with a rising gain finds the ultimate point of the sampled loop at every divisor. The
+/// gain is right within 5 %, and the period within 2 %.
 #[test]
 fn the_ultimate_gain_of_a_sampled_loop() {
     for divisor in [1, 2, 4, 8, 16] {
@@ -111,10 +111,10 @@ fn the_ultimate_gain_of_a_sampled_loop() {
     }
 }
 
-/// Both methods find the same point. Raising the gain finds it within 5 % of the gain. The relay,
-/// whose describing function neglects the harmonics, finds it within 8 % of the gain and 4 % of the
-/// period. So they agree within 10 %. A hysteresis moves the point of the relay to a lower gain and
-/// a longer period, as expected.
+/// Both methods find the same point. The rising gain finds the gain within 5 %. The relay finds the
+/// gain within 8 % and the period within 4 %, because its describing function neglects harmonics.
+/// So they agree within 10 %. As expected, a hysteresis moves the point of the relay to a lower
+/// gain and a longer period.
 #[test]
 fn relay_and_ultimate_gain_agree() {
     let wanted = known_of_slow(&SLOW);
@@ -127,8 +127,8 @@ fn relay_and_ultimate_gain_agree() {
     near(&wide, &wanted, 0.25, 0.15);
 }
 
-/// With friction and 400 counts per revolution both methods agree within 30 % of the gain and 10 %
-/// of the period.
+/// With friction and 400 counts per revolution the gains of both methods agree within 30 %, and the
+/// periods within 10 %.
 #[test]
 fn they_agree_on_the_prototype() {
     let prototype = DcMotorModel::PROTOTYPE;
@@ -139,7 +139,7 @@ fn they_agree_on_the_prototype() {
     near(&by_relay(prototype, 0), &gain, 0.3, 0.1);
 }
 
-/// With the gains of every method all 300 moves end within a count of their goals.
+/// With the gains of every method, all 300 moves end at most a count from their goals.
 #[test]
 fn gains_place_every_move() {
     let prototype = || stand(DcMotorModel::PROTOTYPE, 1);
@@ -166,9 +166,9 @@ fn gains_place_every_move() {
     }
 }
 
-/// Friction keeps the prototype calm at any gain, so the search ends at its bounds and says so.
-/// Without friction and with a slow winding the proportional gain ends in an oscillation, and
-/// nothing is said of it.
+/// Because of its friction the prototype oscillates at no gain. So the search ends at its bounds,
+/// and a note reports this. Without friction and with a slow winding, the search for the
+/// proportional gain ends with an oscillation, and there is no note about it.
 #[test]
 fn stepwise_says_where_there_was_no_oscillation() {
     let (mut trials, mut notes) = (Vec::new(), Vec::new());
@@ -190,7 +190,7 @@ fn stepwise_says_where_there_was_no_oscillation() {
 
     let (mut trials, mut notes) = (Vec::new(), Vec::new());
     let gains = stepwise(&mut stand(SLOW, 1), 100, &mut trials, &mut notes).unwrap();
-    // It vibrates at 400, and at once with an integral gain.
+    // The motor vibrates at 400, and with any integral gain.
     assert!(
         trials
             .iter()
@@ -201,8 +201,8 @@ fn stepwise_says_where_there_was_no_oscillation() {
     assert!(notes[0].starts_with("no derivative gain"), "{notes:?}");
 }
 
-/// The gains of a rule hold the motor with the controller of `pid` as well. It has no limit of
-/// 0x7FFF, so the gains are used unchanged, in fixed point.
+/// The gains of a rule also hold the motor with the controller of the crate `pid`. Its gains are
+/// not limited to 0x7FFF, so they are used unchanged, in fixed point.
 #[test]
 fn gains_hold_the_motor_with_a_pid() {
     let relay = by_relay(DcMotorModel::PROTOTYPE, 0);

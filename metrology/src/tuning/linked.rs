@@ -1,9 +1,9 @@
 //! An axis behind a line of modules, real or simulated.
 
 use super::rig::{Rig, Sample};
+use crate::error::Error;
 use crate::heads::per_period;
 use crate::heads::{AxisSettings, Line, Machine, Port};
-use crate::trouble::Trouble;
 use husillo_transports::nmc::{
     CYCLE_US, Command, Gains, Items, Mode, Reply, Reset, Status, Stop, StopMode, Trajectory,
 };
@@ -14,7 +14,7 @@ pub struct Linked<P> {
     line: Line<P>,
     module: u8,
     gains: Gains,
-    /// The duty that the gains are set for, during a drive.
+    /// During a drive, the duty for which the gains are set.
     duty: Option<u8>,
 }
 
@@ -29,12 +29,8 @@ impl<P: Port> Linked<P> {
     ///
     /// # Errors
     ///
-    /// No answer, no servo module at this address, no motor power.
-    pub fn start(
-        mut line: Line<P>,
-        machine: &Machine,
-        file: &AxisSettings,
-    ) -> Result<Self, Trouble> {
+    /// There is no answer, no servo module at this address, or no motor power.
+    pub fn start(mut line: Line<P>, machine: &Machine, file: &AxisSettings) -> Result<Self, Error> {
         line.start_servos(machine.baud, [file.module])?;
         let mut linked = Self {
             line,
@@ -47,16 +43,16 @@ impl<P: Port> Linked<P> {
         linked.command(Command::ReadStatus(READ))?;
         let reply = linked.command(Command::ReadStatus(READ))?;
         if !reply.status.contains(Status::POWER_ON) {
-            return Err(Trouble::NoPower { axis: file.letter });
+            return Err(Error::NoPower { axis: file.letter });
         }
         Ok(linked)
     }
 
-    fn command(&mut self, command: Command) -> Result<Reply, Trouble> {
+    fn command(&mut self, command: Command) -> Result<Reply, Error> {
         self.line.command(self.module, command)
     }
 
-    fn stop(&mut self, amplifier: bool, mode: StopMode) -> Result<(), Trouble> {
+    fn stop(&mut self, amplifier: bool, mode: StopMode) -> Result<(), Error> {
         let mode = Some(mode);
         self.command(Command::StopMotor(Stop { amplifier, mode }))?;
         Ok(())
@@ -64,24 +60,24 @@ impl<P: Port> Linked<P> {
 }
 
 impl<P: Port> Rig for Linked<P> {
-    fn set_gains(&mut self, gains: &Gains) -> Result<(), Trouble> {
+    fn set_gains(&mut self, gains: &Gains) -> Result<(), Error> {
         self.gains = *gains;
         self.duty = None;
         self.command(Command::SetGain(*gains))?;
         Ok(())
     }
 
-    fn engage(&mut self) -> Result<(), Trouble> {
+    fn engage(&mut self) -> Result<(), Error> {
         self.stop(true, StopMode::Abrupt)?;
         self.command(Command::ClearBits)?;
         Ok(())
     }
 
-    fn hold(&mut self, position: i32) -> Result<(), Trouble> {
+    fn hold(&mut self, position: i32) -> Result<(), Error> {
         self.stop(true, StopMode::Here(position))
     }
 
-    fn go_to(&mut self, goal: i32, rate: u32, acceleration: u32) -> Result<(), Trouble> {
+    fn go_to(&mut self, goal: i32, rate: u32, acceleration: u32) -> Result<(), Error> {
         let cycle_s = f64::from(CYCLE_US) * 1e-6 * f64::from(self.gains.rate_divisor.max(1));
         let (velocity, acceleration) = per_period(rate, acceleration.into(), cycle_s);
         self.command(Command::LoadTrajectory(Trajectory {
@@ -95,10 +91,10 @@ impl<P: Port> Rig for Linked<P> {
         Ok(())
     }
 
-    /// Does not use the PWM mode of the module, which would continue without the host. Instead the
-    /// servo goes to `end` with at most this duty and holds the axis there. It uses the full duty
-    /// from an error of two counts on.
-    fn drive(&mut self, pwm: i16, end: i32) -> Result<(), Trouble> {
+    /// Does not use the PWM mode of the module, because that would continue without the host.
+    /// Instead the servo moves to `end` with at most this duty, and holds the axis there. From an
+    /// error of two counts on it uses the full duty.
+    fn drive(&mut self, pwm: i16, end: i32) -> Result<(), Error> {
         let duty = pwm.unsigned_abs().min(255) as u8;
         if duty == 0 {
             return self.release();
@@ -125,11 +121,11 @@ impl<P: Port> Rig for Linked<P> {
         self.hold(end)
     }
 
-    fn release(&mut self) -> Result<(), Trouble> {
+    fn release(&mut self) -> Result<(), Error> {
         self.stop(false, StopMode::Off)
     }
 
-    fn sample(&mut self) -> Result<Sample, Trouble> {
+    fn sample(&mut self) -> Result<Sample, Error> {
         let reply = self.command(Command::ReadStatus(READ))?;
         Ok(Sample {
             us: self.now_us(),
@@ -155,8 +151,8 @@ mod tests {
         let machine = one_axis();
         let file = machine.axes[0];
         for (pwm, end) in [(60, 300), (-60, -300), (255, 150)] {
-            let chain = SimulatedNetwork::new(&[4], &[], None).unwrap();
-            let line = Line::new(SimulatedPort::new(chain));
+            let network = SimulatedNetwork::new(&[4], &[], None).unwrap();
+            let line = Line::new(SimulatedPort::new(network));
             let mut linked = Linked::start(line, &machine, &file).unwrap();
             linked.set_gains(&file.gains).unwrap();
             linked.engage().unwrap();

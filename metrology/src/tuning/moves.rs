@@ -1,7 +1,7 @@
 //! The check of gains: moves, and their distances from the goals.
 
 use super::stand::Stand;
-use crate::trouble::Trouble;
+use crate::error::Error;
 use husillo_transports::nmc::{Gains, Status};
 use serde::Serialize;
 
@@ -9,11 +9,11 @@ use serde::Serialize;
 const LENGTHS: [i32; 9] = [1, 3, 10, 30, 100, 300, 500, 2, 17];
 /// The moves stay within this distance of the first position, counts.
 const REACH: i32 = 1000;
-/// Longest time from the end of a profile until the axis stands, us.
+/// Longest time from the end of a profile until the axis is at rest, us.
 const SETTLING_US: u64 = 2_000_000;
-/// Time for which the last goal is held, us.
+/// Time for which the last goal is held and observed, us.
 const REST_US: u64 = 3_000_000;
-/// The axis stands when it has been at its goal for this time, us, and for three readings.
+/// The axis is at rest when it has been at its goal for this time, us, and for three readings.
 const STILL_US: u64 = 50_000;
 
 /// Results of the moves.
@@ -25,8 +25,8 @@ pub struct Moves {
     pub within_1_count: u32,
     /// Largest distance of the end of a move from its goal, counts.
     pub largest_error: u32,
-    /// Largest distance from the last goal while the axis is held there, counts. More than 1 is
-    /// hunting.
+    /// Largest distance from the last goal while the axis is held there, counts. If it is more than
+    /// 1, the axis hunts.
     pub rest_error: u32,
 }
 
@@ -43,13 +43,13 @@ impl Moves {
 /// # Errors
 ///
 /// A limit is passed, or the link fails.
-pub fn check(stand: &mut Stand, gains: &Gains, moves: u32) -> Result<Moves, Trouble> {
+pub fn check(stand: &mut Stand, gains: &Gains, moves: u32) -> Result<Moves, Error> {
     stand.engage(gains)?;
     let mut result = Moves::default();
     let mut goal = stand.sample(true)?.position;
     let mut random = 1_u32;
     for length in LENGTHS.into_iter().cycle().take(moves as usize) {
-        // Numerical Recipes' generator: the same moves every time.
+        // The random generator of Numerical Recipes, so that the moves are always the same.
         random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         let length = length + (random >> 16) as i32 % length;
         let is_up = random >> 31 == 0;
@@ -75,8 +75,8 @@ pub fn check(stand: &mut Stand, gains: &Gains, moves: u32) -> Result<Moves, Trou
     Ok(result)
 }
 
-/// Makes a move and returns how far from its goal it ends.
-fn one(stand: &mut Stand, goal: i32) -> Result<u32, Trouble> {
+/// Makes a move. Returns the distance of its end from its goal.
+fn one(stand: &mut Stand, goal: i32) -> Result<u32, Error> {
     stand.start_move(goal)?;
     // The latest end of the move, set at the end of its profile, and the start of its time at the
     // goal.

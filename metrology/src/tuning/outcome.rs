@@ -57,7 +57,7 @@ pub struct Outcome {
 pub struct UltimateFigures {
     /// Ku, PWM per count.
     pub gain: f64,
-    /// The same as a proportional gain of the module.
+    /// Ku as a proportional gain of the module.
     pub p: f64,
     /// Tu, ms.
     pub period_ms: f64,

@@ -2,13 +2,13 @@
 
 use super::stand::{Stand, Trace};
 use super::swing::{PERIOD_S, fundamental};
-use crate::trouble::Trouble;
+use crate::error::Error;
 use husillo_pid::tuning::{Oscillation, Relay, Ultimate, oscillation};
 use serde::Serialize;
 
 /// Time for which the relay drives, us.
 const RELAY_US: u64 = 4_000_000;
-/// Part of that time in which the oscillation becomes steady, us.
+/// Part of this time at the start in which the oscillation becomes steady, us.
 const START_US: u64 = 1_000_000;
 /// Least number of readings per period. Fewer do not show the amplitude.
 const READINGS: f64 = 6.0;
@@ -34,14 +34,14 @@ pub struct RelayFigures {
     pub period_ms: f64,
     /// Number of whole periods.
     pub periods: u32,
-    /// Delay from a crossing to the drive that follows, ms. It is the time for reading and
-    /// commanding through a line. 0 if the relay acts in every servo period.
+    /// Delay from a zero crossing to the change of the drive, ms: the time for reading and
+    /// commanding over a line. 0 if the relay acts in every servo period.
     pub late_ms: f64,
 }
 
-/// Lets the axis oscillate, and returns the figures and the ultimate point by the describing
-/// function. Through a line the point belongs to a loop with the delay of the line. Its gain is
-/// lower and its period longer than those of the module's own loop.
+/// Lets the axis oscillate. Returns the figures, and the ultimate point according to the describing
+/// function. Over a line, the point is that of a loop with the delay of the line. Its gain is lower
+/// and its period is longer than those of the module's own loop.
 ///
 /// # Errors
 ///
@@ -57,7 +57,7 @@ pub fn relay(
     let centre = stand.centre;
     // Duties are within 255.
     let law = |position: i32| relay.update(f64::from(centre - position)) as i16;
-    let (trace, command_us) = stand.drive_by(RELAY_US, law).map_err(NoRelay::Trouble)?;
+    let (trace, command_us) = stand.drive_by(RELAY_US, law).map_err(NoRelay::Machine)?;
     let sample_us = stand.sample_us();
     let result = evaluate(&trace, settings, centre, sample_us, command_us);
     stand.traces.push(Trace {
@@ -103,7 +103,7 @@ fn evaluate(
         period_ms: found.period_s * 1e3,
         periods: found.periods,
         late_ms: if command_us > 0.0 {
-            // On average a crossing is seen half a reading later.
+            // On average a reading shows a crossing half a sampling time later.
             (0.5 * sample_us + command_us) * 1e-3
         } else {
             0.0
@@ -112,7 +112,7 @@ fn evaluate(
     Ok((figures, of_loop))
 }
 
-/// A note on a relay through a line.
+/// A note about a relay over a line.
 pub fn note(figures: &RelayFigures) -> Option<String> {
     (figures.late_ms > 0.0).then(|| {
         format!(
@@ -127,7 +127,7 @@ pub fn note(figures: &RelayFigures) -> Option<String> {
 #[derive(Debug)]
 pub enum NoRelay {
     /// The experiment was aborted.
-    Trouble(Trouble),
+    Machine(Error),
     /// There is no steady oscillation.
     Still,
     /// The oscillation is no larger than the hysteresis.
@@ -146,7 +146,7 @@ impl std::error::Error for NoRelay {}
 impl std::fmt::Display for NoRelay {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::Trouble(trouble) => trouble.fmt(out),
+            Self::Machine(error) => error.fmt(out),
             Self::Still => out.write_str("the relay makes no steady oscillation"),
             Self::WithinHysteresis => out.write_str("the oscillation is within the hysteresis"),
             Self::TooSlow {

@@ -1,6 +1,6 @@
 //! The interface to an axis under test, simulated or real.
 
-use crate::trouble::Trouble;
+use crate::error::Error;
 use husillo_transports::nmc::{Gains, Status};
 
 /// A reading of an axis.
@@ -23,28 +23,28 @@ pub trait Rig {
     /// # Errors
     ///
     /// The link fails.
-    fn set_gains(&mut self, gains: &Gains) -> Result<(), Trouble>;
+    fn set_gains(&mut self, gains: &Gains) -> Result<(), Error>;
 
     /// Switches the servo on at the present position and clears all faults.
     ///
     /// # Errors
     ///
     /// The link fails.
-    fn engage(&mut self) -> Result<(), Trouble>;
+    fn engage(&mut self) -> Result<(), Error>;
 
     /// Commands a position without a profile: a step.
     ///
     /// # Errors
     ///
     /// The link fails.
-    fn hold(&mut self, position: i32) -> Result<(), Trouble>;
+    fn hold(&mut self, position: i32) -> Result<(), Error>;
 
     /// Moves to a goal, rate in counts/s and acceleration in counts/s^2.
     ///
     /// # Errors
     ///
     /// The link fails.
-    fn go_to(&mut self, goal: i32, rate: u32, acceleration: u32) -> Result<(), Trouble>;
+    fn go_to(&mut self, goal: i32, rate: u32, acceleration: u32) -> Result<(), Error>;
 
     /// Drives the motor with this duty, -255 to 255, until the next command. On a line the axis
     /// stops at `end`, in counts, even without the host.
@@ -52,21 +52,21 @@ pub trait Rig {
     /// # Errors
     ///
     /// The link fails.
-    fn drive(&mut self, pwm: i16, end: i32) -> Result<(), Trouble>;
+    fn drive(&mut self, pwm: i16, end: i32) -> Result<(), Error>;
 
     /// Switches the drive of the motor off.
     ///
     /// # Errors
     ///
     /// The link fails.
-    fn release(&mut self) -> Result<(), Trouble>;
+    fn release(&mut self) -> Result<(), Error>;
 
-    /// The next reading, as soon as the axis gives one.
+    /// Waits for the next reading and returns it.
     ///
     /// # Errors
     ///
     /// The link fails.
-    fn sample(&mut self) -> Result<Sample, Trouble>;
+    fn sample(&mut self) -> Result<Sample, Error>;
 
     /// Time since the start, us.
     fn now_us(&self) -> u64;

@@ -1,8 +1,8 @@
 //! The axis on the test stand, with the limits that are watched during an experiment.
 
 use super::rig::{Rig, Sample};
+use crate::error::Error;
 use crate::heads::AxisSettings;
-use crate::trouble::Trouble;
 use husillo_sim::text::position;
 use husillo_transports::nmc::{Gains, Status};
 use std::fmt;
@@ -25,7 +25,7 @@ pub struct Trace {
 /// An axis with its limits.
 pub struct Stand {
     rig: Box<dyn Rig>,
-    /// Settings of the axis. The limits in its gains hold for all trials.
+    /// Settings of the axis. The limits in its gains apply to all trials.
     pub settings: AxisSettings,
     /// Position around which the experiments are made, counts.
     pub centre: i32,
@@ -51,7 +51,7 @@ impl Stand {
     /// # Errors
     ///
     /// The link fails.
-    pub fn new(mut rig: Box<dyn Rig>, settings: AxisSettings) -> Result<Self, Trouble> {
+    pub fn new(mut rig: Box<dyn Rig>, settings: AxisSettings) -> Result<Self, Error> {
         let centre = rig.sample()?.position;
         Ok(Self {
             rig,
@@ -63,7 +63,7 @@ impl Stand {
         })
     }
 
-    /// These gains with the limits of the machine file.
+    /// Adds the limits of the machine file to gains.
     pub(super) fn gains(&self, proportional: u16, integral: u16, derivative: u16) -> Gains {
         Gains {
             proportional,
@@ -83,18 +83,18 @@ impl Stand {
     /// # Errors
     ///
     /// The link fails.
-    pub(super) fn engage(&mut self, gains: &Gains) -> Result<(), Trouble> {
+    pub(super) fn engage(&mut self, gains: &Gains) -> Result<(), Error> {
         self.rig.set_gains(gains)?;
         self.rig.engage()
     }
 
-    /// The present position, and a position `size` counts away towards the centre. Steps back and
-    /// forth between them stay around the centre.
+    /// The present position, and a position `size` counts away in the direction of the centre. So
+    /// steps back and forth between them stay near the centre.
     ///
     /// # Errors
     ///
     /// A limit is passed, or the link fails.
-    pub(super) fn there_and_back(&mut self, size: i32) -> Result<[i32; 2], Trouble> {
+    pub(super) fn there_and_back(&mut self, size: i32) -> Result<[i32; 2], Error> {
         let from = self.sample(true)?.position;
         let there = if from > self.centre {
             from - size
@@ -109,7 +109,7 @@ impl Stand {
     /// # Errors
     ///
     /// A limit is passed, or the link fails.
-    pub(super) fn step_to(&mut self, target: i32, us: u64) -> Result<Trace, Trouble> {
+    pub(super) fn step_to(&mut self, target: i32, us: u64) -> Result<Trace, Error> {
         let start_us = self.rig.now_us();
         self.rig.hold(target)?;
         let mut samples = Vec::new();
@@ -136,7 +136,7 @@ impl Stand {
         &mut self,
         us: u64,
         mut law: impl FnMut(i32) -> i16,
-    ) -> Result<(Trace, f64), Trouble> {
+    ) -> Result<(Trace, f64), Error> {
         // This switches the amplifier on and sets the current limit.
         let gains = self.settings.gains;
         self.engage(&gains)?;
@@ -174,7 +174,7 @@ impl Stand {
     /// # Errors
     ///
     /// The link fails.
-    pub(super) fn start_move(&mut self, goal: i32) -> Result<(), Trouble> {
+    pub(super) fn start_move(&mut self, goal: i32) -> Result<(), Error> {
         self.rig
             .go_to(goal, self.settings.rate, self.settings.acceleration)
     }
@@ -184,7 +184,7 @@ impl Stand {
     /// # Errors
     ///
     /// A limit is passed, or the link fails.
-    pub(super) fn sample(&mut self, is_servo_on: bool) -> Result<Sample, Trouble> {
+    pub(super) fn sample(&mut self, is_servo_on: bool) -> Result<Sample, Error> {
         let before_us = self.rig.now_us();
         let sample = self.rig.sample()?;
         self.samples += 1;
@@ -192,22 +192,22 @@ impl Stand {
         let at = || counts(sample.position);
         let [low, high] = self.settings.travel;
         // Without the servo the module always reports a position error, and a drive needs twice the
-        // limit. So the limit is watched here.
+        // limit of a module. So the limit is checked here.
         let is_lost = if is_servo_on {
             sample.status.contains(Status::POSITION_ERROR)
         } else {
             sample.position.abs_diff(self.centre) > u32::from(self.settings.gains.error_limit)
         };
         if !sample.status.contains(Status::POWER_ON) {
-            Err(Trouble::NoPower {
+            Err(Error::NoPower {
                 axis: self.settings.letter,
             })
         } else if sample.status.contains(Status::OVERCURRENT) {
-            Err(Trouble::OverCurrent { at: at() })
+            Err(Error::OverCurrent { at: at() })
         } else if is_lost {
-            Err(Trouble::PositionError { at: at() })
+            Err(Error::PositionError { at: at() })
         } else if !(low..=high).contains(&sample.position) {
-            Err(Trouble::OutsideTravel {
+            Err(Error::OutsideTravel {
                 goal: at(),
                 travel: [counts(low), counts(high)],
             })
@@ -216,7 +216,7 @@ impl Stand {
         }
     }
 
-    /// Switches the drive off after any outcome. A failed link has been reported already.
+    /// Switches the drive off. A failure is ignored, because a failed link was reported before.
     pub fn release(&mut self) {
         let _ = self.rig.release();
     }

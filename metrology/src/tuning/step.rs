@@ -2,7 +2,7 @@
 
 use super::stand::{Stand, Trace};
 use super::swing::PERIOD_S;
-use crate::trouble::Trouble;
+use crate::error::Error;
 use husillo_pid::tuning::step_response;
 use husillo_transports::nmc::Gains;
 use serde::Serialize;
@@ -19,7 +19,7 @@ pub struct StepFigures {
     pub goal: i32,
     /// Rise time from 10 % to 90 %, ms. `None`: it does not reach 90 %.
     pub rise_ms: Option<f64>,
-    /// Overshoot beyond the goal, per cent of the step.
+    /// Overshoot beyond the goal, in percent of the step.
     pub overshoot_percent: Option<f64>,
     /// Time until it stays within 1 count of the goal, ms. `None`: it does not settle.
     pub settling_ms: Option<f64>,
@@ -34,7 +34,7 @@ pub struct StepFigures {
 /// # Errors
 ///
 /// A limit is passed, or the link fails.
-pub fn step(stand: &mut Stand, gains: &Gains, size: i32) -> Result<(StepFigures, Trace), Trouble> {
+pub fn step(stand: &mut Stand, gains: &Gains, size: i32) -> Result<(StepFigures, Trace), Error> {
     stand.engage(gains)?;
     let from = stand.sample(true)?.position;
     // Within the travel: both are far from 2^31.
@@ -48,7 +48,8 @@ pub fn figures(trace: &Trace, from: i32) -> StepFigures {
     let size = f64::from(goal - from);
     let positions = trace.positions(PERIOD_S);
     let of = |band| step_response(&positions, PERIOD_S, from.into(), goal.into(), band);
-    // In whole counts: 1 count is within the band, 2 counts are not.
+    // Positions are whole counts. With this band, 1 count from the goal is settled, and 2 counts
+    // are not.
     let settled = of(1.25 / size.abs().max(1.0));
     let whole = of(f64::MAX);
     let ms = |seconds: f64| (seconds * 1e5).round() / 100.0;

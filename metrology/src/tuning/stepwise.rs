@@ -7,10 +7,11 @@ use super::stand::{Stand, Trace};
 use super::step::{StepFigures, figures};
 use super::swing::Swing;
 use super::trial::{LARGEST, Trial};
-use crate::trouble::Trouble;
+use crate::error::Error;
 use husillo_transports::nmc::Gains;
 
-/// The proportional gain during the search for the derivative gain. It brings the axis back.
+/// The proportional gain during the search for the derivative gain. It moves the axis back to its
+/// goal.
 const FIRST_P: u16 = 100;
 const FIRST_D: u16 = 1000;
 const FIRST_I: u16 = 50;
@@ -23,9 +24,9 @@ const OVERSHOOT_PERCENT: f64 = 25.0;
 /// Number of moves that check a limit.
 const MOVES: u32 = 9;
 
-/// Upper bounds of the searches for gains of an axis that has not vibrated. Beyond them, single
-/// counts of the encoder drive the motor, so higher gains do not improve a servo that friction
-/// keeps calm.
+/// Upper bounds of the searches for gains, for an axis that does not vibrate. Beyond them, single
+/// counts of the encoder would drive the motor. So higher gains do not improve a servo whose
+/// friction prevents an oscillation.
 #[derive(Clone, Copy)]
 struct Bounds {
     derivative: u16,
@@ -49,9 +50,9 @@ impl Bounds {
 
 /// A gain that a search has found.
 struct Raised {
-    /// Half of the last gain.
+    /// Half of the last gain that was tried.
     gain: u16,
-    /// The largest gain that was tried, if even this gain was not too large.
+    /// The largest gain that was tried, if it was not too large.
     calm_at: Option<u16>,
 }
 
@@ -103,8 +104,8 @@ pub fn stepwise(
     size: i32,
     trials: &mut Vec<Trial>,
     notes: &mut Vec<String>,
-) -> Result<Gains, Trouble> {
-    // Derivative gain: up to vibration, then half of it.
+) -> Result<Gains, Error> {
+    // Derivative gain: half of the gain at which the axis vibrates.
     let mut gains = Gains {
         integration_limit: 0,
         ..stand.gains(FIRST_P, 0, FIRST_D)
@@ -120,7 +121,7 @@ pub fn stepwise(
     let reason = "a motion of one count in a sample makes a quarter of the full drive";
     notes.extend(found.note("derivative", "oscillates", reason));
     gains.derivative = found.gain;
-    // Proportional gain: up to vibration or too much overshoot, then half of it.
+    // Proportional gain: half of the gain at which the axis vibrates or overshoots too much.
     let found = raise(FIRST_P, bounds.proportional, |proportional| {
         let tried = Gains {
             proportional,
@@ -132,7 +133,8 @@ pub fn stepwise(
     let reason = "an error of eight counts makes the full drive";
     notes.extend(found.note("proportional", SWINGS, reason));
     gains.proportional = found.gain;
-    // Integral gain with a wide limit: up to vibration or too much overshoot, then half of it.
+    // Integral gain, with a wide limit: half of the gain at which the axis vibrates or overshoots
+    // too much.
     gains.integration_limit = WIDE_LIMIT;
     let found = raise(FIRST_I, bounds.integral, |integral| {
         let tried = Gains { integral, ..gains };
@@ -182,12 +184,12 @@ impl Raised {
     }
 }
 
-/// Doubles a gain up to `bound`, until `is_too_much`. Finds half of that gain.
+/// Doubles a gain until it `is_too_much`, or reaches `bound`. Finds half of the last gain.
 fn raise(
     first: u16,
     bound: u16,
-    mut is_too_much: impl FnMut(u16) -> Result<bool, Trouble>,
-) -> Result<Raised, Trouble> {
+    mut is_too_much: impl FnMut(u16) -> Result<bool, Error>,
+) -> Result<Raised, Error> {
     let mut gain = first;
     loop {
         let is_found = is_too_much(gain)?;
@@ -208,7 +210,7 @@ fn attempt(
     gains: &Gains,
     size: i32,
     trials: &mut Vec<Trial>,
-) -> Result<Shown, Trouble> {
+) -> Result<Shown, Error> {
     let number = Trial::begin(trials, stage, gains);
     stand.engage(gains)?;
     let mut shown = Shown {

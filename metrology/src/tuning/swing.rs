@@ -6,8 +6,8 @@ use husillo_pid::tuning::{Oscillation, oscillation};
 /// Period at which traces are sampled, s: a servo period.
 pub const PERIOD_S: f64 = 512e-6;
 
-/// Smallest amplitude of a real oscillation, counts. At one or two counts the steps of the encoder
-/// alone give up to 4/pi of the gain.
+/// Smallest amplitude of a real oscillation, counts. At an amplitude of one or two counts, the
+/// steps of the encoder alone raise the effective gain by up to 4/pi.
 const LEAST_COUNTS: f64 = 3.0;
 
 /// Motion of an axis some time after a step.
@@ -15,7 +15,7 @@ const LEAST_COUNTS: f64 = 3.0;
 pub struct Swing {
     /// Half of the range of the positions in the last third, counts.
     pub amplitude: f64,
-    /// The same for the third before, counts.
+    /// Half of the range of the positions in the third before it, counts.
     pub amplitude_before: f64,
     /// Oscillation in the last third, if there is one.
     pub oscillation: Option<Oscillation>,
@@ -40,8 +40,8 @@ impl Swing {
         Self::of(&trace.positions(PERIOD_S))
     }
 
-    /// Whether the oscillation is sustained: above the effect of single counts, without decay, for
-    /// at least three periods.
+    /// Whether the oscillation is sustained: larger than the effect of single counts, without
+    /// decay, and at least three periods long.
     pub fn is_sustained(&self) -> bool {
         self.amplitude >= LEAST_COUNTS
             && self.amplitude >= 0.95 * self.amplitude_before
@@ -55,8 +55,8 @@ fn half_way(positions: &[f64]) -> f64 {
     if high >= low { (high - low) / 2.0 } else { 0.0 }
 }
 
-/// Number of periods for a Fourier coefficient. It is small, as the periods of a relay behind a
-/// line vary.
+/// Number of periods of a Fourier coefficient. It is small, because the periods of a relay vary
+/// over a line.
 const TOGETHER: f64 = 4.0;
 
 /// Amplitude of the part of `positions` that oscillates with `period_s`: the mean of its first

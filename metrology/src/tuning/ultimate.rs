@@ -3,7 +3,7 @@
 use super::stand::{Stand, Trace};
 use super::swing::Swing;
 use super::trial::{LARGEST, Trial};
-use crate::trouble::Trouble;
+use crate::error::Error;
 use husillo_pid::tuning::Ultimate;
 use husillo_transports::nmc::Gains;
 
@@ -14,7 +14,7 @@ const TRIAL_US: u64 = 1_800_000;
 /// First gain, and the factor by which it is raised until the axis oscillates.
 const FIRST: u16 = 256;
 const FACTOR: f64 = 1.5;
-/// The gain is found to this ratio.
+/// The search ends when the interval of the gain is at most this ratio.
 const EXACT: f64 = 1.02;
 /// Rate divisor of the slowest servo that is tried.
 const SLOWEST: u8 = 32;
@@ -30,15 +30,15 @@ const SLOWEST: u8 = 32;
 pub fn ultimate(
     stand: &mut Stand,
     trials: &mut Vec<Trial>,
-) -> Result<Option<(Ultimate, u8)>, Trouble> {
+) -> Result<Option<(Ultimate, u8)>, Error> {
     let mut divisor = stand.settings.gains.rate_divisor.max(1);
     let mut first = FIRST;
     loop {
         if let Some(found) = at_divisor(stand, divisor, first, trials)? {
             return Ok(Some((found, divisor)));
         }
-        // With twice the period the ultimate gain is at most half as large. The other half is
-        // margin.
+        // With twice the period the ultimate gain is at most half as large. The search begins at a
+        // quarter, which leaves a margin.
         first = LARGEST / 4;
         divisor = divisor.saturating_mul(2);
         if divisor > SLOWEST {
@@ -53,7 +53,7 @@ fn at_divisor(
     divisor: u8,
     first: u16,
     trials: &mut Vec<Trial>,
-) -> Result<Option<Ultimate>, Trouble> {
+) -> Result<Option<Ultimate>, Error> {
     let (mut calm, mut swinging) = (0_u16, None);
     let mut proportional = first;
     loop {
@@ -66,7 +66,7 @@ fn at_divisor(
         let top = swinging.as_ref().map(|(gain, ..)| *gain);
         proportional = match top {
             Some(top) if f64::from(top) <= f64::from(calm.max(1)) * EXACT => break,
-            // The geometric mean, which is between both ends.
+            // The geometric mean of both ends of the interval.
             Some(top) => (f64::from(calm.max(1)) * f64::from(top)).sqrt() as u16,
             None if calm == LARGEST => break,
             None => (f64::from(calm) * FACTOR).min(LARGEST.into()) as u16,
@@ -93,7 +93,7 @@ fn attempt(
     proportional: u16,
     rate_divisor: u8,
     trials: &mut Vec<Trial>,
-) -> Result<(Trace, Swing), Trouble> {
+) -> Result<(Trace, Swing), Error> {
     let gains = Gains {
         integration_limit: 0,
         rate_divisor,

@@ -1,5 +1,5 @@
-//! Draws the methods over the exact curve of one move: the whole move, and places where the methods
-//! differ.
+//! Draws the path of each method over the exact curve of one move. One picture has the whole move.
+//! Others magnify parts of it in which the methods differ.
 
 use husillo_methods::method::{self, Shape};
 use husillo_methods::trial::{start, stepped};
@@ -8,9 +8,9 @@ use husillo_sim::geometry::turn;
 use std::f64::consts::FRAC_PI_4;
 use std::fmt::Write;
 
-/// Half the side of a zoom, BLU.
+/// Half the side of a magnified square, in steps.
 const HALF: f64 = 8.5;
-/// The picture of a whole move with more events shows only its exact curve.
+/// With more events than this, the picture of the whole move shows only the exact curve.
 const MOST_EVENTS: u64 = 4000;
 
 /// A square of the plane.
@@ -135,7 +135,7 @@ pub fn section(page: &mut String, one: &Move, rows: &[Row]) {
     page.push_str("</div></section>\n");
 }
 
-/// The frames of the whole move and of the magnified places.
+/// The square around the whole move, and the squares that are magnified, each with its title.
 fn frames(one: &Move, rows: &[Row]) -> Vec<(String, Frame)> {
     let points: Vec<[f64; 2]> = (0..=360_u32)
         .map(|k| one.curve.at(f64::from(k) / 360.0))
@@ -160,7 +160,7 @@ fn frames(one: &Move, rows: &[Row]) -> Vec<(String, Frame)> {
         }
     };
     if let Curve::Arc { begin, sweep, .. } = one.curve {
-        // Well inside the sweep, so that the arc continues on both sides.
+        // Keeps an angle well inside the sweep, so that the arc continues on both sides.
         let within = |angle: f64| {
             let part = turn::turned(begin, angle, sweep > 0.0) / sweep.abs();
             let edge = 3.0 / one.curve.length().max(1.0);

@@ -4,7 +4,7 @@ use husillo_methods::trial::{Speed, WINDOWS};
 use husillo_methods::{CRITERIA, Comparison, Row};
 use std::io::{self, Write};
 
-/// The points that the builders of the micro mill gave.
+/// The ratings by the builders of the micro mill.
 pub const ORIGINAL: &str = "The builders of the micro mill used the same weights with their own \
      criteria. They gave direct search 90.5, DDA 84.4 and the staircase 72.1 points: see `husillo \
      reproduce micromill 9`.";

@@ -25,8 +25,9 @@ const RADIUS: f64 = 130.0;
 const ERROR: f64 = 60.0;
 
 impl Picture {
-    /// The errors of a circle around the programmed one: of the diameters as measured and as
-    /// rebuilt, and of the rebuilt contour before and with the compensation of today.
+    /// Draws the errors of a circle around the programmed one. They are those of the measured
+    /// diameters, of the rebuilt diameters, and of the rebuilt contour with the original
+    /// compensation and with that of today.
     pub fn circle(name: &str, [original, today]: &[Circle; 2], table: &Table) -> Self {
         let diameters: Vec<_> = (1..=8)
             .filter_map(|index| {
@@ -89,7 +90,7 @@ impl Picture {
         }
     }
 
-    /// The rows of a table with a rate in their names as dots, and the curve of its model.
+    /// Draws the rows of a table whose names contain a rate as dots, with the curve of the model.
     pub fn curve(table: &Table, model: impl Fn(f64) -> f64) -> Self {
         const BOTTOM: f64 = 300.0;
         let points: Vec<(f64, f64)> = table
@@ -157,8 +158,8 @@ impl Picture {
         }
     }
 
-    /// The unexplained part of each row of a table, in units of its spread. `None` with fewer than
-    /// four such rows.
+    /// Draws the unexplained part of each row of a table, in units of its spread. `None` if fewer
+    /// than four rows have one.
     pub fn unexplained(table: &Table) -> Option<Self> {
         let spreads = table.rows.iter().filter_map(|row| {
             let left = row.unexplained()?;

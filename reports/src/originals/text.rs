@@ -7,7 +7,7 @@ use std::fmt::Write;
 /// Widest line of notes.
 const WIDTH: usize = 100;
 
-/// The tables, their parameters and what is left unexplained.
+/// The tables, their parameters, and the part that stays unexplained.
 pub fn text(rebuilt: &Rebuilt) -> String {
     let mut text = String::new();
     for (index, table) in rebuilt.tables.iter().enumerate() {
@@ -77,7 +77,8 @@ fn write(text: &mut String, machine: &str, table: &Table) -> std::fmt::Result {
     Ok(())
 }
 
-/// Sentences about a table: how many rows are within, what is left, what is gained today.
+/// Sentences about a table: how many rows are within their spread, how much stays unexplained, and
+/// what today's compensation improves.
 pub fn summary(table: &Table) -> Vec<String> {
     let mut lines = Vec::new();
     let [all, within] = table.counts();

@@ -9,7 +9,7 @@ use crate::text::length;
 use husillo_metrology::routine::{Dimension, Feature, Site, Verdict, decimal, signed};
 use std::fmt::Write;
 
-/// The styles of this page alone.
+/// Styles that only this page has.
 const LOOK: &str = "\
 :root{--good:#116329}@media(prefers-color-scheme:dark){:root{--good:#56d364}}\
 .good{stroke:var(--feed);stroke-width:1.6}path.bad,circle.bad{stroke:var(--limit);stroke-width:2}\

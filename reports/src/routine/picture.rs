@@ -36,7 +36,7 @@ impl Plan {
     }
 }
 
-/// The magnification of deviations. It makes the largest one well visible; at least 1.
+/// The magnification of deviations, at least 1. The largest deviation is then clearly visible.
 pub fn factor(features: &[Feature], size_nm: f64) -> f64 {
     let marks = features.iter().flat_map(|feature| &feature.marks);
     let largest = marks.map(|mark| mark.residual_nm.abs()).max();
@@ -144,7 +144,7 @@ fn outline(page: &mut String, view: &View, feature: &Feature, part: &Frame, plan
         Shape::Circle(circle) => {
             let axis = part.direction_to_part(&circle.axis);
             let centre = place(circle.centre_nm, part);
-            // Any two directions across the axis.
+            // Any two directions perpendicular to the axis.
             let (first, _) = vector::nearest_axis(axis, None);
             let mut other = [0.0; 3];
             other[(first + 1) % 3] = 1.0;
@@ -221,7 +221,7 @@ fn extent(feature: &Feature, part: &Frame, along: Vector) -> Vec<Vector> {
     ends.map(|at| plus(origin, scaled(along, at))).to_vec()
 }
 
-/// The points of a face, in the order of their direction from its middle.
+/// The points of a face, in the order of their angle around its middle.
 fn hull(feature: &Feature, part: &Frame, plan: Plan) -> Vec<Vector> {
     let marks = feature.marks.iter();
     let mut points: Vec<Vector> = marks.map(|mark| place(mark.surface_nm, part)).collect();
@@ -240,7 +240,7 @@ fn hull(feature: &Feature, part: &Frame, plan: Plan) -> Vec<Vector> {
 /// Draws a point and its deviation along the normal.
 fn point(page: &mut String, view: &View, mark: &Mark, part: &Frame, plan: Plan, factor: f64) {
     let surface = place(mark.surface_nm, part);
-    // The normal is in the machine's frame: turns it into that of the part.
+    // Rotates the normal from the machine's frame to that of the part.
     let normal = vector::direction(mark.normal).map(|normal| part.direction_to_part(&normal));
     let [x, y] = view.at(plan.flat(surface));
     let _ = writeln!(

@@ -5,8 +5,8 @@ pub trait Emulation {
     /// Length of a period of the simulation, ns.
     const PERIOD_NS: u64;
 
-    /// Takes the rate of the client's port in bits/s, where it is known. Devices whose line has no
-    /// rate ignore it.
+    /// Sets the rate of the client's port in bits/s, if it is known. A device whose line has no
+    /// rate ignores it.
     fn set_host_rate(&mut self, bits_per_s: Option<u32>) {
         let _ = bits_per_s;
     }
@@ -32,7 +32,7 @@ pub trait Emulation {
         Vec::new()
     }
 
-    /// Returns the step events since the last call as rows of CSV, where they are recorded.
+    /// Returns the step events since the last call as rows of CSV, if they are recorded.
     fn made(&mut self) -> String {
         String::new()
     }

@@ -23,8 +23,8 @@ pub struct EmulatedGrbl;
 impl Device {
     /// Creates a mill that is switched on for the first time, with a line at a rate in bits/s.
     ///
-    /// Its mechanics have the steps per millimetre of the settings. The settings may be changed
-    /// later, as on a real mill, without a change of the mechanics.
+    /// Its mechanics have the steps per millimetre of these settings. As on a real mill, a later
+    /// change of the settings does not change the mechanics.
     pub fn new(bits_per_s: u32, settings: Settings) -> Self {
         let memory = GrblMemory::FACTORY.with_settings(settings);
         let grbl = Grbl::new(GrblOptions::FULL, Some(&memory));

@@ -10,17 +10,18 @@ use husillo_transports::microfactory::{ByteTable, Device as LinkDevice};
 
 /// Largest number of moves of a figure.
 pub const ROOM: u16 = 1000;
-/// Ticks after which a jog ends unless it is repeated, for devices that answer.
+/// A jog ends after this number of ticks unless it is repeated. Only devices that answer have this
+/// limit.
 const DEAD_MAN_TICKS: u32 = 500_000;
-/// First positions of the axes, above their home switches. `FACE_STEPS` is the distance of the work
-/// piece from the tool.
+/// First positions of the axes in steps above their home switches. `FACE_STEPS` is the distance
+/// from the tool to the work piece.
 const ABOVE_SWITCHES: [u16; 3] = [420, 380, 900];
 const FACE_STEPS: i32 = 1200;
 
 /// The device: a controller of one machine, or of two.
 pub type Device = super::Device<EmulatedMicrofactory>;
 
-/// A controller of one machine, or of two, of which the second may be missing.
+/// A controller of one or two machines.
 type Station = MicrofactoryStation<{ ROOM as usize }, 2>;
 
 /// A microfactory: the moves of the figure of each machine.
@@ -31,8 +32,9 @@ pub struct EmulatedMicrofactory {
 }
 
 impl Device {
-    /// A device that is switched on, with a figure. A device that answers also has a dead-man's
-    /// time; one without answers is the original. Of two machines the second is like the first.
+    /// Creates a device that is switched on, with a figure in its memory. A device that answers
+    /// also has a dead-man's time. A device without answers is the original. A second machine is
+    /// like the first.
     ///
     /// # Errors
     ///

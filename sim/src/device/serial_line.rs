@@ -1,5 +1,5 @@
-//! A serial line to a simulated device. Each byte takes its time in both directions. The cable can
-//! be pulled, and one byte can be hit by a fault.
+//! A serial line to a simulated device. Each byte takes its transmission time, in both directions.
+//! The cable can be pulled, and a fault can hit one byte.
 
 use std::collections::VecDeque;
 
@@ -20,13 +20,13 @@ pub struct Line {
 /// A fault that hits one byte.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LineFault {
-    /// It does not arrive.
+    /// The byte does not arrive.
     Lost,
-    /// It arrives twice.
+    /// The byte arrives twice.
     Doubled,
-    /// This bit of it is flipped, 0 to 7.
+    /// This bit of the byte is flipped, 0 to 7.
     Flipped(u8),
-    /// It is late by this time in us.
+    /// The byte is late by this time in us.
     Late(u64),
     /// The cable is pulled: neither this byte nor a later one arrives.
     Unplugged,

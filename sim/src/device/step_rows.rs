@@ -19,9 +19,9 @@ impl StepRows {
         }
     }
 
-    /// Appends a row. At this time, after a wait, each motor steps by -1, 0 or 1, and the states
-    /// hold from then on. A row without steps has the number of the previous step event. If more
-    /// time than the wait has passed since the previous row, the device stood still in between.
+    /// Appends a row: at `t_us`, after the wait, each motor steps by -1, 0 or 1, and the states
+    /// begin to hold. A row without steps has the number of the previous step event. If more time
+    /// than the wait has passed since the previous row, the device stood still in between.
     pub fn push(&mut self, t_us: u64, wait_ticks: u32, delta: &[i8], states: &[u8]) {
         self.events += u64::from(delta.iter().any(|step| *step != 0));
         let text = &mut self.text;

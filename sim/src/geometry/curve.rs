@@ -52,7 +52,7 @@ impl CurvePath {
         for _ in 0..4 {
             let [at, slope, bend] = self.at(u);
             let off = [at[0] - p[0], at[1] - p[1]];
-            // Without the second derivative where it would lead away.
+            // The second derivative is left out where it would lead away from the nearest point.
             let full = dot(slope, slope) + dot(off, bend);
             let divisor = if full > 0.0 { full } else { dot(slope, slope) };
             if divisor == 0.0 {

@@ -25,10 +25,10 @@ const PARTS: u32 = 256;
 /// Largest order of a curve, as `gcode` has it.
 const MOST_ORDER: usize = 16;
 
-/// How far from the point before the nearest point is searched, in spans.
+/// The nearest point is searched within this distance of the previous one, in spans.
 const REACH: f64 = 0.125;
 
-/// Steps of a search; each makes its interval 1.6 times smaller.
+/// Number of steps of a search. Each makes the interval 1.6 times smaller.
 const HALVINGS: u32 = 40;
 
 impl NurbsPoints {
@@ -111,7 +111,7 @@ impl NurbsPath {
         (x - p[0]) * (x - p[0]) + (y - p[1]) * (y - p[1])
     }
 
-    /// Parameter of the nearest point between two parameters: golden sections.
+    /// Parameter of the nearest point between two parameters, by golden-section search.
     fn nearest_between(&self, p: [f64; 2], low: f64, high: f64) -> f64 {
         const GOLDEN: f64 = 0.618_033_988_749_895;
         let (mut low, mut high) = (low.max(0.0), high.min(self.spans()));

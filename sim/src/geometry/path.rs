@@ -2,8 +2,8 @@
 //! every step.
 //!
 //! Lengths are in nanometres as `f64`. Products stay below 2^53 * 2^-10 for moves up to 1 m. So the
-//! rounding of this measurement is far below a picometre, and does not count as an error of the
-//! integer path that it measures.
+//! rounding is far below a picometre. It cannot be taken for an error of the integer path that is
+//! measured.
 
 use super::curve::CurvePath;
 use super::nurbs::NurbsPath;
@@ -31,12 +31,12 @@ pub enum Path {
     Nurbs(NurbsPath),
 }
 
-/// An arc in a plane. A helix also has a linear motion across the plane.
+/// An arc in a plane. A helix also has a linear motion perpendicular to the plane.
 #[derive(Clone, Debug)]
 pub struct ArcPath {
     /// Axes of the plane.
     pub plane: [usize; 2],
-    /// The axis across the plane.
+    /// The axis perpendicular to the plane.
     pub across: usize,
     /// Centre in the plane.
     pub centre: [f64; 2],
@@ -151,8 +151,8 @@ impl Path {
     /// Returns the square of the distance from `tool` to the path. Points of a helix must come in
     /// order.
     ///
-    /// `tool` is a reference for speed: a copy would read the point as a whole right after it was
-    /// written in parts, and the processor would wait for the writes.
+    /// `tool` is a reference for speed. A copy would read the point as a whole right after it was
+    /// written in parts, and the processor would wait for these writes.
     #[inline]
     pub fn distance_squared(&mut self, tool: &[f64; 3]) -> f64 {
         match self {
@@ -220,8 +220,8 @@ impl ArcPath {
         ]
     }
 
-    /// The distance of a radius from the band. It does not use `f64::max`, which also handles NaN;
-    /// there is none here.
+    /// The distance of a radius from the band. It does not use `f64::max`, which is slower because
+    /// it also handles NaN.
     #[inline]
     fn outside(&self, r: f64) -> f64 {
         if r > self.radii[1] {

@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-/// Ends whose angles differ by less are equal, and the arc is a full turn. Two points 1 nm apart on
-/// a circle of 1 km differ by this angle.
+/// If the angles of the two ends differ by less than this, the ends are equal and the arc is a full
+/// turn. Two points that are 1 nm apart on a circle of 1 km differ by this angle.
 const SAME_ANGLE: f64 = 1e-12;
 
 /// The angle of a point around a centre.

@@ -18,7 +18,8 @@ pub struct Moves {
     is_arrived: bool,
     origin: Origin,
     take_up_axis: Option<usize>,
-    /// The curves of several commands that are still to come. Such a segment has its end only.
+    /// The curves of several commands that are not begun yet. The segment of such a curve only has
+    /// its end.
     curves: VecDeque<NurbsPath>,
 }
 
@@ -32,7 +33,7 @@ pub struct Move {
 }
 
 impl Move {
-    /// The move as observers get it.
+    /// The move as observers receive it.
     pub const fn begun(&self) -> Begun<'_> {
         Begun {
             segment: &self.segment,
@@ -76,8 +77,8 @@ impl Moves {
         self.is_arrived || origin != self.origin
     }
 
-    /// Call it if [`is_turn`](Self::is_turn), with the move that the machine is executing. Returns
-    /// the programmed move that begins, if it is a new one.
+    /// Takes the move that the machine is executing. Call it if [`is_turn`](Self::is_turn). Returns
+    /// the programmed move if a new one begins.
     #[cold]
     pub fn turn(
         &mut self,
@@ -118,7 +119,7 @@ impl Moves {
         begins
     }
 
-    /// Takes the position in steps to which the machine has sent the tool.
+    /// Takes the commanded position of the tool in steps.
     #[inline]
     pub fn sent(&mut self, position: [i32; AXES]) {
         self.is_arrived = position == self.target;

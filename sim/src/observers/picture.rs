@@ -35,8 +35,8 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// An empty picture with these axes to the right and up. Of axes other than X, Y and Z the
-    /// programmed path is not known, so the picture shows the tool alone.
+    /// An empty picture with these axes to the right and up. The programmed path is known only in
+    /// X, Y and Z. With other axes the picture shows only the path of the tool.
     pub fn new(view: [usize; 2]) -> Self {
         Self {
             view,

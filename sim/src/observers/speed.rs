@@ -1,16 +1,17 @@
-//! Path speed and acceleration over time, measured from the events. They are kept in columns of
-//! bounded memory.
+//! Path speed and acceleration over time, measured from the events. They are kept in a fixed number
+//! of columns.
 //!
 //! The tool moves in whole steps, so its speed is meaningful only over a window. A window has at
-//! least [`WINDOW_EVENTS`] events. If the machine has ramps, it also lasts at least the time in
-//! which one step of position is a twentieth of the acceleration. The length of a window is a sum
-//! of chords. A chord on an arc counts as its arc.
+//! least [`WINDOW_EVENTS`] events. If the machine has ramps, a window is also long enough for an
+//! error of one step to change the measured acceleration by at most a twentieth. The length of a
+//! window is a sum of chords. A chord on an arc counts as its arc.
 
-/// Least number of events of a window. One step more or less is then 3 % of its length.
+/// Least number of events of a window. One step is then 3 % of its length.
 pub const WINDOW_EVENTS: u32 = 32;
 /// At the end of a motion, a window with fewer events joins the one before.
 const LEAST_EVENTS: u32 = 16;
-/// A move with fewer events does not end a chord. The staircase of its steps would count as path.
+/// A move with fewer events does not end a chord. Otherwise the staircase of its steps would be
+/// measured instead of the path.
 const LEAST_MOVE_EVENTS: u32 = 8;
 /// Number of columns: one or two per pixel of the picture.
 const COLUMNS: usize = 2048;
@@ -35,7 +36,7 @@ impl Band {
         self.high < self.low
     }
 
-    /// The band of the values of both.
+    /// The smallest band that contains both.
     pub fn with(self, other: Self) -> Self {
         Self {
             low: self.low.min(other.low),
@@ -144,7 +145,7 @@ pub struct Speed {
     chord_events: u32,
     /// Events of the move in earlier chords.
     ended_events: u32,
-    /// The last full window, which a short last one may still join.
+    /// The last full window. A short window at the end may still join it.
     full: Option<Window>,
     /// Middle and speed of the window before that.
     before: Option<(f64, f64)>,

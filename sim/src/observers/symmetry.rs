@@ -6,7 +6,7 @@ use serde::Serialize;
 use std::collections::HashMap;
 use std::io;
 
-/// Largest distance of a point from a mirror image with which it is compared, nm.
+/// A point is compared with a mirror image at most this far away, nm.
 const NEAR_NM: f64 = 500.0;
 /// Side of the squares into which points are sorted, nm; at least `NEAR_NM`.
 const SQUARE_NM: f64 = 1000.0;

@@ -5,8 +5,8 @@ use husillo_gcode::Axes;
 use husillo_machine::Origin;
 use std::io::{self, Write};
 
-/// Writes `event,t_us,x_nm,y_nm,z_nm,kind`, one row per step, with further axes after Z; those of
-/// rotary axes, in millionths of a degree, end with `_udeg`.
+/// Writes `event,t_us,x_nm,y_nm,z_nm,kind`, one row per step, with further axes after Z. The column
+/// of a rotary axis ends with `_udeg` and is in millionths of a degree.
 #[derive(Debug)]
 pub struct Trace<W> {
     out: W,

@@ -7,7 +7,7 @@ use husillo_transports::nmc::{Frame, Receiver, Verdict, unseen_pairs_in_halves};
 pub struct Damage {
     /// Wrong bits, including those in silence.
     pub wrong_bits: u64,
-    /// Replies sent.
+    /// Number of replies sent.
     pub replies: u64,
     /// Pairs of wrong bits in replies, in halves, that the checksum does not detect: see
     /// `husillo_transports::nmc::unseen_pairs_in_halves`.
@@ -16,7 +16,7 @@ pub struct Damage {
     pub damaged_replies: u64,
     /// Damaged replies with the right length and checksum, which are undetectable.
     pub unseen_replies: u64,
-    /// Commands that modules accepted although they were never sent in that form.
+    /// Commands that modules accepted, but that the host did not send in this form.
     pub unseen_commands: u64,
 }
 
@@ -72,8 +72,8 @@ impl Account {
         self.quiet_bits = 0;
     }
 
-    /// Notes silence after a reply, and what arrives in it. A byte that began too late ends in it,
-    /// so the reply ends only after a character.
+    /// Notes silence after a reply, and what arrives in it. A byte that is late may end in the
+    /// silence. So a reply ends only after the time of a character.
     pub(super) fn note_silence(&mut self, bits: u64, heard: &[u8]) {
         if self.said.is_empty() {
             return;

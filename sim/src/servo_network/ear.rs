@@ -1,13 +1,13 @@
-//! The receiver of a UART that receives bytes of another rate.
+//! The receiver of a UART, for bytes that arrive at another rate.
 
-/// A receiver that samples every bit in its middle, at its own rate.
+/// A receiver that samples every bit in its middle, by its own rate.
 ///
-/// Bytes of another rate are received as other bytes, or not at all. A character without its stop
-/// bit is received too, as by most UARTs whose framing errors are not checked. The receiver then
-/// waits for an idle line.
+/// It receives bytes of another rate as different bytes, or not at all. It also receives a
+/// character without a stop bit, as most UARTs do if their framing errors are not checked. The
+/// receiver then waits for an idle line.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Ear {
-    /// Time up to which the line was heard, ns.
+    /// Time up to which the level of the line was passed to it, ns.
     heard_ns: u64,
     state: State,
 }
@@ -24,8 +24,8 @@ enum State {
 }
 
 impl Ear {
-    /// Receives a byte that began at this time. Returns what it reads, including the rest of
-    /// the silence before. Times of a bit are in ns.
+    /// Receives a byte that began at `start_ns`. Returns the bytes that it reads from it and from
+    /// the silence before it. Times of a bit are in ns.
     pub(super) fn byte(
         &mut self,
         byte: u8,
@@ -42,7 +42,7 @@ impl Ear {
         heard
     }
 
-    /// Hears silence until this time.
+    /// Receives silence until `until_ns`. Returns the bytes that it reads in this time.
     pub(super) fn rest(&mut self, until_ns: u64, own_bit_ns: u64) -> Vec<u8> {
         let mut heard = Vec::new();
         let silence_ns = until_ns.saturating_sub(self.heard_ns);
@@ -51,7 +51,7 @@ impl Ear {
         heard
     }
 
-    /// Hears a level for this time.
+    /// Receives a level for the time `ns`. Adds the bytes that it reads to `heard`.
     fn hear(&mut self, level: bool, ns: u64, own_bit_ns: u64, heard: &mut Vec<u8>) {
         let mut left_ns = ns;
         loop {
@@ -114,7 +114,7 @@ mod tests {
         1_000_000_000 / bits_per_s
     }
 
-    /// The bytes back to back, and then silence.
+    /// What is received from bytes without gaps, and then silence.
     fn heard(bytes: &[u8], rate: u64, own_rate: u64) -> Vec<u8> {
         let mut ear = Ear::default();
         let (bit, own) = (bit_ns(rate), bit_ns(own_rate));
@@ -132,7 +132,7 @@ mod tests {
     fn every_byte_is_heard_at_its_rate() {
         let all: Vec<u8> = (0..=255).collect();
         assert_eq!(heard(&all, 19200, 19200), all);
-        // The rates of the chip are 1 to 4 % off.
+        // The rates of the chip differ from the nominal ones by 1 to 4 %.
         assert_eq!(heard(&all, 9600, 9766), all);
         assert_eq!(heard(&all, 57600, 59524), all);
     }
@@ -140,7 +140,8 @@ mod tests {
     #[test]
     fn at_another_rate_it_is_noise() {
         let packet = [0xaa, 0x01, 0x0e, 0x0f];
-        // Three bits of 57600 fit in one of 19200: 17 bits and a half are heard as a byte each.
+        // Three bits at 57600 bits/s are as long as one at 19200. So each byte is read after 17 and
+        // a half of them.
         let slow = heard(&packet, 57600, 19200);
         assert!(!slow.is_empty() && slow.len() < 4, "{slow:02x?}");
         let fast = heard(&packet, 19200, 57600);

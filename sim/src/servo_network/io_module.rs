@@ -9,7 +9,7 @@ const KIND: u8 = 2;
 /// Twelve pins.
 const PINS: u16 = 0x0fff;
 
-/// What waits for the end of the period.
+/// A packet that is carried out at the end of the period.
 #[derive(Clone, Debug)]
 enum Pending {
     /// A damaged packet, with the reply that is due.
@@ -30,15 +30,16 @@ enum Pending {
 /// | 8 | Set Timer Mode | mode |
 /// | C | Synchronous Input | - |
 ///
-/// Addressing, status, rate and reset are as those of the servo modules. The items of a reply are
-/// the pins (2 bytes), three analogue inputs (1 byte each), the timer (4 bytes), type and version,
-/// the pins at the last Synchronous Input (2 bytes) and the timer then (4 bytes). An output reads
-/// as its own level.
+/// Addressing, status, rate and reset are those of the servo modules. The items of a reply are the
+/// pins (2 bytes), three analogue inputs (1 byte each), the timer (4 bytes), type and version, the
+/// pins at the last Synchronous Input (2 bytes) and the timer then (4 bytes). An output reads as
+/// its own level.
 ///
-/// The timer has 32 bits. Its mode is 0 for off, 1 for a timer, 3 for a counter of the pulses at
-/// its input, plus 00, 10, 20 or 30 hex for one count in 1, 2, 4 or 8. A timer counts the 5 MHz of
-/// the instructions of the chip, whose clock has 20 MHz. The available documents do not state the
-/// effect of a new mode. Here the count begins at 0, and the mode off keeps the count.
+/// The timer has 32 bits. Its mode is 0 for off, 1 for a timer, and 3 for a counter of the pulses
+/// at its input. 00, 10, 20 or 30 hex is added to divide the counts by 1, 2, 4 or 8. A timer counts
+/// the 5 MHz of the instructions of the chip, whose clock has 20 MHz. The available documents do
+/// not state the effect of a new mode. Here a new mode sets the count to 0, but the mode off keeps
+/// it.
 #[derive(Clone, Debug)]
 pub(super) struct IoModule {
     version: u8,
@@ -49,7 +50,7 @@ pub(super) struct IoModule {
     group: Group,
     items: u8,
     pending: Option<Pending>,
-    /// Whether the packet that waits is answered.
+    /// Whether the waiting packet is answered.
     replies: bool,
     sending: Vec<u8>,
     sent: usize,
@@ -65,7 +66,7 @@ const COUNTS: u64 = 2560;
 struct Timer {
     /// 0 off, 1 timer, 3 counter.
     mode: u8,
-    /// One count in 2 to this power.
+    /// The counts are divided by 2 to this power.
     shift: u8,
     /// Counts before the division. 2^64 take 10^5 years.
     counts: u64,
@@ -85,7 +86,7 @@ impl Timer {
         }
     }
 
-    /// Counts a period. `pulses` have come to the input so far.
+    /// Counts one period. `pulses` is the number of pulses at the input so far.
     fn pass(&mut self, pulses: u32) {
         let new = pulses.wrapping_sub(std::mem::replace(&mut self.pulses, pulses));
         match self.mode {
@@ -205,7 +206,7 @@ impl IoModule {
         self.pins.duties
     }
 
-    /// Takes a byte of the command line. It stops any reply.
+    /// Takes a byte of the command line. The byte ends any reply.
     pub(super) fn push(&mut self, byte: u8) {
         if !self.is_enabled {
             return;
@@ -232,7 +233,7 @@ impl IoModule {
         });
     }
 
-    /// Executes the packet that waits, and prepares the reply.
+    /// Executes the waiting packet, and prepares the reply.
     pub(super) fn tick(&mut self, inputs: &IoInputs) -> Option<Change> {
         self.timer.pass(inputs.pulses);
         let (mut items, mut status) = (self.items, 0x02);
@@ -282,7 +283,7 @@ impl IoModule {
     /// A command that all kinds of modules have.
     fn of_line(code: u8, data: &[u8]) -> Option<Command> {
         let is_of_line = matches!(code, 0x1 | 0x2 | 0x3 | 0xA | 0xE | 0xF);
-        // As servo modules of the oldest version have it.
+        // Decoded as by servo modules of the oldest version.
         is_of_line.then(|| Command::decode(code, data, 4)).flatten()
     }
 

@@ -4,7 +4,7 @@ use super::ServoNetwork;
 use super::node::{Byte, Node};
 
 impl ServoNetwork {
-    /// Carries the bytes of both directions that end up to this time, in their order.
+    /// Carries the bytes of both directions that end until `end_ns`, in their order.
     pub(super) fn carry(&mut self, end_ns: u64) -> Vec<u8> {
         let mut heard = Vec::new();
         loop {
@@ -26,7 +26,7 @@ impl ServoNetwork {
         }
     }
 
-    /// Carries what waits, up to the end of a packet, without byte times.
+    /// Carries the waiting bytes up to the end of a packet, without transmission times.
     pub(super) fn carry_packet(&mut self, end_ns: u64) {
         self.now_ns = end_ns;
         while let Some((byte, _)) = self.to_modules.pop_front() {
@@ -67,7 +67,7 @@ impl ServoNetwork {
         nodes.for_each(|node| node.push(byte, now_ns));
     }
 
-    /// The bytes that end at this time reach the host. Returns what it receives.
+    /// Delivers the bytes that end at `now_ns` to the host. Returns the bytes that it receives.
     fn hear(&mut self, now_ns: u64) -> Vec<u8> {
         let mut together: Option<Byte> = None;
         let mut is_understood = true;
@@ -76,7 +76,7 @@ impl ServoNetwork {
                 continue;
             };
             is_understood &= node.understands(self.host_rate);
-            // Low wins.
+            // A low level wins over a high one.
             let value = together.map_or(byte.value, |other| other.value & byte.value);
             together = Some(Byte { value, ..byte });
             node.say(now_ns);
@@ -95,7 +95,7 @@ impl ServoNetwork {
         heard
     }
 
-    /// The replies of a period, without byte times.
+    /// The replies of a period, without transmission times.
     pub(super) fn whole_replies(&mut self) -> Vec<u8> {
         let replies = self.nodes.iter_mut();
         let replies: Vec<Vec<u8>> = replies

@@ -7,13 +7,13 @@ use super::io_module::{IoInputs, IoModule};
 use super::servo::Servo;
 use crate::DcMotorModel;
 
-/// What a period has changed on the line.
+/// A change of the line in a period.
 pub(super) enum Change {
     Baud(Baud),
     Reset,
 }
 
-/// A module to put on the line.
+/// The description of a module for [`ServoNetwork::of_modules`](super::ServoNetwork::of_modules).
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub enum NetworkModule {
     /// A servo module.
@@ -25,14 +25,14 @@ pub enum NetworkModule {
     },
     /// A module with twelve inputs and outputs.
     Io {
-        /// As its replies have it.
+        /// The version in its replies.
         version: u8,
     },
 }
 
 #[derive(Clone, Debug)]
 pub(super) enum Device {
-    // The larger variant by far.
+    // In a box, because it is much larger than the other variant.
     Servo(Box<Servo>),
     Io(Box<IoModule>, IoInputs),
 }
@@ -50,7 +50,8 @@ pub(super) struct Byte {
 pub(super) struct Node {
     pub(super) device: Device,
     pub(super) baud: Baud,
-    /// The module neither receives nor answers, and its motor has no drive.
+    /// Whether the supply is off: the module neither receives nor answers, and its motor has no
+    /// drive.
     is_dead: bool,
     /// End of the time after a reset in which it receives nothing.
     deaf_until_ns: u64,
@@ -79,7 +80,7 @@ impl Node {
         }
     }
 
-    /// Switches the supply. After that it is in the state of power-up.
+    /// Switches the supply. The module is then in the state of power-up.
     pub(super) fn set_dead(&mut self, is_dead: bool, deaf_until_ns: u64) {
         self.is_dead = is_dead;
         self.saying = None;
@@ -101,13 +102,13 @@ impl Node {
         1_000_000_000 / u64::from(self.baud.bits_per_s())
     }
 
-    /// Whether a host of this rate is understood, up to a difference of 2 %.
+    /// Whether the module understands a host of this rate: they differ by at most 2 %.
     pub(super) fn understands(&self, host_bits_per_s: Option<u32>) -> bool {
         let own = self.baud.bits_per_s();
         host_bits_per_s.is_none_or(|rate| rate.abs_diff(own) <= own / 50)
     }
 
-    /// Takes a byte that ends at this time.
+    /// Receives a byte that ends at `now_ns`.
     pub(super) fn push(&mut self, byte: u8, now_ns: u64) {
         if self.is_dead || now_ns < self.deaf_until_ns {
             return;
@@ -119,7 +120,7 @@ impl Node {
         }
     }
 
-    /// Receives a byte of another rate.
+    /// Receives a byte that was sent at another rate.
     pub(super) fn overhear(&mut self, byte: Byte, bit_ns: u64) {
         let own = self.bit_ns();
         let heard = self.ear.byte(byte.value, byte.start_ns, bit_ns, own);
@@ -128,19 +129,19 @@ impl Node {
             .for_each(|heard| self.push(heard, byte.end_ns));
     }
 
-    /// Hears silence until this time.
+    /// Receives silence until `now_ns`, with the receiver for other rates.
     pub(super) fn overhear_silence(&mut self, now_ns: u64) {
         let heard = self.ear.rest(now_ns, self.bit_ns());
         heard.into_iter().for_each(|heard| self.push(heard, now_ns));
     }
 
-    /// Leaves the line in the middle of a byte, as a module does that hears one. The line is then
-    /// idle, so the bits that are missing read 1.
+    /// Stops sending in the middle of a byte, because the module has received one. The line is then
+    /// idle, so the rest of the bits read 1.
     fn fall_silent(&mut self, now_ns: u64) {
         let bit_ns = self.bit_ns();
         self.saying = self.saying.and_then(|byte| {
             let bits = now_ns.saturating_sub(byte.start_ns) / bit_ns;
-            // The start bit and the data bits after it.
+            // The start bit and the data bits that were sent.
             let missing = match bits {
                 0 => return None,
                 1..=8 => 0xff << (bits - 1),
@@ -175,7 +176,7 @@ impl Node {
         }
     }
 
-    /// Begins the next byte of a reply, if there is one.
+    /// Begins to send the next byte of a reply, if there is one.
     pub(super) fn say(&mut self, now_ns: u64) {
         let end_ns = now_ns + 10 * self.bit_ns();
         self.saying = self.transmit().map(|value| Byte {

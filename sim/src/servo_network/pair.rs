@@ -1,4 +1,4 @@
-//! A pair of wires with noise, in bytes and silence.
+//! A pair of wires with noise. It carries bytes and silence.
 
 use crate::{Noise, NoisyLine};
 
@@ -25,8 +25,9 @@ impl Pair {
         self.line.carry(byte)
     }
 
-    /// Lets a time of this number of bits pass, of which [`carry`](Self::carry) has used its part.
-    /// Returns what arrives, and the bits of silence.
+    /// Lets a time of this number of bits pass. The bits that [`carry`](Self::carry) took are part
+    /// of this time, and the rest is silence. Returns the bytes that arrive, and the number of bits
+    /// of silence.
     pub(super) fn pass(&mut self, bits: f64) -> (Vec<u8>, u64) {
         self.due += bits;
         let silence = self.due.floor().max(0.0);

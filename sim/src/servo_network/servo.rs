@@ -18,14 +18,14 @@ pub(super) struct Servo {
     pub(super) module: ServoModule,
     pub(super) motor: DcMotor,
     duty: f64,
-    /// Count at the module, and counts that a silent encoder has lost.
+    /// Count that the module sees. The counts that a silent encoder lost are not in it.
     seen_counts: i64,
     lost_counts: i64,
     pub(super) around: Surroundings,
-    /// Follows the packets for a Hard Reset, which the module does not report.
+    /// Reads the packets in order to detect a Hard Reset, which the module does not report.
     receiver: Receiver,
     is_enabled: bool,
-    /// A Hard Reset waits for the end of the period.
+    /// Whether a Hard Reset waits for the end of the period.
     is_reset: bool,
 }
 

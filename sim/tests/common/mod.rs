@@ -6,25 +6,25 @@ use husillo_sim::ServoNetwork;
 use husillo_transports::nmc::{Command, Gains, Stop, StopMode};
 
 /// Sends a packet.
-pub fn send(chain: &mut ServoNetwork, address: u8, command: Command) {
+pub fn send(network: &mut ServoNetwork, address: u8, command: Command) {
     for &byte in command.frame(address).bytes() {
-        chain.send(byte);
+        network.send(byte);
     }
 }
 
 /// Sends a packet and returns the bytes received within 50 ms.
-pub fn ask(chain: &mut ServoNetwork, address: u8, command: Command) -> Vec<u8> {
-    send(chain, address, command);
-    (0..100).flat_map(|_| chain.tick()).collect()
+pub fn ask(network: &mut ServoNetwork, address: u8, command: Command) -> Vec<u8> {
+    send(network, address, command);
+    (0..100).flat_map(|_| network.tick()).collect()
 }
 
 /// Sets the gains and switches the servo on; returns the last reply.
-pub fn switch_on(chain: &mut ServoNetwork, address: u8, gains: Gains) -> Vec<u8> {
-    ask(chain, address, Command::SetGain(gains));
+pub fn switch_on(network: &mut ServoNetwork, address: u8, gains: Gains) -> Vec<u8> {
+    ask(network, address, Command::SetGain(gains));
     let on = Stop {
         amplifier: true,
         mode: Some(StopMode::Abrupt),
     };
-    ask(chain, address, Command::StopMotor(on));
-    ask(chain, address, Command::ClearBits)
+    ask(network, address, Command::StopMotor(on));
+    ask(network, address, Command::ClearBits)
 }

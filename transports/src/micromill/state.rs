@@ -11,7 +11,7 @@ pub struct AxisState {
     /// with the positive one. Always 0 before homing.
     pub ahead_steps: u16,
     /// The backlash that is taken up after homing, in steps.
-    pub lash_steps: u16,
+    pub backlash_steps: u16,
     /// The part's zero, in nanometres from machine zero.
     pub zero_nm: i32,
 }
@@ -20,22 +20,22 @@ impl AxisState {
     /// Returns the position of the motor in steps: that of the load while the positive flank is
     /// engaged, and less by the backlash with the negative flank.
     pub const fn motor_steps(&self, is_homed: bool) -> i32 {
-        let lash = if is_homed { self.lash_steps } else { 0 };
+        let backlash = if is_homed { self.backlash_steps } else { 0 };
         let ahead = self.load_steps.wrapping_add(self.ahead_steps as i32);
-        ahead.wrapping_sub(lash as i32)
+        ahead.wrapping_sub(backlash as i32)
     }
 
     /// The digits of the link, eight to a number.
     pub(super) const fn words(&self) -> [u32; 3] {
-        let lash = (self.ahead_steps as u32) << 16 | self.lash_steps as u32;
-        [self.load_steps as u32, lash, self.zero_nm as u32]
+        let backlash = (self.ahead_steps as u32) << 16 | self.backlash_steps as u32;
+        [self.load_steps as u32, backlash, self.zero_nm as u32]
     }
 
-    const fn of([load, lash, zero]: [u32; 3]) -> AxisState {
+    const fn of([load, backlash, zero]: [u32; 3]) -> AxisState {
         AxisState {
             load_steps: load as i32,
-            ahead_steps: (lash >> 16) as u16,
-            lash_steps: lash as u16,
+            ahead_steps: (backlash >> 16) as u16,
+            backlash_steps: backlash as u16,
             zero_nm: zero as i32,
         }
     }
@@ -45,7 +45,7 @@ impl AxisState {
 /// for it.
 ///
 /// The controller sends it in [`Answer::Digit`]s, the highest digit of a number first: for each
-/// axis eight digits of `load_steps`, four of `ahead_steps`, four of `lash_steps` and eight of
+/// axis eight digits of `load_steps`, four of `ahead_steps`, four of `backlash_steps` and eight of
 /// `zero_nm`, then 1 if the mill is homed, otherwise 0. [`StateDigits`] collects them.
 ///
 /// [`Order::Report`]: super::Order::Report
@@ -65,7 +65,7 @@ impl State {
         State {
             axes: self.axes.map(|axis| AxisState {
                 load_steps: 0,
-                ahead_steps: axis.lash_steps,
+                ahead_steps: axis.backlash_steps,
                 ..axis
             }),
             is_homed: true,
@@ -125,7 +125,9 @@ impl StateDigits {
         }
         let [x0, x1, x2, y0, y1, y2, z0, z1, z2] = self.words;
         let axes = [[x0, x1, x2], [y0, y1, y2], [z0, z1, z2]].map(AxisState::of);
-        let is_possible = axes.iter().all(|axis| axis.ahead_steps <= axis.lash_steps);
+        let is_possible = axes
+            .iter()
+            .all(|axis| axis.ahead_steps <= axis.backlash_steps);
         is_possible.then_some(State {
             axes,
             is_homed: self.last == 1,

@@ -48,7 +48,7 @@ enum Bad {
     Rejected,
 }
 
-/// The host of a chain. It knows addresses, groups and items, and it sends, waits and retries.
+/// The host of a network. It knows addresses, groups and items, and it sends, waits and retries.
 ///
 /// | when | call |
 /// | --- | --- |

@@ -91,7 +91,7 @@ impl Module {
         }
     }
 
-    /// ADDR_OUT is low: the next module of the chain is enabled.
+    /// ADDR_OUT is low: the next module of the daisy chain is enabled.
     pub const fn enables_next(&self) -> bool {
         self.is_addressed
     }

@@ -98,8 +98,8 @@ impl Outcome {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Failure {
-    /// No byte was received: a dead module, the end of the chain, or a broken line. A command that
-    /// may be repeated may have been executed.
+    /// No byte was received: a dead module, the end of the daisy chain, or a broken line. A command
+    /// that may be repeated may have been executed.
     Silent,
     /// Bytes were received, but no valid reply: noise, two modules that answer, or items other than
     /// those set. A command that may be repeated may have been executed.

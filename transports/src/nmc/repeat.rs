@@ -55,7 +55,7 @@ impl Command {
             Command::LoadTrajectory(trajectory) if !trajectory.start_now => Repeat::Free,
             Command::SetHoming(homing) if homing.is_cancel() => Repeat::Free,
             Command::SetAddress { address: new, .. } if *new == address => Repeat::Free,
-            // The next module of the chain would take the same address.
+            // The next module of the daisy chain would take the same address.
             Command::SetAddress { address: new, .. } => Repeat::AfterSilenceAt(*new),
             Command::ResetPosition(Reset::Home) => Repeat::AfterReading(MOTION),
             Command::ResetPosition(_) => Repeat::AfterReading(STANDING),

@@ -1,4 +1,4 @@
-//! From power-up to a chain with addresses.
+//! From power-up to a network whose modules have addresses.
 
 use super::{
     Baud, Command, EVERY_GROUP, Failure, Group, Items, LAST_ADDRESS, Outcome, Reply, Step,
@@ -7,10 +7,10 @@ use super::{
 /// How often the line is reset and addressed again if an address is in doubt.
 const RESTARTS: u8 = 3;
 
-/// The modules on the line.
+/// The modules that a start-up has found on the line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Chain {
+pub struct Network {
     /// Number of modules. They have the addresses from 1 on; 1 is the far end.
     pub modules: u8,
     /// Kind and version of each module, the first at index 0. (0, 0) if it did not report them.
@@ -18,13 +18,13 @@ pub struct Chain {
     /// Bit i is set if address i + 1 did not answer at the end: it missed the change of the rate,
     /// or it is dead.
     pub silent: u32,
-    /// Whether the chain ended in silence. Otherwise an address is in doubt: noise, or two modules
-    /// that answer.
+    /// Whether the line was silent after the last module. Otherwise an address is in doubt: noise,
+    /// or two modules that answer.
     pub is_complete: bool,
 }
 
-impl Chain {
-    const EMPTY: Chain = Chain {
+impl Network {
+    const EMPTY: Network = Network {
         modules: 0,
         devices: [(0, 0); LAST_ADDRESS as usize],
         silent: 0,
@@ -40,7 +40,7 @@ pub enum Next {
     /// call.
     Step(Step),
     /// The start-up has ended.
-    Done(Chain),
+    Done(Network),
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -87,7 +87,7 @@ pub struct Startup {
     resets_each: bool,
     has_searched: bool,
     restarts: u8,
-    chain: Chain,
+    network: Network,
 }
 
 impl Startup {
@@ -99,7 +99,7 @@ impl Startup {
             resets_each: false,
             has_searched: false,
             restarts: RESTARTS,
-            chain: Chain::EMPTY,
+            network: Network::EMPTY,
         }
     }
 
@@ -118,7 +118,7 @@ impl Startup {
     pub fn next(&mut self, outcome: Option<&Outcome>) -> Next {
         self.phase = self.after(outcome);
         match self.phase {
-            Phase::Done => Next::Done(self.chain),
+            Phase::Done => Next::Done(self.network),
             phase => Next::Step(self.step(phase)),
         }
     }
@@ -134,7 +134,7 @@ impl Startup {
             Phase::Reset | Phase::ResetEach(_) => Phase::Settle,
             Phase::Settle => Phase::Address(1),
             Phase::Address(address) if reply.is_some() => {
-                self.chain.modules = address;
+                self.network.modules = address;
                 if address < LAST_ADDRESS {
                     Phase::Address(address + 1) // below 32
                 } else {
@@ -145,11 +145,11 @@ impl Startup {
             Phase::Address(_) if outcome != Some(&Outcome::Failed(Failure::Silent)) => {
                 if self.restarts > 0 {
                     self.restarts = self.restarts.saturating_sub(1);
-                    self.chain = Chain::EMPTY;
+                    self.network = Network::EMPTY;
                     return Phase::Flush;
                 }
-                self.chain.is_complete = false;
-                if self.chain.modules > 0 {
+                self.network.is_complete = false;
+                if self.network.modules > 0 {
                     Phase::Identify(1)
                 } else {
                     Phase::Done
@@ -165,7 +165,7 @@ impl Startup {
                 if let Some(reply) = reply {
                     self.identify(address, reply);
                 }
-                if address < self.chain.modules {
+                if address < self.network.modules {
                     Phase::Identify(address + 1) // below 32
                 } else if self.baud == Baud::B19200 {
                     Phase::Greet(1)
@@ -182,9 +182,9 @@ impl Startup {
             Phase::Greet(address) => {
                 if reply.is_none() {
                     let bit = u32::from(address.saturating_sub(1));
-                    self.chain.silent |= 1_u32.wrapping_shl(bit); // below 32
+                    self.network.silent |= 1_u32.wrapping_shl(bit); // below 32
                 }
-                if address < self.chain.modules {
+                if address < self.network.modules {
                     Phase::Greet(address + 1) // below 32
                 } else {
                     Phase::Done
@@ -207,7 +207,7 @@ impl Startup {
 
     /// Keeps what a module says of itself.
     fn identify(&mut self, address: u8, reply: &Reply) {
-        let devices = self.chain.devices.iter_mut();
+        let devices = self.network.devices.iter_mut();
         if let Some((device, _)) = devices.zip(1_u8..).find(|(_, of)| *of == address) {
             *device = (reply.readings.kind, reply.readings.version);
         }

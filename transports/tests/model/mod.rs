@@ -172,7 +172,7 @@ pub enum Fault {
     Doubled,
 }
 
-/// A chain: module 0 of the vector is the far end.
+/// A network: module 0 of the vector is the far end.
 pub struct Line {
     pub modules: Vec<(Module, Servo)>,
     /// These do not hear and do not answer.

@@ -108,7 +108,7 @@ fn config() -> Option<Config<6>> {
         scale,
         travel: None,
         max_rate_hz: 20_000,
-        lash_steps: 0,
+        backlash_steps: 0,
         ramp: Some(AxisRamp {
             acceleration_hz_per_s: 200_000,
             start_rate_hz: 400,

@@ -16,7 +16,7 @@ impl Switches {
     /// The simulated machine at power-on.
     pub fn new() -> Self {
         Switches {
-            ahead: LASH,
+            ahead: BACKLASH,
             loads: [0; 3],
         }
     }
@@ -24,9 +24,9 @@ impl Switches {
     /// Moves the simulated machine by these steps. Its spindle closes no switch.
     pub fn moved(&mut self, delta: &[i8; MICROFACTORY_MOTORS]) {
         let axes = self.ahead.iter_mut().zip(&mut self.loads);
-        for ((ahead, load), (delta, lash)) in axes.zip(delta.iter().zip(LASH)) {
+        for ((ahead, load), (delta, backlash)) in axes.zip(delta.iter().zip(BACKLASH)) {
             let motor = ahead.wrapping_add((*delta).into());
-            *ahead = motor.max(0).min(lash);
+            *ahead = motor.max(0).min(backlash);
             *load = load.wrapping_add(motor.wrapping_sub(*ahead));
         }
     }
@@ -45,4 +45,4 @@ impl Switches {
 }
 
 /// The backlash of each axis in steps, as in `MicrofactoryConfig::ORIGINAL`.
-const LASH: [i32; 3] = [200, 0, 200];
+const BACKLASH: [i32; 3] = [200, 0, 200];

@@ -18,6 +18,7 @@ pub fn keep() {
         ProgrammedArc::spokes as *const (),
         ProgrammedArc::radii as *const (),
         ProgrammedArc::extent as *const (),
+        ProgrammedArc::as_circle as *const (),
         ProgrammedArc::on_grid as *const (),
         ProgrammedArc::on_grids as *const (),
         GridEllipse::radius_steps as *const (),

@@ -71,7 +71,7 @@ impl Block {
         self.value(letter).is_some_and(|value| value.is_negative())
     }
 
-    /// Whether the block was skipped, or would be with block delete on: it starts with `/`.
+    /// Whether the block starts with `/`, so that it is skipped if block delete is on.
     pub const fn is_deleted(&self) -> bool {
         self.deleted
     }
@@ -96,8 +96,8 @@ impl Block {
         self.values.get(usize::from(slot))
     }
 
-    /// The word of axis 0..6, whatever its letter. ([`Block::word`] knows an axis that has not its
-    /// place in X Y Z A B C by the letter of that place.)
+    /// The word of axis 0 to 5, whatever its letter. ([`Block::word`] finds each axis by the letter
+    /// of its index in X Y Z A B C, even if its own letter is different.)
     #[inline]
     pub fn axis(&self, axis: usize) -> Option<&Decimal> {
         if axis < AXES {

@@ -62,24 +62,24 @@ struct Raw<'t> {
 ///
 /// # Subprograms
 /// `M98 P1234 L5` calls the lines from `O1234` (alone on its line) to `M99` five times, with the
-/// same parameters. `M99 P20` continues at `N20` of the caller. In the main program M99 is the end,
-/// as M2, where a control begins again. In `iso` and `lathe-a` P with more than four digits has the
-/// number of times before the last four.
+/// same parameters. `M99 P20` continues at `N20` of the caller. In the main program M99 ends it, as
+/// M2 does; a real control would begin again. In `iso` and `lathe-a`, if P has more than four
+/// digits, the digits before the last four are the number of times.
 ///
 /// # Saved modes
 /// After M72, and at the end of a subroutine with M73, up to four more blocks of that line restore
 /// the modes that M70 or M73 saved.
 ///
 /// # Errors
-/// An error on a line with control flow ends the program, and so does one for lack of room. After
-/// any other error the caller may continue, as after a wrong line of a plain program; the
-/// assignments of that line are not made.
+/// An error on a line with control flow ends the program, and so does a lack of room. After any
+/// other error the caller may continue, as after a wrong line of a plain program. The assignments
+/// of that line are not made.
 ///
 /// # Cost
 /// A line costs one step, and another for every 64 bytes. Lines skipped in the search for an
 /// `endif` or a subroutine cost the same. A program that has used up its steps ends with E0638, so
-/// every program ends. The first 16 subroutines called are found at once afterwards. Others cost a
-/// search from the start of the text at each call.
+/// every program ends. The positions of the first 16 subroutines that are called are stored. A call
+/// of another one costs a search from the start of the text.
 ///
 /// # Examples
 /// ```

@@ -12,8 +12,9 @@ use core::cmp::Ordering;
 ///
 /// A value that was ever rounded, and every result of a function that cannot be exact, is marked:
 /// [`Value::is_exact`]. For the operators `EQ` to `LE`, marked values within 10^-9 of each other
-/// are equal. A marked value within 10^-9 of a whole number counts as that number where a whole one
-/// is needed (FIX, FUP, parameter numbers): `3*[1/3]` is 1. Exact values are compared exactly.
+/// are equal. Where a whole number is needed (FIX, FUP, parameter numbers), a marked value within
+/// 10^-9 of a whole number counts as that number: `3*[1/3]` is 1. Exact values are compared
+/// exactly.
 #[derive(Copy, Clone, Debug, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Value {

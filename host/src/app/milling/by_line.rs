@@ -6,8 +6,8 @@ use crate::app::job::Job;
 use crate::app::reporting::{MOST_PRINTED, with_some_findings};
 use crate::app::{ERRORS, Failure};
 use crate::cli::Send;
+use crate::console::reporter::Reporter;
 use crate::console::stop::stops_asked;
-use crate::console::told::Told;
 use crate::console::typed::{next_line, terminal_lines, typed_lines};
 use crate::diagnostics::Findings;
 use crate::programs::check::Checker;
@@ -58,7 +58,7 @@ struct Session<'a, 'b> {
     is_terminal: bool,
     /// Answers of the operator, where standard input is a pipe.
     terminal: Option<Receiver<String>>,
-    out: &'a mut Told<'b>,
+    out: &'a mut Reporter<'b>,
 }
 
 /// The fate of a line.
@@ -70,7 +70,7 @@ enum Fate {
     Failed(String),
 }
 
-pub(super) fn send(args: &Send, out: &mut Told<'_>) -> Result<u8, Failure> {
+pub(super) fn send(args: &Send, out: &mut Reporter<'_>) -> Result<u8, Failure> {
     let (file, port) = args.alone()?;
     let mut job = Job::new(file, &args.target, "micromill")?;
     if job.start.dialect.framing().is_some() {

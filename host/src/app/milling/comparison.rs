@@ -2,13 +2,13 @@
 
 use super::super::job::Job;
 use super::super::{ERRORS, Failure, OK};
-use crate::console::told::Told;
+use crate::console::reporter::Reporter;
 use crate::micromill;
 use crate::programs::feeder;
 use crate::programs::setup::{self, Engine};
 use crate::programs::source::Source;
 use crate::simulation::work_piece::WorkPiece;
-use husillo_backlash::{Lash, Play};
+use husillo_backlash::{BacklashModel, Play};
 use husillo_clients::micromill::{self as client, Sent, Translated};
 use husillo_gcode::Dialect;
 use husillo_machine::{Config, Event};
@@ -35,7 +35,7 @@ pub(super) fn compared(
     made: &Translated,
     start: Option<State>,
     sent: &Sent,
-    out: &mut Told<'_>,
+    out: &mut Reporter<'_>,
 ) -> Result<u8, Failure> {
     let expected = expected(job, micromill::text(&made.lines), start)?;
     out.text(format_args!("Lines      {} made", sent.lines));
@@ -161,10 +161,10 @@ fn expected(job: &Job, text: String, start: Option<State>) -> Result<Expected, F
         return run(setup::with_maps(config, setup::maps(&job.machine)?), text);
     };
     let plays = std::array::from_fn(|axis| match start.axes.get(axis) {
-        Some(axis) => Play::at(axis.lash_steps, axis.ahead_steps, axis.load_steps),
+        Some(axis) => Play::at(axis.backlash_steps, axis.ahead_steps, axis.load_steps),
         None => Play::at(0, 0, 0),
     });
-    let mut machine = Engine::<Play>::with_lash(config, plays);
+    let mut machine = Engine::<Play>::with_backlash(config, plays);
     let at = client::position(&start, &setup::first_three(&config));
     machine
         .place(setup::padded(client::work_zero(&start)), setup::padded(at))
@@ -172,7 +172,10 @@ fn expected(job: &Job, text: String, start: Option<State>) -> Result<Expected, F
     run(machine, text)
 }
 
-fn run<L: Lash<AXES> + 'static>(mut machine: Engine<L>, text: String) -> Result<Expected, Failure> {
+fn run<L: BacklashModel<AXES> + 'static>(
+    mut machine: Engine<L>,
+    text: String,
+) -> Result<Expected, Failure> {
     let mut source = Source::from_reader(Box::new(io::Cursor::new(text.into_bytes())));
     let mut steps = Vec::new();
     feeder::feed(

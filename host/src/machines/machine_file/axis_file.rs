@@ -21,9 +21,9 @@ use toml::de::DeValue;
 pub struct AxisFile {
     /// `X`, `Y`, `Z`, or one of `A`, `B`, `C`, `U`, `V`, `W` and `E`.
     pub letter: u8,
-    /// Lengths are degrees times 10^6, and speeds degrees.
+    /// Whether its lengths are millionths of a degree, and its speeds those of an angle.
     pub is_rotary: bool,
-    /// Absolute positions are less than a turn, and their sign is the direction.
+    /// Whether absolute positions are less than a turn, and their sign is the direction.
     pub is_wrapped: bool,
     /// Nanometres per motor step.
     pub step: Fraction,
@@ -32,7 +32,7 @@ pub struct AxisFile {
     /// Span of the travel in the file, for messages.
     pub travel_span: Range<usize>,
     /// Backlash, whole motor steps.
-    pub lash_steps: u32,
+    pub backlash_steps: u32,
     /// Rate at which a move may start, steps/s.
     pub start_rate: u32,
     /// Largest rate, steps/s.
@@ -45,11 +45,11 @@ pub struct AxisFile {
     pub jerk: Option<u32>,
     /// Largest change of the rate at a corner, steps/s; `None`: no limit.
     pub junction: Option<u32>,
-    /// Driver between the controller and the coils.
+    /// Motor driver.
     pub driver: Driver,
     /// Times of the pulses of a step and direction driver.
     pub pulse: PulseNanoseconds,
-    /// Step mode of that driver.
+    /// Step mode of the driver.
     pub mode: StepMode,
     /// Homing, if the axis has a switch.
     pub home: Option<Home>,
@@ -59,7 +59,7 @@ pub struct AxisFile {
     pub encoder: Option<EncoderFile>,
 }
 
-/// The value of a key that is not there.
+/// The value of a missing key.
 const NONE: DeValue<'_> = DeValue::Boolean(false);
 
 impl AxisFile {
@@ -88,7 +88,7 @@ impl AxisFile {
         let is_wrapped = is_rotary && table.boolean("wrapped").unwrap_or(false);
         let step = step::read(table, is_rotary);
         let (travel, travel_span) = Travel::read(table, step);
-        let lash = table.quantity(
+        let backlash = table.quantity(
             "backlash",
             "a length as in \"204 um\", or steps",
             |quantity| match quantity {
@@ -118,7 +118,7 @@ impl AxisFile {
             step,
             travel,
             travel_span,
-            lash_steps: lash.unwrap_or(0),
+            backlash_steps: backlash.unwrap_or(0),
             // Without an acceleration there are no ramps.
             start_rate: rates.start.unwrap_or(match acceleration {
                 Some(_) => 0,

@@ -19,7 +19,7 @@ pub struct Probe {
     pub piece: Option<[[i64; 2]; 3]>,
 }
 
-/// Reads `[equipment]`. A machine without it has curves and nothing else.
+/// Reads `[equipment]`. A machine without this table has curves and no other equipment.
 pub(super) fn equipment(table: &mut Table<'_, '_>) -> Equipment {
     let count = |table: &mut Table<'_, '_>, key| {
         let count = table.integer(key, 0..=64).unwrap_or(0);

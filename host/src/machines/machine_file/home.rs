@@ -7,7 +7,7 @@ use husillo_metrology::quantity::{Fraction, Quantity};
 #[allow(dead_code)] // homing is not simulated yet
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Home {
-    /// Turn of this axis in the order of homing, from 1.
+    /// Number of this axis in the order of homing, from 1.
     pub order: u32,
     /// -1 or +1: the direction towards the switch.
     pub direction: i8,

@@ -11,8 +11,8 @@ pub enum LoadError {
     Findings(Vec<Finding>),
 }
 
-/// Reads the text of a file for a machine of this kind. `built_in` lists the built-in machines of
-/// that kind, for the message.
+/// Reads the text of a machine file. `kind` says what kind of machine it is for, and `built_in`
+/// lists the built-in machines of that kind. Both are for the message.
 ///
 /// # Errors
 ///

@@ -7,9 +7,9 @@ use std::ops::Range;
 /// Travel of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Travel {
-    /// From and to, in nm of the machine frame.
+    /// Lowest and highest position in the machine frame, nm.
     Range([i64; 2]),
-    /// The travel is not known. Nothing is checked, and there is a warning.
+    /// The travel is not known. Moves are not checked against it, and there is a warning.
     Unknown,
     /// There is no limit.
     Unlimited,

@@ -6,7 +6,7 @@ use husillo_gcode::{Axes, Nm};
 use husillo_metrology::quantity::Quantity;
 use husillo_sim::observers::AXES;
 
-/// The names of the tables.
+/// The names of the tables, in the order of the frames.
 pub const NAMES: [&str; WORK_FRAMES] = [
     "g54", "g55", "g56", "g57", "g58", "g59", "g59_1", "g59_2", "g59_3",
 ];

@@ -20,7 +20,7 @@ pub enum Ending {
     /// It is complete, and something is out of tolerance.
     OutOfTolerance,
     /// It stopped before its end.
-    Trouble,
+    Failed,
     /// There was a collision. No result is valid.
     Collision,
 }
@@ -38,8 +38,8 @@ pub enum Routine {
 }
 
 impl Routine {
-    /// Reads and checks a file. The end of its name marks G-code. Prints mistakes and then returns
-    /// `None`.
+    /// Reads and checks a file. The ending of its name marks G-code. If the file has mistakes,
+    /// prints them and returns `None`.
     ///
     /// # Errors
     ///
@@ -86,7 +86,7 @@ impl Routine {
         name
     }
 
-    /// Carries it out. `each` gets each feature when it is measured.
+    /// Carries the routine out. `each` receives each feature when it is measured.
     fn carry_out(
         &self,
         runner: &mut Runner<'_>,
@@ -148,10 +148,10 @@ pub fn run(
         machine: &machine.title,
         measured: now(),
     };
-    let trouble = done.as_ref().err().map(|finding| finding.message.clone());
+    let error = done.as_ref().err().map(|finding| finding.message.clone());
     let json = || {
-        let trouble = trouble.as_deref();
-        routine::json(&heading, features, trouble, has_collided)
+        let error = error.as_deref();
+        routine::json(&heading, features, error, has_collided)
     };
     match args.format {
         Results::Text => writeln!(out, "{}", routine::summary(features))?,
@@ -161,7 +161,7 @@ pub fn run(
     if let Some(path) = &args.output {
         let lower = path.to_ascii_lowercase();
         let text = if lower.ends_with(".html") || lower.ends_with(".htm") {
-            routine::html(&heading, features, &runner.site, trouble.as_deref())
+            routine::html(&heading, features, &runner.site, error.as_deref())
         } else if lower.ends_with(".json") {
             let mut line = Vec::new();
             write_line("husillo.measure.run/1", &json(), &mut line)?;
@@ -177,7 +177,7 @@ pub fn run(
     }
     Ok(match done {
         _ if has_collided => Ending::Collision,
-        Err(_) => Ending::Trouble,
+        Err(_) => Ending::Failed,
         Ok(()) if features.iter().all(Feature::is_good) => Ending::Good,
         Ok(()) => Ending::OutOfTolerance,
     })
@@ -195,7 +195,7 @@ pub fn recorded(
     out: &mut dyn Write,
 ) -> io::Result<Ending> {
     let mut runner = Runner::new(Site::new(prober, stylus));
-    // The file keeps the lines so far, however the session ends.
+    // The file has the lines so far, however the session ends.
     let mut outputs = Outputs::record();
     let mut routine = outputs.create(path)?;
     let mut input = BufReader::new(crate::input::bounded(io::stdin()));
@@ -216,7 +216,7 @@ pub fn recorded(
     Ok(match refused {
         _ if has_collided => Ending::Collision,
         0 => Ending::Good,
-        _ => Ending::Trouble,
+        _ => Ending::Failed,
     })
 }
 
@@ -234,6 +234,6 @@ fn pause(line: usize) {
 
 fn tell(finding: &Finding) {
     let is_colour = crate::console::is_coloured(&io::stderr());
-    // If standard error is closed, there is no place left for a message.
+    // If standard error is closed, no message can be shown.
     let _ = finding.print(Format::Text, is_colour, &mut io::stderr());
 }

@@ -3,7 +3,7 @@
 use jiff::Timestamp;
 
 /// The present time, UTC, as in `2026-11-25 10:40`. `SOURCE_DATE_EPOCH` in the environment replaces
-/// it, so that a report can be made again byte by byte.
+/// it, so that a report can be reproduced exactly.
 ///
 /// Source: <https://reproducible-builds.org/specs/source-date-epoch/>.
 pub fn now() -> String {

@@ -11,7 +11,7 @@ use husillo_gcode::{Command, Nm};
 use husillo_sim::observers::AXES;
 use std::io::{self, Cursor};
 
-/// A program that is typed, or comes from a pipe: the modal state lasts from line to line. A line
+/// A program that is typed, or comes from a pipe. The modal state is kept from line to line. A line
 /// with an error changes nothing.
 #[derive(Clone)]
 pub struct Lines<'a> {
@@ -23,7 +23,7 @@ pub struct Lines<'a> {
 }
 
 impl<'a> Lines<'a> {
-    /// No line has arrived.
+    /// Starts before the first line.
     pub fn new(file: &'a str, start: Start) -> Self {
         Self {
             walker: Walker::new(u64::MAX, file, start),
@@ -38,8 +38,8 @@ impl<'a> Lines<'a> {
         self.has_ended
     }
 
-    /// Interprets a line. `findings` gets its errors, and `each` its commands, until an error. It
-    /// may find errors, too. After an error, nothing of the line has happened.
+    /// Interprets a line. `findings` receives its errors, and `each` its commands until an error.
+    /// `each` may add errors. After an error the state is as before the line.
     ///
     /// # Errors
     ///
@@ -69,7 +69,7 @@ impl<'a> Lines<'a> {
         Ok(())
     }
 
-    /// Gives the last move of a program that ends without G40.
+    /// Passes on the last move of a program that ends without G40.
     ///
     /// # Errors
     ///
@@ -81,7 +81,7 @@ impl<'a> Lines<'a> {
         self.walker.finish(findings, &mut each)
     }
 
-    /// Counts a line that is not made.
+    /// Counts a line that is not executed.
     pub const fn count(&mut self) {
         self.number += 1;
     }

@@ -1,6 +1,6 @@
 //! Start of a command after all previous motion: a move of the queue, an output, a pause.
 
-use husillo_backlash::Lash;
+use husillo_backlash::BacklashModel;
 use husillo_gcode::{Command, SpindleDirection};
 use husillo_interp::Moves;
 use husillo_planner::Timer;
@@ -9,7 +9,7 @@ use super::{Machine, Run};
 use crate::lines::extension::Extension;
 use crate::{Event, MAX_WAIT_TICKS, Output, Pause, Segment};
 
-impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N>>
+impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Extension<N>>
     Machine<N, P, L, QUEUE, E>
 {
     /// Begins the first move of the queue. Returns `None` under a hold, if the move is too short

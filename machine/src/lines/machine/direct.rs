@@ -1,13 +1,13 @@
 //! Moves without lines, for controllers that have a modal state of their own.
 
-use husillo_backlash::Lash;
+use husillo_backlash::BacklashModel;
 use husillo_gcode::{Command, Nm};
 use husillo_interp::Moves;
 
 use super::Machine;
 use crate::Refused;
 
-impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize> Machine<N, P, L, QUEUE> {
+impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize> Machine<N, P, L, QUEUE> {
     /// Appends one move. The modal state is not used and not changed. `tag` is what
     /// [`Machine::executing_tag`] returns while the move is executed.
     ///

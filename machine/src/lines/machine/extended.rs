@@ -1,7 +1,7 @@
 //! The commands of an extended machine: probing, outputs in time with moves, inputs, constant
 //! surface speed.
 
-use husillo_backlash::Lash;
+use husillo_backlash::BacklashModel;
 use husillo_gcode::{Command, Nm, SpindleDirection, Switch};
 use husillo_interp::Moves;
 use husillo_planner::SurfaceSpeed;
@@ -16,7 +16,7 @@ use crate::lines::extension::Extension;
 use crate::lines::state::{Probed, Probing};
 use crate::{Alarm, Event, MoveError, Output, Pause};
 
-impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N>>
+impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Extension<N>>
     Machine<N, P, L, QUEUE, E>
 {
     /// Whether a later line has to wait for the end of a probing move, a curve or an input.
@@ -112,7 +112,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
 
     /// Appends the next chord of a curve to the queue, which has room. Returns `false` if there is
     /// no curve.
-    pub(super) fn push_chord(&mut self, has_lash: [bool; N]) -> bool {
+    pub(super) fn push_chord(&mut self, has_backlash: [bool; N]) -> bool {
         let Some(state) = self.extension.state_mut() else {
             return false;
         };
@@ -125,7 +125,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
             Some((to, feed)) => {
                 let chord = Command::Linear { to, feed };
                 self.schedule
-                    .push_chord(&curve.segment, inner, &self.config, chord, has_lash);
+                    .push_chord(&curve.segment, inner, &self.config, chord, has_backlash);
             }
         }
         true
@@ -237,8 +237,8 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
             contact: None,
             was_held: false,
         });
-        let has_lash = self.take_up.stops();
-        self.schedule.push(&self.config, command, has_lash);
+        let has_backlash = self.take_up.stops();
+        self.schedule.push(&self.config, command, has_backlash);
     }
 
     /// Ends a probing move that has stopped after the contact, or at its end. Returns whether there
@@ -342,7 +342,7 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
 }
 
 #[cfg(feature = "extended")]
-impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize>
+impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize>
     Machine<N, P, L, QUEUE, Extended<N>>
 {
     /// Sets the level of the probe's input: whether the probe is in contact. Call it before

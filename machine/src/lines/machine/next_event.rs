@@ -1,6 +1,6 @@
 //! Generation of events: steps of a move, of the take-up before it, and the time between them.
 
-use husillo_backlash::Lash;
+use husillo_backlash::BacklashModel;
 use husillo_gcode::Command;
 use husillo_interp::{Moves, Step};
 
@@ -10,7 +10,7 @@ use crate::lines::guard::bits;
 use crate::lines::take_up::Followed;
 use crate::{Event, FollowEvent, MAX_WAIT_TICKS, Segment, StepEvent};
 
-impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N>>
+impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Extension<N>>
     Machine<N, P, L, QUEUE, E>
 {
     /// Returns the next event, or `None` when all events were returned or under a hold.

@@ -1,6 +1,6 @@
 //! Rigid tapping: the feed axes follow the spindle in both directions.
 
-use husillo_backlash::Lash;
+use husillo_backlash::BacklashModel;
 use husillo_gcode::{Command, Nm, SpindleDirection};
 use husillo_interp::Moves;
 
@@ -9,7 +9,7 @@ use crate::lines::extension::Extension;
 use crate::lines::state::{Stage, Tapping};
 use crate::{Alarm, Event, Output};
 
-impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N>>
+impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Extension<N>>
     Machine<N, P, L, QUEUE, E>
 {
     /// Begins a tap: down to the bottom with the spindle, from its index on.
@@ -70,9 +70,9 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize, E: Extension<N
 
     /// Appends a move that follows the spindle.
     fn follow_to(&mut self, to: [Nm; N], lead: Nm) {
-        let has_lash = self.take_up.stops();
+        let has_backlash = self.take_up.stops();
         let command = Command::Thread { to, lead };
-        self.schedule.push(&self.config, command, has_lash);
+        self.schedule.push(&self.config, command, has_backlash);
     }
 
     /// Whether a tap is in progress.
@@ -106,7 +106,7 @@ const fn reversed(direction: SpindleDirection) -> SpindleDirection {
 }
 
 #[cfg(feature = "extended")]
-impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize>
+impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize>
     Machine<N, P, L, QUEUE, crate::Extended<N>>
 {
     /// Whether the spindle is being reversed by a tap (G33.1), and the axes follow it until it
@@ -149,9 +149,9 @@ impl<const N: usize, P: Moves<N>, L: Lash<N>, const QUEUE: usize>
             self.follow_to(top, lead);
         } else {
             self.extension.state.tapping = None;
-            let has_lash = self.take_up.stops();
+            let has_backlash = self.take_up.stops();
             let command = Command::Rapid { to: top };
-            self.schedule.push(&self.config, command, has_lash);
+            self.schedule.push(&self.config, command, has_backlash);
             self.fill();
         }
     }

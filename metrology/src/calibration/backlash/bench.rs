@@ -7,7 +7,7 @@ pub struct Moment {
     pub sent_nm: [f64; 3],
     /// True position of the tool, nm.
     pub tool_nm: [f64; 3],
-    /// The step takes up backlash: the tool should not move.
+    /// Whether the step takes up backlash. The tool should not move in it.
     pub is_take_up: bool,
     /// Time since the machine was switched on, s.
     pub at_s: f64,

@@ -1,4 +1,4 @@
-//! The circle test: the error that remains where an axis reverses.
+//! The circle test: measures the error that remains where an axis reverses.
 
 use super::bench::Bench;
 use std::f64::consts::FRAC_1_SQRT_2;
@@ -7,11 +7,11 @@ use std::f64::consts::FRAC_1_SQRT_2;
 /// them.
 pub const CIRCLE_ENDS: [&str; 4] = ["top", "left", "bottom", "right"];
 
-/// The axis that reverses at each end, and its direction before.
+/// The axis that reverses at each end, and its direction before the end.
 const TURNS: [(usize, f64); 4] = [(1, 1.0), (0, -1.0), (1, -1.0), (0, 1.0)];
 
-/// Error that remains at each end of a circle, um. It is the difference between the errors of the
-/// tool on the two flanks, along the axis that reverses there.
+/// Cuts a circle, and returns the error that remains at each of its ends, um. This is the error of
+/// the tool after an end minus the error before it, along the axis that reverses there.
 ///
 /// # Errors
 ///
@@ -32,8 +32,8 @@ pub fn left_at_ends(
         &format!("G0 X{:.5} Y{:.5}", start[0], start[1]),
         &mut |_| {},
     )?;
-    // At a tenth of the radius before an end the axis is on its old flank. At a tenth behind the
-    // end it is on the new one.
+    // A tenth of the radius before an end the axis is on its old flank. A tenth after the end it is
+    // on the new one.
     let near = 0.9 * radius_mm;
     let mut off = [[None; 2]; 4];
     bench.make(
@@ -51,7 +51,7 @@ pub fn left_at_ends(
                 let way = if axis == 1 { -at[0] } else { at[1] } * side;
                 let behind = usize::from(way > 0.0);
                 let value = (moment.tool_nm[axis] - moment.sent_nm[axis]) / 1e3;
-                // The first error before an end, and the last one behind it.
+                // Keeps the first error before an end, and the last one after it.
                 if behind == 1 || off[0].is_none() {
                     off[behind] = Some(value);
                 }

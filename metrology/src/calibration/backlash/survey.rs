@@ -1,5 +1,5 @@
-//! Survey of the error that compensation leaves: the axes go back and forth over the whole work
-//! area while the tool is observed.
+//! Survey of the error that remains with compensation. The axes move back and forth over the whole
+//! work area while the tool is observed.
 
 use super::bench::Bench;
 
@@ -15,7 +15,7 @@ pub struct Leftover {
     pub span_um: [f64; 2],
 }
 
-/// Goes along X through the middle of every row of cells and back, then along Y through the middle
+/// Moves along X through the middle of every row of cells and back, then along Y through the middle
 /// of every column and back. Returns the errors of X from the rows and those of Y from the columns.
 ///
 /// # Errors
@@ -40,12 +40,12 @@ pub fn survey(bench: &mut dyn Bench, travel_mm: [[f64; 2]; 2]) -> Result<[Leftov
                         }
                         let off = (moment.tool_nm[axis] - moment.sent_nm[axis]) / 1e3;
                         span = [span[0].min(off), span[1].max(off)];
-                        let place = [0, 1].map(|index| {
+                        let position = [0, 1].map(|index| {
                             let [low, high] = travel_mm[index];
                             let part = (moment.sent_nm[index] / 1e6 - low) / (high - low);
                             ((part * CELLS[index] as f64).max(0.0) as usize).min(CELLS[index] - 1)
                         });
-                        let cell = &mut cells[place[1] * CELLS[0] + place[0]];
+                        let cell = &mut cells[position[1] * CELLS[0] + position[0]];
                         if off.abs() > cell.abs() {
                             *cell = off;
                         }

@@ -1,7 +1,7 @@
 //! The two-line test and a survey on a machine with known backlash.
 
 use super::*;
-use husillo_backlash::LashMap;
+use husillo_backlash::BacklashMap;
 use std::sync::Arc;
 
 /// A machine with steps of 1 um on X and Y, whose controller may take up the backlash.
@@ -27,7 +27,7 @@ impl Screws {
         }
     }
 
-    /// One step of the screw. The nut follows when the backlash is used up.
+    /// Makes one step of the screw. The nut follows when the backlash is taken up.
     fn turn(&mut self, axis: usize, way: i64) {
         self.behind_um[axis] = (self.behind_um[axis] + way).clamp(0, self.play_um[axis]);
     }
@@ -45,8 +45,8 @@ impl Screws {
         each(&self.moment(false));
     }
 
-    /// The machine is homed in the positive direction: while an axis moves in it, the tool is at
-    /// its commanded position.
+    /// The machine is homed in the positive direction. While an axis moves in this direction, the
+    /// tool is at its commanded position.
     fn moment(&self, is_take_up: bool) -> Moment {
         let nm = |um: i64| um as f64 * 1e3;
         let tool = |axis: usize| {
@@ -68,7 +68,7 @@ impl Screws {
 }
 
 impl Bench for Screws {
-    /// Moves X first, then Y. Nothing here is measured on oblique moves.
+    /// Moves X first, then Y, because these tests measure nothing on oblique moves.
     fn make(&mut self, block: &str, each: &mut dyn FnMut(&Moment)) -> Result<(), String> {
         for (axis, letter) in ["X", "Y"].into_iter().enumerate() {
             let word = block
@@ -91,8 +91,8 @@ const STEP_NM: [f64; 3] = [1e3; 3];
 
 /// A map with one value everywhere.
 fn map(um: u32) -> Map {
-    let places: [Arc<[i32]>; 2] = [vec![0].into(), vec![0].into()];
-    LashMap::new([0, 1], places, vec![um].into()).unwrap()
+    let positions: [Arc<[i32]>; 2] = [vec![0].into(), vec![0].into()];
+    BacklashMap::new([0, 1], positions, vec![um].into()).unwrap()
 }
 
 #[test]
@@ -108,21 +108,21 @@ fn two_lines_find_the_play_and_a_survey_finds_the_rest() {
         let pairs = cut_all(&mut screws, 2.0, TRAVEL_MM, run_up).unwrap();
         assert_eq!(pairs.len(), 2 * 3 * 3);
         let maps = taken_up.map(|um| map(um as u32));
-        let lash: Vec<_> = pairs
+        let backlash: Vec<_> = pairs
             .iter()
             .map(|pair| {
                 pair.within(TRAVEL_MM).unwrap();
                 let taken_up_nm = pair.taken_up_nm(&maps[pair.axis], STEP_NM, TRAVEL_MM);
-                (*pair, pair.lash_nm(taken_up_nm))
+                (*pair, pair.backlash_nm(taken_up_nm))
             })
             .collect();
         for (axis, play) in play.into_iter().enumerate() {
-            let table = place_table(axis, &lash).unwrap().unwrap();
+            let table = backlash_table(axis, &backlash).unwrap().unwrap();
             assert_eq!(table.axes, [0, 1]);
             let is_play = |um: &f64| (um - play as f64).abs() < 1e-6;
-            assert!(table.lash_um.iter().all(is_play), "{table:?}");
+            assert!(table.backlash_um.iter().all(is_play), "{table:?}");
             // The error that remains with a map of the take-up.
-            let left = Field::measured(axis, &table, &lash, &maps[axis], STEP_NM, TRAVEL_MM);
+            let left = Field::measured(axis, &table, &backlash, &maps[axis], STEP_NM, TRAVEL_MM);
             let wanted = (play - taken_up[axis]) as f64;
             assert!(left.um.iter().all(|um| (um - wanted).abs() < 1e-6));
         }
@@ -140,16 +140,16 @@ fn two_lines_find_the_play_and_a_survey_finds_the_rest() {
 fn readings_that_make_no_table_are_refused() {
     let pair = |x: Option<f64>, y: Option<f64>, measured_nm: f64| LinePair {
         axis: 0,
-        place_mm: [x, y],
+        position_mm: [x, y],
         programmed_nm: 0.0,
         measured_nm,
     };
     let table = |pairs: &[LinePair]| {
         let pairs: Vec<_> = pairs
             .iter()
-            .map(|pair| (*pair, pair.lash_nm(0.0)))
+            .map(|pair| (*pair, pair.backlash_nm(0.0)))
             .collect();
-        place_table(0, &pairs)
+        backlash_table(0, &pairs)
     };
     assert_eq!(table(&[]), Ok(None));
     // Readings of bands along Y are averaged.
@@ -160,7 +160,7 @@ fn readings_that_make_no_table_are_refused() {
     ];
     let bands = table(&bands).unwrap().unwrap();
     assert_eq!(
-        (bands.axes, &bands.lash_um[..]),
+        (bands.axes, &bands.backlash_um[..]),
         ([0, 0], &[105.0, 90.0][..])
     );
     let why = |pairs: &[LinePair]| table(pairs).unwrap_err();

@@ -22,21 +22,21 @@ const APART_MM: f64 = 0.3;
 fn cut(
     bench: &mut dyn Bench,
     axis: usize,
-    place_mm: [f64; 2],
+    position_mm: [f64; 2],
     travel_mm: [[f64; 2]; 2],
     run_up_mm: f64,
 ) -> Result<LinePair, String> {
     let other = 1 - axis;
     let [low, high] = travel_mm[axis];
     // As near to the end of the travel as the run-up from above allows.
-    let from_above = place_mm[axis].min(high - run_up_mm);
+    let from_above = position_mm[axis].min(high - run_up_mm);
     let from_below = if from_above - APART_MM - run_up_mm < low {
         from_above + APART_MM
     } else {
         from_above - APART_MM
     };
-    let begin =
-        (place_mm[other] - LINE_MM / 2.0).clamp(travel_mm[other][0], travel_mm[other][1] - LINE_MM);
+    let begin = (position_mm[other] - LINE_MM / 2.0)
+        .clamp(travel_mm[other][0], travel_mm[other][1] - LINE_MM);
     let line = |bench: &mut dyn Bench, start: f64, at: f64| -> Result<f64, String> {
         let names = ["X", "Y"];
         let (own, across) = (names[axis], names[other]);
@@ -57,13 +57,13 @@ fn cut(
     };
     let below = line(bench, from_below - run_up_mm, from_below)?;
     let above = line(bench, from_above + run_up_mm, from_above)?;
-    let mut place = place_mm;
-    place[axis] = from_above;
-    place[other] = begin + LINE_MM / 2.0;
+    let mut position = position_mm;
+    position[axis] = from_above;
+    position[other] = begin + LINE_MM / 2.0;
     // The machine moves in whole steps, but the operator knows only the commanded distance.
     Ok(LinePair {
         axis,
-        place_mm: place.map(Some),
+        position_mm: position.map(Some),
         programmed_nm: ((from_above - from_below) * 1e6).round(),
         measured_nm: above - below,
     })
@@ -81,15 +81,15 @@ pub fn cut_all(
     travel_mm: [[f64; 2]; 2],
     run_up_mm: f64,
 ) -> Result<Vec<LinePair>, String> {
-    let places = travel_mm.map(|[low, high]| {
+    let positions = travel_mm.map(|[low, high]| {
         let count = ((high - low) / every_mm).ceil().max(1.0) as u32;
         let part = move |index| low + (high - low) * f64::from(index) / f64::from(count);
         (0..=count).map(part).collect::<Vec<f64>>()
     });
     let mut pairs = Vec::new();
     for axis in 0..2 {
-        for (row, y) in places[1].iter().enumerate() {
-            let mut row_of: Vec<f64> = places[0].clone();
+        for (row, y) in positions[1].iter().enumerate() {
+            let mut row_of: Vec<f64> = positions[0].clone();
             if row % 2 == 1 {
                 row_of.reverse();
             }

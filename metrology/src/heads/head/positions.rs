@@ -1,9 +1,9 @@
 //! Conversion of the counts of the axes to positions, and back.
 
 use super::Head;
+use crate::error::Error;
 use crate::heads::port::Port;
 use crate::heads::servo::Servo;
-use crate::trouble::Trouble;
 use husillo_probe::UnitVector;
 use husillo_transports::nmc::Reply;
 
@@ -23,7 +23,7 @@ impl<P: Port> Head<P> {
         self.place(|index, _| counts[index])
     }
 
-    /// The position in these replies at which the axes found the event of their search.
+    /// The latched position in these replies, at which the axes found the event of their search.
     pub fn latched(&self, replies: &[Reply]) -> [i64; 3] {
         self.place(|index, _| replies[index].readings.home)
     }
@@ -41,8 +41,8 @@ impl<P: Port> Head<P> {
         numbers.collect::<Vec<_>>().join(", ")
     }
 
-    /// Counts of an axis as text, such as `X 1200 counts`. The other axes are taken at their held
-    /// positions.
+    /// The position of an axis at these counts as text, such as `X 1200 counts`. The other axes are
+    /// at their held positions.
     pub(crate) fn axis_text(&self, index: usize, counts: i32) -> String {
         let axis = &self.axes[index];
         let text = self.scale.text(self.seen(index, self.held(), counts));
@@ -70,29 +70,29 @@ impl<P: Port> Head<P> {
     /// # Errors
     ///
     /// A coordinate is not 0, and the machine does not have its axis.
-    pub(crate) fn counts(&self, place: [i64; 3]) -> Result<Vec<i32>, Trouble> {
+    pub(crate) fn counts(&self, place: [i64; 3]) -> Result<Vec<i32>, Error> {
         for (axis, position) in "XYZ".chars().zip(place) {
             if position != 0 && !self.axes.iter().any(|there| there.settings.letter == axis) {
-                return Err(Trouble::NoAxis { axis });
+                return Err(Error::NoAxis { axis });
             }
         }
         let of = |axis: &Servo| axis.counts(self.scale, place[axis.settings.coordinate()]);
         Ok(self.axes.iter().map(of).collect())
     }
 
-    /// Checks that all axes may go to these counts. `meant` are the readings that the counts were
-    /// computed from.
+    /// Checks that these counts are within the travel of all axes. `meant` has the readings from
+    /// which the counts were computed.
     ///
     /// # Errors
     ///
-    /// The first axis that may not.
-    pub(crate) fn check_travel(&self, goal: &[i32], meant: [i64; 3]) -> Result<(), Trouble> {
+    /// [`Error::OutsideTravel`] of the first axis whose counts are outside.
+    pub(crate) fn check_travel(&self, goal: &[i32], meant: [i64; 3]) -> Result<(), Error> {
         for (index, (axis, goal)) in self.axes.iter().zip(goal).enumerate() {
             let [low, high] = axis.travel_counts();
             if !(low..=high).contains(goal) {
                 let there = self.view.position(meant)[axis.settings.coordinate()];
                 let text = |counts| self.scale.text(self.seen(index, meant, counts));
-                return Err(Trouble::OutsideTravel {
+                return Err(Error::OutsideTravel {
                     goal: format!("{} {}", axis.settings.letter, self.scale.text(there)),
                     travel: axis.travel_counts().map(text),
                 });

@@ -1,10 +1,10 @@
-//! Supervision that stops every axis after a failure: checked readings, stops, and the recovery
-//! after a stop.
+//! Supervision, which stops every axis after a failure: checked readings, stops, and the recovery
+//! from a stop.
 
 use super::{Head, READ, stop};
+use crate::error::Error;
 use crate::heads::port::Port;
 use crate::heads::servo::Servo;
-use crate::trouble::Trouble;
 use husillo_transports::nmc::{Command, Items, Reply, Stop, StopMode};
 
 impl<P: Port> Head<P> {
@@ -13,7 +13,7 @@ impl<P: Port> Head<P> {
     /// # Errors
     ///
     /// No answer, or an axis with a fault.
-    pub(crate) fn read(&mut self) -> Result<Vec<Reply>, Trouble> {
+    pub(crate) fn read(&mut self) -> Result<Vec<Reply>, Error> {
         let mut replies = Vec::with_capacity(self.axes.len());
         for axis in &self.axes {
             let module = axis.settings.module;
@@ -31,16 +31,16 @@ impl<P: Port> Head<P> {
     }
 
     /// Carries out `what`, which moves axes. After any failure, also of the link, and after a stop
-    /// by the operator, all axes are commanded to stop. The next motion begins at their positions
-    /// then.
+    /// by the operator, all axes are commanded to stop. The next motion begins at the positions at
+    /// which they came to rest.
     ///
     /// # Errors
     ///
     /// The errors of `what`, and the stop of the operator.
     pub(crate) fn supervised<T>(
         &mut self,
-        what: impl FnOnce(&mut Self) -> Result<T, Trouble>,
-    ) -> Result<T, Trouble> {
+        what: impl FnOnce(&mut Self) -> Result<T, Error>,
+    ) -> Result<T, Error> {
         self.line.operator().set_moving(true);
         let result = self
             .find_again()
@@ -48,16 +48,16 @@ impl<P: Port> Head<P> {
             .and_then(|done| {
                 // It is too late to stop this move, but no other move follows.
                 if self.line.operator().is_stop_wanted() {
-                    Err(Trouble::Interrupted)
+                    Err(Error::Interrupted)
                 } else {
                     Ok(done)
                 }
             });
-        if let Err(trouble) = &result {
+        if let Err(error) = &result {
             self.is_astray = true;
             self.line.operator().stop_is_seen_to();
-            let stop = match trouble {
-                Trouble::Interrupted => StopMode::Smooth,
+            let stop = match error {
+                Error::Interrupted => StopMode::Smooth,
                 _ => StopMode::Abrupt,
             };
             if self.stop(stop).is_err() {
@@ -70,7 +70,7 @@ impl<P: Port> Head<P> {
 
     /// Recovers after a failure: waits until the axes stand, clears their faults and holds them at
     /// their positions.
-    pub(crate) fn find_again(&mut self) -> Result<(), Trouble> {
+    pub(crate) fn find_again(&mut self) -> Result<(), Error> {
         if !self.is_astray {
             return Ok(());
         }
@@ -90,7 +90,7 @@ impl<P: Port> Head<P> {
     /// # Errors
     ///
     /// No answer, or readings that do not agree.
-    pub(crate) fn read_twice(&mut self) -> Result<Vec<Reply>, Trouble> {
+    pub(crate) fn read_twice(&mut self) -> Result<Vec<Reply>, Error> {
         let axes = self.axes.clone();
         axes.iter()
             .map(|axis| self.read_axis_twice(axis, READ))
@@ -101,7 +101,7 @@ impl<P: Port> Head<P> {
         &mut self,
         axis: &Servo,
         items: Items,
-    ) -> Result<Reply, Trouble> {
+    ) -> Result<Reply, Error> {
         let jitter_counts = axis.settings.in_position.saturating_mul(2);
         self.line
             .read_twice(axis.settings.module, items, jitter_counts)
@@ -109,16 +109,16 @@ impl<P: Port> Head<P> {
 
     /// Commands a standing axis to hold `counts`, so that the length of the next move is known
     /// exactly.
-    pub(crate) fn hold(&mut self, index: usize, counts: i32) -> Result<(), Trouble> {
+    pub(crate) fn hold(&mut self, index: usize, counts: i32) -> Result<(), Error> {
         let module = self.axes[index].settings.module;
         self.line.command(module, stop(StopMode::Here(counts)))?;
         self.axes[index].held = counts;
         Ok(())
     }
 
-    /// Stops all axes. Each gets its command, regardless of the answers of the others. An axis with
-    /// a fault stays without drive, because something blocks it or its motor has too much current.
-    pub(crate) fn stop(&mut self, mode: StopMode) -> Result<(), Trouble> {
+    /// Stops all axes. Each is sent its command, whether or not the others answer. An axis with a
+    /// fault stays without drive, because something blocks it or its motor current is too high.
+    pub(crate) fn stop(&mut self, mode: StopMode) -> Result<(), Error> {
         let given_up = self.given_up.take();
         let mut result = Ok(());
         for (index, axis) in self.axes.iter().enumerate() {

@@ -1,17 +1,17 @@
 //! A stop for modules that another program has set up and left running.
 
 use super::Line;
+use crate::error::Error;
 use crate::heads::head::{READ, stop};
 use crate::heads::{AxisSettings, Machine, Port};
-use crate::trouble::Trouble;
 use husillo_transports::nmc::{Baud, EVERY_GROUP, Group, Items, Reply, StopMode};
 
 /// Silence after which all replies to the stop commands have ended, us.
 const SILENCE_US: u32 = 50_000;
 
 impl<P: Port> Line<P> {
-    /// Stops every axis of the machine abruptly, with its servo on, and waits until each stands.
-    /// Returns their readings, with the latched positions. The modules keep their addresses,
+    /// Stops every axis of the machine abruptly, with its servo on, and waits until each axis is at
+    /// rest. Returns their readings with the latched positions. The modules keep their addresses,
     /// positions and settings.
     ///
     /// For a machine whose program was killed. The modules answer at the rate of the machine or, if
@@ -19,8 +19,8 @@ impl<P: Port> Line<P> {
     ///
     /// # Errors
     ///
-    /// [`Trouble`] of the axis that does not confirm. The stop was sent to all axes at both rates.
-    pub fn halt(&mut self, machine: &Machine) -> Result<Vec<Reply>, Trouble> {
+    /// [`Error`] of the axis that does not confirm. The stop was sent to all axes at both rates.
+    pub fn halt(&mut self, machine: &Machine) -> Result<Vec<Reply>, Error> {
         match self.halt_at(machine.baud, &machine.axes) {
             Err(_) if machine.baud != Baud::default() => {
                 self.halt_at(Baud::default(), &machine.axes)
@@ -29,17 +29,19 @@ impl<P: Port> Line<P> {
         }
     }
 
-    fn halt_at(&mut self, baud: Baud, axes: &[AxisSettings]) -> Result<Vec<Reply>, Trouble> {
+    fn halt_at(&mut self, baud: Baud, axes: &[AxisSettings]) -> Result<Vec<Reply>, Error> {
         self.port.set_baud(baud)?;
         self.host.set_timing(self.port.timing_of_known(baud));
         let command = stop(StopMode::Abrupt);
         let addresses = axes.iter().map(|axis| axis.module);
-        // A long row of zeros ends a command that was cut off. It may also hide the first command.
-        // So the group of all modules gets a command, and then each module.
+        // A long sequence of zeros completes a command that was cut off. The first command after it
+        // may be lost. So a command is sent to the group of all modules first, and then one to each
+        // module.
         self.port.send(&[0; 20])?;
         for address in [EVERY_GROUP].into_iter().chain(addresses.clone()) {
             self.port.send(command.frame(address).bytes())?;
-            // A line that is never silent must not hold up the next stop.
+            // The wait is limited, so that a line that is never silent does not delay the next
+            // stop.
             let end_us = self.port.elapsed_us() + 2 * u64::from(SILENCE_US);
             while self.port.elapsed_us() < end_us && !self.port.receive(SILENCE_US)?.is_empty() {}
         }
@@ -65,8 +67,8 @@ mod tests {
 
     /// A network whose program was killed while all axes move, at the rate of the machine.
     fn abandoned(machine: &Machine) -> SimulatedPort {
-        let chain = SimulatedNetwork::new(&[4; 3], &[], None).unwrap();
-        let mut head = Head::start(Line::new(SimulatedPort::new(chain)), machine, 1).unwrap();
+        let network = SimulatedNetwork::new(&[4; 3], &[], None).unwrap();
+        let mut head = Head::start(Line::new(SimulatedPort::new(network)), machine, 1).unwrap();
         for axis in &machine.axes {
             let far = Trajectory {
                 position: Some(50_000),
@@ -85,7 +87,7 @@ mod tests {
     }
 
     fn counts(port: &mut SimulatedPort) -> [i64; 3] {
-        [0, 1, 2].map(|module| port.chain.chain().motor(module).unwrap().counts())
+        [0, 1, 2].map(|module| port.network.servo_network().motor(module).unwrap().counts())
     }
 
     #[test]
@@ -106,7 +108,7 @@ mod tests {
             let mut port = line.into_port();
             let halted = counts(&mut port);
             for _ in 0..2000 {
-                port.chain.tick();
+                port.network.tick();
             }
             let later = counts(&mut port);
             for (axis, position) in positions.iter().enumerate() {
@@ -124,15 +126,12 @@ mod tests {
         }
     }
 
-    /// The next start-up finds the modules as ever.
+    /// The next start-up finds the modules as usual.
     #[test]
     fn a_stop_of_a_line_after_a_reset_reports_the_silence() {
-        let chain = SimulatedNetwork::new(&[4; 3], &[], None).unwrap();
-        let mut line = Line::new(SimulatedPort::new(chain));
-        assert!(matches!(
-            line.halt(&three_axes()),
-            Err(Trouble::Link { .. })
-        ));
+        let network = SimulatedNetwork::new(&[4; 3], &[], None).unwrap();
+        let mut line = Line::new(SimulatedPort::new(network));
+        assert!(matches!(line.halt(&three_axes()), Err(Error::Link { .. })));
         assert_eq!(line.start_up(Baud::B19200).unwrap().modules, 3);
     }
 }

@@ -6,15 +6,16 @@ use husillo_sim::Winding;
 
 /// Current of a motor with its bridges.
 ///
-/// The current of the windings falls with the rate, because their inductance delays it. The bridges
-/// take a constant current besides: the bases of their transistors, and the logic.
+/// The current of the windings falls with the rate, because their inductance delays it. In
+/// addition, the bridges take a constant current for the bases of their transistors and for the
+/// logic.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coils {
     /// Current through the resistance of the windings alone, A.
     pub still_a: f64,
     /// Time constant of a winding, s.
     pub time_constant_s: f64,
-    /// Current that the bridges take at any rate, A.
+    /// Current of the bridges, A. It is the same at every rate.
     pub bridges_a: f64,
 }
 
@@ -22,7 +23,8 @@ pub struct Coils {
 const BOUNDS_S: [f64; 2] = [0.2e-3, 10e-3];
 
 impl Coils {
-    /// The coils of the original: the least sum of squares of the relative errors of table 4.3.
+    /// The coils of the original. They minimise the sum of squares of the relative errors of table
+    /// 4.3.
     #[must_use]
     pub fn fitted() -> Self {
         let (time_constant_s, [still_a, bridges_a]) = fit(|share, _| [share, 1.0], [true; 2]);
@@ -46,7 +48,7 @@ impl Coils {
     }
 }
 
-/// Supply current of a winding as a share of that through its resistance alone.
+/// Supply current of a winding, divided by the current through its resistance alone.
 pub fn share(time_constant_s: f64, clock_hz: f64) -> f64 {
     let winding = Winding {
         resistance_ohm: 1.0,
@@ -57,8 +59,9 @@ pub fn share(time_constant_s: f64, clock_hz: f64) -> f64 {
     winding.current(clock_hz / PULSES).supply_a
 }
 
-/// Fits a sum of terms to table 4.3. `terms` are those of a share of the current and a rate of
-/// CLOCK, of which some are free. Returns the best time constant and the factors of the terms.
+/// Fits a sum of terms to table 4.3. `terms` computes the terms from a share of the current and a
+/// rate of CLOCK. The factors of the terms in `free` are fitted. Returns the best time constant and
+/// the factors.
 fn fit<const N: usize>(terms: impl Fn(f64, f64) -> [f64; N], free: [bool; N]) -> (f64, [f64; N]) {
     let factors = |time_constant_s: f64| {
         let rows = READINGS.iter().map(|reading| {
@@ -109,7 +112,7 @@ mod tests {
         assert!(coils.bridges_a > 0.15, "{coils:?}");
     }
 
-    /// Neither the windings alone nor a voltage that the rotor induces explain the table.
+    /// Neither the windings alone nor a voltage that the rotor induces explains the table.
     #[test]
     fn other_models_are_worse() {
         let (tau, [still]) = fit(|share, _| [share], [true]);

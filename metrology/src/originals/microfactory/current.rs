@@ -3,7 +3,7 @@
 use super::{Coils, READINGS};
 use crate::originals::{Parameter, Row, Table};
 
-/// Spread of a current, per current.
+/// Relative spread of a current.
 const SPREAD: f64 = 0.08;
 /// Rate of CLOCK in the temperature test, Hz.
 pub const TEST_HZ: f64 = 304.0;

@@ -14,7 +14,7 @@ const SUPPLY_V: f64 = 12.0;
 /// Spread of a temperature of the infrared thermometer, degrees C.
 const SPREAD_C: f64 = 2.0;
 
-/// Something whose temperature was measured, degrees C at 0, 5, ... 90 min.
+/// A part whose temperature was measured, in degrees C at 0, 5, ... 90 min.
 struct Part {
     name: &'static str,
     celsius: [f64; 19],
@@ -53,7 +53,7 @@ const PARTS: [Part; 4] = [
     },
 ];
 
-/// A body that takes heat and gives it to the air: one resistance and one capacity.
+/// A body with one heat capacity, and one thermal resistance to the air.
 #[derive(Clone, Copy, Debug)]
 struct Body {
     start_c: f64,
@@ -66,7 +66,7 @@ impl Body {
         self.start_c + self.rise_c * (1.0 - (-minutes / self.time_constant_min).exp())
     }
 
-    /// The body that fits the temperatures of a part best, from its first one on.
+    /// The body that fits the temperatures of a part best. It begins at the first one.
     fn fitted(part: &Part) -> Self {
         let start_c = part.celsius[0];
         let of = |time_constant_min: f64| {
@@ -111,7 +111,7 @@ pub fn temperatures() -> Table {
                 *celsius,
                 SPREAD_C,
             );
-            // The first one is where the model starts.
+            // The model starts at the first temperature.
             let rebuilt = (index > 0).then(|| body.celsius(minutes));
             rows.push(Row { rebuilt, ..row });
         }

@@ -21,7 +21,7 @@ const RATIO_SPREAD: f64 = 0.01;
 /// Spread of a frequency, Hz.
 const RATE_SPREAD_HZ: f64 = 0.05;
 
-/// Rates of both axes as the original has them, and as the controller of today makes them.
+/// Rates of both axes on the original, and with the controller of today.
 ///
 /// # Errors
 ///
@@ -71,8 +71,8 @@ pub fn rates() -> Result<Table, String> {
     })
 }
 
-/// The steps that the original makes: it divides the larger number by the smaller one in integers,
-/// and makes a step of Z each time X has made that number of steps.
+/// The steps that the original makes. It divides the larger number of steps by the smaller one, in
+/// integers, and makes a step of Z each time X has made that number of steps.
 fn cut_by_whole_ratio([x, z]: [i16; 2]) -> [f64; 2] {
     let whole = x / z;
     let mut made = [0.0; 2];

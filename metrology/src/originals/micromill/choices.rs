@@ -5,7 +5,8 @@ use husillo_interp::Direction;
 use husillo_methods::{Comparer, Move, Weights};
 use husillo_stepper::{CoilDriver, Driver, FULL_CURRENT, Mode, Sequencer};
 
-/// Radius of the circle, steps. The original prints um, but its counts are those of 30 steps.
+/// Radius of the circle, steps. The original prints um, but its numbers of iterations are those of
+/// 30 steps.
 const RADIUS: i32 = 30;
 /// Length of a step as the original prints it, nm.
 const STEP_NM: f64 = 140.0;
@@ -23,7 +24,7 @@ struct Interpolator {
     error_nm: f64,
     /// Time of an iteration on the controller, us.
     time_us: f64,
-    /// Mark of the simulation, by eye.
+    /// Mark of the simulation, which was given by eye.
     by_eye: f64,
     /// Points of table 9.
     points: f64,
@@ -191,7 +192,7 @@ const SEQUENCES: [(&str, Mode, &[Phases]); 3] = [
     ),
 ];
 
-/// Table 10: the terms of each phase sequence that the sequencer passes too.
+/// Table 10: how many terms of each printed phase sequence agree with the sequencer.
 ///
 /// # Errors
 ///

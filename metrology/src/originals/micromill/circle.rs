@@ -6,8 +6,8 @@ use super::frame::Frame;
 use crate::calibration::backlash::{Bench, Moment};
 use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
 
-/// Angle from the end of a circle to where the backlash there is read, radians. The nut has met its
-/// flank by then: 50 um are 10 degrees of a radius of 3 mm.
+/// Angle from an end of a circle to the point at which the backlash is read, radians. There the nut
+/// is on its new flank: 50 um of backlash are 10 degrees at a radius of 3 mm.
 const BEHIND: f64 = 20.0 * PI / 180.0;
 
 /// A circle that was cut.
@@ -15,11 +15,11 @@ const BEHIND: f64 = 20.0 * PI / 180.0;
 pub struct Circle {
     /// Its diameters D1 to D8, mm.
     pub diameters_mm: [f64; 8],
-    /// Backlash that the take-up left at the ends left, right, top, bottom, um.
+    /// Backlash that remained at the ends left, right, top, bottom, um.
     pub ends_um: [f64; 4],
     /// Time, min.
     pub minutes: f64,
-    /// Radii that were cut at every half degree from +X anticlockwise, mm.
+    /// Radii of the cut at every half degree from +X anticlockwise, mm.
     pub radii_mm: Vec<f64>,
 }
 
@@ -35,7 +35,7 @@ impl Circle {
         (mean, 1e3 * (squares.sum::<f64>() / 7.0).sqrt())
     }
 
-    /// The same circle on axes that are not square, with its diameters in an order.
+    /// The same circle on axes that are not square, with its diameters in the order of the frame.
     pub(super) fn on(&self, frame: &Frame, radius_mm: f64) -> Self {
         let turned = self.radii_mm.iter().enumerate().map(|(index, radius)| {
             let angle = TAU * index as f64 / DIRECTIONS as f64;
@@ -54,7 +54,8 @@ impl Circle {
     }
 }
 
-/// Cuts a circle clockwise at a feed in mm/min. `scale` is the calculated length per true length.
+/// Cuts a circle clockwise at a feed in mm/min. `scale` is the calculated length divided by the
+/// true length.
 pub fn cut_circle(
     bench: &mut dyn Bench,
     radius_mm: f64,
@@ -63,7 +64,7 @@ pub fn cut_circle(
 ) -> Result<Circle, String> {
     let [x, y] = MIDDLE_MM;
     let reach = radius_mm * FRAC_1_SQRT_2;
-    // There a clockwise circle moves X and Y forward.
+    // At this start a clockwise circle moves X and Y forward.
     let start = [x - reach, y + reach];
     approach(bench, start)?;
     let moments = cut(
@@ -95,11 +96,11 @@ pub fn cut_circle(
 
 /// A point of a circle, seen from its centre.
 struct Point {
-    /// Direction in which the tool was and was sent, radians from +X anticlockwise.
+    /// Direction of the tool, and of its commanded position, radians from +X anticlockwise.
     at: f64,
     sent_at: f64,
     radius_mm: f64,
-    /// The tool less where it was sent, um.
+    /// Position of the tool minus its commanded position, um.
     off_um: [f64; 2],
 }
 
@@ -117,7 +118,7 @@ impl Point {
     }
 }
 
-/// Angle from one direction to another, radians, without sign.
+/// Angle between two directions, radians, not negative.
 fn between(from: f64, to: f64) -> f64 {
     let turn = (to - from).rem_euclid(TAU);
     turn.min(TAU - turn)
@@ -133,7 +134,8 @@ fn radius_at(by_direction: &[(f64, f64)], at: f64) -> f64 {
     nearest.map_or(0.0, |point| point.1)
 }
 
-/// Backlash that is left at an end: the error on the negative flank less that on the positive one.
+/// Backlash that remains at an end: the error on the negative flank minus the error on the positive
+/// one.
 fn left_at(around: &[Point], end: f64) -> f64 {
     let axis = usize::from(end.cos().abs() < 0.5);
     let off = |at: f64| {
@@ -144,7 +146,7 @@ fn left_at(around: &[Point], end: f64) -> f64 {
             .min_by(near)
             .map_or(0.0, |point| point.off_um[axis])
     };
-    // Clockwise, the angle falls.
+    // On a clockwise circle the angle falls.
     let change = off(end - BEHIND) - off(end + BEHIND);
     // At the right and at the top the axis continues to its negative flank.
     if end < 0.75 * PI { change } else { -change }

@@ -59,14 +59,15 @@ pub fn circles(shop: &Shop<'_>) -> Result<(Table, Vec<[Circle; 2]>), String> {
 
 fn notes() -> Vec<String> {
     [
-        "The original prints the ends without sign. With these signs the play of X falls steadily \
-         from left to right. Of all signs, and of all ends from which the thirds of table 13 may \
-         count, this choice leaves least of the diameters, of the plays and of the parts of tables \
-         16 to 20 together. The circles alone allow other signs nearly as well.",
+        "The original prints the ends without sign. With these signs the backlash of X falls \
+         steadily from left to right. The choices are these signs, and the ends from which the \
+         thirds of table 13 count. Of all choices, this one has the smallest residuals of the \
+         diameters, of the backlash values and of the parts of tables 16 to 20 together. For the \
+         circles alone, other signs are nearly as good.",
         "The means of the circles are smaller than programmed by 42, 18 and 9 um. The step of \
          139.51 nm explains 21, 14 and 7 um of it.",
-        "Today, the map removes the play and the true step the scale. The error of squareness \
-         remains: the controller of the mill does not correct it.",
+        "Today the map removes the error of backlash, and the true step that of scale. The error of \
+         squareness remains, because the controller of the mill does not correct it.",
         "Unexplained: the over-compensation of 1 to 5 um that the text reports at some ends beside \
          the play left, as one end has one value in the simulation; and of the smallest circle, \
          whose diameters differ more than the play and the squareness make them.",
@@ -115,7 +116,7 @@ fn add_rows(rows: &mut Vec<Row>, measured: &measured::Circle, [original, today]:
     rows.push(Row::new(name("time"), "min", measured.minutes, CLOCK_MIN).rebuilt(original.minutes));
 }
 
-/// The feed that fits the times of the three circles, by the mean of the times per length.
+/// The feed that fits the times of the three circles, from the mean of time divided by length.
 fn feed_mm_per_min() -> f64 {
     let [x, y] = LAST_TAKE_UP_UM.map(|um| um * 1e3 / nm(super::NOMINAL_STEP));
     let take_up_min = 2.0 * (x + y) / TAKE_UP_HZ / 60.0;

@@ -1,4 +1,4 @@
-//! How the circles of table 15 were measured: directions and squareness.
+//! The directions in which the circles of table 15 were measured, and the squareness of the axes.
 
 use super::circle::{Circle, DIRECTIONS};
 use super::measured::CIRCLES;
@@ -23,18 +23,18 @@ impl Order {
     }
 }
 
-/// How the circles were measured.
+/// The order of the diameters, and the squareness.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame {
     pub order: Order,
-    /// Motion of X per distance along Y in addition to the programmed one: the error of squareness.
+    /// The error of squareness: the additional motion of X, divided by the distance along Y.
     pub skew: f64,
-    /// What the diameters leave unexplained, mm (RMS).
+    /// The unexplained part of the diameters, mm (RMS).
     rms_mm: f64,
 }
 
 impl Frame {
-    /// The order, of all sixteen, and the squareness that leave least of the measured diameters.
+    /// Finds the order, of all sixteen, and the squareness with the smallest unexplained part.
     pub fn fitted(made: &[Circle]) -> Self {
         let orders = (0..8).flat_map(|first| {
             [false, true].map(|is_clockwise| Order {

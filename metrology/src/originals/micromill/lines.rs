@@ -38,7 +38,7 @@ pub fn lines(shop: &Shop<'_>) -> Result<Table, String> {
             Row::new(
                 format!("{name}: backlash"),
                 "um",
-                region.lash_um,
+                region.backlash_um,
                 LEFT_UM[axis],
             )
             .rebuilt(1e3 * (there - back))
@@ -55,13 +55,13 @@ pub fn lines(shop: &Shop<'_>) -> Result<Table, String> {
         number: "13",
         title: "backlash by region: two lines, joined at one end",
         spread: "lengths: 10 um, the largest error of reading a mark; backlash: 33 um in X and 27 \
-                 um in Y, which is what the original says remained",
+                 um in Y, which remained according to the original",
         rows,
         parameters,
         notes: vec![
-            "The positions of the lines within their thirds are not stated: they are cut in the \
-             middle of their axis. The thirds count from the left and from the top: so the plays \
-             of all tables agree best."
+            "The positions of the lines within their thirds are not stated. Here they are cut in \
+             the middle of their axis. The thirds count from the left and from the top, because \
+             the backlash values of all tables then agree best."
                 .into(),
         ],
     })

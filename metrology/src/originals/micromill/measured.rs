@@ -12,13 +12,13 @@ pub struct Region {
     pub third: f64,
     pub programmed_mm: f64,
     pub measured_mm: f64,
-    pub lash_um: f64,
+    pub backlash_um: f64,
 }
 
 const fn region(
     name: &'static str,
     (axis, third): (usize, f64),
-    [programmed_mm, measured_mm, lash_um]: [f64; 3],
+    [programmed_mm, measured_mm, backlash_um]: [f64; 3],
 ) -> Region {
     Region {
         name,
@@ -26,7 +26,7 @@ const fn region(
         third,
         programmed_mm,
         measured_mm,
-        lash_um,
+        backlash_um,
     }
 }
 
@@ -44,7 +44,7 @@ pub const REGIONS: [Region; 6] = [
 /// Side of the squares of table 14, mm.
 pub const SQUARE_MM: f64 = 2.5;
 
-/// A row of table 14. `left_um` is positive where the backlash is more than the take-up.
+/// A row of table 14. `left_um` is positive if the backlash is larger than the take-up.
 #[derive(Clone, Copy, Debug)]
 pub struct Square {
     pub name: &'static str,
@@ -55,10 +55,10 @@ pub struct Square {
 }
 
 /// Table 14. The original prints the remaining backlash without a sign. Y of the first square is
-/// larger than programmed, so the take-up there was more than the backlash. The squares are assumed
-/// to lie in the thirds of the work area from upper left to lower right, because the backlash
-/// values of Y there are those of table 13. A square is higher than a third of the area, so it lies
-/// as far within its third as the run-up allows.
+/// larger than programmed, so the take-up there was larger than the backlash. It is assumed that
+/// the squares lie in the thirds of the work area from upper left to lower right, because there
+/// their backlash values of Y equal those of table 13. A square is higher than a third of the area,
+/// so it lies as far within its third as the run-up allows.
 pub const SQUARES: [Square; 3] = [
     Square {
         name: "X",
@@ -88,7 +88,7 @@ pub struct Circle {
     pub diameters_mm: [f64; 8],
     pub mean_mm: f64,
     pub sigma_um: f64,
-    /// Backlash that is left at the ends [left, right, top, bottom], um, without sign.
+    /// Backlash that remains at the ends [left, right, top, bottom], um, without sign.
     pub ends_um: [f64; 4],
     pub minutes: f64,
 }
@@ -127,9 +127,9 @@ pub const CIRCLES: [Circle; 3] = [
 /// Names of the ends of a circle, in the order of [`Circle::ends_um`].
 pub const ENDS: [&str; 4] = ["Ei left", "Ed right", "Ps top", "Pi bottom"];
 
-/// The sign of the remaining backlash at each end. The original prints none. Of all sixteen choices
-/// these signs leave the smallest residues over diameters, backlash values and the parts of tables
-/// 16 to 20. With them the backlash of X falls steadily from left to right.
+/// The sign of the remaining backlash at each end, which the original does not print. Of all
+/// sixteen choices, these signs give the smallest residuals of diameters, of backlash values and of
+/// the parts of tables 16 to 20. With them the backlash of X falls steadily from left to right.
 pub const SIGNS: [f64; 4] = [1.0, -1.0, 1.0, 1.0];
 
 /// Positions of the ends from the centre, in radii.
@@ -137,12 +137,12 @@ const END_AT: [[f64; 2]; 4] = [[-1.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.0, -1.0]]
 
 /// A measured backlash, and its position.
 #[derive(Clone, Copy, Debug)]
-pub struct Play {
-    /// Position from the middle of the work area, mm.
+pub struct MeasuredBacklash {
+    /// The axis: 0 for X, 1 for Y.
     pub axis: usize,
     /// Position from the middle of the work area, mm.
     pub at_mm: [f64; 2],
-    pub lash_um: f64,
+    pub backlash_um: f64,
 }
 
 /// The middle of a third of the work area along an axis, mm from the middle of the area.
@@ -160,25 +160,25 @@ pub struct Choice {
 }
 
 impl Choice {
-    /// The choice with the smallest residues.
+    /// The choice with the smallest residuals.
     pub const BEST: Choice = Choice {
         signs: SIGNS,
         thirds: [1.0; 2],
     };
 }
 
-/// The backlash values of tables 13, 14 and 15: the take-up and what remained.
-pub fn plays(choice: &Choice) -> Vec<Play> {
+/// The backlash values of tables 13, 14 and 15: the take-up plus the backlash that remained.
+pub fn backlash_values(choice: &Choice) -> Vec<MeasuredBacklash> {
     let regions = REGIONS.iter().map(|region| {
         let mut at_mm = [0.0; 2];
-        // The line back ends there.
+        // The second line ends there.
         at_mm[region.axis] = -region.programmed_mm / 2.0;
         let across = 1 - region.axis;
         at_mm[across] = third_mm(across, choice.thirds[across] * region.third);
-        Play {
+        MeasuredBacklash {
             axis: region.axis,
             at_mm,
-            lash_um: region.lash_um,
+            backlash_um: region.backlash_um,
         }
     });
     let squares = SQUARES.iter().flat_map(|square| {
@@ -187,20 +187,21 @@ pub fn plays(choice: &Choice) -> Vec<Play> {
             // The upper left corner for X, the lower left one for Y.
             let corner = [[-half, half], [-half, -half]][axis];
             let middle = [0, 1].map(|index| choice.thirds[index] * square.at_mm[index]);
-            Play {
+            MeasuredBacklash {
                 axis,
                 at_mm: [0, 1].map(|index| middle[index] + corner[index]),
-                lash_um: FIRST_TAKE_UP_UM[axis] * scale() + square.left_um[axis],
+                backlash_um: FIRST_TAKE_UP_UM[axis] * scale() + square.left_um[axis],
             }
         })
     });
     let circles = CIRCLES.iter().flat_map(|circle| {
         [0, 1, 2, 3].map(|end| {
             let axis = end / 2;
-            Play {
+            MeasuredBacklash {
                 axis,
                 at_mm: END_AT[end].map(|part| part * circle.radius_mm),
-                lash_um: LAST_TAKE_UP_UM[axis] * scale() + choice.signs[end] * circle.ends_um[end],
+                backlash_um: LAST_TAKE_UP_UM[axis] * scale()
+                    + choice.signs[end] * circle.ends_um[end],
             }
         })
     });

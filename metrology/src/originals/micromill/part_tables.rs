@@ -1,6 +1,6 @@
 //! Parts that were measured on the original mill.
 
-/// A width of a part along X, and the backlash that was left at it.
+/// A width of a part along X, and the backlash that remained there.
 pub struct Detail {
     pub name: &'static str,
     pub programmed_um: f64,
@@ -24,9 +24,10 @@ pub struct Part {
     pub programmed_mm: [f64; 2],
     pub measured_mm: [f64; 2],
     pub details: &'static [Detail],
-    /// Play that was left at other named points along X and along Y, um.
+    /// Backlash that remained at other named points along X and along Y, um.
     pub left_um: [&'static [(&'static str, f64)]; 2],
-    /// How much wider h is than j: with both halves cut from the same start, and in one go, um.
+    /// Width h minus width j, um: with both halves cut from the same start point, and with the
+    /// whole contour cut in one pass.
     pub mirrored_um: Option<[f64; 2]>,
     pub note: Option<&'static str>,
 }

@@ -10,8 +10,9 @@ use super::{
 use crate::calibration::backlash::Bench;
 use crate::originals::{Parameter, Row, Table};
 
-/// Cuts a part: its extents with the last take-up of the original on the fitted screws, then with
-/// the map of today; its details on screws with the backlash that was left there.
+/// Cuts a part. Its extents are cut on the fitted screws, with the last take-up of the original and
+/// then with the map of today. Each of its details is cut on screws with the backlash that remained
+/// there.
 ///
 /// # Errors
 ///
@@ -29,9 +30,9 @@ pub fn part(number: &str, shop: &Shop<'_>) -> Result<Table, String> {
     let mut parameters = parameters(&shop.screws);
     let [x, y] = bed.place_mm;
     parameters.push(Parameter::new(
-        "place of the part",
+        "position of the part",
         format!("X {x:.1} Y {y:.1} mm"),
-        "fitted to its plays and sizes, on a grid of 0.5 mm; the original states no place",
+        "fitted to its backlash and sizes, on a grid of 0.5 mm; the original does not state it",
     ));
     if !part.details.is_empty() {
         parameters.push(Parameter::new(
@@ -53,10 +54,10 @@ pub fn part(number: &str, shop: &Shop<'_>) -> Result<Table, String> {
 }
 
 /// The position at which the fitted screws explain the backlash values and the sizes of a part
-/// best, on a grid of 0.5 mm.
+/// best. The positions of a grid of 0.5 mm are tried.
 fn place_mm(part: &Part, screws: &Screws) -> [f64; 2] {
     const GRID_MM: f64 = 0.5;
-    // Within the area in which the screws were measured.
+    // The part must be within the area in which the screws were measured.
     let room = [0, 1].map(|axis| {
         let room = MIDDLE_MM[axis] - part.programmed_mm[axis] / 2.0 - 0.5;
         (room / GRID_MM).max(0.0) as i32
@@ -72,8 +73,8 @@ fn place_mm(part: &Part, screws: &Screws) -> [f64; 2] {
         ];
         let off = |axis: usize| {
             let [own, other] = corners[axis];
-            let lash_um = screws.axes()[axis].lash_um(own, other);
-            let left_um = lash_um - LAST_TAKE_UP_UM[axis] * scale();
+            let backlash_um = screws.axes()[axis].backlash_um(own, other);
+            let left_um = backlash_um - LAST_TAKE_UP_UM[axis] * scale();
             let size_um = 1e3 * part.programmed_mm[axis] * scale() - left_um + width_um;
             let points = part.left_um[axis].iter();
             let points = points.map(|(_, um)| (um - left_um.abs()).powi(2));
@@ -107,7 +108,7 @@ fn notes(part: &Part) -> Vec<String> {
     notes
 }
 
-/// Screws on which the last take-up of the original leaves this backlash in X, um.
+/// Screws with the last take-up of the original plus this backlash in X, um.
 fn with_left(left_um: f64) -> Screws {
     let [x, y] = LAST_TAKE_UP_UM.map(|um| um * scale());
     Screws::even([x + left_um, y])
@@ -167,7 +168,7 @@ impl Bed<'_> {
         let (Some([mirrored, at_once]), [h, j]) = (part.mirrored_um, part.details) else {
             return Ok(());
         };
-        // As far from the middle of the part as half of it.
+        // Each width is halfway between the middle of the part and its edge.
         let apart_mm = part.programmed_mm[0] / 4.0;
         let left = |is_wider| make(&self.shop.screws, -apart_mm, h, is_wider);
         let right = |is_wider| make(&self.shop.screws, apart_mm, j, is_wider);
@@ -190,15 +191,16 @@ impl Bed<'_> {
     }
 }
 
-/// Cuts two marks along Y at a distance in X and returns it, um. The left one is reached from the
-/// right and the right one from the left, or, for a wider distance, the other way round.
+/// Cuts two marks along Y, and returns their distance in X, um. If `is_wider`, the left mark is
+/// reached from the left, and the right mark from the right. Otherwise each is reached from the
+/// other side.
 fn cut_width(
     bench: &mut dyn Bench,
     [x, y]: [f64; 2],
     width_mm: f64,
     is_wider: bool,
 ) -> Result<f64, String> {
-    /// More than any backlash that a take-up leaves, mm.
+    /// Run-up, mm: more than the backlash that remains after any take-up.
     const BEYOND_MM: f64 = 0.1;
     let ends = [x, x + width_mm];
     let (first, second) = if is_wider { (0, 1) } else { (1, 0) };
@@ -223,7 +225,8 @@ fn cut_width(
 mod tests {
     use super::*;
 
-    /// What is left at a width is what it is wrong by, in all six of the original.
+    /// In all six widths of the original, the error of the width equals the backlash that remained
+    /// at it.
     #[test]
     fn widths_are_wrong_by_the_play_left() {
         for detail in PARTS.iter().flat_map(|part| part.details) {
@@ -232,8 +235,8 @@ mod tests {
         }
     }
 
-    /// The small parts have more backlash left than the middle of the screws leaves: they lie left
-    /// of it. All places are on the table.
+    /// At the small parts more backlash remained than in the middle of the work area, so they lie
+    /// left of the middle. All positions are on the table.
     #[test]
     fn parts_lie_where_their_plays_are() {
         let screws = Screws::fitted();

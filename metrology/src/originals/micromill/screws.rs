@@ -1,9 +1,9 @@
 //! The backlash of the screws over the work area.
 
-use super::measured::{Choice, Play, plays};
+use super::measured::{Choice, MeasuredBacklash, backlash_values};
 use super::{MIDDLE_MM, TRUE_STEP, nm};
 use crate::least_squares::least_squares;
-use husillo_sim::LashField;
+use husillo_sim::BacklashField;
 use std::fmt;
 use std::sync::Arc;
 
@@ -18,7 +18,7 @@ pub struct Screw {
 impl Screw {
     /// The backlash at a position from the middle of the work area.
     #[must_use]
-    pub fn lash_um(&self, own_mm: f64, other_mm: f64) -> f64 {
+    pub fn backlash_um(&self, own_mm: f64, other_mm: f64) -> f64 {
         let powers = powers(own_mm, other_mm);
         self.terms.iter().zip(powers).map(|(a, b)| a * b).sum()
     }
@@ -42,7 +42,7 @@ pub struct Screws {
 }
 
 impl Screws {
-    /// The screws of the original: the least sum of squares over its measured backlash values.
+    /// The screws of the original, fitted to its measured backlash values by least squares.
     #[must_use]
     pub fn fitted() -> Self {
         Self::of(&Choice::BEST)
@@ -50,10 +50,10 @@ impl Screws {
 
     /// The screws that fit the backlash values of a choice.
     pub(super) fn of(choice: &Choice) -> Self {
-        let plays = plays(choice);
+        let values = backlash_values(choice);
         let axes = [0, 1].map(|axis| {
-            let own = plays.iter().filter(|play| play.axis == axis);
-            let rows = own.map(|play| (row(play), play.lash_um));
+            let own = values.iter().filter(|value| value.axis == axis);
+            let rows = own.map(|play| (row(play), play.backlash_um));
             // There are 12 backlash values of each axis, at positions that determine five terms.
             let terms = least_squares(rows, [true; 5]).unwrap_or_default();
             Screw { terms }
@@ -63,8 +63,8 @@ impl Screws {
 
     /// Screws with the same backlash everywhere, um.
     #[must_use]
-    pub fn even(lash_um: [f64; 2]) -> Self {
-        let axes = lash_um.map(|um| Screw {
+    pub fn even(backlash_um: [f64; 2]) -> Self {
+        let axes = backlash_um.map(|um| Screw {
             terms: [um, 0.0, 0.0, 0.0, 0.0],
         });
         Self { axes }
@@ -79,21 +79,21 @@ impl Screws {
     /// The backlash in true steps, by the position of the tool in true steps from the home
     /// switches.
     #[must_use]
-    pub fn field(&self) -> Arc<dyn LashField<3>> {
+    pub fn field(&self) -> Arc<dyn BacklashField<3>> {
         let [x_screw, y_screw] = self.axes;
         let step_nm = nm(TRUE_STEP);
         let step_um = step_nm / 1e3;
         Arc::new(move |[x, y, _]: [f64; 3]| {
             let x = x * step_nm / 1e6 - MIDDLE_MM[0];
             let y = y * step_nm / 1e6 - MIDDLE_MM[1];
-            let lash = [x_screw.lash_um(x, y), y_screw.lash_um(y, x)];
-            let [x, y] = lash.map(|um| um.max(0.0) / step_um);
+            let backlash = [x_screw.backlash_um(x, y), y_screw.backlash_um(y, x)];
+            let [x, y] = backlash.map(|um| um.max(0.0) / step_um);
             [x, y, 0.0]
         })
     }
 }
 
-fn row(play: &Play) -> [f64; 5] {
+fn row(play: &MeasuredBacklash) -> [f64; 5] {
     powers(play.at_mm[play.axis], play.at_mm[1 - play.axis])
 }
 
@@ -102,15 +102,15 @@ mod tests {
     use super::super::LEFT_UM;
     use super::*;
 
-    /// Five terms for twelve backlash values: each is within what the original says remained, 33
-    /// and 27 um.
+    /// Five terms fit twelve backlash values. The residual of each is at most what remained
+    /// according to the original, 33 and 27 um.
     #[test]
     fn every_measured_play_is_within_the_stated_rest() {
         let screws = Screws::fitted();
         let mut squares = [0.0; 2];
-        for play in plays(&Choice::BEST) {
+        for play in backlash_values(&Choice::BEST) {
             let [own, other] = [play.axis, 1 - play.axis].map(|axis| play.at_mm[axis]);
-            let off = screws.axes()[play.axis].lash_um(own, other) - play.lash_um;
+            let off = screws.axes()[play.axis].backlash_um(own, other) - play.backlash_um;
             assert!(off.abs() < 0.7 * LEFT_UM[play.axis], "{play:?}: {off}");
             squares[play.axis] += off * off / 12.0;
         }
@@ -124,10 +124,10 @@ mod tests {
         let steps = |mm: f64| mm * 1e6 / nm(TRUE_STEP);
         let [x, y, z] = screws
             .field()
-            .lash_steps([steps(6.0), steps(3.0), 0.0])
+            .backlash_steps([steps(6.0), steps(3.0), 0.0])
             .map(|steps| steps * nm(TRUE_STEP) / 1e3);
-        assert!((x - screws.axes()[0].lash_um(1.0, -0.5)).abs() < 1e-9);
-        assert!((y - screws.axes()[1].lash_um(-0.5, 1.0)).abs() < 1e-9);
+        assert!((x - screws.axes()[0].backlash_um(1.0, -0.5)).abs() < 1e-9);
+        assert!((y - screws.axes()[1].backlash_um(-0.5, 1.0)).abs() < 1e-9);
         assert_eq!(z, 0.0);
     }
 }

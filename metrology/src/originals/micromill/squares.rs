@@ -10,8 +10,8 @@ use crate::originals::{Parameter, Row, Table};
 pub struct Cut {
     /// Length of its upper and of its left edge, mm.
     pub size_mm: [f64; 2],
-    /// Distance of the end of the upper edge from the begin of the lower one along X, and of the
-    /// end of the left edge from it along Y, um: the backlash that the take-up left.
+    /// Distance along X from the start of the lower edge to the end of the upper edge, and distance
+    /// along Y from this start to the end of the left edge, um. This is the backlash that remained.
     pub left_um: [f64; 2],
 }
 
@@ -69,11 +69,11 @@ pub fn squares(shop: &Shop<'_>) -> Result<Table, String> {
         rows,
         parameters,
         notes: vec![
-            "The original prints what is left without sign. Y of square X is larger than \
-             programmed, so its 19 um are too much take-up: -19."
+            "The original prints the remaining backlash without sign. Y of square X is larger than \
+             programmed, so the take-up was 19 um too large: -19."
                 .into(),
-            "The positions of the squares are not stated: the thirds from upper left to lower \
-             right, where the plays of Y are those of table 13 within 7 um."
+            "The positions of the squares are not stated. Here they are in the thirds from upper \
+             left to lower right, where the backlash values of Y agree with table 13 within 7 um."
                 .into(),
         ],
     })

@@ -1,4 +1,4 @@
-//! Current of the whole mill over its supply.
+//! Current of the whole micro mill at different supply voltages.
 
 use crate::originals::{Parameter, Row, Table};
 use husillo_sim::Winding;
@@ -8,11 +8,11 @@ const READINGS: [(f64, f64); 4] = [(8.0, 0.9), (10.0, 1.1), (12.0, 1.3), (14.0, 
 /// Windings of its motors: 29 ohm and 18 mH.
 const RESISTANCE_OHM: f64 = 29.0;
 const INDUCTANCE_H: f64 = 18e-3;
-/// Windings that have current.
+/// Number of windings with current.
 const WINDINGS: f64 = 3.0;
 /// Half of the last digit of a current, A.
 const DIGIT_A: f64 = 0.05;
-/// Electrical cycles per second of a motor that stands: long after the inductance.
+/// Electrical cycles per second of a motor at rest: so few that the inductance has no effect.
 const AT_REST_HZ: f64 = 0.01;
 
 /// The supply currents.

@@ -1,6 +1,7 @@
-//! Other choices of what the original does not state have larger residues than the chosen ones.
+//! The original leaves some choices open. All other choices have larger residuals than the ones
+//! that are used.
 
-use super::measured::{CIRCLES, Choice, mark_width_um, plays};
+use super::measured::{CIRCLES, Choice, backlash_values, mark_width_um};
 use super::part_tables::PARTS;
 use super::{LAST_TAKE_UP_UM, Screws, scale};
 use std::f64::consts::PI;
@@ -12,14 +13,15 @@ const LENGTH_UM: f64 = 12.0;
 /// The error on the negative flank of an axis, um.
 fn left_um(screws: &Screws, axis: usize, from_mm: [f64; 2]) -> f64 {
     let [own, other] = [from_mm[axis], from_mm[1 - axis]];
-    screws.axes()[axis].lash_um(own, other) - LAST_TAKE_UP_UM[axis] * scale()
+    screws.axes()[axis].backlash_um(own, other) - LAST_TAKE_UP_UM[axis] * scale()
 }
 
 /// The deviation of the tool from a clockwise circle, in a direction, um.
 fn off_um(screws: &Screws, radius_mm: f64, angle: f64) -> [f64; 2] {
     let (sin, cos) = angle.sin_cos();
     let at_mm = [radius_mm * cos, radius_mm * sin];
-    // X goes back below, and Y on the right. An end is reached on the old flank.
+    // X moves backward in the lower half, and Y in the right half. An end is reached on the old
+    // flank.
     let (is_low, is_right) = (sin < -1e-9, cos > 1e-9);
     let is_left_end = sin.abs() < 1e-9 && cos < 0.0;
     let is_bottom = cos.abs() < 1e-9 && sin < 0.0;
@@ -33,14 +35,15 @@ fn off_um(screws: &Screws, radius_mm: f64, angle: f64) -> [f64; 2] {
     [of(0, is_low || is_left_end), of(1, is_right || is_bottom)]
 }
 
-/// Sum of squares that the best order of the diameters and the best squareness leave, um^2.
+/// Sum of squares of the residuals of the diameters, with the best order and the best squareness,
+/// um^2.
 fn diameters(screws: &Screws) -> f64 {
     let orders = (0..8).flat_map(|first| [1.0, -1.0].map(|sense| (f64::from(first), sense)));
     let left = orders.map(|(first, sense)| {
         let pairs = CIRCLES.iter().flat_map(|circle| {
             (0_u8..8).map(move |index| {
                 let angle = (first + sense * f64::from(index)) * PI / 8.0;
-                // From below X to above it: a diameter has no direction.
+                // From an angle below X to one above it: a diameter has no direction.
                 let angle = angle.rem_euclid(PI);
                 let there = off_um(screws, circle.radius_mm, angle);
                 let back = off_um(screws, circle.radius_mm, angle + PI);
@@ -63,8 +66,8 @@ fn diameters(screws: &Screws) -> f64 {
     left.fold(f64::MAX, f64::min)
 }
 
-/// Sum of squares that the sizes of the parts leave in the middle of the work area, um^2. The
-/// height of the larger logo is an outlier with every choice.
+/// Sum of squares of the residuals of the sizes of the parts in the middle of the work area, um^2.
+/// The height of the larger logo is an outlier with every choice.
 fn sizes(screws: &Screws) -> f64 {
     let sizes = PARTS.iter().flat_map(|part| [(part, 0), (part, 1)]);
     let sizes = sizes.filter(|(part, axis)| (part.number, *axis) != ("19", 1));
@@ -77,11 +80,11 @@ fn sizes(screws: &Screws) -> f64 {
     left.map(|left| left * left).sum()
 }
 
-/// Sum of squares that the backlash of the screws leaves, um^2.
+/// Sum of squares of the residuals of the backlash values, um^2.
 fn plays_left(screws: &Screws, choice: &Choice) -> f64 {
-    let left = plays(choice).into_iter().map(|play| {
+    let left = backlash_values(choice).into_iter().map(|play| {
         let [own, other] = [play.at_mm[play.axis], play.at_mm[1 - play.axis]];
-        screws.axes()[play.axis].lash_um(own, other) - play.lash_um
+        screws.axes()[play.axis].backlash_um(own, other) - play.backlash_um
     });
     left.map(|left| left * left).sum()
 }
@@ -104,6 +107,6 @@ fn the_choice_leaves_least() {
         .collect();
     costs.sort_by(|a, b| a.0.total_cmp(&b.0));
     assert_eq!(costs[0].1, Choice::BEST, "{:?}", &costs[..4]);
-    // No other is as good.
+    // No other choice is as good.
     assert!(costs[1].0 > costs[0].0 + 3.0, "{:?}", &costs[..4]);
 }

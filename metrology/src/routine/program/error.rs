@@ -18,7 +18,7 @@ pub struct ProgramError {
 /// The fault of a line.
 #[derive(Debug)]
 pub enum ProgramFault {
-    /// The line is no valid G-code.
+    /// The line is not valid G-code.
     Code(husillo_gcode::Error),
     /// A measuring machine does not have this function. The bytes are those of its word. `None`:
     /// the whole line.

@@ -44,7 +44,7 @@ fn config() -> Option<Config<3>> {
         scale,
         travel: None,
         max_rate_hz: 170,
-        lash_steps: 1457,
+        backlash_steps: 1457,
         ramp: None,
     };
     Some(Config {

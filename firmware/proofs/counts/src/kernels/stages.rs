@@ -2,7 +2,7 @@
 
 use core::hint::black_box;
 
-use husillo_backlash::{Backlash, Compensator, Flank, LashMap, MappedBacklash};
+use husillo_backlash::{Backlash, BacklashMap, Compensator, Flank, MappedBacklash};
 use husillo_stepper::{CoilDriver, Driver, Mode, Sequencer};
 
 use crate::Count;
@@ -38,10 +38,10 @@ pub fn all(count: Count<'_>) {
     // is looked up in the map.
     let along_x: &[i32] = &[0, 23_810, 47_619, 71_429];
     let along_y: &[i32] = &[0, 25_000, 50_000];
-    let lash: &[u32] = &[
+    let backlash: &[u32] = &[
         1457, 1690, 1460, 1225, 1457, 1222, 1454, 1690, 1457, 1690, 1460, 1225,
     ];
-    let Ok(map) = LashMap::new([0, 1], [along_x, along_y], lash) else {
+    let Ok(map) = BacklashMap::new([0, 1], [along_x, along_y], backlash) else {
         return;
     };
     count("compensator_map", EVENTS, &mut || {

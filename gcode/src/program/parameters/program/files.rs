@@ -16,8 +16,9 @@ pub struct File<'t> {
 
 /// The files of subroutines that are not in the text of the program.
 ///
-/// The crate opens no files. The caller decides where a name is searched, and must not let a name
-/// lead out of its folders: it is text of the program, and may be `../../secret`.
+/// The crate opens no files. The caller decides where a name is searched. A name is text of the
+/// program, and may be `../../secret`, so the caller must refuse a name that leads out of its
+/// folders.
 pub trait Library: Debug {
     /// The file of a subroutine, by its name as written (`bore` of `o<bore> call`), or by its
     /// number in decimal digits (`100` of `o100 call` or `M98 P100`).

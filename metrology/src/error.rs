@@ -1,18 +1,18 @@
-//! The error of an action that has no result.
+//! Errors of actions on a machine.
 
 use crate::heads::End;
 use husillo_transports::nmc;
 use std::fmt;
 use std::io;
 
-/// Why an action has no result. Lengths and positions are texts with their unit.
+/// Why an action failed. Lengths and positions are texts with their unit.
 #[derive(Debug)]
-pub enum Trouble {
+pub enum Error {
     /// The port failed.
     Port(io::Error),
     /// The link failed.
     Link {
-        /// The module that was asked: its axis, if it is known, and its address.
+        /// The module to which the command was sent: its axis, if it is known, and its address.
         module: String,
         /// How it failed.
         failure: nmc::Failure,
@@ -32,7 +32,7 @@ pub enum Trouble {
     NotServo {
         /// Its address.
         module: u8,
-        /// What it reports: 2 for inputs and outputs, 3 for a stepper.
+        /// The kind that it reports: 2 for inputs and outputs, 3 for a stepper.
         kind: u8,
     },
     /// The line is disturbed, or two modules answer at once.
@@ -75,9 +75,9 @@ pub enum Trouble {
     Interrupted,
     /// A calibration found an impossible pre-travel.
     PreTravel {
-        /// What was found.
+        /// The pre-travel that was found.
         found: String,
-        /// The most that is possible.
+        /// The largest possible pre-travel.
         most: String,
     },
     /// The move did not end at its goal.
@@ -152,19 +152,19 @@ pub enum Trouble {
         /// Where it ended.
         to: String,
     },
-    /// The contact closed that belongs to touches in the other direction.
+    /// The contact for touches in the other direction closed.
     OtherSense {
         /// The position.
         at: String,
     },
-    /// There was no contact at the start of a search for its end.
+    /// A search for the end of a contact began without contact.
     NotTouching,
     /// The contact changed only after the search had ended.
     NotLatched {
         /// The position.
         at: String,
     },
-    /// The contact lasted to the end of the move.
+    /// The contact did not open until the end of the move.
     Kept {
         /// Where the move began.
         from: String,
@@ -179,8 +179,8 @@ pub enum Trouble {
     Fit(husillo_probe::FitError),
 }
 
-impl Trouble {
-    /// Whether axes may have moved before it.
+impl Error {
+    /// Whether axes may have moved before the error.
     pub const fn has_moved(&self) -> bool {
         !matches!(
             self,
@@ -195,7 +195,7 @@ impl Trouble {
     }
 }
 
-impl fmt::Display for Trouble {
+impl fmt::Display for Error {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Port(error) => write!(out, "the port failed: {error}"),
@@ -287,9 +287,14 @@ impl fmt::Display for Trouble {
                 "a second reading does not confirm a reported contact: all axes have been stopped",
             ),
             Self::OtherSense { at } => {
-                write!(out, "the contact of the other sense has closed at {at}")
+                write!(
+                    out,
+                    "the contact for the other direction has closed at {at}"
+                )
             }
-            Self::NotTouching => out.write_str("nothing to leave: no contact at start"),
+            Self::NotTouching => {
+                out.write_str("no contact at the start, so there is nothing to leave")
+            }
             Self::NotLatched { at } => write!(out, "contact, not latched, at {at}"),
             Self::Kept { from, to } => {
                 write!(out, "the contact lasted from {from} to {to}")
@@ -310,15 +315,15 @@ const fn switch(end: Option<End>) -> &'static str {
     }
 }
 
-impl std::error::Error for Trouble {}
+impl std::error::Error for Error {}
 
-impl From<io::Error> for Trouble {
+impl From<io::Error> for Error {
     fn from(error: io::Error) -> Self {
         Self::Port(error)
     }
 }
 
-impl From<nmc::Refused> for Trouble {
+impl From<nmc::Refused> for Error {
     fn from(refused: nmc::Refused) -> Self {
         Self::Refused(refused)
     }

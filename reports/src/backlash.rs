@@ -9,7 +9,7 @@ use std::fmt::Write;
 pub struct Panel {
     /// Its letter.
     pub letter: char,
-    /// The one value.
+    /// The backlash as one value.
     pub value_um: f64,
     /// The remaining backlash with one value, and with the map.
     pub fields: [Field; 2],
@@ -53,7 +53,7 @@ pub fn html(title: &str, readings: usize, is_simulated: bool, panels: &[Panel]) 
     }
     page.push_str("</table></section>\n");
     for panel in panels {
-        // One scale for both, so that they can be compared.
+        // Both fields have the same scale, so that they can be compared.
         let spans = panel.fields.iter().flat_map(|field| field.span_um);
         let full = spans.fold(0.1_f64, |full, um| full.max(um.abs()));
         let _ = writeln!(

@@ -2,7 +2,7 @@
 
 /// The position of an axis. Positions are amounts of the scale.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Whereabouts {
+pub struct AxisPosition {
     /// 0 for X to 2 for Z.
     pub coordinate: usize,
     /// The true position from home. `None`: the axis is not homed.

@@ -4,12 +4,12 @@
 mod common;
 
 use common::config;
-use husillo_backlash::{Flank, LashMap, MappedBacklash};
+use husillo_backlash::{BacklashMap, Flank, MappedBacklash};
 use husillo_interp::Path;
 use husillo_machine::{AxisRamp, Config, Event, Machine, Origin};
 use proptest::prelude::*;
 
-type Map = LashMap<Vec<i32>, Vec<u32>>;
+type Map = BacklashMap<Vec<i32>, Vec<u32>>;
 type Micromill = Machine<3, Path<3>, MappedBacklash<Vec<i32>, Vec<u32>>, 8>;
 
 /// Nuts on screws whose backlash at the load position is that of the map.
@@ -46,27 +46,27 @@ fn map() -> impl Strategy<Value = Map> {
         -600i32..100,
     )
         .prop_map(|(entries, base, first)| {
-            let places = vec![first, first + 300, first + 600];
+            let positions = vec![first, first + 300, first + 600];
             let steps = entries.into_iter().map(|steps| base + steps).collect();
-            LashMap::new([0, 1], [places.clone(), places], steps).unwrap()
+            BacklashMap::new([0, 1], [positions.clone(), positions], steps).unwrap()
         })
 }
 
 fn mill(config: Config<3>, maps: &[Map; 3]) -> Micromill {
-    let lash = maps
+    let backlash = maps
         .clone()
         .map(|map| MappedBacklash::new(map, Flank::Positive));
-    Micromill::with_lash(config, lash)
+    Micromill::with_backlash(config, backlash)
 }
 
 /// Lines and arcs within a few hundred steps of 140 nm.
 fn block() -> impl Strategy<Value = String> {
-    let place = || (-500i32..500).prop_map(|steps| format!("{:.5}", f64::from(steps) * 0.00014));
+    let position = || (-500i32..500).prop_map(|steps| format!("{:.5}", f64::from(steps) * 0.00014));
     prop_oneof![
-        (place(), place()).prop_map(|(x, y)| format!("G1 X{x} Y{y} F1.2")),
-        (place(), place()).prop_map(|(x, y)| format!("G0 X{x} Y{y}")),
-        place().prop_map(|x| format!("G1 X{x} F0.9")),
-        place().prop_map(|y| format!("G0 Y{y}")),
+        (position(), position()).prop_map(|(x, y)| format!("G1 X{x} Y{y} F1.2")),
+        (position(), position()).prop_map(|(x, y)| format!("G0 X{x} Y{y}")),
+        position().prop_map(|x| format!("G1 X{x} F0.9")),
+        position().prop_map(|y| format!("G0 Y{y}")),
         (1i32..200).prop_map(|radius| {
             let radius = f64::from(radius) * 0.00014;
             format!("G3 I{radius:.5} J0 F1.0")
@@ -185,12 +185,12 @@ proptest! {
 /// Along X the backlash of both axes grows by one step in ten. X makes two steps there, and Y makes
 /// a step while it stands.
 #[test]
-fn lash_that_grows_on_the_way() {
+fn backlash_that_grows_on_the_way() {
     let map = |steps: [u32; 2]| {
-        let places = [vec![-100, 0], vec![0]];
-        LashMap::new([0, 1], places, steps.to_vec()).unwrap()
+        let positions = [vec![-100, 0], vec![0]];
+        BacklashMap::new([0, 1], positions, steps.to_vec()).unwrap()
     };
-    let free = LashMap::new([0, 1], [vec![0], vec![0]], vec![0]).unwrap();
+    let free = BacklashMap::new([0, 1], [vec![0], vec![0]], vec![0]).unwrap();
     let mut machine = mill(config(), &[map([12, 2]), map([13, 3]), free]);
     let mut made = [0_i32; 3];
     let mut take_ups = 0;
@@ -213,12 +213,12 @@ fn lash_that_grows_on_the_way() {
 
 /// Backlash that jumps by more than a step is taken up while the path stands, as at a reversal.
 #[test]
-fn lash_that_jumps() {
+fn backlash_that_jumps() {
     struct Stair {
         is_negative: bool,
         held: i32,
     }
-    impl husillo_backlash::Lash<3> for Stair {
+    impl husillo_backlash::BacklashModel<3> for Stair {
         const VARIES: bool = true;
         fn take_up(&mut self, _: usize, direction: i8, _: &[i32; 3]) -> u32 {
             let turned = self.is_negative != (direction < 0);
@@ -226,18 +226,18 @@ fn lash_that_jumps() {
             if turned { self.held.unsigned_abs() } else { 0 }
         }
         fn follow(&mut self, load: &[i32; 3]) -> i32 {
-            let lash = if load[0] <= -5 { 7 } else { 4 };
+            let backlash = if load[0] <= -5 { 7 } else { 4 };
             match self.is_negative {
-                true => std::mem::replace(&mut self.held, lash) - lash,
+                true => std::mem::replace(&mut self.held, backlash) - backlash,
                 false => 0,
             }
         }
     }
-    let lash = [(); 3].map(|()| Stair {
+    let backlash = [(); 3].map(|()| Stair {
         is_negative: false,
         held: 4,
     });
-    let mut machine: Machine<3, Path<3>, Stair> = Machine::with_lash(config(), lash);
+    let mut machine: Machine<3, Path<3>, Stair> = Machine::with_backlash(config(), backlash);
     machine.line(b"G0 X-0.0014").unwrap();
     let mut trace = String::new();
     while let Some(Event::Step(step)) = machine.next_event() {

@@ -10,14 +10,14 @@ use std::io::{self, Write};
 
 /// The output of a command that drives a machine. No failure of it stops the machine: `out` keeps
 /// its first error.
-pub struct Told<'a> {
+pub struct Reporter<'a> {
     out: &'a mut dyn Write,
     format: Output,
     /// Name of the objects, as `husillo.jog/1`.
     schema: &'static str,
 }
 
-impl<'a> Told<'a> {
+impl<'a> Reporter<'a> {
     /// Writes to `out`.
     pub fn new(out: &'a mut dyn Write, format: Output, schema: &'static str) -> Self {
         Self {
@@ -123,7 +123,7 @@ pub fn report(machine: usize, port: &str, line: &str) -> Value {
     json!({"kind": "report", "machine": machine, "port": port, "text": line})
 }
 
-impl Write for Told<'_> {
+impl Write for Reporter<'_> {
     /// Text of a report that has no objects.
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         match self.format {

@@ -1,4 +1,4 @@
-//! Lash by place as a user meets it: measured, in the machine file, on the work.
+//! Backlash by place as a user meets it: measured, in the machine file, on the work.
 
 use assert_cmd::Command;
 use predicates::str::contains;
@@ -65,7 +65,7 @@ fn a_map_leaves_less_than_two_micrometres() {
     assert_eq!(page.matches("<svg").count(), 4);
     // The same machine file, with what was printed.
     let written = std::fs::read_to_string(machine).unwrap();
-    let sections = text.find("[lash.x]").unwrap();
+    let sections = text.find("[backlash_map.x]").unwrap();
     assert!(written.ends_with(&text[sections..]));
 
     let deviation = |machine: &str| -> f64 {
@@ -237,7 +237,7 @@ fn bands_are_read_from_a_table() {
     let text = printed(&["calibrate", "backlash", path.to_str().unwrap()]);
     // 204 um in whole steps are 203.98 um.
     assert!(
-        text.ends_with("[lash.x]\ny_mm = [1.2, 3.5, 5.8]\num = [189.98, 200.98, 186.98]\n"),
+        text.ends_with("[backlash_map.x]\ny_mm = [1.2, 3.5, 5.8]\num = [189.98, 200.98, 186.98]\n"),
         "{text}"
     );
     assert!(
@@ -281,7 +281,7 @@ fn bands_are_read_from_a_table() {
 #[test]
 fn maps_are_shown_and_counted() {
     let text = std::fs::read_to_string("../machines/micromill.toml").unwrap();
-    let map = "\n[lash.x]\nx_mm = [0, 10]\num = [140, 280]\n";
+    let map = "\n[backlash_map.x]\nx_mm = [0, 10]\num = [140, 280]\n";
     let machine = scratch("by-place.toml");
     std::fs::write(&machine, text + map).unwrap();
     let machine = machine.to_str().unwrap();
@@ -290,10 +290,10 @@ fn maps_are_shown_and_counted() {
         shown.contains("backlash by position: 140.0 to 280.0 um, 2 positions along X"),
         "{shown}"
     );
-    assert!(shown.contains("lash 1,271 steps (177.9 um)"), "{shown}");
+    assert!(shown.contains("backlash 1,271 steps (177.9 um)"), "{shown}");
     let shown = printed(&["machines", "show", machine, "--format", "json"]);
     let shown: Value = serde_json::from_str(&shown).unwrap();
-    assert_eq!(shown["axes"][0]["lash_map"]["most_um"], 280.0);
+    assert_eq!(shown["axes"][0]["backlash_map"]["most_um"], 280.0);
     // X reverses at 5 mm, where its backlash is 210 um or 1500 steps, and at 0, with 140 um or 1000
     // steps: 7.4 s each time at 170 per second.
     let program = scratch("to-and-fro.nc");
@@ -308,7 +308,7 @@ fn maps_are_shown_and_counted() {
 /// The reader of the output goes at once: the report and the machine file are written.
 #[test]
 fn a_calibration_outlasts_the_reader_of_its_output() {
-    let [report, machine] = ["lash-unread.html", "lash-unread.toml"].map(scratch);
+    let [report, machine] = ["backlash-unread.html", "backlash-unread.toml"].map(scratch);
     for file in [&report, &machine] {
         let _ = std::fs::remove_file(file);
     }

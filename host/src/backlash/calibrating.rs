@@ -3,16 +3,16 @@
 use super::bench::SimulatedBench;
 use super::readings;
 use crate::cli::BacklashArgs;
-use crate::console::told::Told;
-use crate::machines::lash_file::section;
+use crate::console::reporter::Reporter;
+use crate::machines::backlash_file::section;
 use crate::machines::machine_file::{MachineFile, Travel};
 use crate::programs::setup;
 use husillo_metrology::calibration::backlash::{
-    Field, Leftover, LinePair, Map, PlaceTable, RUN_UP_MM, WHOLE_RUN_UP_MM, cut_all, place_table,
-    survey,
+    BacklashTable, Field, Leftover, LinePair, Map, RUN_UP_MM, WHOLE_RUN_UP_MM, backlash_table,
+    cut_all, survey,
 };
 use husillo_metrology::quantity::{self, Quantity};
-use husillo_reports::lash::{self, Panel};
+use husillo_reports::backlash::{self, Panel};
 use husillo_sim::observers::AXES;
 use husillo_sim::text::counted;
 use serde_json::json;
@@ -34,22 +34,22 @@ pub struct Calibrated {
 pub fn calibrate_backlash(
     args: &BacklashArgs,
     file: &MachineFile,
-    out: &mut Told<'_>,
+    out: &mut Reporter<'_>,
 ) -> Result<Calibrated, String> {
     let travel_mm = travel(file)?;
     let now = if args.uncompensated {
-        setup::no_lash()
+        setup::no_backlash()
     } else {
         setup::maps(file)?
     };
     let readings = pairs(args, file, &now, travel_mm)?;
     let step_nm = file.xyz(|axis| axis.step.num as f64 / axis.step.den as f64);
     let steps = file.xyz(|axis| axis.step);
-    let lash: Vec<(LinePair, f64)> = readings
+    let backlash: Vec<(LinePair, f64)> = readings
         .iter()
         .map(|reading| {
             let taken_up = reading.taken_up_nm(&now[reading.axis], step_nm, travel_mm);
-            (*reading, reading.lash_nm(taken_up))
+            (*reading, reading.backlash_nm(taken_up))
         })
         .collect();
     let mut maps = setup::maps(file)?;
@@ -57,7 +57,7 @@ pub fn calibrate_backlash(
     let mut sections = String::new();
     let mut tables = [None, None];
     for (axis, kept) in tables.iter_mut().enumerate() {
-        let Some(table) = place_table(axis, &lash)? else {
+        let Some(table) = backlash_table(axis, &backlash)? else {
             continue;
         };
         let letter = file.axes[axis].letter;
@@ -76,9 +76,9 @@ pub fn calibrate_backlash(
             surveyed(before, after, travel_mm)
         }
         Some(_) => {
-            let measured = |axis: usize, table: &PlaceTable| {
+            let measured = |axis: usize, table: &BacklashTable| {
                 [&one, &maps].map(|maps| {
-                    Field::measured(axis, table, &lash, &maps[axis], step_nm, travel_mm)
+                    Field::measured(axis, table, &backlash, &maps[axis], step_nm, travel_mm)
                 })
             };
             let tables = tables.iter().enumerate();
@@ -90,7 +90,7 @@ pub fn calibrate_backlash(
     for (axis, fields) in &panels {
         let um = tables[*axis]
             .as_ref()
-            .map_or(&[][..], |table| &table.lash_um);
+            .map_or(&[][..], |table| &table.backlash_um);
         print_left(file.axes[*axis].letter, um, fields, out);
     }
     let text = sections.trim_end();
@@ -102,12 +102,12 @@ pub fn calibrate_backlash(
         .into_iter()
         .map(|(axis, fields)| Panel {
             letter: char::from(file.axes[axis].letter),
-            value_um: f64::from(file.axes[axis].lash_steps) * step_nm[axis] / 1e3,
+            value_um: f64::from(file.axes[axis].backlash_steps) * step_nm[axis] / 1e3,
             fields,
         })
         .collect();
     Ok(Calibrated {
-        page: lash::html(&file.title, readings.len(), args.file.is_none(), &panels),
+        page: backlash::html(&file.title, readings.len(), args.file.is_none(), &panels),
         machine: with_sections(&file.text()?, &sections),
     })
 }
@@ -132,7 +132,7 @@ fn pairs(
 }
 
 /// Prints the remaining backlash of an axis, with one value and with its map.
-fn print_left(letter: u8, um: &[f64], [before, after]: &[Field; 2], out: &mut Told<'_>) {
+fn print_left(letter: u8, um: &[f64], [before, after]: &[Field; 2], out: &mut Reporter<'_>) {
     let low = um.iter().copied().fold(f64::MAX, f64::min);
     let high = um.iter().copied().fold(f64::MIN, f64::max);
     let ([one_low, one_high], [low_left, high_left]) = (before.span_um, after.span_um);
@@ -209,16 +209,17 @@ fn surveyed(
 /// The text of a machine file with these sections instead of its own.
 fn with_sections(text: &str, sections: &str) -> String {
     let mut kept = String::new();
-    let mut is_lash = false;
+    let mut is_backlash = false;
     for line in text.lines() {
         if line.trim_start().starts_with('[') && !line.trim_start().starts_with("[[") {
             // The next line of a list of lists may also begin with `[`, but no name follows there.
             let name = line.trim_start().trim_start_matches('[');
             if name.starts_with(|letter: char| letter.is_ascii_alphabetic()) {
-                is_lash = name.starts_with("lash.") || name.starts_with("lash]");
+                is_backlash =
+                    name.starts_with("backlash_map.") || name.starts_with("backlash_map]");
             }
         }
-        if !is_lash {
+        if !is_backlash {
             kept.push_str(line);
             kept.push('\n');
         }
@@ -232,13 +233,13 @@ mod tests {
 
     #[test]
     fn a_map_replaces_the_one_before() {
-        let text = "a = 1\n[lash.x]\num = [\n    [1, 2],\n]\n\n[idle]\npolicy \
-             = \"off\"\n[lash.y]\num = [3]\n";
-        let made = with_sections(text, "[lash.x]\num = [9]\n");
+        let text = "a = 1\n[backlash_map.x]\num = [\n    [1, 2],\n]\n\n[idle]\npolicy \
+             = \"off\"\n[backlash_map.y]\num = [3]\n";
+        let made = with_sections(text, "[backlash_map.x]\num = [9]\n");
         assert_eq!(
             made,
-            "a = 1\n[idle]\npolicy = \"off\"\n\n[lash.x]\num = [9]\n"
+            "a = 1\n[idle]\npolicy = \"off\"\n\n[backlash_map.x]\num = [9]\n"
         );
-        assert_eq!(with_sections(&made, "[lash.x]\num = [9]\n"), made);
+        assert_eq!(with_sections(&made, "[backlash_map.x]\num = [9]\n"), made);
     }
 }

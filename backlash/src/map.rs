@@ -1,4 +1,4 @@
-//! Lash by position: a grid over two axes, or a table along one.
+//! Backlash by position: a grid over two axes, or a table along one.
 
 use core::fmt;
 
@@ -8,7 +8,7 @@ const MOST_STEPS: u32 = (1 << 20) - 1;
 /// Largest number of steps from one grid position to the next.
 const MOST_WAY: u32 = 1 << 22;
 
-/// Lash of one axis over a machine's work area, in motor steps.
+/// Backlash of one axis over a machine's work area, in motor steps.
 ///
 /// Between grid positions the backlash is interpolated bilinearly and rounded to the nearest step.
 /// Outside the grid it is that of the nearest edge. If an axis has one position only, the backlash
@@ -24,10 +24,10 @@ const MOST_WAY: u32 = 1 << 22;
 ///
 /// # Examples
 /// ```
-/// use husillo_backlash::LashMap;
+/// use husillo_backlash::BacklashMap;
 ///
 /// // Three bands of Y, measured in their middles.
-/// let x = LashMap::new([0, 1], [&[0][..], &[8000, 25000, 42000]], [1357, 1436, 1336])?;
+/// let x = BacklashMap::new([0, 1], [&[0][..], &[8000, 25000, 42000]], [1357, 1436, 1336])?;
 /// assert_eq!(x.steps([-5, 8000]), 1357);
 /// assert_eq!(x.steps([70_000, 16_500]), 1397);
 /// assert_eq!(x.steps([0, 50_000]), 1336);
@@ -35,9 +35,9 @@ const MOST_WAY: u32 = 1 << 22;
 /// ```
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct LashMap<K, V> {
+pub struct BacklashMap<K, V> {
     axes: [usize; 2],
-    places: [K; 2],
+    positions: [K; 2],
     steps: V,
 }
 
@@ -53,7 +53,7 @@ pub enum MapError {
         /// 0 or 1.
         axis: usize,
         /// Index of the position.
-        place: usize,
+        position: usize,
     },
     /// This entry, counted from 0, is 2^20 steps or more.
     Range(usize),
@@ -65,7 +65,9 @@ impl fmt::Display for MapError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Entries => f.write_str("the map needs exactly one entry for each position"),
-            Self::Order { place, .. } => write!(f, "the positions do not rise at position {place}"),
+            Self::Order { position, .. } => {
+                write!(f, "the positions do not rise at position {position}")
+            }
             Self::Range(entry) => write!(f, "entry {entry} is 2^20 steps or more"),
             Self::Steep(entry) => write!(f, "the backlash is too steep at entry {entry}"),
         }
@@ -74,24 +76,24 @@ impl fmt::Display for MapError {
 
 impl core::error::Error for MapError {}
 
-impl<K: AsRef<[i32]>, V: AsRef<[u32]>> LashMap<K, V> {
-    /// Creates a map over two `axes` of the machine, given by their numbers. `places` are rising
+impl<K: AsRef<[i32]>, V: AsRef<[u32]>> BacklashMap<K, V> {
+    /// Creates a map over two `axes` of the machine, given by their numbers. `positions` are rising
     /// positions along each of them in load steps. `steps` are the backlash values in motor steps:
     /// all positions of the first axis at the first position of the second, and so on.
     ///
     /// # Errors
     /// [`MapError`], in the order of its variants.
-    pub fn new(axes: [usize; 2], places: [K; 2], steps: V) -> Result<Self, MapError> {
-        let [first, second] = places.each_ref().map(|places| places.as_ref());
+    pub fn new(axes: [usize; 2], positions: [K; 2], steps: V) -> Result<Self, MapError> {
+        let [first, second] = positions.each_ref().map(|positions| positions.as_ref());
         let entries = first.len().checked_mul(second.len());
         if entries == Some(0) || entries != Some(steps.as_ref().len()) {
             return Err(MapError::Entries);
         }
         check_order(0, first)?;
         check_order(1, second)?;
-        let map = LashMap {
+        let map = BacklashMap {
             axes,
-            places,
+            positions,
             steps,
         };
         map.check_entries()?;
@@ -110,8 +112,10 @@ impl<K: AsRef<[i32]>, V: AsRef<[u32]>> LashMap<K, V> {
     }
 
     /// Returns the positions along them, in steps.
-    pub fn places(&self) -> [&[i32]; 2] {
-        self.places.each_ref().map(|places| places.as_ref())
+    pub fn positions(&self) -> [&[i32]; 2] {
+        self.positions
+            .each_ref()
+            .map(|positions| positions.as_ref())
     }
 
     /// Returns the backlash at all of them: those along the first axis at the first position of the
@@ -127,7 +131,7 @@ impl<K: AsRef<[i32]>, V: AsRef<[u32]>> LashMap<K, V> {
 
     /// Returns the two coordinates of a position for the map. An axis that the machine lacks is at
     /// 0.
-    pub(crate) fn place<const N: usize>(&self, load: &[i32; N]) -> [i32; 2] {
+    pub(crate) fn position<const N: usize>(&self, load: &[i32; N]) -> [i32; 2] {
         self.axes
             .map(|axis| load.get(axis).copied().unwrap_or_default())
     }
@@ -135,7 +139,10 @@ impl<K: AsRef<[i32]>, V: AsRef<[u32]>> LashMap<K, V> {
     /// Returns the backlash at a position, and a lower bound of the distance that each of the two
     /// axes may move while the backlash stays the same.
     pub(crate) fn look_up(&self, at: [i32; 2]) -> (u32, u32) {
-        let [x, y] = self.places.each_ref().map(|places| places.as_ref());
+        let [x, y] = self
+            .positions
+            .each_ref()
+            .map(|positions| positions.as_ref());
         let [at_x, at_y] = at;
         let (x, y) = (Between::new(x, at_x), Between::new(y, at_y));
         let entry = |column, row| u64::from(self.entry(column, row));
@@ -173,7 +180,10 @@ impl<K: AsRef<[i32]>, V: AsRef<[u32]>> LashMap<K, V> {
     }
 
     fn entry(&self, column: usize, row: usize) -> u32 {
-        let [columns, _] = self.places.each_ref().map(|places| places.as_ref().len());
+        let [columns, _] = self
+            .positions
+            .each_ref()
+            .map(|positions| positions.as_ref().len());
         // Below the number of entries, which is a length.
         let index = row.wrapping_mul(columns).wrapping_add(column);
         self.steps.as_ref().get(index).copied().unwrap_or_default()
@@ -181,7 +191,10 @@ impl<K: AsRef<[i32]>, V: AsRef<[u32]>> LashMap<K, V> {
 
     /// Ranges and slopes.
     fn check_entries(&self) -> Result<(), MapError> {
-        let [columns, rows] = self.places.each_ref().map(|places| places.as_ref());
+        let [columns, rows] = self
+            .positions
+            .each_ref()
+            .map(|positions| positions.as_ref());
         let entries =
             (0..rows.len()).flat_map(|row| (0..columns.len()).map(move |column| (column, row)));
         for (column, row) in entries {
@@ -209,19 +222,19 @@ impl<K: AsRef<[i32]>, V: AsRef<[u32]>> LashMap<K, V> {
 }
 
 /// Steps from a position to the next one above it.
-fn distance(places: &[i32], from: usize) -> u32 {
-    let mut ends = places.iter().skip(from);
+fn distance(positions: &[i32], from: usize) -> u32 {
+    let mut ends = positions.iter().skip(from);
     match (ends.next(), ends.next()) {
         (Some(low), Some(high)) => high.abs_diff(*low),
         _ => 1,
     }
 }
 
-fn check_order(axis: usize, places: &[i32]) -> Result<(), MapError> {
-    let pairs = places.iter().zip(places.iter().skip(1));
-    for (place, (low, high)) in (1..places.len()).zip(pairs) {
+fn check_order(axis: usize, positions: &[i32]) -> Result<(), MapError> {
+    let pairs = positions.iter().zip(positions.iter().skip(1));
+    for (position, (low, high)) in (1..positions.len()).zip(pairs) {
         if high <= low || high.abs_diff(*low) > MOST_WAY {
-            return Err(MapError::Order { axis, place });
+            return Err(MapError::Order { axis, position });
         }
     }
     Ok(())
@@ -240,12 +253,12 @@ struct Between {
 }
 
 impl Between {
-    /// `places` has at least one entry.
-    fn new(places: &[i32], at: i32) -> Between {
-        let above = places.partition_point(|place| *place <= at);
-        let place = |index: usize| places.get(index).copied();
+    /// `positions` has at least one entry.
+    fn new(positions: &[i32], at: i32) -> Between {
+        let above = positions.partition_point(|position| *position <= at);
+        let position = |index: usize| positions.get(index).copied();
         let low = above.checked_sub(1);
-        match (low.and_then(place), place(above)) {
+        match (low.and_then(position), position(above)) {
             (Some(below), Some(next)) => {
                 let (offset, rest) = (at.abs_diff(below), next.abs_diff(at));
                 Between {
@@ -258,7 +271,7 @@ impl Between {
             }
             (edge, next) => {
                 let index = low.unwrap_or(0);
-                let is_alone = places.len() == 1;
+                let is_alone = positions.len() == 1;
                 let edge = edge.or(next).unwrap_or(at);
                 Between {
                     low: index,

@@ -1,4 +1,4 @@
-//! A whole session with an emulated chain behind a pseudo-terminal: addresses, gains, home on the
+//! A whole session with an emulated network behind a pseudo-terminal: addresses, gains, home on the
 //! index, trapezoids, a jog, touches in both directions, a routine in three axes.
 
 mod common;
@@ -13,7 +13,7 @@ use std::io::{BufRead, BufReader};
 /// and the exit status shows it.
 #[test]
 fn an_interruption_stops_the_axes() {
-    let Some(chain) = Emulated::new(
+    let Some(network) = Emulated::new(
         "cmm3",
         "interrupted",
         &["--modules", "servo:4,servo:4,servo:4"],
@@ -24,7 +24,7 @@ fn an_interruption_stops_the_axes() {
         let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_husillo"))
             .current_dir(env!("CARGO_MANIFEST_DIR"))
             .env("XDG_STATE_HOME", common::state())
-            .args(["measure", "-m", "cmm3", "--raw", "--port", chain.port()])
+            .args(["measure", "-m", "cmm3", "--raw", "--port", network.port()])
             .args(["jog", "+x", "60s", "slow"])
             .stderr(std::process::Stdio::piped())
             .stdout(std::process::Stdio::null())
@@ -79,7 +79,7 @@ web sides at x 20 +-0.02 y 10 z -5 along x width 40 +-0.02
 const PIECE: &str = "../examples/piece.toml";
 
 /// `husillo emulate cmm3` with this piece, 20 times as fast as it would be.
-fn chain(name: &str, piece: &str) -> Option<Emulated> {
+fn network(name: &str, piece: &str) -> Option<Emulated> {
     let modules = ["--modules", "servo:4,servo:4,servo:4", "--speed", "20"];
     Emulated::new("cmm3", name, &[&modules[..], &["--piece", piece]].concat())
 }
@@ -101,10 +101,10 @@ fn run(port: &[&str], name: &str, routine: &str) -> Vec<Value> {
 
 #[test]
 fn a_session_from_the_addresses_to_a_routine() {
-    let Some(chain) = chain("whole-chain", PIECE) else {
+    let Some(network) = network("whole-network", PIECE) else {
         return;
     };
-    let port = ["--port", chain.port()];
+    let port = ["--port", network.port()];
     // From power-up on: where the probe is, the drawing of the piece begins.
     assert_eq!(run(&port, "whole.routine", ROUTINE).len(), 3);
     // Now from where the routine left it: up, and about.
@@ -129,10 +129,10 @@ fn a_turned_part_measures_like_the_first() {
          = \"0.5 deg\"\n";
     let text = std::fs::read_to_string(PIECE).unwrap();
     let turned = written("turned-part.toml", &format!("{text}\n{place}"));
-    let Some(chain) = chain("turned-chain", turned.to_str().unwrap()) else {
+    let Some(network) = network("turned-network", turned.to_str().unwrap()) else {
         return;
     };
-    let turned = run(&["--port", chain.port()], "turned.routine", ALIGNED);
+    let turned = run(&["--port", network.port()], "turned.routine", ALIGNED);
     for (drawn, turned) in drawn[3..].iter().zip(&turned[3..]) {
         let dimensions = drawn["dimensions"].as_array().unwrap();
         for (index, dimension) in dimensions.iter().enumerate() {

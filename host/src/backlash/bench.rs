@@ -7,7 +7,7 @@ use husillo_machine::{Event, Origin};
 use husillo_metrology::calibration::backlash::{self, Map, Moment};
 use husillo_metrology::originals::micromill::{Screws, Settings, TRUE_STEP};
 use husillo_sim::observers::AXES;
-use husillo_sim::{LashField, Rig};
+use husillo_sim::{BacklashField, Rig};
 use husillo_stepper::{Drive, Motors};
 use std::sync::Arc;
 
@@ -25,16 +25,16 @@ pub struct SimulatedBench {
 
 impl SimulatedBench {
     /// A machine that takes up the backlash of `maps`, on screws with the backlash of the file's
-    /// `[simulated_lash]`.
+    /// `[simulated_backlash]`.
     ///
     /// # Errors
     ///
-    /// The machine file has mistakes, or no `[simulated_lash]`.
+    /// The machine file has mistakes, or no `[simulated_backlash]`.
     pub fn new(file: &MachineFile, maps: [Map; AXES]) -> Result<Self, String> {
         let steps = file.xyz(|axis| axis.step);
-        let field = file.lash.field(steps).ok_or_else(|| {
+        let field = file.backlash.field(steps).ok_or_else(|| {
             format!(
-                "{}: no [simulated_lash], which describes the simulated screws",
+                "{}: no [simulated_backlash], which describes the simulated screws",
                 file.path
             )
         })?;
@@ -55,7 +55,7 @@ impl SimulatedBench {
             axis.step = settings.step;
         }
         let steps = file.xyz(|axis| axis.step);
-        let mut maps = setup::no_lash();
+        let mut maps = setup::no_backlash();
         for (axis, table) in settings.take_up.iter().enumerate() {
             let map = table.map(steps[axis], steps);
             maps[axis] = map.map_err(|why| format!("{}: {why}", ["X", "Y"][axis]))?;
@@ -68,7 +68,7 @@ impl SimulatedBench {
     fn on(
         file: &MachineFile,
         maps: [Map; AXES],
-        field: Arc<dyn LashField<3>>,
+        field: Arc<dyn BacklashField<3>>,
     ) -> Result<Self, String> {
         let config = setup::config(file, Dialect::RS274)?;
         let motors = setup::motors(file)?;
@@ -76,7 +76,7 @@ impl SimulatedBench {
         let nm_per_step = steps.map(|step| step.num as f64 / step.den as f64);
         Ok(Self {
             machine: setup::with_maps(config, maps),
-            rig: setup::rig(file, &motors).with_lash_field(setup::field(field)),
+            rig: setup::rig(file, &motors).with_backlash_field(setup::field(field)),
             motors,
             nm_per_step,
             tool_nm_per_step: nm_per_step,

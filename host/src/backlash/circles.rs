@@ -3,7 +3,7 @@
 
 use super::bench::SimulatedBench;
 use crate::cli::CirclesArgs;
-use crate::console::told::Told;
+use crate::console::reporter::Reporter;
 use crate::machines::machine_file::{MachineFile, Travel};
 use crate::programs::setup;
 use husillo_metrology::calibration::backlash::{CIRCLE_ENDS, left_at_ends};
@@ -30,7 +30,7 @@ const MEASURED: [(f64, [f64; 4]); 3] = [
 pub fn print_circles(
     args: &CirclesArgs,
     file: &MachineFile,
-    out: &mut Told<'_>,
+    out: &mut Reporter<'_>,
 ) -> Result<(), String> {
     let mut centre = [0.0; 2];
     for (centre, axis) in centre.iter_mut().zip(&file.axes) {
@@ -42,7 +42,7 @@ pub fn print_circles(
         };
         *centre = (low + high) as f64 / 2e6;
     }
-    let has_map = file.lash.maps.iter().any(Option::is_some);
+    let has_map = file.backlash.maps.iter().any(Option::is_some);
     let ends = CIRCLE_ENDS.join("  ");
     out.text(format_args!(
         "Remaining backlash at the ends of circles around X{:.1} Y{:.1}, um\n\n\
@@ -63,7 +63,7 @@ pub fn print_circles(
     Ok(())
 }
 
-fn print_row(out: &mut Told<'_>, radius: f64, screws: &str, ends: [f64; 4]) {
+fn print_row(out: &mut Reporter<'_>, radius: f64, screws: &str, ends: [f64; 4]) {
     let [top, left, bottom, right] = ends;
     out.tell(
         format_args!("{radius:4} mm  {screws:20} {top:5.1} {left:5.1} {bottom:7.1} {right:6.1}"),

@@ -33,12 +33,12 @@ impl Flank {
 ///
 /// # Examples
 /// ```
-/// use husillo_backlash::{Flank, Lash};
+/// use husillo_backlash::{Flank, BacklashModel};
 ///
 /// /// X has more backlash in the second half of the travel of Y.
 /// struct Worn { flank: Flank }
 ///
-/// impl Lash<2> for Worn {
+/// impl BacklashModel<2> for Worn {
 ///     fn take_up(&mut self, _: usize, direction: i8, load: &[i32; 2]) -> u32 {
 ///         let Some(flank) = Flank::towards(direction) else { return 0 };
 ///         let turned = self.flank != Flank::Unknown && self.flank != flank;
@@ -57,9 +57,9 @@ impl Flank {
 /// );
 /// assert_eq!(owed, [0, 14, 0]);
 /// ```
-pub trait Lash<const N: usize> {
-    /// Whether the backlash may change while the axis does not reverse. Then [`Lash::follow`] is
-    /// called after every event. Otherwise there is no cost.
+pub trait BacklashModel<const N: usize> {
+    /// Whether the backlash may change while the axis does not reverse. Then
+    /// [`BacklashModel::follow`] is called after every event. Otherwise there is no cost.
     const VARIES: bool = false;
 
     /// Returns the take-up in motor steps before a step with the sign of `direction`. `load` has

@@ -1,41 +1,44 @@
-//! `[lash]` and `[simulated_lash]` of machine files.
+//! `[backlash_map]` and `[simulated_backlash]` of machine files.
 
 use crate::machines::table::Table;
-use husillo_metrology::calibration::backlash::{Map, PlaceTable};
+use husillo_metrology::calibration::backlash::{BacklashTable, Map};
 use husillo_metrology::quantity::Fraction;
 use husillo_reports::text::shortest;
-use husillo_sim::LashField;
+use husillo_sim::BacklashField;
 use std::f64::consts::TAU;
 use std::fmt::Write;
 use std::ops::Range;
 use std::sync::Arc;
 use toml::de::DeValue;
 
-/// The table of an axis, as it is written in a machine file.
-pub fn section(table: &PlaceTable, letter: u8) -> String {
+/// The text of the table of an axis in a machine file.
+pub fn section(table: &BacklashTable, letter: u8) -> String {
     let list = |values: &[f64]| {
         let texts = values.iter().map(|value| shortest(*value, 2));
         format!("[{}]", texts.collect::<Vec<_>>().join(", "))
     };
-    let mut text = format!("[lash.{}]\n", char::from(letter).to_ascii_lowercase());
+    let mut text = format!(
+        "[backlash_map.{}]\n",
+        char::from(letter).to_ascii_lowercase()
+    );
     let mut is_grid = true;
-    for (index, places) in table.places_mm.iter().enumerate() {
+    for (index, positions) in table.positions_mm.iter().enumerate() {
         if index == 1 && table.axes[0] == table.axes[1] {
             is_grid = false;
             break;
         }
         let name = char::from(b"xyz"[table.axes[index]]);
         // Writing to a String cannot fail.
-        let _ = writeln!(text, "{name}_mm = {}", list(places));
+        let _ = writeln!(text, "{name}_mm = {}", list(positions));
     }
     if is_grid {
         text.push_str("um = [\n");
-        for row in table.lash_um.chunks(table.places_mm[0].len()) {
+        for row in table.backlash_um.chunks(table.positions_mm[0].len()) {
             let _ = writeln!(text, "    {},", list(row));
         }
         text.push_str("]\n");
     } else {
-        let _ = writeln!(text, "um = {}", list(&table.lash_um));
+        let _ = writeln!(text, "um = {}", list(&table.backlash_um));
     }
     text
 }
@@ -56,7 +59,7 @@ pub struct Wave {
 
 impl Wave {
     /// Backlash in um at a position in mm.
-    pub fn lash_um(&self, own_mm: f64, other_mm: f64) -> f64 {
+    pub fn backlash_um(&self, own_mm: f64, other_mm: f64) -> f64 {
         let (sine, cosine) = (TAU * own_mm / self.sine_mm, TAU * other_mm / self.cosine_mm);
         self.mean_um + self.swing_um * sine.sin() * cosine.cos()
     }
@@ -76,30 +79,42 @@ impl Wave {
     }
 }
 
+/// Former names of the two tables, each with the present one.
+const FORMER_NAMES: [(&str, &str); 2] = [
+    ("lash", "backlash_map"),
+    ("simulated_lash", "simulated_backlash"),
+];
+
 /// Backlash by position in a machine file.
 #[derive(Clone, Debug, Default)]
-pub struct LashFile {
+pub struct BacklashFile {
     /// The backlash that the controller takes up on X, Y and Z, if it depends on the position.
     pub maps: [Option<Map>; 3],
     /// The backlash of the simulated screws of X and Y, if the file describes them.
     pub simulated: Option<[Wave; 2]>,
 }
 
-impl LashFile {
+impl BacklashFile {
     /// Reads both tables of the file.
-    pub fn read(root: &mut Table<'_, '_>, steps: [Fraction; 3]) -> LashFile {
+    pub fn read(root: &mut Table<'_, '_>, steps: [Fraction; 3]) -> BacklashFile {
         let names = ["x", "y", "z"];
-        let tables = root.optional_table("lash", |lash| {
-            names.map(|name| lash.optional_table(name, read_places).flatten())
+        let tables = root.optional_table("backlash_map", |backlash| {
+            names.map(|name| backlash.optional_table(name, read_positions).flatten())
         });
-        let simulated = root.optional_table("simulated_lash", |table| {
+        let simulated = root.optional_table("simulated_backlash", |table| {
             let x = table.table("x", Wave::read).flatten();
             let y = table.table("y", Wave::read).flatten();
             Some([x?, y?])
         });
-        let mut file = LashFile {
+        for (old, new) in FORMER_NAMES {
+            if let Some((_, span)) = root.value(old) {
+                let message = format!("`{old}` is now called `{new}`");
+                root.wrong(span, &message, &format!("write `{new}`"));
+            }
+        }
+        let mut file = BacklashFile {
             simulated: simulated.flatten(),
-            ..LashFile::default()
+            ..BacklashFile::default()
         };
         let tables = tables.into_iter().flatten();
         for ((axis, table), own) in file.maps.iter_mut().zip(tables).zip(steps) {
@@ -114,14 +129,14 @@ impl LashFile {
     }
 
     /// The backlash of the simulated screws, in steps.
-    pub fn field(&self, steps: [Fraction; 3]) -> Option<Arc<dyn LashField<3>>> {
+    pub fn field(&self, steps: [Fraction; 3]) -> Option<Arc<dyn BacklashField<3>>> {
         let [wave_x, wave_y] = self.simulated?;
         let [x_nm, y_nm, _] = steps.map(|step| step.num as f64 / step.den as f64);
         Some(Arc::new(move |[x, y, _]: [f64; 3]| {
             let (x, y) = (x * x_nm / 1e6, y * y_nm / 1e6);
             [
-                wave_x.lash_um(x, y) * 1e3 / x_nm,
-                wave_y.lash_um(y, x) * 1e3 / y_nm,
+                wave_x.backlash_um(x, y) * 1e3 / x_nm,
+                wave_y.backlash_um(y, x) * 1e3 / y_nm,
                 0.0,
             ]
         }))
@@ -145,13 +160,13 @@ fn numbers(value: &DeValue<'_>) -> Option<Vec<f64>> {
         .collect()
 }
 
-fn read_places(table: &mut Table<'_, '_>) -> Option<(PlaceTable, Range<usize>)> {
+fn read_positions(table: &mut Table<'_, '_>) -> Option<(BacklashTable, Range<usize>)> {
     let mut along = Vec::new();
     let mut is_wrong = false;
     for (axis, key) in ["x_mm", "y_mm", "z_mm"].into_iter().enumerate() {
         if let Some((value, span)) = table.value(key) {
             match numbers(value) {
-                Some(places) => along.push((axis, places)),
+                Some(positions) => along.push((axis, positions)),
                 None => {
                     table.wrong(
                         span,
@@ -176,18 +191,18 @@ fn read_places(table: &mut Table<'_, '_>) -> Option<(PlaceTable, Range<usize>)> 
         rows.collect::<Option<Vec<_>>>()
     });
     let found = match (along.as_slice(), numbers(value), rows) {
-        ([(axis, places)], Some(lash_um), _) => Some(PlaceTable {
+        ([(axis, positions)], Some(backlash_um), _) => Some(BacklashTable {
             axes: [*axis; 2],
-            places_mm: [places.clone(), vec![0.0]],
-            lash_um,
+            positions_mm: [positions.clone(), vec![0.0]],
+            backlash_um,
         }),
         ([(first, across), (second, up)], _, Some(rows))
             if rows.len() == up.len() && rows.iter().all(|row| row.len() == across.len()) =>
         {
-            Some(PlaceTable {
+            Some(BacklashTable {
                 axes: [*first, *second],
-                places_mm: [across.clone(), up.clone()],
-                lash_um: rows.concat(),
+                positions_mm: [across.clone(), up.clone()],
+                backlash_um: rows.concat(),
             })
         }
         _ => None,
@@ -213,11 +228,11 @@ mod tests {
     #[test]
     fn bands_and_grids_become_maps() {
         let text = format!(
-            "{MICROMILL}\n[lash.x]\ny_mm = [1.2, 3.5, 5.8]\num = [190, 201, 187]\n\
-             [lash.y]\nx_mm = [0, 10]\ny_mm = [0, 7]\num = [[178, 178], [178, 164]]\n"
+            "{MICROMILL}\n[backlash_map.x]\ny_mm = [1.2, 3.5, 5.8]\num = [190, 201, 187]\n\
+             [backlash_map.y]\nx_mm = [0, 10]\ny_mm = [0, 7]\num = [[178, 178], [178, 164]]\n"
         );
         let file = MachineFile::parse("mine.toml", &text).unwrap();
-        let [x, y, z] = file.lash.maps;
+        let [x, y, z] = file.backlash.maps;
         let x = x.unwrap();
         // 201 um, and halfway to 187 um.
         assert_eq!(x.steps([25_000, 0]), 1436);
@@ -229,19 +244,42 @@ mod tests {
     }
 
     #[test]
+    fn former_names_are_refused_with_the_present_ones() {
+        let text = MICROMILL.replace("[simulated_backlash.", "[simulated_lash.");
+        let text = format!("{text}\n[lash.x]\ny_mm = [1, 2]\num = [190, 190]\n");
+        let findings = MachineFile::parse("mine.toml", &text).unwrap_err();
+        let messages: Vec<_> = findings
+            .iter()
+            .map(|finding| &finding.message[..])
+            .collect();
+        let wanted = [
+            "`lash` is now called `backlash_map`",
+            "`simulated_lash` is now called `simulated_backlash`",
+        ];
+        assert_eq!(messages, wanted);
+    }
+
+    #[test]
     fn mistakes_are_reported() {
         let wrong = |section: &str| {
             let text = format!("{MICROMILL}\n{section}\n");
             let findings = MachineFile::parse("mine.toml", &text).unwrap_err();
             findings[0].message.clone()
         };
-        assert!(wrong("[lash.x]\ny_mm = [1, 2]\num = [190]").contains("map is invalid"));
+        assert!(wrong("[backlash_map.x]\ny_mm = [1, 2]\num = [190]").contains("map is invalid"));
         assert!(
-            wrong("[lash.x]\ny_mm = [1, 2]\nx_mm = [0]\num = [190, 2]").contains("every position")
+            wrong("[backlash_map.x]\ny_mm = [1, 2]\nx_mm = [0]\num = [190, 2]")
+                .contains("every position")
         );
-        assert!(wrong("[lash.x]\ny_mm = [2, 1]\num = [190, 190]").contains("map is invalid"));
-        assert!(wrong("[lash.x]\ny_mm = [1, 1.1]\num = [100, 190]").contains("map is invalid"));
-        assert!(wrong("[lash.q]\ny_mm = [1, 1.1]\num = [100, 190]").contains("unknown key"));
-        assert!(wrong("[lash.x]\ny_mm = \"1\"\num = [100, 190]").contains("not a list"));
+        assert!(
+            wrong("[backlash_map.x]\ny_mm = [2, 1]\num = [190, 190]").contains("map is invalid")
+        );
+        assert!(
+            wrong("[backlash_map.x]\ny_mm = [1, 1.1]\num = [100, 190]").contains("map is invalid")
+        );
+        assert!(
+            wrong("[backlash_map.q]\ny_mm = [1, 1.1]\num = [100, 190]").contains("unknown key")
+        );
+        assert!(wrong("[backlash_map.x]\ny_mm = \"1\"\num = [100, 190]").contains("not a list"));
     }
 }

@@ -18,13 +18,13 @@ pub fn read(path: &str) -> Result<Vec<LinePair>, String> {
             "y" | "Y" => Ok(1),
             other => Err(format!("`{other}`: expected X or Y")),
         })?;
-        let place = |name: &str| match row.get(name) {
+        let position = |name: &str| match row.get(name) {
             None | Some("") => Ok(None),
             Some(_) => length(&row, name).map(|nm| Some(nm / 1e6)),
         };
         Ok(LinePair {
             axis,
-            place_mm: [place("x")?, place("y")?],
+            position_mm: [position("x")?, position("y")?],
             programmed_nm: length(&row, "programmed")?,
             measured_nm: length(&row, "measured")?,
         })

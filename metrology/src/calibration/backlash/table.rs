@@ -1,24 +1,24 @@
 //! Backlash by position.
 
 use crate::quantity::Fraction;
-use husillo_backlash::{LashMap, MapError};
+use husillo_backlash::{BacklashMap, MapError};
 use std::sync::Arc;
 
 /// A map of backlash in whole steps.
-pub type Map = LashMap<Arc<[i32]>, Arc<[u32]>>;
+pub type Map = BacklashMap<Arc<[i32]>, Arc<[u32]>>;
 
 /// Backlash by position: positions along one or two axes in mm, and the backlash there in um.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PlaceTable {
-    /// Numbers of the axes in rising order. A table along one axis has it twice.
+pub struct BacklashTable {
+    /// Numbers of the axes in rising order. A table along one axis has its number twice.
     pub axes: [usize; 2],
-    /// Positions along these axes. An axis without influence has one position.
-    pub places_mm: [Vec<f64>; 2],
+    /// Positions along these axes. An axis that does not change the backlash has one position.
+    pub positions_mm: [Vec<f64>; 2],
     /// Backlash of all positions of the first axis at the first position of the second, and so on.
-    pub lash_um: Vec<f64>,
+    pub backlash_um: Vec<f64>,
 }
 
-impl PlaceTable {
+impl BacklashTable {
     /// The map of an axis, in whole steps. `own` is the step of this axis in nm, `steps` are the
     /// steps of X, Y and Z.
     ///
@@ -26,14 +26,14 @@ impl PlaceTable {
     ///
     /// [`MapError`].
     pub fn map(&self, own: Fraction, steps: [Fraction; 3]) -> Result<Map, MapError> {
-        let places = [0, 1].map(|index| {
+        let positions = [0, 1].map(|index| {
             let step = steps[self.axes[index]];
             let of_mm = |mm: &f64| in_steps(mm * 1e6, step) as i32;
-            self.places_mm[index].iter().map(of_mm).collect()
+            self.positions_mm[index].iter().map(of_mm).collect()
         });
-        let lash = self.lash_um.iter();
-        let lash = lash.map(|um| in_steps(um * 1e3, own) as u32).collect();
-        LashMap::new(self.axes, places, lash)
+        let backlash = self.backlash_um.iter();
+        let backlash = backlash.map(|um| in_steps(um * 1e3, own) as u32).collect();
+        BacklashMap::new(self.axes, positions, backlash)
     }
 }
 

@@ -1,0 +1,130 @@
+//! Arcs whose ends have different distances from the centre.
+
+use husillo_backlash::Backlash;
+use husillo_gcode::{Dialect, Nm};
+use husillo_interp::Path;
+use husillo_machine::{Axis, AxisRamp, Config, Equipment, Event, Machine, Scale};
+
+const HZ: u32 = 8_000_000;
+
+fn config(acceleration_mm_per_s2: [u32; 3]) -> Config<3> {
+    Config {
+        axes: acceleration_mm_per_s2.map(|acceleration| Axis {
+            scale: Scale::new(2_500, 1).unwrap(),
+            travel: None,
+            max_rate_hz: 40_000,
+            backlash_steps: 0,
+            ramp: Some(AxisRamp {
+                acceleration_hz_per_s: acceleration * 400,
+                start_rate_hz: 0,
+                jerk_hz_per_s2: None,
+                junction_hz: Some(2_000),
+            }),
+        }),
+        timer_hz: HZ,
+        dialect: Dialect::RS274.with_arc_tolerance(Some(Nm(500_000))),
+        arc_tolerance: None,
+        rapid: None,
+        top_feed: None,
+        corner_deviation: None,
+        equipment: Equipment::NONE,
+        spindle_counts: None,
+    }
+}
+
+/// Positions in nm after each event, with their times.
+fn trace(config: Config<3>, program: &str) -> Vec<(f64, [f64; 3])> {
+    let mut machine: Machine<3, Path<3>, Backlash, 32> = Machine::new(config);
+    for line in program.lines() {
+        machine.line(line.as_bytes()).unwrap();
+    }
+    let mut trace = vec![(0.0, [0.0; 3])];
+    let mut ticks = 0_u64;
+    while let Some(event) = machine.next_event() {
+        let Event::Step(step) = event else { continue };
+        ticks += u64::from(step.wait_ticks);
+        let steps = machine.position_steps();
+        let at = [0, 1, 2].map(|axis: usize| {
+            let scale = machine.config().axes[axis].scale;
+            f64::from(steps[axis]) * f64::from(scale.nm()) / f64::from(scale.steps())
+        });
+        trace.push((ticks as f64 / f64::from(HZ), at));
+    }
+    trace
+}
+
+/// Largest acceleration of each axis in mm/s^2, from the events alone: second differences of the
+/// positions over a window, less than the error of a step at each of the three places.
+fn accelerations(trace: &[(f64, [f64; 3])], window: f64, step_nm: f64) -> [f64; 3] {
+    let at = |time: f64, axis: usize| {
+        let after = trace
+            .partition_point(|(when, _)| *when <= time)
+            .min(trace.len() - 1);
+        let [(t0, p0), (t1, p1)] = [trace[after - 1], trace[after]];
+        let part = ((time - t0) / (t1 - t0)).min(1.0);
+        p0[axis] + part * (p1[axis] - p0[axis])
+    };
+    let seconds = trace.last().unwrap().0;
+    let mut most = [0.0_f64; 3];
+    for sample in 4..(seconds / window * 4.0) as usize - 4 {
+        let time = sample as f64 * window / 4.0;
+        for (axis, most) in most.iter_mut().enumerate() {
+            let second = at(time + window, axis) - 2.0 * at(time, axis) + at(time - window, axis);
+            let found = (second.abs() - 2.0 * step_nm) / (window * window) / 1e6;
+            *most = most.max(found);
+        }
+    }
+    most
+}
+
+/// Arcs on and off their radius, from rest and at speed, on equal and unequal axes: no axis exceeds
+/// its acceleration, and all end where they were programmed to.
+#[test]
+fn no_axis_exceeds_its_acceleration_on_arcs() {
+    let programs = [
+        // Whole circles, and parts of them that are tangents of each other.
+        "G3 I3 F6000",
+        "G3 X3 Y3 I0 J3 F6000\nG3 X0 Y6 I-3\nG2 X-2 Y8 J2",
+        // Ends off the radius: inwards, outwards, clockwise, in other planes, as helices, over most
+        // of a turn, and so short that the spiral would be steep.
+        "G2 X3.4 Y3 I3 J0 F6000\nG3 X6 Y6 I0 J3",
+        "G2 X3.4 Y3 I3 J0 F6000\nG2 X6 Y6 I0 J3",
+        "G3 X3 Y2.6 I-0.1 J3 F6000\nG1 X2",
+        "G18 G3 X2 Z2.5 I2.3 K0 F6000",
+        "G19 G2 Y2 Z2.5 J2.3 K0 F6000",
+        "G3 X2.6 Y3 Z1 I0 J3 F6000",
+        "G2 X-2.6 Y3 Z1 I0 J3 F6000",
+        "G3 X-3.3 Y3 I0 J3 F6000\nG3 X-3.3 Y3 I3",
+        "G3 X0.2 Y0.1 I0 J3 F6000\nG1 X2",
+        "G3 X0.2 Y0.2 I0 J0.5 F6000",
+        "G2 X0.9 Y0.5 I0 J0.5 F6000\nG1 X2",
+        "G1 X1 F6000\nG3 X1.5 Y1 I0 J0.6",
+        "G1 X1 F6000\nG3 X1.1 Y0.4 I0 J0.6\nG1 X2",
+        "G3 X2.6 Y3 I0 J3 P3 F6000\nG1 X2",
+        // About a whole turn stays a spiral.
+        "G3 X0 Y0.4 I0 J3 F6000\nG1 X2",
+        "G3 X-0.3 Y-0.4 I0 J3 F6000\nG1 X2",
+        "G1 X2 F6000\nG2 X2 Y-0.4 I0 J3 P4\nG1 X-2",
+    ];
+    let scales = [[100; 3], [100, 100, 125]];
+    for (number, program) in programs.into_iter().enumerate() {
+        for (limits, scales) in [[500, 500, 500], [700, 400, 300]].into_iter().zip(scales) {
+            let mut config = config(limits);
+            for ((axis, limit), nm) in config.axes.iter_mut().zip(limits).zip(scales) {
+                // About 0.1 um, so that the steps hide little.
+                axis.scale = Scale::new(nm, 1).unwrap();
+                axis.max_rate_hz = 1_000_000;
+                axis.ramp.as_mut().unwrap().acceleration_hz_per_s = limit * 1_000_000 / nm;
+                axis.ramp.as_mut().unwrap().junction_hz = Some(0);
+            }
+            let trace = trace(config, program);
+            let found = accelerations(&trace, 0.004, 125.0);
+            let shares: [f64; 3] =
+                [0, 1, 2].map(|axis: usize| found[axis] / f64::from(limits[axis]));
+            assert!(
+                shares.iter().all(|share| *share < 1.03),
+                "{number}: {shares:?}"
+            );
+        }
+    }
+}
