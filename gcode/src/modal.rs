@@ -170,7 +170,7 @@ impl<const N: usize> Modal<N> {
         let done = self
             .check_axes(block)
             .and_then(|()| self.set_feed(block))
-            .and_then(|()| match ROOMY {
+            .and_then(|()| match ROOMY || EXTENDED {
                 true => self.moves_on(block, mode, commands),
                 false => self.moves(block, commands),
             });

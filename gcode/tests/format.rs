@@ -215,6 +215,22 @@ fn programs_of_cam_systems_mean_the_same() {
     }
 }
 
+/// What follows a message of a printer is its text, and no digits of its code.
+#[cfg(feature = "extended")]
+#[test]
+fn texts_of_printers_are_kept() {
+    for line in [
+        "M117 100 % done",
+        "M117 100",
+        "G26 0",
+        "M201 X500 Y500",
+        "G28 X",
+    ] {
+        let kept = form(line.as_bytes(), &Dialect::PRINTER);
+        assert_eq!(String::from_utf8_lossy(&kept), line);
+    }
+}
+
 /// Text that looks like G-code, right or wrong.
 fn line() -> impl Strategy<Value = String> {
     let part = prop_oneof![

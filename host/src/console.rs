@@ -162,8 +162,8 @@ pub fn shown(text: &str) -> String {
 }
 
 fn push(all: &mut String, one: char) {
-    if name::is_byte(one) {
-        all.push(char::REPLACEMENT_CHARACTER);
+    if let Some(byte) = name::byte(one) {
+        all.push_str(&format!("\\x{byte:02x}"));
     } else if is_obeyed(one) {
         all.push_str(&format!("\\u{:04x}", u32::from(one)));
     } else {

@@ -220,3 +220,26 @@ pub fn name_of(identity: &Identity) -> Option<PathBuf> {
     let known = read.iter().find(|(known, _)| known == identity);
     known.map(|(_, path)| path.clone())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The bound is the last number of bytes that is read, whether there are more or not.
+    #[test]
+    fn an_input_ends_at_its_bound() {
+        let bytes = |count: u64| io::repeat(b' ').take(count);
+        let most = 1 << 20;
+        assert_eq!(
+            to_end(bounded_by(bytes(most), most)).unwrap().len() as u64,
+            most
+        );
+        for error in [
+            to_end(bounded_by(bytes(most + 1), most)).unwrap_err(),
+            to_end(bounded_by(io::repeat(b' '), most)).unwrap_err(),
+        ] {
+            let why = "more than 1 MiB, the most of such a file that is read";
+            assert_eq!(error.to_string(), why);
+        }
+    }
+}

@@ -60,6 +60,29 @@ fn every_input_has_a_bound() {
     }
 }
 
+/// A pipe without an end is read to the bound, and one sentence says so.
+#[cfg(target_os = "linux")]
+#[test]
+fn an_endless_pipe_has_a_bound() {
+    for (reader, bound) in [("check -", "512 MiB"), ("calibrate axis -", "64 MiB")] {
+        let mut yes = std::process::Command::new("yes")
+            .arg("G1 X1")
+            .stdout(std::process::Stdio::piped())
+            .spawn()
+            .unwrap();
+        let output = std::process::Command::new(env!("CARGO_BIN_EXE_husillo"))
+            .args(reader.split(' '))
+            .stdin(yes.stdout.take().unwrap())
+            .output()
+            .unwrap();
+        yes.wait().unwrap();
+        let errors = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{reader}: {errors}");
+        let told = format!("error: -: more than {bound}, the most of such a file that is read\n");
+        assert_eq!(errors, told, "{reader}");
+    }
+}
+
 /// Text in UTF-16 is named, with a mark at its beginning or without.
 #[test]
 fn every_input_names_utf_16() {

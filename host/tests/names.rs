@@ -108,11 +108,33 @@ fn every_command_takes_a_name_that_is_no_utf_8() {
     assert!(folder.join("out").join(name(".html")).exists());
 }
 
-/// A missing file is named, and what is no character of it is shown as one.
+/// A name is shown with its bytes that are no characters, and JSON stays JSON.
+#[test]
+fn bytes_of_a_name_are_shown() {
+    let folder = common::scratch("shown");
+    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::write(folder.join(name(".nc")), "G1 X1\n").unwrap();
+    let printed = |format: &str| {
+        let mut husillo = husillo();
+        husillo.current_dir(&folder).arg("check").arg(name(".nc"));
+        let output = husillo.args(["--format", format]).output().unwrap();
+        assert_eq!(output.status.code(), Some(1));
+        String::from_utf8([output.stdout, output.stderr].concat()).unwrap()
+    };
+    for format in ["text", "short"] {
+        let text = printed(format);
+        assert!(text.contains("caf\\xe9 \\xff.nc:1:1"), "{text}");
+    }
+    let object: serde_json::Value = serde_json::from_str(&printed("json")).unwrap();
+    assert_eq!(object["file"], "caf\\xe9 \\xff.nc");
+    assert_eq!(object["findings"][0]["file"], "caf\\xe9 \\xff.nc");
+}
+
+/// A missing file is named, and what is no character of it is shown by its byte.
 #[test]
 fn a_missing_file_is_named() {
     let output = husillo().arg("check").arg(name(".none")).output().unwrap();
     assert_eq!(output.status.code(), Some(2));
     let errors = String::from_utf8(output.stderr).unwrap();
-    assert!(errors.contains("caf\u{fffd} \u{fffd}.none"), "{errors}");
+    assert!(errors.contains("caf\\xe9 \\xff.none"), "{errors}");
 }

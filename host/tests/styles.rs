@@ -15,7 +15,7 @@ enum Answer {
 }
 use Answer::{Foreign, Runs, Says};
 
-const STYLES: [(&str, &str, Answer); 22] = [
+const STYLES: [(&str, &str, Answer); 26] = [
     (
         "sheetcam.tap",
         "(Filename: bracket.tap)\nN0030 G21 (Units: Metric)\nN0040 G53 G90 G40\nN0050 F1\n\
@@ -136,6 +136,30 @@ const STYLES: [(&str, &str, Answer); 22] = [
     (
         "heidenhain.h",
         "0 BEGIN PGM 14 MM\n1 BLK FORM 0.1 Z X+0 Y+0 Z-20\n3 L Z+100 R0 FMAX M3\n6 END PGM 14 MM\n",
+        Foreign("this is a Heidenhain program, no plain G-code: choose a post-processor"),
+    ),
+    (
+        "haas.nc",
+        "%\nO00012 (HAAS VF2)\nG21\nG187 P2\nG00 X10. Y10. S5000 M03\nG01 Z-1. F300.\nM30\n%\n",
+        Says("leave the code out: speed is always planned ahead here", 1),
+    ),
+    (
+        "lookahead.nc",
+        "%\nG21 G90\nG05.1 Q1\nG00 X10. Y10. S5000 M03\nG01 Z-1. F300.\nM30\n%\n",
+        Says("leave the line out: speed is always planned ahead here", 1),
+    ),
+    (
+        "duet.gcode",
+        "; Duet CNC\nG21\nG90\nM3 S10000\nG0 X10 Y10\nG1 Z-1 F200\nM5\nM400\nM0\n",
+        Says(
+            "leave the code out: each command waits for those before it",
+            1,
+        ),
+    ),
+    (
+        "heidenhain.i",
+        "%PART1 G71 *\nN10 G30 G17 X+0 Y+0 Z-20*\nN30 T1 G17 S4000*\nN60 G01 Z-5 F200*\n\
+         N99999 %PART1 G71 *\n",
         Foreign("this is a Heidenhain program, no plain G-code: choose a post-processor"),
     ),
     (

@@ -370,17 +370,34 @@ impl Block {
         span: Span,
         dialect: &Dialect,
     ) -> Result<(), ErrorKind> {
-        let mut slot = slot_of(letter);
-        let mut bit = 1u32.wrapping_shl(u32::from(slot));
-        if dialect.letters().0 & bit == 0 {
-            let other = if EXTENDED {
-                other_slot(letter, dialect)
-            } else {
-                None
+        let slot = slot_of(letter);
+        if dialect.letters().0 & 1u32.wrapping_shl(u32::from(slot)) == 0 {
+            return match EXTENDED {
+                true => self.push_other(letter, value, span, dialect),
+                false => Err(ErrorKind::UnknownWord(letter)),
             };
-            slot = other.ok_or(ErrorKind::UnknownWord(letter))?;
-            bit = 1u32.wrapping_shl(u32::from(slot));
         }
+        self.store(slot, letter, value, span)
+    }
+
+    /// The same for a word that is not stored under its own letter.
+    #[cold]
+    #[inline(never)]
+    fn push_other(
+        &mut self,
+        letter: u8,
+        value: Decimal,
+        span: Span,
+        dialect: &Dialect,
+    ) -> Result<(), ErrorKind> {
+        let slot = other_slot(letter, dialect).ok_or(ErrorKind::UnknownWord(letter))?;
+        self.store(slot, letter, value, span)
+    }
+
+    /// Stores a word of the dialect.
+    #[inline(always)]
+    fn store(&mut self, slot: u8, letter: u8, value: Decimal, span: Span) -> Result<(), ErrorKind> {
+        let bit = 1u32.wrapping_shl(u32::from(slot));
         if self.present & bit != 0 {
             return Err(ErrorKind::RepeatedWord(letter));
         }
@@ -405,8 +422,6 @@ impl Block {
 }
 
 /// The slot of a word that is not stored under its own letter: an axis, or a polar coordinate.
-#[cold]
-#[inline(never)]
 fn other_slot(letter: u8, dialect: &Dialect) -> Option<u8> {
     let polar = polar(letter).filter(|_| dialect.has_polar()).map(slot_of);
     dialect.axes().slot(letter).or(polar)

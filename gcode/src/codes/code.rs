@@ -424,13 +424,13 @@ const KINDS: [Kind; 16] = [
 
 impl Code {
     pub(crate) fn group(self) -> Group {
-        let group = COLUMNS.0.get(self.since(Code::Rapid) as usize).copied();
+        let group = COLUMNS.0.get(self.row()).copied();
         group.unwrap_or(Group::NonModal)
     }
 
     /// Whether a dialect has this code.
     pub(crate) fn is_in(self, flavour: Flavour) -> bool {
-        let dialects = COLUMNS.1.get(self.since(Code::Rapid) as usize).copied();
+        let dialects = COLUMNS.1.get(self.row()).copied();
         dialects.unwrap_or(NONE).wrapping_shr(flavour as u32) & 1 != 0
     }
 
@@ -450,6 +450,13 @@ impl Code {
     /// Whether this code exists without the extended ones.
     pub(crate) const fn is_basic(self) -> bool {
         (self as u8) < Code::AbsoluteCentres as u8
+    }
+
+    /// The row of this code, in the width of an index: no instruction is spent on cutting it to
+    /// eight bits.
+    #[inline(always)]
+    const fn row(self) -> usize {
+        (self as usize).wrapping_sub(Code::Rapid as usize)
     }
 
     /// The distance of this code from an earlier one of a series; large for one before it.

@@ -59,11 +59,19 @@ pub(crate) enum Flavour {
     Rs274,
     Grbl,
     Micromill,
-    Lathe,
-    LatheA,
     Iso,
     Drill,
+    // From here on numbers may have other meanings: `Flavour::has_own_numbers`.
+    Lathe,
+    LatheA,
     Printer,
+}
+
+impl Flavour {
+    /// Whether a number may be another code than that of RS-274.
+    pub(crate) const fn has_own_numbers(self) -> bool {
+        EXTENDED && self as u8 >= Flavour::Lathe as u8
+    }
 }
 
 /// The letters of words in each dialect, by its flavour.
@@ -73,6 +81,8 @@ static WORDS: [Letters; 8] = {
         rs274.and(b"O"),
         rs274.without(b"DEHQ"),
         rs274.without(b"DEHLQ"),
+        rs274.and(b"O"),
+        Letters::new(b"XY"),
         // U and W are words of the contour cycles only: `Modal::check_axes`.
         if EXTENDED { rs274.and(b"UW") } else { rs274 },
         if EXTENDED {
@@ -80,8 +90,6 @@ static WORDS: [Letters; 8] = {
         } else {
             rs274.and(b"O")
         },
-        rs274.and(b"O"),
-        Letters::new(b"XY"),
         rs274,
     ]
 };

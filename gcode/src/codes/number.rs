@@ -203,13 +203,22 @@ impl Code {
     /// The code of a letter (`G` or `M`) and a number in tenths in a dialect; `None` for an unknown
     /// one.
     pub(crate) fn read(letter: u8, tenths: u16, flavour: Flavour) -> Option<Code> {
+        if flavour.has_own_numbers() {
+            Code::read_own(letter, tenths, flavour)
+        } else {
+            of_number(letter, tenths)
+        }
+    }
+
+    /// The same in a dialect where numbers may have other meanings.
+    #[inline(never)]
+    fn read_own(letter: u8, tenths: u16, flavour: Flavour) -> Option<Code> {
         #[cfg(feature = "extended")]
         if flavour == Flavour::Printer {
             let own = crate::codes::printer::of_printer(letter, tenths);
             return own.or_else(|| of_number(letter, tenths));
         }
-        let lathe = EXTENDED && matches!(flavour, Flavour::Lathe | Flavour::LatheA);
-        if !lathe || letter == b'M' {
+        if letter == b'M' {
             return of_number(letter, tenths);
         }
         match (flavour, tenths) {

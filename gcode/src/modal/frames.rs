@@ -82,6 +82,10 @@ impl<const N: usize> Modal<N> {
         terms: Terms,
         to: &mut [Nm; N],
     ) -> Result<(), Fault> {
+        #[cfg(feature = "extended")]
+        if terms.has(END) && !self.modes.dialect.has_plain_axes() {
+            return self.read_odd_axes(block, terms, to);
+        }
         let mut given = block.axes();
         // There are no axes beyond those with letters, and no bits of `given`.
         for (axis, to) in (0..AXES).zip(to.iter_mut()) {
@@ -102,9 +106,10 @@ impl<const N: usize> Modal<N> {
         terms: Terms,
         to: &mut [Nm; N],
     ) -> Result<(), Fault> {
-        let none = [Nm(0); N];
+        let [first, ..] = &self.offsets;
+        // There is no system without a zero. A zero of its own would be a test at each axis.
         let system = self.offsets.get(usize::from(self.work_system()));
-        let zeros = system.unwrap_or(&none).iter();
+        let zeros = system.unwrap_or(first).iter();
         let zeros = zeros.zip(&self.modes.shift).zip(&self.modes.length);
         let axes = (0..AXES).zip(to.iter_mut()).zip(&self.modes.position);
         let (lengths, degrees) = (self.units().scale(false), Units::Millimetres.scale(false));
@@ -142,15 +147,27 @@ impl<const N: usize> Modal<N> {
         Ok(())
     }
 
-    #[cfg_attr(target_pointer_width = "64", inline(always))]
-    #[cfg_attr(not(target_has_atomic = "32"), inline(always))]
-    pub(crate) fn read_axis(
+    /// Reads an axis whose word is only added to a zero.
+    #[inline(always)]
+    fn read_axis(
+        &self,
+        block: &Block,
+        terms: Terms,
+        axis: usize,
+        to: &mut Nm,
+    ) -> Result<(), Fault> {
+        let (value, terms) = self.axis_word(block, terms, axis)?;
+        self.place_axis(block, terms, axis, value, to)
+    }
+
+    /// The length of an axis word, and the terms to which it is added.
+    #[inline(always)]
+    fn axis_word(
         &self,
         block: &Block,
         mut terms: Terms,
         axis: usize,
-        to: &mut Nm,
-    ) -> Result<(), Fault> {
+    ) -> Result<(Nm, Terms), Fault> {
         let letter = block.letter_of(axis);
         if EXTENDED && terms.has(END) && block.increment(axis).is_some() {
             if block.axis(axis).is_some() {
@@ -160,20 +177,58 @@ impl<const N: usize> Modal<N> {
         }
         let mut value = Nm(0);
         self.add_word(block, letter, &mut value)?;
-        #[cfg(feature = "extended")]
-        if terms.has(END) && !self.modes.dialect.has_plain_axes() {
-            (value, terms) = self.read_odd_axis(block, terms, axis, value)?;
-        }
+        Ok((value, terms))
+    }
+
+    /// Adds the terms to the length of an axis word.
+    #[inline(always)]
+    fn place_axis(
+        &self,
+        block: &Block,
+        terms: Terms,
+        axis: usize,
+        mut value: Nm,
+        to: &mut Nm,
+    ) -> Result<(), Fault> {
         // All within a few times Nm::LIMIT.
         value.0 = value.0.wrapping_add(self.sum_of(axis, terms).0);
         if terms.has(HERE) {
             let here = coordinate(&self.modes.position, axis);
             value.0 = here.0.wrapping_sub(value.0);
         }
-        *to = value
-            .within_limit()
-            .ok_or(Fault::at(Reason::NumberTooLarge, letter))?;
+        let end = value.within_limit();
+        *to = end.ok_or_else(|| Fault::at(Reason::NumberTooLarge, block.letter_of(axis)))?;
         Ok(())
+    }
+
+    /// The same as [`Modal::read_straight`] where an axis is wrapped or an extruder.
+    #[cfg(feature = "extended")]
+    #[cold]
+    #[inline(never)]
+    fn read_odd_axes(&self, block: &Block, terms: Terms, to: &mut [Nm; N]) -> Result<(), Fault> {
+        for (axis, to) in (0..AXES).zip(to.iter_mut()) {
+            if block.axes() & 1u16.wrapping_shl(axis as u32) != 0 {
+                self.read_any_axis(block, terms, axis, to)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Reads an axis of any kind.
+    #[cfg(feature = "extended")]
+    #[inline(never)]
+    pub(crate) fn read_any_axis(
+        &self,
+        block: &Block,
+        terms: Terms,
+        axis: usize,
+        to: &mut Nm,
+    ) -> Result<(), Fault> {
+        let (mut value, mut terms) = self.axis_word(block, terms, axis)?;
+        if terms.has(END) && !self.modes.dialect.has_plain_axes() {
+            (value, terms) = self.read_odd_axis(block, terms, axis, value)?;
+        }
+        self.place_axis(block, terms, axis, value, to)
     }
 
     /// The value and the terms of a wrapped axis or the extruder of a printer; those of other axes

@@ -206,14 +206,13 @@ impl<const N: usize> Modal<N> {
         mode: Code,
         commands: &mut Commands<N>,
     ) -> Result<(), Fault> {
+        // Printers know no rapids: G0 is G1.
+        #[cfg(feature = "extended")]
+        let mode = match mode {
+            Code::Rapid if self.is_printer() && self.modes.feed != 0 => Code::Linear,
+            mode => mode,
+        };
         match mode {
-            #[cfg(feature = "extended")]
-            Code::Rapid if self.is_printer() && self.modes.feed != 0 => {
-                // Printers know no rapids: G0 is G1.
-                self.set_feed_of(commands)?;
-                self.go(Code::Linear, commands);
-                return Ok(());
-            }
             Code::Rapid => {}
             Code::Linear => self.set_feed_of(commands)?,
             Code::Clockwise | Code::CounterClockwise => {

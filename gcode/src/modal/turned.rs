@@ -163,7 +163,7 @@ impl<const N: usize> Modal<N> {
     ) -> Result<[Nm; 2], Fault> {
         for axis in (2..AXES).filter(|&axis| block.axes() & 1u16.wrapping_shl(axis as u32) != 0) {
             if let Some(to) = to.get_mut(axis) {
-                self.read_axis(block, terms, axis, to)?;
+                self.read_any_axis(block, terms, axis, to)?;
             }
         }
         if block.axes() & 0b11 == 0 {

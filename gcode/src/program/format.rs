@@ -2,6 +2,8 @@
 
 use crate::blocks::block::Block;
 use crate::codes::dialect::{Dialect, Flavour};
+#[cfg(feature = "extended")]
+use crate::codes::printer;
 use crate::error::Error;
 use crate::program::parameters::{extent, is_flow, is_plain, needs_program, program_words};
 use crate::words::comment::comment_length;
@@ -73,7 +75,7 @@ fn check(line: &[u8], dialect: &Dialect) -> Result<Kind, Error> {
         Block::from_words(program_words(line), dialect)?;
         return Ok(Kind::Expressions);
     }
-    if dialect.flavour == Flavour::Printer && words(line).any(|word| word.is_err()) {
+    if dialect.flavour == Flavour::Printer && has_rest(line) {
         // Axes without values, messages and settings.
         Block::parse(line, dialect)?;
         return Ok(Kind::Whole);
@@ -87,6 +89,26 @@ fn check(line: &[u8], dialect: &Dialect) -> Result<Kind, Error> {
         })?;
     }
     Ok(Kind::Words)
+}
+
+/// Whether a line of a printer is kept as it is: it has text that is no word, or the text after its
+/// code is not read as words, as in `M117 100 %`.
+fn has_rest(line: &[u8]) -> bool {
+    words(line).any(|word| word.is_err()) || has_code_with_rest(line)
+}
+
+#[cfg(feature = "extended")]
+fn has_code_with_rest(line: &[u8]) -> bool {
+    let mut words = words(line).flatten();
+    let code = words.find(|word| matches!(word.letter, b'G' | b'M'));
+    let text = code.and_then(|word| line.get(word.at..));
+    let known = text.and_then(printer::code_at);
+    known.is_some_and(|(letter, number)| printer::rest(letter, number).is_some())
+}
+
+#[cfg(not(feature = "extended"))]
+const fn has_code_with_rest(_line: &[u8]) -> bool {
+    false
 }
 
 /// Iterator over the pieces of a line in its normal form; see [`formatted`].

@@ -14,10 +14,13 @@ use fixed::traits::Fixed;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Decimal {
     digits: i64,
+    /// The number of places. With the feature `extended` a zero that is written with a minus sign
+    /// has the bit [`MINUS`] too: a field of its own takes up to 30 instructions a word.
     places: u8,
-    /// With the feature `extended`: written with a minus sign. Below zero it is always set.
-    minus: u8,
 }
+
+/// The bit of [`Decimal::places`] of `-0`. There are at most [`Decimal::MAX_PLACES`] places.
+const MINUS: u8 = 0x80;
 
 /// The largest power of ten that an `i64` holds.
 const MOST: u8 = 18;
@@ -165,7 +168,6 @@ impl Decimal {
     pub const ZERO: Decimal = Decimal {
         digits: 0,
         places: 0,
-        minus: 0,
     };
 
     /// The largest number of places.
@@ -177,11 +179,7 @@ impl Decimal {
         if places > Decimal::MAX_PLACES || digits == i64::MIN {
             None
         } else {
-            Some(Decimal {
-                digits,
-                places,
-                minus: (EXTENDED && digits < 0) as u8,
-            })
+            Some(Decimal { digits, places })
         }
     }
 
@@ -192,7 +190,11 @@ impl Decimal {
 
     /// Number of digits after the point.
     pub const fn places(self) -> u8 {
-        self.places
+        if EXTENDED {
+            self.places & !MINUS
+        } else {
+            self.places
+        }
     }
 
     /// Whether the value is below zero.
@@ -208,7 +210,7 @@ impl Decimal {
     /// Whether it was written with a minus sign: [`Decimal::is_negative`], or `-0`.
     #[cfg(feature = "extended")]
     pub const fn has_minus(self) -> bool {
-        self.minus != 0
+        self.digits < 0 || self.places & MINUS != 0
     }
 
     /// `value * factor * 10^exponent`, rounded once, halves away from zero; `None` when it does not
@@ -221,7 +223,7 @@ impl Decimal {
     /// Normally one multiplication or one 64-bit division.
     #[inline(always)]
     pub const fn scaled(self, factor: i32, exponent: u8) -> Option<i64> {
-        let shift = (exponent as i32).wrapping_sub(self.places as i32);
+        let shift = (exponent as i32).wrapping_sub(self.places as i32); // of `-0`: any gives 0
         times(self.digits, factor, shift)
     }
 
@@ -233,6 +235,7 @@ impl Decimal {
     /// `value * 10^exponent` if that is an integer that fits.
     pub(crate) const fn exactly(self, exponent: u8) -> Option<i64> {
         let rounded = self.scaled(1, exponent);
+        // The places of `-0` are more than any exponent, and its power is none: it is 0 below.
         if self.places <= exponent {
             return rounded;
         }
@@ -254,8 +257,7 @@ impl Decimal {
     pub const fn last_place(self) -> Decimal {
         Decimal {
             digits: 1,
-            places: self.places,
-            minus: 0,
+            places: self.places(),
         }
     }
 
@@ -271,7 +273,7 @@ impl Decimal {
     {
         let magnitude = self.digits.unsigned_abs();
         let mut divisor = 1u128; // 10^30 < 2^100
-        for _ in 0..self.places {
+        for _ in 0..self.places() {
             divisor = divisor.wrapping_mul(10);
         }
         let (mut bits, mut rest) = match u64::try_from(divisor) {
@@ -308,21 +310,32 @@ impl Decimal {
         Some(F::from_bits(bits))
     }
 
-    /// Up to nine digits, `places` of them after the point.
+    /// Up to nine digits, `places` of them after the point. `None` for `-0`, which is rare, so that
+    /// other words do not pay for it.
     #[inline(always)]
-    pub(crate) fn short(digits: u32, places: u8, negative: bool) -> Decimal {
+    pub(crate) fn short(digits: u32, places: u8, negative: bool) -> Option<Decimal> {
         // Below 10^9 < 2^31, so 32 bits hold the sign.
-        let digits = digits as i32;
-        let digits = if negative {
-            digits.wrapping_neg()
-        } else {
-            digits
-        };
-        Decimal {
+        let mut digits = digits as i32;
+        if negative {
+            if EXTENDED && digits == 0 {
+                return None;
+            }
+            digits = digits.wrapping_neg();
+        }
+        Some(Decimal {
             digits: i64::from(digits),
             places,
-            minus: u8::from(EXTENDED && negative),
-        }
+        })
+    }
+
+    /// The same, and `-0` too.
+    #[inline(always)]
+    pub(crate) fn any_short(digits: u32, places: u8, negative: bool) -> Decimal {
+        let minus_zero = Decimal {
+            digits: 0,
+            places: places | MINUS,
+        };
+        Decimal::short(digits, places, negative).unwrap_or(minus_zero)
     }
 
     /// Appends a digit written before the point, or after it (`place`). Trailing zeros that no
@@ -346,10 +359,10 @@ impl Decimal {
 
     /// A positive number with a minus sign. (`i64::MIN` is never stored.)
     pub(crate) fn negated(self) -> Decimal {
+        let is_zero = EXTENDED && self.is_zero();
         Decimal {
             digits: self.digits.wrapping_neg(),
-            places: self.places,
-            minus: EXTENDED as u8,
+            places: self.places | if is_zero { MINUS } else { 0 },
         }
     }
 }
@@ -357,18 +370,15 @@ impl Decimal {
 impl fmt::Display for Decimal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let magnitude = self.digits.unsigned_abs();
-        let sign = if self.digits < 0 || self.minus != 0 {
-            "-"
-        } else {
-            ""
-        };
-        if self.places == 0 {
+        let has_minus = self.digits < 0 || self.places & MINUS != 0;
+        let (sign, places) = (if has_minus { "-" } else { "" }, self.places());
+        if places == 0 {
             return write!(f, "{sign}{magnitude}");
         }
-        let width = usize::from(self.places);
+        let width = usize::from(places);
         // Beyond 10^18 the divisor exceeds all but 19-digit numbers; 10^19 still fits u64, 10^20
         // exceeds every number.
-        let divisor = 10u64.checked_pow(u32::from(self.places));
+        let divisor = 10u64.checked_pow(u32::from(places));
         let whole = divisor
             .and_then(|divisor| magnitude.checked_div(divisor))
             .unwrap_or(0);
@@ -388,6 +398,21 @@ mod tests {
 
     fn decimal(digits: i64, places: u8) -> Decimal {
         Decimal::new(digits, places).unwrap()
+    }
+
+    #[test]
+    #[cfg(feature = "extended")]
+    fn a_zero_keeps_its_sign_and_places() {
+        let minus = Decimal::any_short(0, 2, true);
+        assert_eq!(minus, decimal(0, 2).negated());
+        assert_ne!(minus, decimal(0, 2));
+        assert!(minus.has_minus() && minus.is_zero() && !minus.is_negative());
+        assert_eq!((minus.places(), minus.digits()), (2, 0));
+        assert_eq!(minus.to_string(), "-0.00");
+        assert_eq!((minus.scaled(254, 5), minus.whole()), (Some(0), Some(0)));
+        assert_eq!(minus.to_fixed::<I16F16>(), Some(I16F16::ZERO));
+        assert_eq!(minus.last_place(), decimal(1, 2));
+        assert!(decimal(-1, 0).has_minus() && !decimal(0, 0).has_minus());
     }
 
     #[test]

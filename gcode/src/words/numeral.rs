@@ -123,7 +123,8 @@ pub(crate) fn window_number(window: &[u8; WINDOW], lines: bool) -> Option<(Decim
     // Digits, and below them points, signs, commas and blanks: bytes that may continue a number or
     // be wrong in it.
     if byte > NINE || (lines && byte == LINE_FEED) {
-        return Some((Decimal::short(low, places as u8, negative), end, at));
+        let value = Decimal::short(low, places as u8, negative)?;
+        return Some((value, end, at));
     }
     None
 }
@@ -161,7 +162,8 @@ pub(crate) fn short_number(text: &[u8], at: usize, lines: bool) -> Option<(Decim
     if alphabet(byte) > 25 && byte != 0 && !(lines && byte == LINE_FEED) {
         next = behind_number(text, next, lines)?;
     }
-    Some((Decimal::short(low, places as u8, negative), end, next))
+    let value = Decimal::short(low, places as u8, negative)?;
+    Some((value, end, next))
 }
 
 /// The position after the blanks that follow a number; `None` where the number continues after

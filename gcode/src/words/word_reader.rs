@@ -193,7 +193,7 @@ impl WordReader {
                 let value = if !over && self.state == State::Long {
                     self.long
                 } else {
-                    Decimal::short(number.low, number.places(), number.is_negative())
+                    Decimal::any_short(number.low, number.places(), number.is_negative())
                 };
                 let word = self.word(value);
                 self.between(byte);
@@ -347,7 +347,7 @@ impl WordReader {
         let number = &mut self.number;
         if self.state != State::Long {
             self.state = State::Long;
-            self.long = Decimal::short(number.low, number.places(), false);
+            self.long = Decimal::any_short(number.low, number.places(), false);
         }
         number.closed = NOWHERE;
         let pushed = self.long.push(digit, point);

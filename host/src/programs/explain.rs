@@ -160,6 +160,10 @@ fn described(error: &Error, at: &At<'_>) -> Finding {
     let finding = Finding::error(&code, message, place);
     if let Some(advice) = explain_foreign::advice(error, at.text()) {
         let finding = finding.label(advice.label).help(advice.help);
+        let finding = match error.kind {
+            ErrorKind::UnknownCode(letter, tenths) => finding.note(unknown_code(letter, tenths)),
+            _ => finding,
+        };
         return match advice.fix {
             Some(fix) => finding.fix(at.drawn(span), fix),
             None => finding,

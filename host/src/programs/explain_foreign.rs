@@ -1,6 +1,6 @@
 //! Explains constructs of programs for other controllers that are not G-code here.
 
-use husillo_gcode::{Error, ErrorKind};
+use husillo_gcode::{Error, ErrorKind, Word, words};
 
 /// Advice about a construct of another controller.
 pub struct Advice {
@@ -32,6 +32,12 @@ pub fn advice(error: &Error, text: &[u8]) -> Option<Advice> {
                 fix: None,
             })
         }
+        ErrorKind::UnknownCode(letter, Some(tenths)) => of_code(letter, tenths),
+        ErrorKind::UnusedWord(b'Q') if words(text).flatten().any(is_look_ahead) => Some(Advice {
+            label: "the look-ahead of Fanuc controls, not a curve",
+            help: "leave the line out: speed is always planned ahead here".to_owned(),
+            fix: None,
+        }),
         ErrorKind::NotALetter(b':') => Some(Advice {
             label: "the program number of older controllers",
             help: "write `O` in place of `:`".to_owned(),
@@ -47,6 +53,72 @@ pub fn advice(error: &Error, text: &[u8]) -> Option<Advice> {
         }
         _ => None,
     }
+}
+
+/// Codes of other controllers: the letter, ten times the number, what the code is, what to do.
+const CODES: [(u8, u16, &str, &str); 17] = [
+    (b'G', 120, "the circular pocket of Haas and Mach3", CIRCLE),
+    (b'G', 130, "the circular pocket of Haas and Mach3", CIRCLE),
+    (
+        b'G',
+        1540,
+        "the further work offsets of Haas",
+        "write G54 to G59.3",
+    ),
+    (b'G', 1870, "the smoothness of Haas", PLANNED),
+    (b'G', 3320, "rigid tapping of Sinumerik", "write G33.1"),
+    (b'M', 100, "the clamp of a rotary axis", NO_SUCH_PART),
+    (b'M', 110, "the clamp of a rotary axis", NO_SUCH_PART),
+    (b'M', 170, "the motors of a printer", NO_SUCH_PART),
+    (b'M', 180, "the motors of a printer", NO_SUCH_PART),
+    (
+        b'M',
+        290,
+        "rigid tapping of Fanuc",
+        "leave the code out: G84 taps with the spindle's speed, G33.1 with its angle",
+    ),
+    (b'M', 410, "the gear of a spindle", NO_SUCH_PART),
+    (b'M', 420, "the gear of a spindle", NO_SUCH_PART),
+    (b'M', 840, "the motors of a printer", NO_SUCH_PART),
+    (
+        b'M',
+        970,
+        "the call of a subprogram of Haas",
+        "write M98 P and the number of the subprogram, and O and this number before it",
+    ),
+    (b'M', 1170, "a message of printers", "write (MSG, text)"),
+    (
+        b'M',
+        1350,
+        "rigid tapping of Mitsubishi",
+        "leave the code out: G84 taps with the spindle's speed, G33.1 with its angle",
+    ),
+    (
+        b'M',
+        4000,
+        "waits until printers stand still",
+        "leave the code out: each command waits for those before it",
+    ),
+];
+
+const CIRCLE: &str = "write the moves of the pocket, a circle as G2 or G3 with I";
+const PLANNED: &str = "leave the code out: speed is always planned ahead here";
+const NO_SUCH_PART: &str = "leave the code out: this machine has no such part";
+
+/// What to do about a code of another controller.
+fn of_code(letter: u8, tenths: u16) -> Option<Advice> {
+    let mut codes = CODES.iter();
+    let (_, _, label, help) = codes.find(|code| (code.0, code.1) == (letter, tenths))?;
+    Some(Advice {
+        label,
+        help: (*help).to_owned(),
+        fix: None,
+    })
+}
+
+/// Whether a word is G5.1, which is a quadratic curve here.
+fn is_look_ahead(word: Word) -> bool {
+    word.letter == b'G' && (word.value.digits(), word.value.places()) == (51, 1)
 }
 
 /// Whether a block is a statement of Fanuc macros. No other language that is read here begins a

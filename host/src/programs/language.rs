@@ -46,7 +46,9 @@ pub fn of(head: &[u8]) -> Option<Language> {
     let first = lines().next()?;
     let unnumbered = first.trim_start_matches(|one: char| one.is_ascii_digit());
     let begins = |starts: &[&str]| starts.iter().any(|start| first.starts_with(start));
-    if unnumbered.trim_start().starts_with("BEGIN PGM") {
+    // Its own language, and DIN/ISO, where `*` ends a block.
+    let is_iso = first.starts_with('%') && first.ends_with('*') && first.contains(" G7");
+    if unnumbered.trim_start().starts_with("BEGIN PGM") || is_iso {
         return Some(Language::Heidenhain);
     }
     if begins(&["%FS", "%MO"]) || lines().any(|line| line.starts_with("%FSLA")) {
@@ -74,8 +76,12 @@ fn is_of_shopbot(line: &str) -> bool {
 
 /// Whether a line has a call or an address with `=`. Only Sinumerik has these.
 fn is_of_sinumerik(line: &str) -> bool {
-    // A comment may contain them, too.
+    // A comment may contain them, too. Other controllers have MSG, but without parentheses.
+    let commented = line;
     let line = line.split([';', '(']).next().unwrap_or_default();
+    if line.ends_with("MSG") && commented.starts_with(&format!("{line}(")) {
+        return true;
+    }
     let is_call = |word: &str| {
         let number = word.strip_prefix("CYCLE").or(word.strip_prefix("POCKET"));
         number.is_some_and(|number| number.chars().all(|one| one.is_ascii_digit()))
@@ -83,7 +89,7 @@ fn is_of_sinumerik(line: &str) -> bool {
     line.split_whitespace().any(|word| {
         let assigned = word.split_once('=').map(|(name, _)| name);
         let is_address = |name: &str| matches!(name, "X" | "Y" | "Z" | "T" | "S" | "F" | "D");
-        assigned.is_some_and(is_address) || word == "MSG" || is_call(word)
+        assigned.is_some_and(is_address) || is_call(word)
     })
 }
 
@@ -96,6 +102,7 @@ mod tests {
         for (text, language) in [
             ("0 BEGIN PGM 14 MM\n", Language::Heidenhain),
             ("BEGIN PGM PLATE INCH\r\n", Language::Heidenhain),
+            ("%PART1 G71 *\nN10 G30 G17 X+0*\n", Language::Heidenhain),
             ("%_N_PLATE_MPF\n;$PATH=/_N_WKS_DIR\n", Language::Sinumerik),
             ("N10 G17\nN20 T=\"MILL10\" D1\n", Language::Sinumerik),
             ("G0 X10\nCYCLE83(50,0,2)\n", Language::Sinumerik),

@@ -3,6 +3,7 @@
 
 use crate::console;
 use crate::diagnostics::{Finding, Findings};
+use crate::text::name;
 use husillo_gcode::Nm;
 use serde::Serialize;
 use serde_json::value::RawValue;
@@ -52,8 +53,35 @@ fn write(
         body,
         findings,
     };
-    serde_json::to_writer(&mut *out, &document)?;
+    serde_json::to_writer(Names(&mut *out), &document)?;
     out.write_all(b"\n")
+}
+
+/// Writes the bytes of names that are no UTF-8 as text: `\xe9`, in JSON `\\xe9`.
+struct Names<W>(W);
+
+impl<W: Write> Write for Names<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        // The first byte of the characters that stand for them. A character is written as a whole.
+        match std::str::from_utf8(bytes) {
+            Ok(text) if bytes.contains(&0xf4) => {
+                let mut all = String::with_capacity(text.len());
+                for one in text.chars() {
+                    match name::byte(one) {
+                        Some(byte) => all.push_str(&format!("\\\\x{byte:02x}")),
+                        None => all.push(one),
+                    }
+                }
+                self.0.write_all(all.as_bytes())?;
+            }
+            _ => self.0.write_all(bytes)?,
+        }
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.0.flush()
+    }
 }
 
 /// Prints an object on standard output.

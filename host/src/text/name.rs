@@ -2,7 +2,7 @@
 //!
 //! A name is bytes on most systems. Each byte that is no UTF-8 is one private character in the text
 //! of a name, so the text gives the same name back. On the terminal and in JSON such a character is
-//! shown as U+FFFD.
+//! shown by the byte, as `caf\xe9.nc`.
 
 use std::borrow::Cow;
 use std::ffi::OsStr;
@@ -14,6 +14,12 @@ const FIRST: u32 = 0x10_fe00;
 /// Whether a character stands for a byte of a name.
 pub const fn is_byte(one: char) -> bool {
     matches!(one, '\u{10fe80}'..='\u{10feff}')
+}
+
+/// The byte for which a character stands.
+pub fn byte(one: char) -> Option<u8> {
+    // The lowest eight bits of the character are the byte.
+    is_byte(one).then(|| (u32::from(one) - FIRST) as u8)
 }
 
 /// The text of a name.
@@ -48,10 +54,9 @@ pub fn path(text: &Path) -> Cow<'_, Path> {
     };
     let mut bytes = Vec::with_capacity(chars.len());
     for one in chars.chars() {
-        match is_byte(one) {
-            // The lowest eight bits of the character are the byte.
-            true => bytes.push((u32::from(one) - FIRST) as u8),
-            false => bytes.extend_from_slice(one.encode_utf8(&mut [0; 4]).as_bytes()),
+        match byte(one) {
+            Some(byte) => bytes.push(byte),
+            None => bytes.extend_from_slice(one.encode_utf8(&mut [0; 4]).as_bytes()),
         }
     }
     Cow::Owned(PathBuf::from(std::ffi::OsString::from_vec(bytes)))
