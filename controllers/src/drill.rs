@@ -34,12 +34,13 @@ const Z: usize = 2;
 /// | the button R is pressed, or power returns | [`reset`](Drill::reset) |
 ///
 /// After a reset the drill homes Z, Y and X and sends `B`. Z leaves its upper sensor and finds it
-/// again before Y moves, because a sensor that sticks on the way up closes, too. Positions are steps from home. X moves,
-/// then Y, then Z drills from the upper sensor to the lower one and back. A switch causes a
-/// [`DrillFault`] if it does not close within the longest search, closes too early, or is open at
-/// zero. A sensor of Z also causes one if it is closed where the steps of Z
-/// say it cannot be. The spindle then stops, and nothing moves until a reset. A link with extras
-/// sends `!` and then stays silent.
+/// again before Y moves, because a sensor that sticks on the way up closes, too.
+///
+/// Positions are steps from home. X moves, then Y, then Z drills from the upper sensor to the lower
+/// one and back. A switch causes a [`DrillFault`] if it does not close within the longest search,
+/// closes too early, or is open at zero. A sensor of Z also causes one if it is closed where the
+/// steps of Z say it cannot be. The spindle then stops, and nothing moves until a reset. A link
+/// with extras sends `!` and then stays silent.
 ///
 /// # Cost
 /// An event takes some comparisons. A record of the program also takes two copies of bytes. The

@@ -658,8 +658,8 @@ impl Client {
         Ok(status)
     }
 
-    /// Asks a device that has homed where its switches closed. Returns a sentence if steps were lost
-    /// since the homing before. `None`: none was lost, or there is nothing to compare.
+    /// Asks a device that has homed where its switches closed. Returns a sentence if steps were
+    /// lost since the homing before. `None`: none was lost, or there is nothing to compare.
     fn lost(&mut self) -> Result<Option<String>, String> {
         if !self.answers {
             return Ok(None);

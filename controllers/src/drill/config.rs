@@ -21,10 +21,10 @@ pub struct DrillConfig {
     /// point where it closed, and both closed at once are faults. `None`: not checked, as in the
     /// original.
     pub shortest_stroke_steps: Option<u16>,
-    /// Longest distance that Z moves down until its upper sensor opens, in steps. After power-on and
-    /// after a reset Z leaves the sensor and finds it again before X or Y moves, because a sensor
-    /// that sticks also closes with the bit in the board. It must be short: the bit of a drill whose
-    /// sensor sticks moves down by as much. Not used without
+    /// Longest distance that Z moves down until its upper sensor opens, in steps. After power-on
+    /// and after a reset Z leaves the sensor and finds it again before X or Y moves, because a
+    /// sensor that sticks also closes with the bit in the board. The distance must be short: if the
+    /// sensor sticks, the bit moves down by as much. Not used without
     /// [`shortest_stroke_steps`](Self::shortest_stroke_steps).
     pub upper_opens_steps: u16,
     /// Last step of X and Y. A jog ends there, and a record beyond it is a fault. `u16::MAX`: no

@@ -51,11 +51,10 @@ impl<const N: usize> Config<N> {
 
     /// Moves the centre of an arc whose ends have different radii.
     ///
-    /// A spiral of part of a turn has its direction at neither end at a right angle to the spoke,
-    /// and its speed changes. So it is made as the circle through its ends with the nearest centre,
-    /// which keeps the acceleration of the axes. About a whole turn stays a spiral: its slope is below
-    /// a fifth of the difference of the radii per radius. Its speed changes as 1 / radius, so the
-    /// path stops at its ends.
+    /// A spiral is at no right angle to its spokes, and its speed changes as 1 / radius. So it is
+    /// made as the circle through its ends with the nearest centre. This keeps the acceleration of
+    /// the axes. An arc of about a whole turn has no such circle and stays a spiral, of a slope
+    /// below a fifth of the difference of the radii per radius. The path stops at its ends.
     ///
     /// # Errors
     /// As [`ProgrammedArc::as_circle`] on axes of different steps, where every arc is a circle, and

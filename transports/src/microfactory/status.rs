@@ -183,7 +183,7 @@ fn content(bytes: &[u8]) -> Option<&[u8]> {
 /// Steps with low bytes first.
 fn steps_of<const N: usize>(bytes: &[u8]) -> [i32; N] {
     let mut all = [0; N];
-    let (steps, _) = bytes.as_chunks();
+    let steps = bytes.chunks_exact(4).filter_map(<[u8]>::first_chunk);
     for (place, steps) in all.iter_mut().zip(steps) {
         *place = i32::from_le_bytes(*steps);
     }

@@ -28,6 +28,7 @@ pub fn keep() {
         Microfactory::is_homed as *const (),
         Microfactory::position_steps as *const (),
         Microfactory::status as *const (),
+        Microfactory::switches as *const (),
         Microfactory::figure as *const (),
         Microfactory::figure_mut as *const (),
         Microfactory::next_event as *const (),

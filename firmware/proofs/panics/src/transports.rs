@@ -43,6 +43,8 @@ pub fn keep() {
         Report::of as *const (),
         microfactory::Status::bytes as *const (),
         microfactory::Status::of as *const (),
+        microfactory::Switches::bytes as *const (),
+        microfactory::Switches::of as *const (),
         figure_check as *const (),
         move_bytes as *const (),
         Command::decode as *const (),

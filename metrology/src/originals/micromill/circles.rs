@@ -66,8 +66,8 @@ fn notes() -> Vec<String> {
          circles alone, other signs are nearly as good.",
         "The means of the circles are smaller than programmed by 42, 18 and 9 um. The step of \
          139.51 nm explains 21, 14 and 7 um of it.",
-        "Today the map removes the error of backlash, and the true step that of scale. The error of \
-         squareness remains, because the controller of the mill does not correct it.",
+        "Today the map removes the error of backlash, and the true step that of scale. The error \
+         of squareness remains, because the controller of the mill does not correct it.",
         "Unexplained: the over-compensation of 1 to 5 um that the text reports at some ends beside \
          the play left, as one end has one value in the simulation; and of the smallest circle, \
          whose diameters differ more than the play and the squareness make them.",
