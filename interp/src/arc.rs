@@ -417,13 +417,14 @@ fn fits_narrow(start: &Start, reach: u64) -> bool {
     // A spiral of slope s crosses the axes of the circle at this slope, but the steps of a quadrant
     // go in two directions only. So it lags there by r s^2 / 2, and F by r^2 s^2 2^f. With a change
     // q of F per step, r s is q / 2^(f + 1). Taken twice.
-    let change = start.quotient.unsigned_abs();
-    let lag = (change.saturating_mul(change) >> 1).wrapping_shr(start.one.trailing_zeros());
+    // A change of 2^31 and more is too large by itself. So the square is at most 2^62.
+    let change = start.quotient.unsigned_abs().min(1 << 31);
+    let lag = (change.wrapping_mul(change) >> 1).wrapping_shr(start.one.trailing_zeros());
     // The state needs 3 (r + 4) 2^f plus the change of radius over a few steps, plus the lag.
     let needed = reach
         .wrapping_mul(3)
-        .saturating_add(change.saturating_mul(4))
-        .saturating_add(lag);
+        .wrapping_add(change.wrapping_mul(4))
+        .wrapping_add(lag);
     let after_u = start.residue.wrapping_add(start.du);
     let after_v = start.residue.wrapping_add(start.dv);
     reach <= MAX_NARROW

@@ -29,27 +29,8 @@ pub(crate) fn is_spiral(arc: &ProgrammedArc, scale: Scale) -> bool {
 }
 
 impl<const N: usize> Config<N> {
-    /// Returns the arc that is made of a programmed one, in its plane; `None` for a line.
-    ///
-    /// Firmware without arcs on unequal steps does not contain the code that moves a centre.
-    ///
-    /// # Errors
-    /// As [`Config::made_arc`].
-    #[inline(always)]
-    pub(crate) fn flat_arc(
-        &self,
-        from: &[Nm; N],
-        arc: &Arc<N>,
-        has_ellipses: bool,
-    ) -> Result<Option<ProgrammedArc>, MoveError> {
-        if has_ellipses {
-            self.made_arc(from, arc)
-        } else {
-            Ok(Some(in_plane(from, arc)))
-        }
-    }
-
-    /// Moves the centre of an arc whose ends have different radii.
+    /// Returns the arc that is made of a programmed one: its centre moves if its ends have
+    /// different radii. `None` for a line.
     ///
     /// A spiral is at no right angle to its spokes, and its speed changes as 1 / radius. So it is
     /// made as the circle through its ends with the nearest centre. This keeps the acceleration of
@@ -60,21 +41,24 @@ impl<const N: usize> Config<N> {
     /// As [`ProgrammedArc::as_circle`] on axes of different steps, where every arc is a circle, and
     /// [`MoveError::UnequalSteps`] for a machine without the axes of the plane.
     #[cfg_attr(not(target_pointer_width = "64"), inline(never))]
-    fn made_arc(&self, from: &[Nm; N], arc: &Arc<N>) -> Result<Option<ProgrammedArc>, MoveError> {
-        let programmed = in_plane(from, arc);
+    pub(crate) fn made_arc(
+        &self,
+        programmed: &ProgrammedArc,
+        arc: &Arc<N>,
+    ) -> Result<Option<ProgrammedArc>, MoveError> {
         let [Some(first), Some(second)] = arc.plane.axes().map(|number| self.axes.get(number))
         else {
             return Err(MoveError::UnequalSteps);
         };
         let scale = first.scale;
         let is_equal = scale == second.scale;
-        if is_equal && !is_spiral(&programmed, scale) {
-            return Ok(Some(programmed));
+        if is_equal && !is_spiral(programmed, scale) {
+            return Ok(Some(*programmed));
         }
         match programmed.as_circle([scale, second.scale]) {
             Ok(circle) => Ok(Some(circle)),
             Err(ArcError::Degenerate) => Ok(None),
-            Err(ArcError::Unequal) if is_equal => Ok(Some(programmed)),
+            Err(ArcError::Unequal) if is_equal => Ok(Some(*programmed)),
             Err(ArcError::Unequal) => Err(MoveError::UnequalSteps),
             Err(_) => Err(MoveError::ArcTooLarge),
         }

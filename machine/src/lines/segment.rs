@@ -172,11 +172,13 @@ impl<const N: usize> Config<N> {
                 self.check_point(&arc.to)?;
                 let longest = self.check_length(from, &arc.to)?;
                 let plane = arc.plane.axes();
-                if let Some(made) = self.flat_arc(from, arc, ELLIPSES)? {
-                    for (number, [low, high]) in plane.into_iter().zip(made.extent()) {
-                        self.check_travel(number, Nm(low))?;
-                        self.check_travel(number, Nm(high))?;
-                    }
+                let mut flat = in_plane(from, arc);
+                if ELLIPSES {
+                    flat = self.made_arc(&flat, arc)?.unwrap_or(flat);
+                }
+                for (number, [low, high]) in plane.into_iter().zip(flat.extent()) {
+                    self.check_travel(number, Nm(low))?;
+                    self.check_travel(number, Nm(high))?;
                 }
                 let mismatch = arc.mismatch;
                 match self.arc_tolerance {
@@ -313,14 +315,19 @@ impl<const N: usize> Config<N> {
             return Err(MoveError::UnequalSteps);
         }
         let steps = [start, end].map(|at| plane.map(|axis| at.get(axis).copied().unwrap_or(0)));
-        let Some(made) = self.flat_arc(from, arc, ELLIPSES)? else {
-            return Ok(OnGrid::Line);
-        };
+        let mut flat = in_plane(from, arc);
+        // Firmware without arcs on unequal steps does not contain the code that moves a centre.
+        if ELLIPSES {
+            let Some(made) = self.made_arc(&flat, arc)? else {
+                return Ok(OnGrid::Line);
+            };
+            flat = made;
+        }
         let grid = if is_equal {
-            made.on_grid(first.scale, steps).map(OnGrid::Circle)
+            flat.on_grid(first.scale, steps).map(OnGrid::Circle)
         } else {
             let scales = [first.scale, second.scale];
-            made.on_grids(scales, steps).map(OnGrid::Ellipse)
+            flat.on_grids(scales, steps).map(OnGrid::Ellipse)
         };
         match grid {
             Err(ArcError::Degenerate) => Ok(OnGrid::Line),

@@ -3,6 +3,7 @@
 use husillo_gcode::{Command, Direction as Turning};
 use husillo_planner::Tangent;
 
+use crate::lines::arc::in_plane;
 use crate::lines::tempo::Tempo;
 use crate::{Config, Segment};
 use husillo_planner::mul_div;
@@ -30,7 +31,10 @@ pub(crate) fn tangents<const N: usize>(
     let (Command::Arc { arc, .. }, Some(round)) = (&segment.command, &tempo.round) else {
         return Tangent::new(straight).map(|direction| [direction; 2]);
     };
-    let flat = config.flat_arc(&segment.from, arc, has_ellipses).ok()??;
+    let mut flat = in_plane(&segment.from, arc);
+    if has_ellipses {
+        flat = config.made_arc(&flat, arc).ok()??;
+    }
     let tangent = |[x, y]: [i64; 2], size: u64| {
         let [across, up] = match arc.direction {
             Turning::CounterClockwise => [y.saturating_neg(), x],

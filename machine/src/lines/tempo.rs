@@ -153,7 +153,10 @@ impl<const N: usize> Config<N> {
         let plane = arc.plane.axes();
         let [first, _] = plane.map(|number| self.axes.get(number));
         let scale = first?.scale;
-        let flat = self.flat_arc(&segment.from, arc, P::HAS_ELLIPSES).ok()??;
+        let mut flat = in_plane(&segment.from, arc);
+        if P::HAS_ELLIPSES {
+            flat = self.made_arc(&flat, arc).ok()??;
+        }
         let [radius_nm, end_nm] = flat.radii();
         // The swept area divided by the radius is the length of the arc in steps.
         let around_nm = mul_div(
