@@ -26,7 +26,7 @@ fn client() -> Client {
     client_of(0)
 }
 
-/// Of a machine alone on its controller, or of the second one of two.
+/// A client of a machine alone on its controller, or of the second one of two.
 fn client_of(machine: u8) -> Client {
     let settings = settings();
     let device = Device::new(
@@ -65,7 +65,8 @@ fn session() -> Vec<Action> {
     ]
 }
 
-/// The actions of a session up to the first failure, and its reason.
+/// Carries out the actions of a session. The error is the number of the first failed action, and
+/// the reason.
 fn run(client: &mut Client) -> Result<(), (usize, String)> {
     for (place, action) in session().iter().enumerate() {
         client.carry_out(action).map_err(|error| (place, error))?;
@@ -87,7 +88,8 @@ fn outcome_of(client: &mut Client, machine: u8, zero: [i32; 2]) -> ([i32; 2], us
     ([x - zero[0], z - zero[1]], figures.count())
 }
 
-/// Of the rig: 420 steps above the switch and back off it by 20, and so on.
+/// In X the rig begins 420 steps above the switch, and in Z 900 steps. Homing backs off each switch
+/// by 20 steps.
 const ZERO: [i32; 2] = [20 - 420, 20 - 900];
 const GOOD: ([i32; 2], usize) = ([63, -7 + 0x3F - 0x21], 1);
 
@@ -110,10 +112,10 @@ fn faults() -> impl Iterator<Item = Fault> {
     ])
 }
 
-/// The whole session with a fault. If nothing is reported, everything is done as requested. If
-/// something is reported, nothing turns any more, except the action in progress after a pulled
-/// cable. The operator then continues after plugging in, a reset and homing. Returns whether it was
-/// reported.
+/// Runs the whole session with a fault. If nothing is reported, everything is done as requested. If
+/// a failure is reported, nothing turns any more, except the action in progress after a pulled
+/// cable. The operator then plugs the cable in, resets the device, homes it and continues. Returns
+/// whether a failure was reported.
 fn survives(machine: u8, place: u64, fault: Fault) -> bool {
     let context = format!("{fault:?} at byte {place} to machine {machine}");
     let mut client = client_of(machine);
@@ -302,8 +304,8 @@ fn switch_reports(client: &mut Client) -> usize {
     hits.count()
 }
 
-/// A jog that ends at a switch is reported and not begun again, whatever its time. The axis backs
-/// off the switch completely.
+/// A jog that ends at a switch is reported and not begun again, whatever its time is. The axis
+/// backs off the switch completely.
 #[test]
 fn a_jog_into_a_switch_is_reported_and_ends() {
     let mut client = client();
@@ -319,7 +321,7 @@ fn a_jog_into_a_switch_is_reported_and_ends() {
     assert!(client.elapsed() < Duration::from_secs(20));
 }
 
-/// The same with counted steps, which the host sends by 255.
+/// The same with counted steps, which the host sends in portions of at most 255.
 #[test]
 fn steps_into_a_switch_are_reported_and_end() {
     let mut client = client();
@@ -338,7 +340,8 @@ fn steps_into_a_switch_are_reported_and_end() {
     );
 }
 
-/// The answer to a letter that the controller does not carry out, as while it backs off a switch.
+/// The answer to a letter that the controller does not carry out, for example while it backs off a
+/// switch.
 #[test]
 fn what_is_refused_is_not_acknowledged() {
     let settings = settings();
@@ -367,7 +370,7 @@ fn what_is_refused_is_not_acknowledged() {
         "it begins, and goes back at once"
     );
     assert_eq!(say(&mut device, b'x'), b"?");
-    // No figure is stored behind `<`.
+    // No figure is stored after `<`.
     device.control("reset");
     assert_eq!(say(&mut device, b'<'), b"<");
     assert_eq!(say(&mut device, b'G'), b"?");
@@ -452,7 +455,7 @@ fn two_machines_move_at_once() {
     let (first, second) = (device.rig(0).unwrap().tool(), device.rig(1).unwrap().tool());
     assert!(first[1] > 100 && first[0] == 0, "{first:?}");
     assert!(second[0] > 100 && second[1] == 0, "{second:?}");
-    // Nothing repeats the jogs: both machines stand after their dead-man's time.
+    // Nothing repeats the jogs, so both machines stop after their dead-man's time.
     for _ in 0..1000 {
         device.tick();
     }
@@ -466,8 +469,8 @@ fn two_machines_move_at_once() {
     );
 }
 
-/// After a reset a controller of two machines listens for the first one. Commands for the second do
-/// not move it.
+/// After a reset a controller of two machines has selected the first one. Commands for the second
+/// one do not move the first.
 #[test]
 fn a_reset_does_not_exchange_the_machines() {
     let settings = settings();
@@ -501,7 +504,7 @@ fn a_controller_of_one_machine_has_no_second() {
 }
 
 /// With a lease every motion ends when the host is silent, and the position is still right. Without
-/// one, homing, counted steps and figures continue to their ends, as those of the original.
+/// a lease, homing, counted steps and figures continue to their ends, as on the original.
 #[test]
 fn every_motion_has_a_lease() {
     const LEASE_MS: usize = 250;
@@ -526,7 +529,7 @@ fn every_motion_has_a_lease() {
             device.send(*byte);
             pass(&mut device, 5);
         }
-        // Questions renew it.
+        // Queries renew it.
         for _ in 0..6 {
             device.send(b'5');
             pass(&mut device, 50);
@@ -546,7 +549,7 @@ fn every_motion_has_a_lease() {
     }
 }
 
-/// A device that does not know the question where its switches closed homes as before.
+/// A device that does not know the query about its switches homes as before.
 #[test]
 fn a_device_that_does_not_compare_its_switches_homes() {
     let mut settings = settings();
@@ -568,7 +571,7 @@ fn a_device_that_does_not_compare_its_switches_homes() {
     }
 }
 
-/// A device without a lease is refused unless that is accepted.
+/// A device without a lease is refused, unless the user accepts that.
 #[test]
 fn a_device_without_a_lease_is_not_trusted() {
     let mut settings = settings();
