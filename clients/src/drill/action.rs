@@ -13,7 +13,7 @@ pub enum Action {
     Steps(Axis, i32),
     /// Jog an axis forward (`true`) or backward for a time.
     Jog(Axis, bool, Duration),
-    /// Switch the spindle.
+    /// Switch the spindle on (`true`) or off.
     Spindle(bool),
     /// Stop after the present record, leave the manual mode, and switch off the spindle.
     Stop,

@@ -24,7 +24,8 @@ const ASK: Duration = Duration::from_secs(1);
 const RENEW: Duration = Duration::from_millis(100);
 /// A drill that answers no query for this time counts as gone.
 const GONE: Duration = Duration::from_millis(5500);
-/// The same for a drill with a lease, which is queried more often.
+/// A drill with a lease counts as gone if it answers no query for this time. It is queried more
+/// often.
 const GONE_WITH_LEASE: Duration = Duration::from_secs(3);
 /// A margin after the lease. By then a drill has detected that the lease has expired.
 const LEASE_MARGIN: Duration = Duration::from_millis(50);

@@ -13,8 +13,8 @@ use std::time::Duration;
 const JOG_STEPS: u8 = 50;
 /// Longest time of a key: 255 steps and the moves of Z.
 const KEY: Duration = Duration::from_secs(60);
-/// The same for a drill that reports its faults. Such a drill may home first, and each of its
-/// searches has an end.
+/// Longest time of a key on a drill that reports its faults. Such a drill may home first, and each
+/// of its searches has an end.
 const KEY_WITH_HOMING: Duration = Duration::from_secs(300);
 /// Longest run of a program in the memory, whose duration is unknown.
 const LONGEST: Duration = Duration::from_secs(24 * 3600);

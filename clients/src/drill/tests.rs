@@ -838,7 +838,7 @@ fn any_fault_at_any_byte_is_survived_or_reported() {
     }
 }
 
-/// The same at random in long boards, which include the border of the device's memory.
+/// Random faults in long boards, which include the border of the device's memory.
 #[test]
 fn faults_in_long_boards_are_survived_or_reported() {
     let (mut numbers, mut reported) = (Random::new(5), 0);

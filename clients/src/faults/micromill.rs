@@ -13,7 +13,7 @@ const SILENT_MS: u64 = 260;
 /// The steps of a short move.
 const SHORT: i32 = 40;
 
-/// The client of the state.
+/// The client that a state needs.
 enum Client {
     Hand(Box<Hand>),
     Sender(Box<Sender>),

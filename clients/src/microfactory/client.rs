@@ -19,7 +19,7 @@ const IN_SIMULATED_TIME: Waits = Waits {
     answer: Duration::from_millis(200),
     quiet: Duration::from_millis(60),
 };
-/// The same waits in real time, where a busy computer or an adapter adds delays.
+/// The waits in real time, where a busy computer or an adapter adds delays.
 const IN_REAL_TIME: Waits = Waits {
     answer: Duration::from_millis(1500),
     quiet: Duration::from_millis(150),
@@ -820,7 +820,7 @@ fn place(status: &Status) -> String {
     }
 }
 
-/// The same text, to follow the report of a failure.
+/// The position of a device as text, to follow the report of a failure.
 fn standing(status: &Status) -> String {
     match status.is_homed {
         true => format!("it stands at {}", place(status)),

@@ -79,7 +79,7 @@ fn outcome(client: &mut Client, zero: [i32; 2]) -> ([i32; 2], usize) {
     outcome_of(client, 0, zero)
 }
 
-/// The same of another machine.
+/// The outcome of another machine: its tool position and its number of figures.
 fn outcome_of(client: &mut Client, machine: u8, zero: [i32; 2]) -> ([i32; 2], usize) {
     let device = client.device();
     let [x, _, z, _] = device.rig(machine).unwrap().tool();
@@ -184,7 +184,7 @@ fn any_fault_at_any_byte_is_survived_or_reported() {
     }
 }
 
-/// The same at random in a long session: a figure of 400 moves, and long counted steps.
+/// Random faults in a long session: a figure of 400 moves, and long counted steps.
 #[test]
 fn faults_in_long_sessions_are_survived_or_reported() {
     let (mut numbers, mut reported) = (Random::new(11), 0);
@@ -321,7 +321,8 @@ fn a_jog_into_a_switch_is_reported_and_ends() {
     assert!(client.elapsed() < Duration::from_secs(20));
 }
 
-/// The same with counted steps, which the host sends in portions of at most 255.
+/// Counted steps that end at a switch are reported and end. The host sends them in portions of at
+/// most 255.
 #[test]
 fn steps_into_a_switch_are_reported_and_end() {
     let mut client = client();

@@ -10,7 +10,8 @@ const UNIT_NM: i64 = 10;
 /// Largest distance at which the mill counts as on a line, nm: half a diagonal of two steps, and
 /// the rounding of the program to steps.
 const ON_LINE_NM: i64 = 300;
-/// The same for an arc: the distance that the controller accepts between an arc and its start.
+/// Largest distance at which the mill counts as on an arc, nm. It is the distance that the
+/// controller accepts between an arc and its start.
 const ON_ARC_NM: f64 = 5_000.0;
 
 /// A position between two lines of the program, nm from the zero of the part. `None`: no line has

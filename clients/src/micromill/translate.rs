@@ -1,5 +1,5 @@
-//! Translates commands to the strings of the micro mill: absolute micrometres, X and Y together, Z
-//! alone.
+//! Translates commands to the strings of the micro mill. The strings have absolute micrometres.
+//! They move X and Y together, and Z alone.
 
 use husillo_gcode::{Arc, Command, Direction, Feed, Nm, Plane, SpindleDirection};
 use husillo_machine::Config;
