@@ -53,7 +53,7 @@ pub enum ClientError {
 }
 
 impl ClientError {
-    /// A sentence.
+    /// The error as a sentence.
     pub fn text(&self) -> String {
         match self {
             ClientError::Link(Failure::Silent) => {

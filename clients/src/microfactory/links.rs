@@ -18,9 +18,10 @@ pub struct Links<'a> {
     pub answers: bool,
     /// The figure that simulated machines start with.
     pub figure: &'a [[i16; 2]],
-    /// A motion ends this long after the last byte of this program, in units of 10 ms. 0: never.
+    /// A motion ends this long after the last byte of this program, in units of 10 ms. With 0 a
+    /// motion needs no host.
     pub lease: u8,
-    /// Requests to stop all of them.
+    /// Requests to stop all machines.
     pub stop: StopRequests,
 }
 

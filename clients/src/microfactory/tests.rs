@@ -295,7 +295,7 @@ fn jog(motor: u8, forward: bool, seconds: u64) -> Action {
     }
 }
 
-/// How often a switch stopped something.
+/// Number of times that a switch stopped a motion.
 fn switch_reports(client: &mut Client) -> usize {
     let told = client.device().take_reports();
     let hits = told

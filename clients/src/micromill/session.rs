@@ -405,7 +405,7 @@ mod tests {
         assert_eq!(reset, Err("the controller was reset".into()));
     }
 
-    /// A motion ends with its lease. A session with 0 ends the lease of an earlier one.
+    /// A motion ends with its lease. A session with a lease of 0 ends the lease of an earlier one.
     #[test]
     fn a_lease_of_zero_ends_an_earlier_one() {
         let wire = Wire::simulated(Device::new(BAUD));
