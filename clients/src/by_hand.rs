@@ -5,19 +5,19 @@ use std::time::Duration;
 
 /// A machine moved by hand.
 pub trait ByHand {
-    /// What it can do.
+    /// An action that the machine can carry out.
     type Action: Display;
 
     /// Carries out an action. Returns a text about the result.
     ///
     /// # Errors
     ///
-    /// A sentence about the failure.
+    /// Returns a sentence about the failure.
     fn carry_out(&mut self, action: &Self::Action) -> Result<String, String>;
 
-    /// Time since the port was opened. A simulated machine has simulated time.
+    /// Time since the port was opened. For a simulated machine this is simulated time.
     fn elapsed(&self) -> Duration;
 
-    /// What a simulated machine has reported on its panel.
+    /// The lines that a simulated machine has reported on its panel since the last call.
     fn panel(&mut self) -> Vec<String>;
 }

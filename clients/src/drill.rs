@@ -30,5 +30,5 @@ pub use sender::{Operator, Sender};
 
 /// Rate of the original's link, bits/s.
 pub const BAUD: u32 = 2400;
-/// The usual lease: the longest silence of a client while the drill moves, ms.
+/// The default lease: the longest silence of a client while the drill moves, ms.
 pub const LEASE_MS: u16 = 250;

@@ -1,5 +1,5 @@
-//! Every machine with every fault in every state: how long it moves afterwards, what the operator
-//! reads, and that work continues after the repair.
+//! Tests of every machine with every fault in every state. They check how long the machine moves
+//! after the fault, what the operator reads, and that work continues after the repair.
 //!
 //! The machines run in simulated time. The results are the table of `docs/faults.md`.
 
@@ -51,9 +51,9 @@ struct Fault {
     name: &'static str,
     begins: &'static str,
     ends: &'static [&'static str],
-    /// Longest motion afterwards, ms. `None`: the motion has its own end.
+    /// Longest motion after the fault, ms. `None`: the motion ends by itself.
     most_ms: Option<u64>,
-    /// Whether the machine has no means to notice it.
+    /// Whether the machine cannot detect the fault.
     is_hidden: bool,
 }
 
@@ -68,7 +68,7 @@ impl Fault {
         }
     }
 
-    /// The machine stands this long afterwards, ms.
+    /// The machine comes to rest within this time after the fault, ms.
     const fn ends_within(self, ms: u64) -> Self {
         Self {
             most_ms: Some(ms),
@@ -76,7 +76,7 @@ impl Fault {
         }
     }
 
-    /// The machine has no means to notice it.
+    /// The machine cannot detect the fault.
     const fn unnoticed(self) -> Self {
         Self {
             is_hidden: true,
@@ -87,13 +87,14 @@ impl Fault {
 
 /// A simulated machine with its panel and its line.
 trait Bench {
-    /// Carries out the line of the panel later.
+    /// Carries out a line of the panel after this time.
     fn schedule(&mut self, after_ms: u64, line: &str);
 
-    /// A fault of the line hits the byte this many bytes from now. `None`: no fault follows.
+    /// Sets a fault of the line. It hits the byte this many bytes from now. `None`: no further
+    /// fault.
     fn disturb(&mut self, fault: Option<(u64, LineFault)>);
 
-    /// Simulates the machine alone.
+    /// Simulates the machine without its client for this time.
     fn pass(&mut self, ms: u64);
 
     /// Simulated time, ms.
@@ -121,7 +122,7 @@ impl<M: Machine> Bench for Device<M> {
         self.now_us() / 1000
     }
 
-    /// The columns of the motors follow those of the number, the time and the wait of a row.
+    /// In a row, the columns of the motors follow the number, the time and the wait.
     fn last_step_ms(&mut self) -> u64 {
         let motors = M::COLUMNS.split(',').filter(|name| name.starts_with('d'));
         let motors = motors.count();
@@ -139,10 +140,10 @@ impl<M: Machine> Bench for Device<M> {
 /// A machine with its client.
 trait Subject: Sized {
     const MACHINE: &'static str;
-    /// What moves without a host has ended after this time, ms.
+    /// A motion that needs no host has ended after this time, ms.
     const REST_MS: u64 = 200_000;
     const FAULTS: &'static [Fault];
-    /// The states of the machine, and the time from the start of the action to the fault, ms.
+    /// The states of the machine. Each has the time from the start of its action to the fault, ms.
     const STATES: &'static [(State, u64)];
 
     /// A homed machine with a client for this state.
@@ -151,25 +152,25 @@ trait Subject: Sized {
     /// The simulated machine behind the client.
     fn bench(&mut self) -> &mut dyn Bench;
 
-    /// Begins the motion of a state and waits for its end. For [`State::Idle`] it is a short move.
+    /// Begins the motion of a state and waits for its end. In [`State::Idle`] it is a short move.
     fn act(&mut self, state: State) -> Result<String, String>;
 
-    /// Whether the machine is where it reports to be.
+    /// Whether the machine is at the position that it reports.
     fn is_true(&mut self) -> bool;
 
-    /// Another program: homes the machine and moves it. Also returns what the operator reads after
-    /// homing.
+    /// Acts as another program: homes the machine and moves it. Also returns what the operator
+    /// reads after homing.
     fn begin_again(self) -> Result<(Self, String), String>;
 }
 
-/// What the operator reads where the fault does not matter.
+/// What the operator reads if the fault has no effect.
 const CARRIED_OUT: &str = "carried out";
-/// What the operator reads where the machine cannot notice the fault.
+/// What the operator reads if the machine cannot detect the fault.
 const UNSEEN: &str = "nothing: the steps are lost unseen";
 /// A part of what the operator reads if homing shows that steps were lost.
 const LOST: &str = "since the last homing steps were lost";
 
-/// What became of a machine.
+/// The result of a fault in one state of a machine.
 #[derive(Clone)]
 struct Row {
     machine: &'static str,
@@ -180,7 +181,7 @@ struct Row {
     read: String,
 }
 
-/// A fault in a state.
+/// Causes a fault in a state. Returns the result.
 fn row<S: Subject>(fault: &'static Fault, state: State, after_ms: u64) -> Row {
     let context = format!("{}, {}, {state:?}", S::MACHINE, fault.name);
     let mut machine = S::new(state);
@@ -191,7 +192,7 @@ fn row<S: Subject>(fault: &'static Fault, state: State, after_ms: u64) -> Row {
         machine.bench().pass(after_ms + 1);
     }
     let result = machine.act(state);
-    // What moves without a host has an end, too.
+    // A motion that needs no host ends, too.
     machine.bench().pass(S::REST_MS);
     let moved_ms = (machine.bench().last_step_ms()).saturating_sub(begin_ms + after_ms);
     if let (Some(most_ms), false) = (fault.most_ms, is_idle) {
@@ -233,7 +234,7 @@ fn rows<S: Subject>() -> Vec<Row> {
     cells.collect()
 }
 
-/// A row of the table for the states with the same result.
+/// The tables, one for each machine. Each fault has a row for each state.
 fn table(rows: &[Row]) -> String {
     let mut text = String::new();
     let mut last = None;
@@ -264,7 +265,7 @@ const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/faults.md");
 /// The part of the page before the tables ends with this line.
 const HEAD_END: &str = "<!-- The tables are written by the tests of husillo-clients. -->\n";
 
-/// With `HUSILLO_WRITE` in the environment the tables are written anew.
+/// If `HUSILLO_WRITE` is set in the environment, the test writes the tables anew.
 #[test]
 fn the_page_of_faults_is_what_happens() {
     let rows = [

@@ -1,5 +1,5 @@
-//! Controllers that speak the protocol of Grbl: programs sent by counting characters, and moves by
-//! hand.
+//! Controllers with the protocol of Grbl: programs that are sent by counting characters, and moves
+//! by hand.
 //!
 //! ```text
 //! lines ──► sender ─┐
@@ -27,7 +27,7 @@ pub const BAUD: u32 = 115_200;
 ///
 /// # Errors
 ///
-/// A sentence about the port.
+/// Returns a sentence about the port.
 pub fn open(port: &str, bits_per_s: u32) -> Result<Wire<Device>, String> {
     if port == "sim" {
         return Ok(Wire::simulated(Device::new(bits_per_s, Settings::DEFAULT)));

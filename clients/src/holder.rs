@@ -35,13 +35,13 @@ pub struct Holder {
 /// How urgent a stop is.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Urgency {
-    /// As Ctrl-C: the machine stops, and the program reports the work done.
+    /// Like Ctrl-C: the machine stops, and the program reports the work done.
     Stop,
-    /// As Ctrl-C twice within a second: an emergency stop where the machine has one.
+    /// Like Ctrl-C twice within a second: an emergency stop if the machine has one.
     Emergency,
 }
 
-/// Listens for requests to stop. It ends when it is dropped.
+/// A listener for requests to stop. It ends when this value is dropped.
 #[derive(Debug)]
 pub struct Listening {
     socket: PathBuf,
@@ -56,11 +56,11 @@ pub struct Held {
 }
 
 impl Holder {
-    /// Listens for requests to stop in a thread of its own. `stop` is called at each of them.
+    /// Listens for requests to stop, in a thread of its own. Calls `stop` at each request.
     ///
     /// # Errors
     ///
-    /// There is no folder for the socket, or the system refuses it.
+    /// The folder of the socket cannot be created, or the system refuses the socket.
     pub fn listen(
         self,
         folder: &Path,
@@ -84,7 +84,7 @@ impl Holder {
     }
 }
 
-/// A socket with the first free name of this process. A program holds several ports at most.
+/// Binds a socket to the first free name of this process. A program holds a few ports at most.
 fn bind(folder: &Path, process: u32) -> io::Result<(PathBuf, UnixListener)> {
     let mut number = 0;
     loop {
@@ -92,7 +92,7 @@ fn bind(folder: &Path, process: u32) -> io::Result<(PathBuf, UnixListener)> {
         match UnixListener::bind(&socket) {
             Ok(listener) => return Ok((socket, listener)),
             Err(error) if error.kind() == ErrorKind::AddrInUse && number < 1000 => {
-                // A program that was killed may have left it.
+                // The socket may remain from a program that was killed.
                 if is_abandoned(&socket) {
                     fs::remove_file(&socket)?;
                 } else {
@@ -108,8 +108,8 @@ fn is_abandoned(socket: &Path) -> bool {
     UnixStream::connect(socket).is_err_and(|error| error.kind() == ErrorKind::ConnectionRefused)
 }
 
-/// Introduces the holder and passes the requests on. The connection ends with the process, which is
-/// how the other program learns that the holder has ended.
+/// Introduces the holder and passes the requests on. The connection ends with the process. This
+/// shows the other program that the holder has ended.
 fn serve(mut stream: UnixStream, introduction: &str, stop: &(impl Fn(Urgency) + ?Sized)) {
     if stream.write_all(introduction.as_bytes()).is_err() {
         return;
@@ -125,13 +125,13 @@ fn serve(mut stream: UnixStream, introduction: &str, stop: &(impl Fn(Urgency) + 
 
 impl Drop for Listening {
     fn drop(&mut self) {
-        // The next program removes a socket that stays.
+        // If this fails, the next program removes the socket.
         let _ = fs::remove_file(&self.socket);
     }
 }
 
-/// The folder of the sockets: of the user's session, or in the user's cache. `None` if the user has
-/// neither.
+/// The folder of the sockets. It is in the folder of the user's session, or else in the user's
+/// cache. `None` if the user has neither.
 pub fn folder() -> Option<PathBuf> {
     let variable = |name| std::env::var_os(name).filter(|value| !value.is_empty());
     let base = variable("XDG_RUNTIME_DIR").map(PathBuf::from);
@@ -150,7 +150,7 @@ pub fn holders(folder: &Path) -> Vec<Held> {
                 Ok(stream) => Held::new(stream).ok(),
                 Err(error) => {
                     if error.kind() == ErrorKind::ConnectionRefused {
-                        // A program that was killed has left it.
+                        // The socket remains from a program that was killed.
                         let _ = fs::remove_file(&socket);
                     }
                     None
@@ -183,8 +183,7 @@ impl Held {
         Ok(Self { holder, stream })
     }
 
-    /// Whether the program holds this port. Links to a device are followed, and names of hosts are
-    /// looked up.
+    /// Whether the program holds this port. Follows links to a device, and looks up names of hosts.
     pub fn holds(&self, port: &str) -> bool {
         // `#2` names a machine of the controller at the port.
         let whole = |name: &str| name.split('#').next().unwrap_or(name).to_owned();
@@ -210,7 +209,8 @@ impl Held {
         })
     }
 
-    /// Waits until the program has ended, `within` at most. Returns whether it has.
+    /// Waits until the program has ended, at most for the time `within`. Returns whether it has
+    /// ended.
     pub fn has_ended(&mut self, within: Duration) -> bool {
         let end = Instant::now() + within;
         loop {
@@ -285,7 +285,7 @@ mod tests {
         fs::remove_dir_all(folder).unwrap();
     }
 
-    /// A killed program leaves its socket, which disturbs nobody.
+    /// A killed program leaves its socket, which does no harm.
     #[test]
     fn an_abandoned_socket_is_removed() {
         let folder = new_folder("abandoned");

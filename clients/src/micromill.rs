@@ -25,14 +25,14 @@ use husillo_sim::device::micromill::Device;
 
 /// Rate of the original's link, bits/s.
 pub const BAUD: u32 = 9600;
-/// A motion ends this long after the last byte of the host, ms. A user may want another time.
+/// The default lease, ms: a motion ends this long after the last byte of the host.
 pub const LEASE_MS: u16 = 250;
 
 /// Opens a controller at a port, or a simulated one at `sim`.
 ///
 /// # Errors
 ///
-/// A sentence about the port.
+/// Returns a sentence about the port.
 pub fn open(port: &str, bits_per_s: u32) -> Result<Wire<Device>, String> {
     if port == "sim" {
         return Ok(Wire::simulated(Device::new(bits_per_s)));

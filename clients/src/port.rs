@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 pub enum Port {
     /// A serial device.
     Serial(Box<dyn SerialPort>, Instant),
-    /// A device server that passes the bytes on. It sets the rate of its line itself.
+    /// A device server that forwards the bytes. It sets the rate of its serial line itself.
     Network(TcpStream, Instant),
 }
 
@@ -48,7 +48,8 @@ impl Port {
         }
         match serialport::new(name, bits_per_s).open() {
             Ok(port) => Ok(Self::Serial(port, Instant::now())),
-            // The library reports its own lock in words, the system by its kind of error.
+            // The library reports a locked port only in the description of the error. The system
+            // reports a busy port by the kind of the error.
             Err(error) if error.description.contains("exclusive lock") => Err(taken()),
             Err(error) => match io::Error::from(error) {
                 error if error.kind() == ErrorKind::ResourceBusy => Err(taken()),
@@ -57,7 +58,7 @@ impl Port {
         }
     }
 
-    /// Another handle of the same port, with the same start of time.
+    /// Another handle of the same port. It measures time from the same start.
     ///
     /// # Errors
     ///
@@ -81,7 +82,7 @@ impl Port {
     ///
     /// # Errors
     ///
-    /// The device does not take the rate.
+    /// The device does not accept the rate.
     pub fn set_rate(&mut self, bits_per_s: u32) -> io::Result<()> {
         match self {
             Self::Serial(port, _) => Ok(port.set_baud_rate(bits_per_s)?),
@@ -101,13 +102,13 @@ impl Port {
         }
     }
 
-    /// Waits for bytes for a time at most, and returns as soon as there are any.
+    /// Waits at most `wait_us` for bytes. Returns as soon as any have arrived.
     ///
     /// # Errors
     ///
     /// The connection is lost.
     pub fn receive(&mut self, wait_us: u32) -> io::Result<Vec<u8>> {
-        // The system takes zero as an invalid time.
+        // The system rejects a time of zero.
         let wait = Duration::from_micros(u64::from(wait_us.max(1)));
         match self {
             Self::Serial(port, _) => {
@@ -123,7 +124,7 @@ impl Port {
     }
 }
 
-/// An error of a port that cannot be opened, with what to do.
+/// The error of a port that cannot be opened, with advice for the user.
 fn advised(error: io::Error) -> io::Error {
     let why = match error.kind() {
         ErrorKind::NotFound => "there is no such port: check its name and its cable",
@@ -148,7 +149,7 @@ fn taken() -> io::Error {
 }
 
 /// The error of a socket. A server that serves one client at a time, as `husillo emulate` does,
-/// closes the connection of a second one.
+/// closes the connection of a second client.
 fn closed(error: io::Error) -> io::Error {
     match error.kind() {
         ErrorKind::UnexpectedEof | ErrorKind::ConnectionReset | ErrorKind::BrokenPipe => {
@@ -159,7 +160,7 @@ fn closed(error: io::Error) -> io::Error {
     }
 }
 
-/// Reads the bytes that are there. Returns none when the time of `from` runs out.
+/// Reads the bytes that have arrived. Returns none if the timeout of `from` expires.
 ///
 /// # Errors
 ///

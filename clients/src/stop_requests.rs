@@ -3,8 +3,8 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
-/// Requests to stop a machine. A clone is the same set of requests, so a signal handler can keep
-/// one and a client another.
+/// Requests to stop a machine. A clone shares the same requests, so a signal handler can keep one
+/// clone and a client another.
 #[derive(Clone, Debug, Default)]
 pub struct StopRequests(Arc<Inner>);
 
@@ -31,7 +31,7 @@ impl StopRequests {
         self.0.count.load(Ordering::Relaxed)
     }
 
-    /// Marks the requests as served: the machine stands.
+    /// Marks the requests as served, because the machine has stopped.
     pub fn clear(&self) {
         self.0.is_asked.store(false, Ordering::Relaxed);
     }

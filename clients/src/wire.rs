@@ -15,14 +15,14 @@ pub enum Wire<E> {
         device: Box<E>,
         /// Simulated time, ns.
         ns: u64,
-        /// Bytes received and not yet taken.
+        /// Bytes that are received and not yet read.
         answers: VecDeque<u8>,
     },
     /// A device at a port.
     Real {
         /// The port.
         port: Port,
-        /// Bytes received and not yet taken.
+        /// Bytes that are received and not yet read.
         answers: VecDeque<u8>,
     },
 }
@@ -49,11 +49,12 @@ impl<E: Emulation> Wire<E> {
         })
     }
 
-    /// Another connection to the same device. Each byte received goes to the one that reads first.
+    /// Another connection to the same device. A received byte goes to the connection that reads
+    /// first.
     ///
     /// # Errors
     ///
-    /// The port cannot be shared. A simulated device never can.
+    /// The port cannot be shared. A simulated device can never be shared.
     pub fn try_clone(&self) -> io::Result<Self> {
         match self {
             Self::Simulated { .. } => Err(io::ErrorKind::Unsupported.into()),
@@ -102,7 +103,7 @@ impl<E: Emulation> Wire<E> {
         }
     }
 
-    /// Waits for a byte for a time at most, and returns all bytes received.
+    /// Waits for a byte, at most for the time `within`. Returns all bytes received.
     ///
     /// # Errors
     ///
@@ -112,7 +113,7 @@ impl<E: Emulation> Wire<E> {
         Ok(first.into_iter().chain(self.answers().drain(..)).collect())
     }
 
-    /// Waits for the next byte for a time at most.
+    /// Waits for the next byte, at most for the time `within`. Returns `None` if none arrives.
     ///
     /// # Errors
     ///
@@ -137,7 +138,7 @@ impl<E: Emulation> Wire<E> {
                     answers.extend(device.tick());
                 }
                 Self::Real { port, answers } => {
-                    // A jog of an hour in one wait is below 2^32 us.
+                    // A wait of one hour, as for a jog, is below 2^32 us.
                     let wait = u32::try_from(left.as_micros()).unwrap_or(u32::MAX);
                     answers.extend(port.receive(wait)?);
                 }
@@ -145,7 +146,8 @@ impl<E: Emulation> Wire<E> {
         }
     }
 
-    /// The reports of a simulated device since the last call. A real one shows them on its panel.
+    /// The reports of a simulated device since the last call. A real device shows its reports on
+    /// its panel, so it has none here.
     pub fn take_reports(&mut self) -> Vec<String> {
         match self {
             Self::Simulated { device, .. } => device.take_reports(),

@@ -48,10 +48,10 @@ pub trait Controller {
     /// The bytes that stop the motors at once; `()` for none.
     type Stops: StopBytes;
 
-    /// Number of events with a wait that the controller gives before the oldest of them is made.
-    /// With 1 the caller requests the next event when the previous one is made, so each event is
-    /// decided with the inputs at that time. A controller with more counts them and stops at this
-    /// number.
+    /// Largest number of events with a wait that the controller gives before the oldest of them is
+    /// made. With 1, the caller requests the next event when the previous one is made, so the
+    /// controller decides each event with the inputs of that time. With more, the controller counts
+    /// these events and stops at this number.
     const AHEAD: usize = 1;
 
     /// Returns the number of machines. Each has its own time.
@@ -66,21 +66,22 @@ pub trait Controller {
     /// [`halted`](Controller::halted).
     fn receive(&mut self, byte: u8) -> bool;
 
-    /// Returns the bytes that stop the present motion. An interrupt holds the motors until
-    /// [`receive`](Controller::receive) has taken such a byte.
+    /// Returns the bytes that stop the present motion. An interrupt that receives such a byte holds
+    /// the motors until [`receive`](Controller::receive) has taken it.
     fn stops(&self) -> Self::Stops;
 
     /// Confirms that the motors have stopped, after [`receive`](Controller::receive) requested it.
     fn halted(&mut self) {}
 
-    /// Returns the longest silence of the line during the present motion, us. `None`: nothing
-    /// moves, or the motion needs no host.
+    /// Returns the longest permitted silence of the line during the present motion, us. `None`:
+    /// nothing moves, or the motion needs no host.
     fn lease_us(&self) -> Option<u32> {
         None
     }
 
-    /// Ends the motion: no byte has arrived for [`lease_us`](Controller::lease_us). Returns `true`
-    /// as [`receive`](Controller::receive) does: the motors must stop before their next event.
+    /// Ends the motion, because no byte has arrived for [`lease_us`](Controller::lease_us). Returns
+    /// `true` if the motors must stop before their next event, as [`receive`](Controller::receive)
+    /// does.
     fn expire(&mut self) -> bool {
         false
     }
@@ -96,8 +97,8 @@ pub trait Controller {
         let _ = (machine, events);
     }
 
-    /// Whether the controller reports anything when a given event is made. If not, the caller may
-    /// report several events with one call of [`made`](Controller::made).
+    /// Whether the controller sends a report when an event that it has given is made. If not, the
+    /// caller may report several events with one call of [`made`](Controller::made).
     fn reports_next(&self) -> bool {
         true
     }
@@ -105,8 +106,8 @@ pub trait Controller {
     /// Returns the next byte for the line.
     fn transmit(&mut self) -> Option<u8>;
 
-    /// Resets to the state after the start, for the reset button or returning power. Permanently
-    /// stored data stays.
+    /// Sets the state after the start. The caller does this when the reset button is pressed or the
+    /// power returns. Permanently stored data is kept.
     fn reset(&mut self);
 }
 

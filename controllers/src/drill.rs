@@ -33,14 +33,15 @@ const Z: usize = 2;
 /// | the transmitter is free | [`transmit`](Drill::transmit) |
 /// | the button R is pressed, or power returns | [`reset`](Drill::reset) |
 ///
-/// After a reset the drill homes Z, Y and X and sends `B`. Z leaves its upper sensor and finds it
-/// again before Y moves, because a sensor that sticks on the way up closes, too.
+/// After a reset the drill homes Z, Y and X and sends `B`. Before Y moves, Z moves off its upper
+/// sensor and finds it again. This detects an upper sensor that sticks. Such a sensor reports
+/// closed even while the bit is in the board.
 ///
-/// Positions are steps from home. X moves, then Y, then Z drills from the upper sensor to the lower
-/// one and back. A switch causes a [`DrillFault`] if it does not close within the longest search,
-/// closes too early, or is open at zero. A sensor of Z also causes one if it is closed where the
-/// steps of Z say it cannot be. The spindle then stops, and nothing moves until a reset. A link
-/// with extras sends `!` and then stays silent.
+/// Positions are steps from home. X moves, then Y. Then Z drills: it moves from the upper sensor to
+/// the lower one and back. A switch causes a [`DrillFault`] if it does not close within the longest
+/// search, closes too early, or is open at zero. A sensor of Z causes a fault if it is closed at a
+/// depth where, by the steps of Z, it must be open. After a fault the spindle stops, and nothing
+/// moves until a reset. A link with extras sends `!` and then stays silent.
 ///
 /// # Cost
 /// An event takes some comparisons. A record of the program also takes two copies of bytes. The
@@ -74,7 +75,7 @@ pub struct Drill<const N: usize> {
     /// Steps from the switches to zero: 0 except after `c` away from home.
     zero: [u16; 2],
     is_homed: bool,
-    /// Whether the switch of the present search was found and has opened again.
+    /// Whether the switch of the present search has closed and has opened again.
     has_opened: bool,
     /// Whether the switches of X and Y were open at the last check.
     were_open: [bool; 2],
@@ -116,7 +117,7 @@ impl<const N: usize> Controller for Drill<N> {
         Drill::lease_us(self)
     }
 
-    /// The event that was given is made: its step is the last one of X and Y.
+    /// The event that was already given is still made. Its step is the last step of X and Y.
     fn expire(&mut self) -> bool {
         Drill::expire(self);
         false
@@ -185,8 +186,8 @@ impl<const N: usize> Drill<N> {
         }
     }
 
-    /// Resets the drill, as the button R does, which is also the emergency stop. The present step
-    /// is the last one. The program is lost, the spindle stops, and the machine homes again.
+    /// Resets the drill, as the button R does. This button is also the emergency stop. The present
+    /// step is the last one. The program is lost, the spindle stops, and the machine homes again.
     pub fn reset(&mut self) {
         self.link = Device::new(self.config.rules);
         self.task = Task::Idle;
@@ -237,7 +238,7 @@ impl<const N: usize> Drill<N> {
         self.is_homed
     }
 
-    /// Whether the drill is active or stands because of a fault.
+    /// Whether the drill is at work, or is stopped by a fault.
     pub fn is_working(&self) -> bool {
         self.task != Task::Idle || self.link.is_working()
     }
@@ -345,8 +346,8 @@ impl<const N: usize> Drill<N> {
     fn jog(&mut self, axis: u8, steps: i16) -> Task {
         let from = self.place.get(usize::from(axis));
         let from = from.copied().unwrap_or_default();
-        // Before homing the axis may stand beyond the end of the table. A forward jog must not move
-        // it backwards then.
+        // Before homing, the axis may be beyond the end of the table. In that case a forward jog
+        // must not move it backwards.
         let last = self.last_step(axis).max(from);
         let to = from.saturating_add_signed(steps).min(last);
         if i32::from(to) != i32::from(from).wrapping_add(i32::from(steps)) {
@@ -439,7 +440,7 @@ impl<const N: usize> Drill<N> {
         self.step(usize::from(axis), -1)
     }
 
-    /// Moves off a switch that was found, until it opens.
+    /// Moves off a switch that has closed, until it opens.
     fn open(&mut self, axis: u8, left: u16, inputs: &DrillInputs) -> Option<DrillEvent> {
         if !is_home(inputs, axis) {
             self.has_opened = true;
@@ -481,8 +482,8 @@ impl<const N: usize> Drill<N> {
         let was_open = self.were_open.get_mut(index)?;
         let is_closed = is_home(inputs, axis);
         let has_closed = core::mem::replace(was_open, !is_closed) && is_closed;
-        // The position at which a switch closes is certain. The position at which it opens again is
-        // not.
+        // A switch closes at a known position. It opens again at a position that is not known
+        // exactly.
         let is_lost = play.is_some_and(|play| {
             let limit = if has_closed {
                 play
@@ -514,7 +515,8 @@ impl<const N: usize> Drill<N> {
     }
 
     /// Searches for a switch beyond zero. A switch that closes slightly later than before is
-    /// accepted. One that closes much later means lost steps. The position stays zero.
+    /// accepted. A switch that closes much later shows that steps were lost. The position stays
+    /// zero.
     fn look_beyond(&mut self, axis: u8, gone: u16, inputs: &DrillInputs) -> Option<DrillEvent> {
         if is_home(inputs, axis) {
             self.task = Task::Return { axis, left: gone };
@@ -585,7 +587,7 @@ impl<const N: usize> Drill<N> {
     }
 
     /// Switches the spindle if the controller is responsible for it. Returns `true` if the next
-    /// event is this switching.
+    /// event switches it.
     fn switch_by_hole(&mut self, on: bool) -> bool {
         let [is_on, _] = self.spindle;
         let is_due = self.config.spindle_by_hole && is_on != on;
@@ -612,7 +614,7 @@ impl<const N: usize> Drill<N> {
             self.task = Task::Settle;
             return None;
         }
-        // The difference moves towards zero, so it does not overflow.
+        // The count moves towards zero, so it does not overflow.
         let direction = left.signum();
         self.task = Task::JogZ {
             left: left.wrapping_sub(direction),
@@ -633,7 +635,7 @@ impl<const N: usize> Drill<N> {
         self.report = Some(DrillReport::Fault(fault));
         let [is_on, _] = self.spindle;
         self.spindle = [is_on, false];
-        // The position of the axes is not certain any more.
+        // The positions of the axes are no longer certain.
         (self.is_homed, self.is_homing) = (false, false);
         self.link.fail();
         Task::Fault

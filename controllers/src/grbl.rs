@@ -68,9 +68,9 @@ enum Phase {
 
 /// A Grbl 1.1 controller of three axes, with `QUEUE` moves of look-ahead.
 ///
-/// It begins to move when the line is silent for 3 ms, when the queue is full, or when a line waits
-/// for the end of motion. See [`Controller`] for its use, and `docs/grbl.md` for its differences
-/// from Grbl.
+/// It begins to move when the line has been silent for 3 ms, when the queue is full, or when a line
+/// waits for the end of motion. [`Controller`] describes its use. `docs/grbl.md` describes its
+/// differences from Grbl.
 ///
 /// # Examples
 ///
@@ -133,14 +133,15 @@ pub struct Grbl<const QUEUE: usize = 15> {
     dwell_us: u64,
     /// Overrides of feed, rapids and spindle, in percent.
     overrides: [u8; 3],
-    /// Numbers of status reports until the next one that has the work zero, and the overrides.
+    /// Numbers of status reports until the next report with the work zero, and until the next
+    /// report with the overrides.
     reports: [u8; 2],
     work_zero: [i64; 3],
     outputs: Outputs,
     driven: Driven,
     /// T word of the last block.
     tool: u8,
-    /// Position of the last contact, and whether the last probe move found one.
+    /// Position of the last contact, and whether the last probe move found a contact.
     probe: ([i64; 3], bool),
     /// Position in steps at the contact of the present probe move.
     contact: Option<[i32; 3]>,
@@ -209,8 +210,8 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         &self.memory
     }
 
-    /// Returns the positions of the axes, in steps from machine zero: the position at power-on,
-    /// until the axes are homed.
+    /// Returns the positions of the axes, in steps from machine zero. Until the axes are homed,
+    /// machine zero is the position at power-on.
     pub const fn position_steps(&self) -> [i32; 3] {
         self.steps
     }
@@ -266,7 +267,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
     fn drop_moves(&mut self) {
         self.machine.abort();
         let position = self.position();
-        // Steps that were made are within 31 bits.
+        // The steps that were made fit 31 bits.
         let _ = self.machine.place([Nm(0); 3], position);
         self.modal.set_position(position);
         self.rest = None;
@@ -349,8 +350,8 @@ impl<const QUEUE: usize> Controller for Grbl<QUEUE> {
         match self.receiver.push(byte) {
             Some(realtime) => self.take_realtime(realtime),
             None => {
-                // A line that follows immediately postpones the motion. A motion that is about to
-                // begin is not postponed.
+                // A line that follows immediately postpones the motion, unless the motion is about
+                // to begin.
                 if self.start_us > 0 && !self.is_underway() {
                     self.start_us = motion::START_US;
                 }

@@ -41,14 +41,14 @@ enum Power {
 /// up its backlash; these steps do not change the position. `F` stores the figure: moves in X and
 /// Z, in steps (`&'static [[i16; 2]]`, an array, a `heapless::Vec`).
 ///
-/// **Homing** ends at the same position from any start, whichever flank an axis stands on. If a
-/// switch is closed at the start, the axis first leaves it and then searches it. The machine is
-/// homed only after all of this has succeeded.
+/// **Homing** ends at the same position from any start, whichever flank is engaged. If a switch is
+/// closed at the start, the axis first moves off it and then searches for it. The machine is homed
+/// only after all of this has succeeded.
 ///
-/// **Switches.** If the home switch of an axis closes in a jog, in counted steps or in a figure,
-/// the axis stops, the machine reports it, the axis backs off the switch, and the task ends. An
-/// axis may move away from a switch that is already closed. An emergency stop acts on the next
-/// event of every task and lasts until [`Microfactory::reset`].
+/// **Switches.** The home switch of an axis may close during a jog, counted steps or a figure. The
+/// axis then stops, the machine reports it, the axis backs off the switch, and the task ends. An
+/// axis may move away from a switch that is already closed. An emergency stop takes effect at the
+/// next event of every task and lasts until [`Microfactory::reset`].
 ///
 /// # Cost
 /// An event takes some comparisons and two additions. A move of a figure takes a square root and a
@@ -84,22 +84,23 @@ pub struct Microfactory<F> {
     power: Power,
     plays: [Play; 3],
     spindle: i32,
-    /// Ticks since the last event of an axis that steps of the spindle have already used.
+    /// Ticks since the last event of an axis that were already used by steps of the spindle.
     used_ticks: u32,
     /// Ticks until the next step of a spindle that turns during a figure.
     spindle_ticks: u32,
     /// The next step of the task, while it waits for its time.
     due: Option<Due>,
     is_homed: bool,
-    /// Whether RESET was pulsed since power-on, so that the phases are known.
+    /// Whether RESET was pulsed since power-on. The phases are then known.
     was_reset: bool,
     report: Option<Report>,
-    /// The end of the last task, or the last report of the present one.
+    /// The report that ended the last task, or the last report of the present one.
     last: Option<Report>,
     /// Switches that were closed at the last step, and switches that have closed since.
     were_closed: [bool; 3],
     close: [bool; 3],
-    /// Motor steps of X, Y and Z since their zeros were found. `None`: not since the reset.
+    /// Motor steps of X, Y and Z since their zeros were found. `None`: no zero was found since the
+    /// reset.
     since_zero: [Option<i32>; 3],
     switches: Switches,
 }
@@ -142,9 +143,9 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
 
     /// Takes a command from the link. Returns whether it is carried out.
     ///
-    /// A task begins only if no other task is running. A command that repeats the present jog
-    /// renews it if there is a dead-man's time. The owner carries out commands for the stored
-    /// figure ([`Order::Clear`] and the like), see [`Microfactory::figure_mut`].
+    /// A task begins only if no other task is running. With a dead-man's time, a command that
+    /// repeats the present jog renews it. The owner carries out commands for the stored figure
+    /// ([`Order::Clear`] and the like): see [`Microfactory::figure_mut`].
     pub fn command(&mut self, command: Order) -> bool {
         if self.task == Task::Emergency {
             return false;
@@ -192,7 +193,7 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
         }
         if command == Order::Home {
             if self.is_homed {
-                // A homing that does not end adds to what the next one finds.
+                // If a homing does not end, the next one adds its steps to those already found.
                 self.switches = Switches {
                     are_compared: true,
                     ..Switches::default()
@@ -208,8 +209,9 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
         true
     }
 
-    /// Resets the machine, as its panel or power-up does: it ends an emergency stop, the machine is
-    /// not homed, the motors are off, and positions count from where the axes stand.
+    /// Resets the machine, as its panel or power-up does. This ends an emergency stop. The machine
+    /// is then not homed, the motors are off, and positions count from the present position of the
+    /// axes.
     pub fn reset(&mut self) {
         let [x, y, z] = self.config.backlash_steps;
         self.plays = [Play::new(x), Play::new(y), Play::new(z)];
@@ -252,7 +254,8 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
         [x, y, z, self.spindle]
     }
 
-    /// Returns the end of the last task and the position of the axes: the answer to [`Order::Ask`].
+    /// Returns the end of the last task and the position of the axes. This is the answer to
+    /// [`Order::Ask`].
     pub fn status(&self) -> Status {
         Status {
             report: self.last,
@@ -262,8 +265,8 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
         }
     }
 
-    /// Returns where the home switches closed at the last homing, compared with the homing before:
-    /// the answer to [`Order::Switches`].
+    /// Returns where the home switches closed at the last homing, compared with the homing before.
+    /// This is the answer to [`Order::Switches`].
     pub const fn switches(&self) -> Switches {
         self.switches
     }
@@ -338,7 +341,7 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
         Some(event)
     }
 
-    /// Reports now, and in the answer to a status request.
+    /// Reports now. The answer to a later status request contains the same report.
     fn report_now(&mut self, report: Report) {
         self.report = Some(report);
         self.last = Some(report);
@@ -429,8 +432,8 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
         Some((due, counts))
     }
 
-    /// Whether an axis must stop: it moves towards its closed switch, or its switch has closed in
-    /// any motion of a task. The axis then backs off.
+    /// Whether an axis must stop, because it moves towards its closed switch, or because its switch
+    /// has closed during the task. The axis then backs off.
     fn stops_at(&mut self, turn: Turn, inputs: &MicrofactoryInputs) -> bool {
         let axis = turn.motor;
         // The contact may bounce while the axis moves off its switch.
@@ -452,21 +455,20 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
         stops
     }
 
-    /// Sets the load to the negative flank, because the last move of the motor in this direction
-    /// moved it.
+    /// Marks the negative flank as engaged, because the last move in this direction moved the load.
     fn engage_negative(&mut self, axis: u8) {
         if let Some(play) = self.plays.get_mut(usize::from(axis)) {
             play.set_behind();
         }
     }
 
-    /// Homing: leaves a switch that is already closed, or searches the switch.
+    /// Homing: moves off a switch that is already closed, or searches for the switch.
     fn begin_search(&mut self, axis: u8, inputs: &MicrofactoryInputs) {
         let backlash = self.config.backlash_steps.get(usize::from(axis));
         self.task = if inputs.is_home(axis) {
             Task::Leave {
                 axis,
-                // At least the back-off from either flank. The sum of two u16 fits.
+                // This is at least the back-off from either flank. The sum of two u16 fits.
                 left: u32::from(backlash.copied().unwrap_or_default())
                     .wrapping_add(u32::from(self.config.back_off_steps)),
             }
@@ -478,8 +480,8 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
         };
     }
 
-    /// Homing: leaves a switch that was closed at the start, so that it always closes at the same
-    /// position.
+    /// Homing: moves off a switch that was closed at the start. The switch then always closes at
+    /// the same position.
     fn leave(&mut self, axis: u8, left: u32, inputs: &MicrofactoryInputs) -> Option<Due> {
         let Some(left) = left.checked_sub(1) else {
             if inputs.is_home(axis) {
@@ -499,8 +501,8 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
     /// Homing: moves towards the switch.
     fn search(&mut self, axis: u8, left: u32, inputs: &MicrofactoryInputs) -> Option<Due> {
         if inputs.is_home(axis) {
-            // The switch was open before, so this direction has moved the load, whichever flank was
-            // engaged.
+            // The switch was open before. So moving in this direction has moved the load, whichever
+            // flank was engaged.
             self.engage_negative(axis);
             self.compare(axis);
             self.task = Task::BackOff {
@@ -525,8 +527,8 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
     }
 
     /// Homing: compares the step at which a switch has closed with the step at which it closed
-    /// before. From there to zero the motor takes up its backlash and backs off, whatever the real
-    /// backlash is.
+    /// before. From this step to zero the motor takes up the configured backlash and backs off. The
+    /// real backlash does not matter.
     fn compare(&mut self, axis: u8) {
         let index = usize::from(axis);
         let since_zero = self.since_zero.get(index).copied().flatten();
@@ -631,7 +633,7 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
         self.task = Task::Figure { index };
     }
 
-    /// Returns a step of the task, or an earlier step of the spindle.
+    /// Returns a step of the task, or a step of the spindle that is due earlier.
     fn merged(&mut self, due: Due) -> StepEvent<MICROFACTORY_MOTORS> {
         let left = due.wait_ticks.saturating_sub(self.used_ticks);
         let turns_along = self.config.spindle_turns_in_figures
@@ -643,7 +645,7 @@ impl<F: AsRef<[[i16; 2]]>> Microfactory<F> {
             self.spindle_ticks = self.config.spindle_interval();
             return self.made(wait_ticks, [0, 0, 0, 1]);
         }
-        // The ticks are above `left` if the spindle turns; otherwise they restart.
+        // If the spindle turns, the ticks are above `left`. Otherwise they restart.
         self.spindle_ticks = if turns_along {
             self.spindle_ticks.wrapping_sub(left)
         } else {

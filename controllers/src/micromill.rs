@@ -80,7 +80,7 @@ pub struct Micromill<'a, const QUEUE: usize = 16, const AHEAD: usize = 8, const 
     config: &'a MicromillConfig,
     link: Device<OUT>,
     queue: Ring<Entry, QUEUE>,
-    /// Whether the line that filled the queue is not confirmed yet.
+    /// Whether the controller must still confirm the line that filled the queue.
     owes_taken: bool,
     /// End of the last accepted line, and start of the next line to execute.
     programmed: Place,
@@ -101,18 +101,18 @@ pub struct Micromill<'a, const QUEUE: usize = 16, const AHEAD: usize = 8, const 
     ends_ahead: u16,
     lease: Lease,
     is_homed: bool,
-    /// It was homed when the present homing began.
+    /// Whether the mill was homed when the present homing began.
     was_homed: bool,
 }
 
 /// Whether a motion needs the host.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 enum Lease {
-    /// The silence was longer than this, ms. The spindle is switched off next.
+    /// The silence was longer than this, ms. Next, the spindle is switched off.
     Over(u16),
-    /// It does: the longest silence of the host, ms.
+    /// The motion needs the host. This is the longest permitted silence, ms.
     Ms(u16),
-    /// It does not.
+    /// The motion does not need the host.
     None,
 }
 
@@ -190,9 +190,9 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
         self.link.stops()
     }
 
-    /// Returns the longest silence of the line during the present motion, us. After it the caller
-    /// stops the motors as after [`receive`](Micromill::receive). `None`: nothing moves, or the
-    /// host has not requested a lease.
+    /// Returns the longest permitted silence of the line during the present motion, us. After a
+    /// longer silence the caller stops the motors, as after [`receive`](Micromill::receive).
+    /// `None`: nothing moves, or the host has not requested a lease.
     pub fn lease_us(&self) -> Option<u32> {
         match self.lease {
             Lease::Ms(ms) if self.is_moving() => Some(u32::from(ms).wrapping_mul(1000)), // 10 s
@@ -201,7 +201,7 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
     }
 
     /// Ends the motion, because no byte has arrived for [`lease_us`](Micromill::lease_us). The
-    /// spindle is switched off, too. The lease holds for the next motion as well. The caller stops
+    /// spindle is switched off, too. The lease also applies to the next motion. The caller stops
     /// the motors and calls [`halted`](Micromill::halted).
     pub const fn expire(&mut self) -> bool {
         if let Lease::Ms(ms) = self.lease {
@@ -252,7 +252,7 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
             for _ in 0..given.ends {
                 self.link.answer(Answer::Done);
             }
-            // They were counted before.
+            // `ends_ahead` already includes these lines.
             self.ends_ahead = self.ends_ahead.wrapping_sub(given.ends.into());
         }
         if self.ahead.is_empty() {
@@ -260,9 +260,9 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
         }
     }
 
-    /// Whether the controller sends a report when given events are made: a step, or the end of a
-    /// line. The caller then calls [`made`](Micromill::made) immediately after each event.
-    /// Otherwise it may wait for several events: one call for several costs as much as for one.
+    /// Whether the controller sends a report when given events are made. A step or the end of a
+    /// line causes a report. The caller then calls [`made`](Micromill::made) immediately after each
+    /// event. Otherwise it may call it once for several events, at the cost of one.
     pub const fn reports_next(&self) -> bool {
         self.link.tells_steps() || self.ends_ahead > 0
     }
@@ -273,7 +273,7 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
     }
 
     /// Returns the next event for the present switches. Returns `None` if there is none now. The
-    /// caller asks again after a byte arrived, an event was made or a byte was sent.
+    /// caller asks again after a byte has arrived, an event was made or a byte was sent.
     #[inline]
     pub fn next_event(&mut self, inputs: &MicromillInputs) -> Option<MicromillEvent> {
         while !self.ahead.is_full() && self.has_room() {
@@ -293,8 +293,8 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
         None
     }
 
-    /// Whether there is room for the reports of the given events and the next one, three steps
-    /// each.
+    /// Whether there is room for the reports of all given events and of the next one. Each event
+    /// may report three steps.
     #[inline]
     fn has_room(&self) -> bool {
         let to_tell = self.ahead.len().wrapping_mul(3).wrapping_add(3);
@@ -313,8 +313,8 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
         self.is_homed
     }
 
-    /// Returns load steps from machine zero after the events that were made. Before homing they
-    /// count from the position at power-on.
+    /// Returns the load steps after the events that were made. They count from machine zero. Before
+    /// homing they count from the position at power-on.
     pub fn position_steps(&self) -> [i32; 3] {
         let mut plays = self.plays;
         for given in self.ahead.iter() {
@@ -328,12 +328,12 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
         self.link.set_motion(self.is_moving(), is_jog);
     }
 
-    /// Sets the position to that of the loads, computed from their steps.
+    /// Sets the present position to the position of the loads, computed from their steps.
     fn stand(&mut self) {
         let axes = self.config.machine.axes.iter().zip(&self.plays);
         for (at, (axis, play)) in self.at.iter_mut().zip(axes) {
             let Ok(place) = i32::try_from(axis.scale.position(play.load())) else {
-                // No axis reaches this position: it must home again.
+                // No axis can be at this position, so the mill must home again.
                 self.is_homed = false;
                 continue;
             };
@@ -353,7 +353,7 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
         self.guard.rest();
     }
 
-    /// Returns the next event, unless it is a step of a path that nothing precedes.
+    /// Returns the next event. The caller handles a step of a path directly if nothing precedes it.
     #[inline(never)]
     fn look(&mut self, inputs: &MicromillInputs) -> Next {
         if let Lease::Over(ms) = self.lease {
@@ -378,14 +378,14 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
             };
             return self.give(wait_ticks, Directions::NONE);
         }
-        // The decision requires the switches after the last step.
+        // The controller decides with the switches as they are after the last step.
         if !self.ahead.is_empty() {
             return Next::Wait;
         }
         self.manual(inputs)
     }
 
-    /// Ends the program at the present position. Given events are still made.
+    /// Ends the program at the present position. Events that were already given are still made.
     fn cut(&mut self) {
         self.queue.clear();
         self.owes_taken = false;
@@ -425,7 +425,7 @@ impl<'a, const QUEUE: usize, const AHEAD: usize, const OUT: usize>
         }
     }
 
-    /// Ends the present line. It is done when all given events are made.
+    /// Ends the present line. The line is done when all given events are made.
     fn end_line(&mut self) {
         match self.ahead.last_mut() {
             // At most `QUEUE` lines end with one event.

@@ -25,8 +25,8 @@ pub struct ServoModuleOutput {
     pub baud: Option<Baud>,
 }
 
-/// A PIC-SERVO module (J. R. Kerr, data sheet, 1999; versions 4, 5 and 10) without its pins:
-/// received bytes and readings in, sent bytes and the drive of a motor out.
+/// A PIC-SERVO module (J. R. Kerr, data sheet, 1999; versions 4, 5 and 10) without its pins. It
+/// takes received bytes and readings, and returns bytes to send and the drive of a motor.
 ///
 /// ```text
 /// command line ──► receive ┐                      ┌──► transmit ──► status line
@@ -37,7 +37,7 @@ pub struct ServoModuleOutput {
 pub struct ServoModule {
     link: Module,
     axis: ServoAxis,
-    /// Values of the last Load Trajectory. They apply where the next one omits a value.
+    /// Values of the last Load Trajectory. They apply if the next one omits a value.
     goal: i32,
     velocity: u32,
     acceleration: u32,
@@ -244,7 +244,7 @@ impl ServoModule {
     }
 }
 
-/// An event of a module is a servo period: the drive of its motor from then on.
+/// An event of a module is a servo period. It contains the drive of the motor from then on.
 impl Controller for ServoModule {
     type Inputs = ServoInputs;
     type Event = ServoModuleOutput;
@@ -276,7 +276,7 @@ impl Timed for ServoModuleOutput {
     }
 }
 
-/// Returns the byte with all bits that are set.
+/// Returns a byte with the bits of the true flags.
 fn bits(of: &[(u8, bool)]) -> u8 {
     of.iter()
         .filter(|(_, is_set)| *is_set)

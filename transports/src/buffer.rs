@@ -1,6 +1,6 @@
 //! A buffer of bytes with a fixed capacity.
 
-/// Up to `N` bytes. Bytes pushed beyond `N` are dropped; the bounds of each user exclude this.
+/// Up to `N` bytes. Bytes pushed beyond `N` are dropped. The bounds of each user exclude this case.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Buffer<const N: usize> {
     bytes: [u8; N],
@@ -38,7 +38,8 @@ impl<const N: usize> Buffer<N> {
     }
 }
 
-/// Takes numbers from the front of a byte slice, low byte first. `None` when the bytes are used up.
+/// Takes numbers from the front of a byte slice, low byte first. Returns `None` when no bytes are
+/// left.
 pub(crate) struct Fields<'a>(pub(crate) &'a [u8]);
 
 impl Fields<'_> {

@@ -30,42 +30,43 @@
 //! | | `>` | instead of any pending answer: the lease expired before the work was done |
 //! | | `!` | instead of any pending answer: the device has stopped with a fault until a reset |
 //!
-//! The device holds 8192 bytes. The next byte (except `f` at the end) gets `w` instead of its echo:
-//! the device does what it holds, starts with an empty memory, stores the byte and then echoes it.
-//! A record may lie across that border. The host has to be silent meanwhile.
+//! The device holds 8192 bytes. The next byte (except `f` at the end) gets `w` instead of its echo.
+//! The device then runs what it holds, empties its memory, stores the byte and echoes it. A record
+//! may be divided by this border. Meanwhile the host must be silent.
 //!
 //! # Lease
 //!
-//! With a lease every motion needs its host. Each byte on the line renews it; a host that waits for
-//! an answer sends `p`. After a silence of the whole lease the device takes no further record. X
-//! and Y stop with the present step, and their positions stay known. A hole that is being drilled
-//! ends upwards and is not counted. Then the spindle stops, and `>` is sent instead of the answer,
-//! unless it differs from the expected echo by less than two bits. The lease has ended with that.
+//! With a lease every motion needs its host. Each byte on the line renews the lease. A host that
+//! waits for an answer sends `p`. After a silence of the whole lease the device takes no further
+//! record. X and Y stop with the present step, and their positions stay known. If a hole is being
+//! drilled, Z moves up, and the hole is not counted. Then the spindle stops, and the device sends
+//! `>` instead of the answer. It sends nothing if `>` differs from the expected echo by less than
+//! two bits. The lease has then ended.
 //!
-//! A host with a lease does not store beyond the memory of the device ([`Refused::Leased`]): it has
-//! to be silent while a full memory is run. The original has no lease.
+//! A host with a lease does not store beyond the memory of the device ([`Refused::Leased`]),
+//! because it must be silent while a full memory is run. The original has no lease.
 //!
-//! [`Device`] is the end of the controller, either as the original or with its flaws corrected;
+//! [`Device`] is the controller's end, either as in the original or with its flaws corrected.
 //! [`Rules`] has a name for each flaw. [`Host`] is the other end. Its waits and retries are those
 //! of the original or corrected ones ([`Timing`]).
 //!
 //! # Faults
 //!
-//! An echo shows every wrong bit except one that is inverted again on the way back. An error rate
-//! of p therefore leaves p^2 per bit. A lost byte has no echo. A doubled byte has two echoes, and
-//! the second one does not match the next byte sent. Letters of axes are no commands, so a device
-//! that lost its alignment does not answer them.
+//! An echo shows every wrong bit except one that is inverted again in the echo. With an error rate
+//! of p, a rate of p^2 per bit remains undetected. A lost byte has no echo. A doubled byte has two
+//! echoes, and the second one does not match the next byte sent. The letters of axes are not
+//! commands, so a device that has lost its alignment does not answer them.
 //!
-//! Nothing runs before `e` or a border, and the host knows which bytes ran. After an error,
-//! [`Host::done_bytes`] have certainly been done, and at most [`Host::begun_bytes`] may have been.
-//! To continue after an error: [`Step::Resync`], [`Step::Home`], [`Step::Clear`], and the program
-//! from that byte on.
+//! Nothing runs before `e` or a full memory, and the host knows which bytes were run. After an
+//! error, [`Host::done_bytes`] have certainly been done, and at most [`Host::begun_bytes`] may have
+//! been done. To continue after an error, use [`Step::Resync`], [`Step::Home`], [`Step::Clear`],
+//! and the program from that byte on.
 //!
-//! One error is not detected by echoes: `m` with one wrong bit is `e`, so the host empties the
-//! program first. One wrong bit in the other letters is harmless: it turns `B`, `c` or `r` into
-//! `b`, and `b` into `c`, `r` or `B`. `t` and `0` differ from every other command by two bits or
-//! more, `*`, `;` and `>` from the answers to commands by three or more. A device at work ignores a
-//! `p` with one wrong bit, and the host takes a `*` or `;` with one wrong bit.
+//! Echoes do not detect one error: `m` with one wrong bit is `e`. Therefore the host empties the
+//! program before `m`. One wrong bit in the other letters is harmless: it turns `B`, `c` or `r`
+//! into `b`, and `b` into `c`, `r` or `B`. `t` and `0` differ from every other command by two bits
+//! or more. `*`, `;` and `>` differ from the answers to commands by three or more. A device at work
+//! ignores a `p` with one wrong bit, and the host accepts a `*` or `;` with one wrong bit.
 
 mod device;
 mod host;
@@ -92,9 +93,9 @@ pub use timing::Timing;
 pub const COUNT: u16 = u16::MAX;
 /// Asks a device with extras whether it is at work.
 pub const AT_WORK: u8 = b'p';
-/// The answer to [`AT_WORK`] of a device that is.
+/// The answer to [`AT_WORK`] of a device that is at work.
 pub const WORKING: u8 = b'*';
-/// The answer to [`AT_WORK`] of a device whose lease has expired, until it rests.
+/// The answer to [`AT_WORK`] of a device whose lease has expired, until the device is at rest.
 pub const ENDING: u8 = b';';
 /// Sent by a device whose lease expired before its work was done.
 pub const EXPIRED: u8 = b'>';
@@ -104,7 +105,7 @@ pub const LEASE_UNIT_MS: u16 = 50;
 pub const FAULT: u8 = b'!';
 /// The manual mode that keeps the program.
 const KEPT: u8 = b'M';
-/// Asks for a lease.
+/// Requests a lease.
 const LEASE: u8 = b't';
 /// Empties the program and keeps the zero.
 const EMPTY: u8 = b'0';

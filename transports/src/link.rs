@@ -1,5 +1,5 @@
-//! A link of frames for our own controllers: numbered, checked and repeated, between one master and
-//! one or several stations on a line.
+//! A link of frames for our own controllers. Frames are numbered, checked and repeated, between one
+//! master and one or several stations on a line.
 //!
 //! ```text
 //!  frame    COBS( address | kind, flags | number, acknowledged | payload | CRC-16 ) 00
@@ -10,11 +10,12 @@
 //!                  ◄── acknowledges 3
 //! ```
 //!
-//! A payload arrives once, whole and in order, or the link goes down and reports how many frames
-//! are in doubt. A station that has restarted reports it, and accepts nothing until it is called
-//! again. The answer to a call repeats the number of the call. A broadcast is sent only once,
-//! because a repetition would start some stations later than others. Every answer of a station says
-//! whether it received the last broadcast, so the master knows which stations missed it.
+//! A payload arrives once, whole and in order. Otherwise the link goes down and reports how many
+//! frames are in doubt. A station that has restarted reports this, and accepts nothing until it is
+//! called again. The answer to a call repeats the number of the call. A broadcast is sent only
+//! once, because a repetition would start some stations later than others. Every answer of a
+//! station reports whether it received the last broadcast, so the master knows which stations
+//! missed it.
 //!
 //! | field | bytes | |
 //! | --- | --- | --- |
@@ -26,13 +27,13 @@
 //!
 //! The link owns neither a port nor a clock. Time is an argument in microseconds (`u32`, wrapping;
 //! calls at most 2^31 us apart). On a half-duplex line, [`rs485`](crate::rs485) drives the enable
-//! pin and removes one's own echo. The link ignores an echo as well.
+//! pin and removes the echo of one's own bytes. The link ignores such an echo as well.
 //!
 //! # Undetected errors
 //!
 //! The CRC detects up to three wrong bits in a frame and any burst of 16 (Koopman's tables:
 //! distance 4 up to 32 751 bits). A wrong code byte of COBS shifts the bytes after it. Of such
-//! frames, one in 65 536 passes.
+//! frames, one in 65 536 is accepted.
 //!
 //! # Source
 //!
@@ -62,8 +63,8 @@ pub const PAYLOAD_BYTES: usize = 120;
 /// The address of all stations.
 pub const BROADCAST: u8 = 0xFF;
 
-/// Largest number of frames in flight: half the numbers less one, so that a repeated frame is never
-/// taken for a new one.
+/// Largest number of frames in flight. It is one less than half of the numbers, so that a repeated
+/// frame is never taken for a new one.
 pub const WINDOW_FRAMES: usize = 7;
 
 /// Why a link is down.

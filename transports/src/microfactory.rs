@@ -6,16 +6,16 @@
 //! status     the answers of a device to a status request, and to one for its home switches
 //! ```
 //!
-//! The original (9600 baud, no echo, no reply) states its modes but no byte values. The values here
-//! are ours and may be changed in the [`ByteTable`]. A count may be any byte from 1 to 255, letters
-//! included, so the meaning of a byte depends on the mode.
+//! The original uses 9600 baud, without echo or reply. Its description states its modes but no byte
+//! values. The values here are ours and may be changed in the [`ByteTable`]. A count may be any
+//! byte from 1 to 255, letters included, so the meaning of a byte depends on the mode.
 //!
-//! The figure of the original is built in. A [`Device::storing`] accepts others: `<`, then `3` and
-//! four bytes per move, then `6` with the number of moves and a check. There is no figure again
-//! until this check is right, so a damaged figure is never cut. A controller of two machines
-//! ([`Device::of_two_machines`]) obeys `o` and `t`: the following commands are for machine one, or
-//! two. Five bytes [`ByteTable::stop`] end any half-received command, because at most four of them
-//! are taken as its data.
+//! The figure of the original is built in. A [`Device::storing`] accepts other figures: `<`, then
+//! `3` and four bytes per move, then `6` with the number of moves and a check. After `<` there is
+//! no figure until this check is right, so a damaged figure is never cut. A controller of two
+//! machines ([`Device::of_two_machines`]) accepts `o` and `t`. The commands after `o` are for
+//! machine one, those after `t` for machine two. Five bytes [`ByteTable::stop`] end any
+//! half-received command, because at most four of them are taken as its data.
 
 mod figure;
 mod status;
@@ -33,7 +33,8 @@ use figure::{checked, move_of};
 pub enum Order {
     /// Home X, Y and Z.
     Home,
-    /// Turn a motor until [`Order::Stop`]. While it turns, the repeated command renews the jog.
+    /// Turn a motor until [`Order::Stop`]. While the motor turns, the same command again renews the
+    /// jog.
     Jog {
         /// 0 to 2 for X, Y, Z; 3 for the spindle.
         motor: u8,
@@ -55,11 +56,11 @@ pub enum Order {
     Stop,
     /// Stop at once, and obey nothing until a reset.
     Emergency,
-    /// Another figure begins. The stored one is deleted; there is none until [`Order::Keep`].
+    /// Begin another figure. The stored one is deleted. There is no figure until [`Order::Keep`].
     Clear,
     /// A move of the new figure: steps of X and Z.
     Line([i16; 2]),
-    /// The moves since [`Order::Clear`] are the figure; their number and check are right.
+    /// The moves since [`Order::Clear`] are the figure. Their number and their check are right.
     Keep,
     /// Report. The bytes of a [`Status`] follow the answer.
     Ask,
@@ -71,8 +72,8 @@ pub enum Order {
 }
 
 impl Order {
-    /// Whether it begins or ends a motion, which the controller of the machine accepts or refuses.
-    /// The other orders concern the stored figure or the lease, or request a report.
+    /// Whether this order begins or ends a motion. The controller of the machine accepts or refuses
+    /// such an order. The other orders concern the stored figure or the lease, or request a report.
     pub const fn is_a_motion(self) -> bool {
         !matches!(
             self,
@@ -84,7 +85,7 @@ impl Order {
 /// The state of the parser.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 enum Mode {
-    /// No mode is chosen, or it is home or figure, which take no more bytes.
+    /// No mode is chosen, or the mode is home or figure, which take no more bytes.
     None,
     /// The motor of the last jog, and whether it is forward.
     Manual(Option<(u8, bool)>),
@@ -99,7 +100,7 @@ enum Mode {
     Emergency,
     /// The next byte is the time of the lease, whatever its value.
     Lease,
-    /// Four bytes follow, whatever their values: of a move, or of the end of a figure.
+    /// Four bytes follow, whatever their values. They belong to a move or to the end of a figure.
     Data {
         is_end: bool,
         bytes: [u8; 4],
@@ -113,14 +114,14 @@ enum Mode {
 pub struct Received {
     /// The command that this byte completes.
     pub command: Option<Order>,
-    /// The byte to send back; `None` without acknowledgement.
+    /// The byte to send back. `None`: there is no acknowledgement.
     pub reply: Option<u8>,
 }
 
 /// The device's end: bytes in, commands out.
 ///
-/// A mode is left only while nothing moves. With acknowledgement, which the original does not have,
-/// every accepted byte is sent back and every other byte is answered by `?`.
+/// A mode can be left only while nothing moves. With acknowledgement, the device sends back every
+/// accepted byte and answers every other byte with `?`. The original has no acknowledgement.
 ///
 /// # Examples
 ///
@@ -141,7 +142,7 @@ pub struct Device {
     acknowledges: bool,
     /// Largest number of moves of a figure.
     room: u16,
-    /// Whether there are two machines, and the one that commands are for.
+    /// Whether there are two machines. The next field is the machine that receives the commands.
     is_pair: bool,
     machine: u8,
     loading: Option<Loading>,
@@ -183,15 +184,15 @@ impl Device {
         self
     }
 
-    /// Makes it the controller of two machines. Commands are for the first one until a byte of
-    /// [`ByteTable::machines`] chooses.
+    /// Makes it the controller of two machines. Commands are for the first machine until a byte of
+    /// [`ByteTable::machines`] chooses another one.
     pub const fn of_two_machines(mut self) -> Self {
         self.is_pair = true;
         self
     }
 
-    /// The machine that commands are for, 0 or 1. The argument `is_moving` of
-    /// [`receive`](Self::receive) is that of this machine. An emergency stop is for both.
+    /// Returns the machine that commands are for, 0 or 1. The argument `is_moving` of
+    /// [`receive`](Self::receive) concerns this machine. An emergency stop is for both.
     pub const fn machine(&self) -> u8 {
         self.machine
     }
@@ -203,8 +204,8 @@ impl Device {
         self.machine = 0;
     }
 
-    /// Leaves the mode after a home switch has ended a motion. The host has to choose a mode again,
-    /// so that a host that has not seen the switch does not send the axis there again.
+    /// Leaves the mode after a home switch has ended a motion. The host must then choose a mode
+    /// again. So a host that has not noticed the switch does not move the axis onto it again.
     pub const fn leave_mode(&mut self) {
         if let Mode::Manual(_) | Mode::Steps | Mode::Count(..) | Mode::Ready { .. } = self.mode {
             self.mode = Mode::None;
@@ -224,10 +225,12 @@ impl Device {
         }
     }
 
-    /// `None`: not accepted. `Some(None)`: accepted, and more bytes are needed.
+    /// Returns `None` if the byte is not accepted, and `Some(None)` if it is accepted and more
+    /// bytes are needed.
     fn take(&mut self, byte: u8, is_moving: bool) -> Option<Option<Order>> {
         if let Mode::Count(motor, forward) = self.mode {
-            // Nothing moves while a count is expected: a motor is chosen only at standstill.
+            // Nothing moves while a count is expected, because a motor is chosen only at
+            // standstill.
             if byte == 0 {
                 self.mode = Mode::Steps;
                 return None;
@@ -306,12 +309,12 @@ impl Device {
         }
     }
 
-    /// Turns to one of two machines.
+    /// Selects one of two machines.
     fn turn_to(&mut self, byte: u8) {
         let [_, second] = self.table.machines;
         self.machine = u8::from(byte == second);
-        // The mode, and a figure in transfer, belonged to the other machine. An emergency stop
-        // holds for both.
+        // The mode and a figure in transfer belonged to the other machine. An emergency stop
+        // applies to both machines.
         if self.mode != Mode::Emergency {
             self.mode = Mode::None;
         }
@@ -348,7 +351,7 @@ impl Device {
             return is_right.then_some(Some(Order::Keep));
         }
         self.loading = Some(Loading {
-            // A move begins only where there is room for one more: no overflow.
+            // A move begins only if there is room for one more, so this does not overflow.
             moves: loading.moves.wrapping_add(1),
             check: checked(loading.check, &bytes),
         });
@@ -372,7 +375,7 @@ impl Device {
             }
             _ if byte == self.table.line && has_room => (data(false), None),
             _ if byte == self.table.keep && self.loading.is_some() => (data(true), None),
-            // A host that does not listen cannot renew a lease.
+            // A host that does not receive answers cannot renew a lease.
             _ if byte == self.table.lease && self.acknowledges => (Mode::Lease, None),
             _ if byte == self.table.home => (Mode::None, Some(Order::Home)),
             _ if byte == self.table.figure => (Mode::None, Some(Order::Figure)),
@@ -423,7 +426,7 @@ mod tests {
         assert_eq!(replies, expected.map(Some));
     }
 
-    /// The time of a lease is any byte, and at most four stops end it if it was cut off.
+    /// The time of a lease may be any byte. If the command was cut off, at most four stops end it.
     #[test]
     fn a_lease_has_a_time() {
         let mut link = Device::new(ByteTable::DEFAULT).acknowledging();
@@ -433,7 +436,7 @@ mod tests {
             assert!(found[1].is_none());
         }
         assert_eq!(link.receive(b'l', true).reply, Some(REJECTED));
-        // A device without answers has none: its host cannot know.
+        // A device without answers has no lease, because its host could not know of it.
         let mut original = Device::new(ByteTable::DEFAULT);
         assert_eq!(commands(&mut original, b"lA")[0], Some(Order::Stop));
     }
@@ -448,7 +451,7 @@ mod tests {
         }
         assert_eq!(link.receive(b'A', true).command, Some(Order::Stop));
         assert_eq!(link.receive(b'H', false).command, Some(Order::Home));
-        // Homing is not a mode that has letters of motors.
+        // Homing is a mode without letters of motors.
         assert_eq!(link.receive(b'X', false).reply, Some(REJECTED));
     }
 
@@ -491,7 +494,8 @@ mod tests {
             .of_two_machines();
         link.receive(b'J', false);
         assert_eq!(link.receive(b'X', false).reply, Some(b'X'));
-        // A machine may be chosen while the other one moves. The mode belonged to the other one.
+        // A machine may be chosen while the other one moves. The mode belonged to that other
+        // machine.
         assert_eq!(link.receive(b't', true).reply, Some(b't'));
         assert_eq!(link.machine(), 1);
         assert_eq!(link.receive(b'X', false).reply, Some(REJECTED));

@@ -27,27 +27,28 @@
 //! | `I;` | ours: report position, backlash, zero and whether it is homed: [`State`] | 73 times [`Answer::Digit`], then `Taken` |
 //!
 //! Any string may be answered by [`Answer::Wrong`] (unknown string) or [`Answer::Refused`] (not
-//! possible now, or not to that position). Then nothing has changed. Blanks and ends of lines are
-//! echoed and are not part of a string. Answers have bit 7 set, echoes do not: a byte with bit 7 is
-//! echoed as `?`.
+//! possible now, or not to that position). In this case nothing has changed. Blanks and ends of
+//! lines are echoed but are not part of a string. Answers have bit 7 set, and echoes do not. A byte
+//! with bit 7 is therefore echoed as `?`.
 //!
 //! # Motion
 //!
-//! While the machine moves, any byte stops it and begins a new string. Only `W;`, `V;` and `L;` do
-//! not stop a jog or a motion with a lease. The host therefore sends a line when the previous one
-//! is done, and the machine stands still between lines.
+//! While the machine moves, any byte stops it and begins a new string. However, `W;`, `V;` and `L;`
+//! do not stop a jog or a motion with a lease. The host therefore sends a line when the previous
+//! one is done, and the machine is at rest between lines.
 //!
 //! # Streaming
 //!
-//! After `S1;`, lines enter a queue while the machine moves, answered by [`Answer::Taken`].
+//! After `S1;`, lines enter a queue while the machine moves, and are answered by [`Answer::Taken`].
 //! [`Answer::Done`] follows when a line has been made. The host sends the next line when the last
-//! one is in the queue. `A` at any position of a string stops at once and clears the queue.
+//! one is in the queue. `A` at any position of a string stops the machine at once and clears the
+//! queue.
 //!
 //! # Source
 //!
 //! The original defines the strings, the echo and one byte per step. It does not state the values
-//! of these bytes or the baud rate. This link adds these values, the strings marked as ours, and
-//! strings of 64 characters instead of 35 (an example of the original has 43).
+//! of these bytes or the baud rate. This link adds these values and the strings marked as ours. A
+//! string may have 64 characters instead of 35, because an example of the original has 43.
 
 mod answer;
 mod device;

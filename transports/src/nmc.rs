@@ -7,11 +7,11 @@
 //!  reply    status | items in force, in the order of their bits | sum
 //! ```
 //!
-//! The sum of a command is that of all its bytes except AA, the sum of a reply that of all bytes
-//! before it, modulo 256. 8 data bits, no parity, 1 stop bit, 19200 baud after power-up; integers
-//! low byte first; no byte stuffing. There are two pairs of wires. The host always drives its own
-//! pair. A module drives the other pair while it replies. Any byte on the host's pair makes a
-//! module stop its reply.
+//! The sum of a command includes all its bytes except AA. The sum of a reply includes all bytes
+//! before it. Both are modulo 256. A byte has 8 data bits, no parity and 1 stop bit. The rate is
+//! 19200 baud after power-up. Integers have the low byte first. There is no byte stuffing. There
+//! are two pairs of wires. The host always drives its own pair. A module drives the other pair
+//! while it replies. Any byte on the host's pair makes a module stop its reply.
 //!
 //! | code | command | data | | code | command | data |
 //! | --- | --- | --- | --- | --- | --- | --- |
@@ -40,14 +40,14 @@
 //! # Faults
 //!
 //! A sum of eight bits detects every single wrong bit. It misses pairs of wrong bits at the rate of
-//! [`unseen_pairs_in_halves`]. A reply has neither address nor number, so a lost reply leaves open
-//! whether its command was executed. [`Command::repeat`] says which commands may simply be sent
-//! again. The [`Host`] repeats the others only if readings before and after show that nothing
-//! happened. Otherwise it reports [`Failure::Uncertain`].
+//! [`unseen_pairs_in_halves`]. A reply has neither address nor number. Therefore, after a lost
+//! reply it is not known whether the command was executed. [`Command::repeat`] states which
+//! commands may simply be sent again. The [`Host`] repeats the others only if readings before and
+//! after show that nothing happened. Otherwise it reports [`Failure::Uncertain`].
 //!
-//! The following remains to the caller. Read a touched position twice ([`Step::ReadTwice`]). After
-//! a move, compare the position with the goal, because a trajectory cannot be read back before it
-//! starts. After a group command, ask each member.
+//! The caller must do the rest. Read a touched position twice ([`Step::ReadTwice`]). After a move,
+//! compare the position with the goal, because a trajectory cannot be read back before it starts.
+//! After a group command, ask each member.
 
 mod baud;
 mod command;

@@ -1,21 +1,22 @@
 //! Half-duplex lines: when to drive the line, when to release it, and which of the received bytes
-//! are one's own.
+//! are the echo of one's own.
 //!
 //! ```text
 //!  received ──────██████                               ██████  a request, the next request
 //!  turnaround           |◄──────►|                             at least one character of silence
 //!  driver enable                 ┌─────────────────────┐       start bit to stop bit (TC)
 //!  sent                          │██████ ██████ ██████ │
-//!  echo                           ██████ ██████ ██████         heard back, compared, dropped
+//!  echo                           ██████ ██████ ██████         received, compared, dropped
 //! ```
 //!
 //! The driver is released on **transmission complete** (the shift register is empty), not when the
 //! buffer is empty. An earlier release cuts the last byte. A release one character later collides
-//! with the answer. Only the master transmits unasked. An end that hears another byte than the one
-//! it sends stops at once, and only the master tries again.
+//! with the answer. Only the master transmits without being asked. An end that receives a byte
+//! other than the one it sends stops at once, and only the master tries again.
 //!
-//! [`Turnaround`] and [`Echo`] own neither a port nor a clock. With its feature, `EnablePin` drives
-//! the pin, `NbPort` is a complete port on `embedded-hal-nb`, and `IoPort` one on `embedded-io`.
+//! [`Turnaround`] and [`Echo`] own neither a port nor a clock. `EnablePin` drives the pin, `NbPort`
+//! is a complete port on `embedded-hal-nb`, and `IoPort` is one on `embedded-io`. Each of these
+//! three exists only with its feature.
 //!
 //! # Source
 //!

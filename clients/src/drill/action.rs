@@ -13,9 +13,9 @@ pub enum Action {
     Steps(Axis, i32),
     /// Jog an axis forward (`true`) or backward for a time.
     Jog(Axis, bool, Duration),
-    /// Switch the spindle.
+    /// Switch the spindle on (`true`) or off.
     Spindle(bool),
-    /// Stop after the present record, leave the manual mode, switch off the spindle.
+    /// Stop after the present record, leave the manual mode, and switch off the spindle.
     Stop,
     /// Add the present position as a hole of the program.
     Teach,
@@ -33,7 +33,7 @@ pub enum Action {
     Where,
 }
 
-/// An axis, with the keys of the manual mode for both directions.
+/// An axis. The manual mode has a key for each of its two directions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Axis {
     /// Along the table.
@@ -70,7 +70,7 @@ impl Action {
     ///
     /// # Errors
     ///
-    /// A sentence about the first word that is not understood.
+    /// Returns a sentence about the first word that is not understood.
     pub fn parse(words: &[String]) -> Result<Vec<Self>, String> {
         let mut words = words.iter();
         let mut actions = Vec::new();
@@ -96,7 +96,7 @@ impl Action {
         Ok(actions)
     }
 
-    /// `x 25`, or `x+ 2s`.
+    /// Reads a motion such as `x 25` or `x+ 2s`.
     fn axis(word: &str, amount: Option<&String>) -> Result<Self, String> {
         let unknown = || {
             format!(
@@ -139,7 +139,7 @@ impl Action {
     }
 }
 
-/// Steps, or a length with its unit, to the nearest step. At most 1 m.
+/// Reads steps, or a length with its unit, which is rounded to the nearest step. At most 1 m.
 fn steps(amount: &str) -> Option<i32> {
     let (number, mm) = match (amount.strip_suffix("mm"), amount.strip_suffix("in")) {
         (Some(number), _) => (number, 1.0),

@@ -1,4 +1,4 @@
-//! The host's side of the drill's link: one step after another, on a wire.
+//! The host's side of the drill's link: one step after another, over a wire.
 
 use super::LEASE_MS;
 use crate::{StopRequests, Wire};
@@ -11,26 +11,28 @@ use std::time::Duration;
 
 /// The longest wait between two checks for a request to stop.
 const LOOK: Duration = Duration::from_millis(20);
-/// A step that takes longer has failed. During a run the host extends the wait up to the caller's
-/// own limit.
+/// A step that takes longer than this has failed. During a run the host extends the wait up to the
+/// caller's own limit.
 const RUN_US: u32 = 30_000_000;
 /// A drill that runs a program answers within this time.
 const AT_WORK_ANSWER: Duration = Duration::from_millis(400);
-/// Number of queries whether a drill runs a program.
+/// Number of queries to find out whether a drill runs a program.
 const ASKED: usize = 4;
 /// Period of the queries to a drill that runs a program.
 const ASK: Duration = Duration::from_secs(1);
-/// The longest period with a lease, which the question renews.
+/// The longest period of the queries to a drill with a lease. Each query renews the lease.
 const RENEW: Duration = Duration::from_millis(100);
-/// A drill that answers no question for this time counts as gone.
+/// A drill that answers no query for this time counts as gone.
 const GONE: Duration = Duration::from_millis(5500);
-/// The same for a drill with a lease, which is asked more often.
+/// A drill with a lease counts as gone if it answers no query for this time. It is queried more
+/// often.
 const GONE_WITH_LEASE: Duration = Duration::from_secs(3);
-/// A margin after the lease. By then a drill has noticed that the lease has expired.
+/// A margin after the lease. By then a drill has detected that the lease has expired.
 const LEASE_MARGIN: Duration = Duration::from_millis(50);
 /// A drill whose lease has expired raises its spindle within this time.
 const REST: Duration = Duration::from_secs(25);
-/// A drill that is stopped completes its record first: a move of the table, or a drilling.
+/// A drill that is asked to stop completes its record first: a move of the table, or a drilling. It
+/// does so within this time.
 const RECORD: Duration = Duration::from_secs(180);
 
 /// Why a step has failed.
@@ -51,7 +53,7 @@ pub enum ClientError {
 }
 
 impl ClientError {
-    /// A sentence.
+    /// The error as a sentence.
     pub fn text(&self) -> String {
         match self {
             ClientError::Link(Failure::Silent) => {
@@ -126,12 +128,12 @@ pub struct Client {
     wire: Wire<Device>,
     host: Host,
     stop: StopRequests,
-    /// The answer of the device in a step whose answer is a text.
+    /// The answer of the device to a step, if that answer is a text.
     text: Vec<u8>,
     has_extras: bool,
     /// The lease to request; 0 for no lease.
     lease_ms: u16,
-    /// A device without a lease is no device for this client.
+    /// Whether this client refuses a device without a lease.
     needs_lease: bool,
 }
 
@@ -140,7 +142,7 @@ impl Client {
     ///
     /// # Errors
     ///
-    /// A sentence about the port.
+    /// Returns a sentence about the port.
     pub fn open(port: &str, bits_per_s: u32, stop: StopRequests) -> Result<Self, String> {
         let wire = if port == "sim" {
             Wire::simulated(Device::new(bits_per_s, false))
@@ -154,7 +156,7 @@ impl Client {
     pub fn new(wire: Wire<Device>, bits_per_s: u32, stop: StopRequests) -> Self {
         let mut timing = Timing::of(bits_per_s, RUN_US);
         if matches!(wire, Wire::Real { .. }) {
-            // A computer and its adapter may sleep for longer than a character.
+            // A computer and its adapter may pause for longer than a character.
             timing.echo_us += 500_000;
             timing.guard_us += 30_000;
         }
@@ -169,10 +171,10 @@ impl Client {
         }
     }
 
-    /// All motion ends this many milliseconds after the last byte of this client, in units of 50 ms
-    /// and at most 12.75 s; 0: it needs no client. [`reach`](Self::reach) fails at an original,
-    /// which has no lease, unless this is 0. Without this call the lease is [`LEASE_MS`], and an
-    /// original does without.
+    /// All motion ends this many milliseconds after the last byte of this client. The lease is in
+    /// units of 50 ms and at most 12.75 s. With 0, motion needs no client. An original has no
+    /// lease, so [`reach`](Self::reach) fails at one unless this is 0. Without this call the lease
+    /// is [`LEASE_MS`], and an original works without a lease.
     pub const fn with_lease(mut self, lease_ms: u16) -> Self {
         self.lease_ms = lease_ms;
         self.needs_lease = lease_ms > 0;
@@ -184,7 +186,7 @@ impl Client {
         self.has_extras && self.lease_ms > 0
     }
 
-    /// Time on the wire since it was opened.
+    /// Time since the wire was opened.
     pub fn elapsed(&self) -> Duration {
         self.wire.elapsed()
     }
@@ -207,7 +209,7 @@ impl Client {
         self.has_extras
     }
 
-    /// Bytes of the program that are done for certain, and that may have been begun.
+    /// Bytes of the program that are certainly done, and bytes that may have been begun.
     pub const fn done_and_begun(&self) -> [u32; 2] {
         [self.host.done_bytes(), self.host.begun_bytes()]
     }
@@ -217,26 +219,27 @@ impl Client {
         self.stop.is_asked()
     }
 
-    /// Brings the device to rest from any state but a running program, and finds out whether it
-    /// has extras.
+    /// Brings the device to rest from any state except a running program. Finds out whether it has
+    /// extras.
     ///
     /// # Errors
     ///
-    /// [`ClientError::AtWork`]: it runs a program, and says so. [`Failure::Fault`]: it has stopped
-    /// with a fault, and says so. [`ClientError::NoLease`]: it has none. Another: it does not
-    /// answer within about seven seconds. It is off or absent, it homes, or it is an original at
-    /// work.
+    /// [`ClientError::AtWork`]: the device reports that it runs a program. [`Failure::Fault`]: it
+    /// reports that it has stopped with a fault. [`ClientError::NoLease`]: it has no lease. Another
+    /// error: it does not answer within about seven seconds. Then it is off or absent, it homes, or
+    /// it is an original at work.
     pub fn reach(&mut self) -> Result<(), ClientError> {
         let mut last = ClientError::Link(Failure::Silent);
         let mut is_second = false;
         let rest_by = self.elapsed() + REST;
         let mut attempts = 0;
-        // A byte of the manual mode may make it home first.
+        // In the manual mode a byte may make the device home first.
         while attempts < 10 {
             attempts += 1;
             match self.run(Step::Resync) {
                 Ok(()) => match self.introduce() {
-                    // A byte may be lost: an original does not answer the second time either.
+                    // A byte may be lost, so there is a second try. An original does not answer
+                    // that one either.
                     Err(ClientError::Link(_)) if !is_second => is_second = true,
                     Err(ClientError::Link(_)) if !self.has_extras && !self.needs_lease => {
                         return self.run(Step::Resync);
@@ -250,7 +253,7 @@ impl Client {
                 Err(ClientError::Link(Failure::Silent)) => match self.says()? {
                     Some(WORKING) => return Err(ClientError::AtWork),
                     Some(FAULT) => return Err(ClientError::Link(Failure::Fault)),
-                    // The drill comes up, because another client has gone.
+                    // Another client has gone, so the drill raises its spindle.
                     Some(ENDING) if self.elapsed() < rest_by => attempts = 0,
                     _ => last = ClientError::Link(Failure::Silent),
                 },
@@ -276,19 +279,18 @@ impl Client {
     }
 
     /// Ends a program that the device runs alone, and brings the device to rest. The spindle of a
-    /// device with extras stops too.
+    /// device with extras stops, too.
     ///
     /// The device completes its present record first: a drilling, or a move over the whole table
-    /// (95 s). `wait` gets the longest time that is waited for it, if the device does not answer
-    /// at once.
+    /// (95 s). If the device does not answer at once, `wait` gets the longest time of the wait.
     ///
     /// # Errors
     ///
-    /// The device does not answer in that time: it is off, absent or stopped because of a fault.
-    /// [`ClientError::Stopped`]: the operator does not wait.
+    /// The device does not answer in that time: it is off, absent, or stopped because of a fault.
+    /// [`ClientError::Stopped`]: the operator ends the wait.
     pub fn end_program(&mut self, wait: impl FnOnce(Duration)) -> Result<(), ClientError> {
-        // One wrong bit in an `E` makes an `e`, which runs a program. So only a device that answers
-        // nothing else gets it.
+        // One wrong bit turns an `E` into an `e`, which runs a program. So only a device that
+        // answers nothing else receives an `E`.
         match self.run(Step::Resync) {
             Err(ClientError::Link(Failure::Silent)) => {}
             Err(error @ ClientError::Port(_)) => return Err(error),
@@ -310,7 +312,7 @@ impl Client {
             if self.elapsed() < ask_at {
                 continue;
             }
-            // The `E` may be lost, and the program may have ended before it.
+            // The `E` may be lost, or the program may have ended before it.
             if self.run(Step::Resync).is_ok() {
                 return self.reach();
             }
@@ -333,7 +335,7 @@ impl Client {
             let byte = self.wire.receive(end - self.elapsed());
             match byte.map_err(|error| ClientError::Port(error.to_string()))? {
                 Some(byte @ (WORKING | ENDING | FAULT)) => return Ok(Some(byte)),
-                // A test follows that finds out more.
+                // A later test finds out more.
                 Some(_) => {}
                 None => break,
             }
@@ -341,17 +343,18 @@ impl Client {
         Ok(None)
     }
 
-    /// Brings the device to rest after a failure. Waits less than [`reach`](Self::reach), as the
-    /// device has answered a moment before.
+    /// Brings the device to rest after a failure. Waits for a shorter time than
+    /// [`reach`](Self::reach), because the device has answered a moment before.
     ///
     /// # Errors
     ///
     /// It does not answer.
     pub fn find_out(&mut self) -> Result<(), ClientError> {
-        // The request of the operator has been carried out.
+        // The stop that the operator requested has been carried out.
         self.stop.clear();
         if self.has_lease() {
-            // Each byte would renew the lease of what it does.
+            // Sends nothing until the lease has expired. Each byte would renew it and continue the
+            // motion.
             let end = self.elapsed() + Duration::from_millis(self.lease_ms.into()) + LEASE_MARGIN;
             while self.elapsed() < end {
                 self.listen(end - self.elapsed())?;
@@ -369,7 +372,7 @@ impl Client {
             match last {
                 Ok(()) => break,
                 Err(ClientError::Link(Failure::Silent)) if self.has_lease() => {
-                    // The drill comes up.
+                    // The drill raises its spindle.
                     if self.says()? == Some(ENDING) && self.elapsed() < rest_by {
                         attempts = 0;
                     }
@@ -380,8 +383,8 @@ impl Client {
         last
     }
 
-    /// How many drillings the device has done since its memory was cleared. `None`: the original,
-    /// which does not know, or a device after a reset.
+    /// Number of drillings that the device has done since its memory was cleared. `None`: the
+    /// device is an original, which does not know the number, or it was reset.
     ///
     /// # Errors
     ///
@@ -404,7 +407,7 @@ impl Client {
         Ok((letter, u16::from_le_bytes([low, high])))
     }
 
-    /// The record of a device with extras that has this number, from 0.
+    /// The record with this number, from 0, in a device with extras.
     ///
     /// # Errors
     ///
@@ -439,12 +442,12 @@ impl Client {
     pub fn help(&mut self) -> Result<String, ClientError> {
         self.text.clear();
         self.run(Step::Help)?;
-        // The echo before the text and the mark after it are not part of it.
+        // The echo before the text and the mark after it are not part of the text.
         let inner = self.text.get(1..self.text.len().max(2) - 1);
         Ok(String::from_utf8_lossy(inner.unwrap_or_default()).into_owned())
     }
 
-    /// A step that takes a few seconds at most.
+    /// Carries out a step that takes a few seconds at most.
     ///
     /// # Errors
     ///
@@ -453,7 +456,8 @@ impl Client {
         self.run_for(step, Duration::ZERO, |_| {})
     }
 
-    /// A step that may take this long. `progress` gets the time since its start.
+    /// Carries out a step that may take as long as `longest`. `progress` gets the time since its
+    /// start.
     ///
     /// # Errors
     ///
@@ -518,8 +522,7 @@ impl Client {
         }
     }
 
-    /// The period in which the device is asked whether it is at work: at most a quarter of a
-    /// lease.
+    /// The period of the queries whether the device is at work: at most a quarter of a lease.
     fn question_period(&self) -> Duration {
         if self.has_lease() {
             RENEW.min(Duration::from_millis(self.lease_ms.into()) / 4)
@@ -528,8 +531,8 @@ impl Client {
         }
     }
 
-    /// Starts the program and checks that it runs, without waiting for its end. It needs no client
-    /// from then on. `false`: the program has ended already.
+    /// Starts the program and checks that it runs. Does not wait for its end. From then on the
+    /// program needs no client. `false`: the program has ended already.
     ///
     /// # Errors
     ///
@@ -588,7 +591,7 @@ impl Client {
         Ok(())
     }
 
-    /// Time in microseconds, which wraps as the host expects.
+    /// Time in microseconds. It wraps, as the host expects.
     fn now_us(&self) -> u32 {
         self.wire.elapsed().as_micros() as u32
     }

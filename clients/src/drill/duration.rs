@@ -8,7 +8,8 @@ use husillo_sim::device::drill::STROKE_STEPS;
 const SETTLE_S: f64 =
     DrillConfig::ORIGINAL.settle_ticks as f64 / DrillConfig::ORIGINAL.timer_hz as f64;
 
-/// The seconds of each drilling of a part, from a position on.
+/// The seconds of each drilling of a part, with the move before it. The first move begins at
+/// `from`.
 pub fn seconds(part: &Part, mut from: [u16; 2]) -> Vec<f64> {
     part.stops()
         .map(|stop| {
@@ -19,7 +20,7 @@ pub fn seconds(part: &Part, mut from: [u16; 2]) -> Vec<f64> {
         .collect()
 }
 
-/// Seconds of a move of the table, X before Y.
+/// Seconds of a move of the table. X moves before Y.
 pub fn travel_s(from: [u16; 2], to: [u16; 2]) -> f64 {
     let [x_hz, y_hz, _] = DrillConfig::ORIGINAL.rate_hz.map(f64::from);
     f64::from(from[0].abs_diff(to[0])) / x_hz
@@ -27,7 +28,7 @@ pub fn travel_s(from: [u16; 2], to: [u16; 2]) -> f64 {
         + 2.0 * SETTLE_S
 }
 
-/// Down and up.
+/// Seconds of a drilling: down, up, and the rest after it.
 fn drilling_s(stop: Stop) -> f64 {
     let [.., z_hz] = DrillConfig::ORIGINAL.rate_hz.map(f64::from);
     let depth = match stop.depth {
@@ -51,7 +52,7 @@ pub fn travel_steps(part: &Part) -> u64 {
     steps
 }
 
-/// `3 min 20 s`.
+/// A duration as text, such as `3 min 20 s`.
 pub fn spoken(seconds: f64) -> String {
     let whole = seconds.round().max(0.0) as u64;
     match (whole / 3600, whole / 60 % 60, whole % 60) {

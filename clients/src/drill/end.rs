@@ -28,7 +28,7 @@ pub struct Failed {
     pub begun: usize,
 }
 
-/// The message about an end, and how to continue. `again` is the command line without --from.
+/// The message about an end and about how to continue. `again` is the command line without --from.
 pub fn sentence(end: &End, again: &str, all: usize) -> String {
     match end {
         End::Drilled => format!("{} drilled", counted(all, "hole")),
@@ -66,7 +66,7 @@ pub fn sentence(end: &End, again: &str, all: usize) -> String {
     }
 }
 
-/// `about 3 min 20 s left`.
+/// The remaining time as text, such as `about 3 min 20 s left`.
 pub fn left(seconds: f64) -> String {
     if seconds < 1.0 {
         "longer than estimated".into()

@@ -11,9 +11,10 @@ use std::time::Duration;
 
 /// Steps of one key of a jog: a fifth of a second at 247 Hz.
 const JOG_STEPS: u8 = 50;
-/// Longest time of a key: 255 steps, and the moves of Z.
+/// Longest time of a key: 255 steps and the moves of Z.
 const KEY: Duration = Duration::from_secs(60);
-/// The same for a drill that reports its faults. It may home first, and each search has an end.
+/// Longest time of a key on a drill that reports its faults. Such a drill may home first, and each
+/// of its searches has an end.
 const KEY_WITH_HOMING: Duration = Duration::from_secs(300);
 /// Longest run of a program in the memory, whose duration is unknown.
 const LONGEST: Duration = Duration::from_secs(24 * 3600);
@@ -22,22 +23,22 @@ const LONGEST: Duration = Duration::from_secs(24 * 3600);
 ///
 /// # Errors
 ///
-/// A sentence about the file.
+/// Returns a sentence about the file.
 pub type Keep = fn(file: &str, bytes: &[u8]) -> Result<(), String>;
 
-/// A drill by hand: in the manual mode, or idle.
+/// A drill that is moved by hand. It is in the manual mode, or idle.
 #[derive(Debug)]
 pub struct Hand {
     client: Client,
     keep: Keep,
-    /// The step size of the manual mode, while the drill is in it.
+    /// The step size of the manual mode. `None`: the drill is not in the manual mode.
     advance: Option<u8>,
     /// Whether this client has switched the spindle on.
     spindle: bool,
 }
 
 impl Hand {
-    /// A device that has answered ([`Client::reach`]).
+    /// Takes a device that has answered ([`Client::reach`]).
     pub const fn new(client: Client, keep: Keep) -> Self {
         Self {
             client,
@@ -56,7 +57,7 @@ impl Hand {
     ///
     /// # Errors
     ///
-    /// A sentence about the failure.
+    /// Returns a sentence about the failure.
     pub fn carry_out(&mut self, action: &Action) -> Result<String, String> {
         self.do_it(action).map_err(|failed| {
             let sentence = match &failed {
@@ -185,7 +186,7 @@ impl Hand {
         ))
     }
 
-    /// Returns `false` if the axis reached its end first.
+    /// Moves an axis by signed steps. Returns `false` if the axis reached its end first.
     fn steps(&mut self, axis: Axis, steps: i32) -> Result<bool, Failed> {
         let mut left = steps.unsigned_abs();
         while left > 0 {
@@ -246,7 +247,8 @@ impl Hand {
                 self.client
                     .run_for(Step::ManualKept(advance), KEY_WITH_HOMING, |_| {})?;
             } else {
-                // A wrong bit turns `m` into `e`, which runs the program: clear it first.
+                // A wrong bit turns `m` into `e`, which runs the program. So the program is cleared
+                // first.
                 self.client.run(Step::Clear)?;
                 self.client.run_for(Step::Manual(advance), KEY, |_| {})?;
             }
@@ -267,11 +269,11 @@ impl Hand {
         Ok(())
     }
 
-    /// Leaves the manual mode. The next client expects an idle drill.
+    /// Leaves the manual mode, because the next client expects an idle drill.
     ///
     /// # Errors
     ///
-    /// A sentence about the failure.
+    /// Returns a sentence about the failure.
     pub fn end(&mut self) -> Result<(), String> {
         self.idle().map_err(|failed| match failed {
             Failed::Link(error) => error.text(),
@@ -340,7 +342,7 @@ mod tests {
         assert_eq!(whole(&hole), Ok(1));
         assert_eq!(whole(&[&hole[..], &[*b"X\0\0", *b"Y\0\0"]].concat()), Ok(1));
         assert!(whole(&[]).unwrap_err().contains("no program"));
-        // Cut off, and filled up by the `f` that bring a device to rest.
+        // The program is cut off. The `f` bytes that bring a device to rest have filled it up.
         for part in [*b"X\x01f", *b"Xff", *b"Z\x01f", *b"Y\x02\0", *b"f\x01\0"] {
             let program = [&hole[..], &[part]].concat();
             assert!(

@@ -5,9 +5,9 @@ use super::load::{Load, MEMORY_RECORDS, loads_from};
 use super::part::Part;
 use husillo_transports::drill::Reading;
 
-/// The number of holes of this board that a drill with extras has done, by the program in its
-/// memory and its own count. `None`: it holds another program, none, or part of one, or has drilled
-/// nothing.
+/// The number of holes of this board that a drill with extras has done. It follows from the program
+/// in the drill's memory and from the drill's own count. `None`: the drill holds another program,
+/// no program, or part of one, or it has drilled nothing.
 pub(super) fn holes_done(client: &mut Client, parts: &[Part]) -> Option<usize> {
     let count = usize::from(client.drillings().ok()??);
     let (letter, records) = client.read(Reading::Records).ok()?;
@@ -34,11 +34,11 @@ fn load_held(client: &mut Client, parts: &[Part], records: usize) -> Option<Load
     None
 }
 
-/// Whether the drill holds this program, by up to 16 of its records.
+/// Whether the drill holds this program. Compares record 1 and up to 16 others.
 fn is_held(client: &mut Client, bytes: &[u8]) -> bool {
     let records: Vec<&[u8]> = bytes.chunks_exact(3).collect();
     let step = records.len().div_ceil(16).max(1);
-    // The first two are the place of the first hole.
+    // The first two records are the position of the first hole.
     let looked_at = [1].into_iter().chain((0..records.len()).step_by(step));
     looked_at.into_iter().all(|number| {
         let record = client.record(number as u16);

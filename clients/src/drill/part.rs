@@ -29,7 +29,7 @@ impl Part {
         self.pecks().filter(|is_peck| !is_peck).count()
     }
 
-    /// For each drilling: whether it deepens the hole of the one before.
+    /// For each drilling: whether it deepens the hole of the drilling before it.
     pub fn pecks(&self) -> impl Iterator<Item = bool> {
         let mut before: Option<u16> = None;
         self.records.iter().filter_map(move |record| {
@@ -63,7 +63,7 @@ impl Part {
         })
     }
 
-    /// The part without its first holes. It begins at the last of those.
+    /// The part without its first holes. It begins at the position of the last of these.
     pub fn rest_behind(&self, holes: usize) -> Part {
         let (mut found, mut drillings) = (0, 0);
         for is_peck in self.pecks() {
@@ -94,7 +94,8 @@ impl Part {
         }
     }
 
-    /// The first holes, as many as this number of records holds, and their number. At least one.
+    /// The first holes, and their number. They are as many as this number of records holds, but at
+    /// least one.
     pub fn first_holes(&self, most_records: usize) -> (Part, usize) {
         let mut pecks = self.pecks().skip(1);
         let (mut end, mut holes) = (self.records.len(), self.holes());
@@ -120,7 +121,7 @@ impl Part {
         record_bytes(self.records.iter().copied()).collect()
     }
 
-    /// `T1 (0.8 mm)`.
+    /// The name of the part, such as `T1 (0.8 mm)`.
     pub fn name(&self) -> String {
         match self.diameter {
             None if self.tool == 0 => "the program".into(),
@@ -130,8 +131,8 @@ impl Part {
     }
 }
 
-/// The same records from home, without moves of length zero. Each of those costs three bytes on a
-/// slow line.
+/// The same records from home, without moves of length zero. Each of these moves costs three bytes
+/// on a slow line.
 pub fn lean(records: &[Record]) -> Vec<Record> {
     let mut at = [0; 2];
     let moves = |record: &&Record| match **record {
@@ -170,7 +171,7 @@ mod tests {
             ],
         };
         let all: Vec<_> = part.stops().collect();
-        // The second is deepened: a peck of the same hole.
+        // The second hole is deepened by a peck.
         assert_eq!((all.len(), part.holes()), (4, 3));
         for (hole, behind) in [0, 1, 3, 4].into_iter().enumerate() {
             let rest: Vec<_> = part.rest_behind(hole).stops().collect();
@@ -180,7 +181,7 @@ mod tests {
         assert_eq!(places, [all[0], all[2], all[3]]);
     }
 
-    /// The holes of the pieces together are those of the part, with all their drillings.
+    /// The pieces together have the holes of the part, with all their drillings.
     #[test]
     fn a_part_is_cut_between_holes() {
         let depths = |place: u16| {

@@ -11,19 +11,20 @@ use std::fmt;
 pub struct Place {
     /// Positions, spindle and sensors.
     pub machine: MachineState,
-    /// The records in its memory. `None`: they are the end of a longer program.
+    /// The number of records in its memory. `None`: the memory holds the end of a longer program.
     pub records: Option<u16>,
-    /// Drillings of programs done since the memory was cleared. `None`: it was not cleared since
-    /// the reset.
+    /// Drillings of programs that were done since the memory was cleared. `None`: the memory was
+    /// not cleared since the reset.
     pub drillings: Option<u16>,
 }
 
 impl Place {
-    /// Asks a drill that rests.
+    /// Asks a drill at rest.
     ///
     /// # Errors
     ///
-    /// The link failed. [`Failure::Wrong`]: the device does not know its position, as an original.
+    /// The link failed. [`Failure::Wrong`]: the device does not know its position, like an
+    /// original.
     pub fn read(client: &mut Client) -> Result<Self, ClientError> {
         let value = |client: &mut Client, reading, letter| match client.read(reading)? {
             (read, value) if read == letter => Ok(value),
@@ -49,7 +50,7 @@ impl Place {
         })
     }
 
-    /// The lines about a drill that cannot be asked, for this reason.
+    /// The lines about a drill that cannot be asked, with the reason.
     pub fn unknown(error: &ClientError) -> String {
         let state = match error {
             ClientError::AtWork => {
@@ -63,7 +64,7 @@ impl Place {
         format!("state    {state}\n{UNKNOWN}")
     }
 
-    /// The lines about an original, which rests, as it answers.
+    /// The lines about an original. It is at rest, because it answers.
     pub fn of_original() -> String {
         format!("state    at rest; an original drill, which reports nothing else\n{UNKNOWN}")
     }

@@ -1,4 +1,4 @@
-//! A board over the link, tool by tool.
+//! Sends a board over the link, tool by tool.
 
 use super::client::{Client, ClientError};
 use super::end::{End, Failed};
@@ -16,8 +16,8 @@ pub trait Operator {
     /// Shows a line.
     fn show(&mut self, line: &str);
 
-    /// Asks for the next tool, of this diameter, while the spindle stands. Returns the diameter of
-    /// the tool that is in it now, mm. `None` ends the job.
+    /// Asks for the next tool, with this diameter, while the spindle is at rest. Returns the
+    /// diameter of the tool that is now in the spindle, mm. `None` ends the job.
     fn change(&mut self, tool: &str, diameter: Option<Nm>) -> Option<String>;
 
     /// Shows the progress: the share of the whole job, and the estimated seconds that remain.
@@ -37,9 +37,9 @@ pub struct Sender<'a, O> {
     pub from: usize,
     /// Seconds of a byte and its echo.
     pub byte_s: f64,
-    /// Do not home: the drill reports that it is homed.
+    /// Whether homing is left out, because the drill reports that it is homed.
     pub is_homed: bool,
-    /// Do not ask for tools.
+    /// Whether the questions for tools are left out.
     pub is_sure: bool,
     /// Reads a diameter that the operator typed.
     pub diameter: fn(&str) -> Option<Nm>,
@@ -49,16 +49,16 @@ pub struct Sender<'a, O> {
 enum Ended {
     /// Drilled, or started and detached.
     Well { is_detached: bool },
-    /// Failed before the memory of the device was cleared. Nothing of the part is done, and the
-    /// counts of the link are those of the part before.
+    /// Failed before the memory of the device was cleared. Nothing of the part is done. The counts
+    /// of the link are those of the part before.
     Before(ClientError),
-    /// Failed after that.
+    /// Failed after the memory was cleared.
     After(ClientError),
 }
 
 impl<O: Operator> Sender<'_, O> {
-    /// Sends the board and waits until it is drilled. With `detach` it returns when the start is
-    /// confirmed.
+    /// Sends the board and waits until it is drilled. With `detach` it returns as soon as the start
+    /// is confirmed.
     ///
     /// # Errors
     ///
@@ -79,7 +79,8 @@ impl<O: Operator> Sender<'_, O> {
             return Ok(self.failed(why, done, done));
         }
         if self.client.has_lease() && !detach {
-            // A host with a lease is never silent, as it would have to be while a full memory runs.
+            // While a full memory runs, a host has to be silent. A host with a lease is never
+            // silent, so each load must fit into the memory.
             loads = self.loads(MEMORY_RECORDS)?;
         }
         if !self.client.has_extras() {
@@ -150,11 +151,11 @@ impl<O: Operator> Sender<'_, O> {
         End::Drilled
     }
 
-    /// The drill confirms that it is homed, and that its zero is at the switches.
+    /// Checks that the drill reports that it is homed, and that its zero is at the switches.
     ///
     /// # Errors
     ///
-    /// It does not. Nothing has moved.
+    /// It does not report this. Nothing has moved.
     fn expect_homed(&mut self) -> Result<(), String> {
         match Place::read(&mut self.client) {
             Ok(place) if place.machine.is_homed && place.machine.zero_steps == [0; 2] => Ok(()),
@@ -168,8 +169,8 @@ impl<O: Operator> Sender<'_, O> {
         }
     }
 
-    /// The number of holes that the drill has drilled by itself, if it is beyond
-    /// [`from`](Self::from): another program has left it alone with this job.
+    /// The number of holes that the drill has drilled by itself, if it is greater than
+    /// [`from`](Self::from). Then another program has left the drill alone with this job.
     fn already_drilled(&mut self) -> Option<usize> {
         if self.from == 0 || !self.client.has_extras() {
             return None;
@@ -199,7 +200,7 @@ impl<O: Operator> Sender<'_, O> {
                 (None, _) => self.operator.show(&format!(
                     "`{answer}` is no diameter: expected millimetres, as in 0.8"
                 )),
-                // A drill is not ground better than to 5 um.
+                // The diameter of a drill is not ground more accurately than to 5 um.
                 (Some(given), Some(wanted)) if (given.0 - wanted.0).abs() > 5000 => {
                     self.operator
                         .show(&format!("{given} mm is not {wanted} mm"));
@@ -209,9 +210,9 @@ impl<O: Operator> Sender<'_, O> {
         }
     }
 
-    /// A part: cleared, stored, run.
+    /// Clears the memory, then stores and runs a load.
     fn one(&mut self, load: &Load, detach: bool, estimate: &mut Estimate) -> Ended {
-        // Where it does not home, it may stand anywhere: its zero stays.
+        // Without homing the drill may be at any position, so its zero is kept.
         let clear = if self.is_homed {
             Step::Empty
         } else {
@@ -226,20 +227,21 @@ impl<O: Operator> Sender<'_, O> {
         }
     }
 
-    /// `true`: the program was started and detached.
+    /// Stores and runs a load. `true`: the program was started and detached.
     fn store_and_run(
         &mut self,
         load: &Load,
         detach: bool,
         estimate: &mut Estimate,
     ) -> Result<bool, ClientError> {
-        // It drills meanwhile where the memory is too small. Otherwise it stands as long as it can.
+        // If the memory is too small, the drill works while the program is stored. Otherwise the
+        // spindle is at rest as long as possible.
         let drills_meanwhile = load.bytes.len() > MEMORY_BYTES;
         if drills_meanwhile {
             self.spindle(true)?;
         }
         self.client.run(Step::Begin)?;
-        // All but the `f`, which is a step of its own.
+        // All bytes except the `f`, which is a step of its own.
         let body = load.bytes.split_last().map_or(&[][..], |(_, body)| body);
         let mut run_s = 0.0;
         for (place, byte) in body.iter().enumerate() {
@@ -273,13 +275,13 @@ impl<O: Operator> Sender<'_, O> {
         Ok(false)
     }
 
-    /// A step in which the device drills for an estimated time.
+    /// Carries out a step during which the device drills for an estimated time.
     fn step(&mut self, step: Step, run_s: f64, estimate: &mut Estimate) -> Result<(), ClientError> {
         if run_s == 0.0 {
             return self.client.run(step);
         }
         let start = self.client.elapsed();
-        // Twice the estimate, as the speed of its motors is not known.
+        // Twice the estimate, because the speed of the motors is not known.
         let longest = Duration::from_secs_f64(60.0 + 2.0 * run_s * estimate.pace.max(1.0));
         // An original reports nothing while it drills, so the operator has to watch it.
         let mut is_watched = self.client.has_extras();
@@ -294,7 +296,7 @@ impl<O: Operator> Sender<'_, O> {
                      meanwhile: if it stands, press Ctrl-C",
                 );
             }
-            // At most the estimate, so that the progress never runs backwards.
+            // At most the estimate, so that the progress never decreases.
             let passed_s = (passed.as_secs_f64() / seen.pace).min(run_s);
             operator.progress(
                 (seen.behind_s + passed_s) / seen.all_s.max(1e-9),
@@ -309,7 +311,7 @@ impl<O: Operator> Sender<'_, O> {
         Ok(())
     }
 
-    /// Switches the spindle. An original does it alone, for each hole.
+    /// Switches the spindle. An original switches it by itself, for each hole.
     fn spindle(&mut self, on: bool) -> Result<(), ClientError> {
         if self.client.has_extras() {
             self.client.run(Step::Spindle(on))
@@ -318,7 +320,7 @@ impl<O: Operator> Sender<'_, O> {
         }
     }
 
-    /// What is known after a failure: from the bytes, and from the device if it answers.
+    /// Finds out what is known after a failure, from the bytes and from the device if it answers.
     fn stopped(&mut self, load: &Load, error: ClientError) -> End {
         let [done, begun] = self
             .client
@@ -335,14 +337,14 @@ impl<O: Operator> Sender<'_, O> {
             // A reset clears the count.
             if let (Ok(Some(count)), false) = (self.client.drillings(), is_reset) {
                 let count = usize::from(count);
-                // The device counts modulo 2^16: take the count within the known bounds.
+                // The device counts modulo 2^16. The true count is the one within the known bounds.
                 let laps = done.saturating_sub(count).div_ceil(1 << 16);
                 let exact = count + (laps << 16);
                 if (done..=begun).contains(&exact) {
                     (done, begun) = (exact, exact);
                 }
             }
-            // The device stands. Its answer here is not the reason of the failure.
+            // The device is at rest. Its answer here is not the reason of the failure.
             let _ = self.spindle(false);
             if is_expired && self.expect_homed().is_ok() {
                 why.push_str(". Its position is known: --no-home continues without homing");
@@ -371,14 +373,14 @@ impl<O: Operator> Sender<'_, O> {
     }
 }
 
-/// Home from anywhere on the table.
+/// Longest time of homing from any position on the table.
 const HOMING: Duration = Duration::from_secs(300);
 
-/// One load, which the memory of the drill holds.
+/// Checks that there is one load, and that the memory of the drill holds it.
 ///
 /// # Errors
 ///
-/// There are several, or it is longer.
+/// There are several loads, or the load is longer than the memory.
 fn expect_one(loads: &[Load]) -> Result<(), String> {
     let [load] = loads else {
         return Err(format!(

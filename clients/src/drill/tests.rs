@@ -66,7 +66,7 @@ fn client_of(device: Device, stop: StopRequests) -> Client {
     Client::new(Wire::simulated(device), 2400, stop)
 }
 
-/// Sends a board from a hole on. Returns the client.
+/// Sends a board, beginning at a given hole. Returns the end of the job and the client.
 fn send(
     client: Client,
     parts: &[Part],
@@ -92,7 +92,7 @@ fn device(client: &mut Client) -> &mut Device {
     client.device().expect("it is simulated")
 }
 
-/// Places of whole holes.
+/// Positions of the complete holes.
 fn drilled(client: &mut Client) -> Vec<[i32; 2]> {
     let holes = device(client).rig(0).unwrap().holes().iter();
     holes
@@ -101,7 +101,7 @@ fn drilled(client: &mut Client) -> Vec<[i32; 2]> {
         .collect()
 }
 
-/// Until the device stands.
+/// Simulates until the device is at rest.
 fn rest(client: &mut Client) {
     for _ in 0..8000 {
         device(client).tick();
@@ -133,7 +133,7 @@ fn a_board_of_two_tools() {
         assert_eq!(rig.dragged_steps(), 0);
         assert!(!rig.spindle_turns());
         assert!(rig.holes().iter().all(|hole| hole.is_clean));
-        // An original drill switches its spindle for each hole. For the other one `send` switches
+        // An original drill switches its spindle for each hole. On the other drill `send` switches
         // it for each tool.
         let told = device(&mut client).take_reports();
         let is_on = |line: &&String| line.as_str() == "spindle on";
@@ -147,8 +147,8 @@ fn a_board_of_two_tools() {
     }
 }
 
-/// The spindle stands during a tool change: it is switched off after the last hole of each tool,
-/// and on before the first one.
+/// The spindle is at rest during a tool change. It is switched off after the last hole of each
+/// tool, and on before the first one.
 #[test]
 fn the_spindle_stands_between_tools() {
     let (end, mut client) = send(client(false), &board(), 0, false, &mut Script::default());
@@ -165,13 +165,13 @@ fn the_spindle_stands_between_tools() {
     assert_eq!(events, ["on", "drilled", "off", "on", "drilled", "off"]);
 }
 
-/// The reported remaining time is right, for a board at the rates of the machine, observed every 20
-/// ms.
+/// The reported remaining time is right. The board runs at the rates of the machine and is observed
+/// every 20 ms.
 #[test]
 fn the_remaining_time_is_honest() {
     let parts = [part(1, &[[100, 50], [900, 400], [2000, 10]])];
     let mut operator = Script::default();
-    // Without the questions of a lease, each look takes 20 ms.
+    // Without the queries of a lease, each look takes 20 ms.
     let client = client_of(Device::new(2400, false), StopRequests::default()).with_lease(0);
     let (end, _) = send(client, &parts, 0, false, &mut operator);
     assert_eq!(end, Ok(End::Drilled));
@@ -192,7 +192,7 @@ fn the_remaining_time_is_honest() {
 }
 
 /// An original drill reports nothing while it drills. If it is unplugged, the operator gets a
-/// message that it takes long, and a stop ends the wait.
+/// message that the drilling takes long. A stop ends the wait.
 #[test]
 fn an_original_that_is_gone_is_not_waited_for_all_the_time() {
     let holes: Vec<[u16; 2]> = (0..200).map(|n| [100 * n, 7 * n]).collect();
@@ -201,7 +201,7 @@ fn an_original_that_is_gone_is_not_waited_for_all_the_time() {
     let new = |stop: &StopRequests| client_of(Device::quick(true), stop.clone());
     let (end, mut good) = send(new(&stop), &parts, 0, false, &mut Script::default());
     assert_eq!(end, Ok(End::Drilled));
-    // The last byte is the answer to the run; the one before it starts it.
+    // The last byte is the answer to the run. The byte before it starts the run.
     let place = device(&mut good).line().carried - 1;
     let mut operator = Script {
         stops_at: Some(("longer than estimated", stop.clone())),
@@ -224,7 +224,7 @@ fn an_original_that_is_gone_is_not_waited_for_all_the_time() {
     assert!(took_s < 2.0 * reckoned_s, "{took_s} of {reckoned_s}");
 }
 
-/// It homes once: after a tool the axes come back to zero by their steps.
+/// The drill homes once. After a tool, its axes return to zero by their steps.
 #[test]
 fn it_does_not_home_between_tools() {
     let (end, mut client) = send(client(false), &board(), 0, false, &mut Script::default());
@@ -278,7 +278,7 @@ fn it_asks_for_each_tool() {
     assert_eq!((failed.done, failed.begun), (2, 2));
 }
 
-/// An original drill switches its spindle itself: there is no question before a board of one tool.
+/// An original drill switches its spindle itself, so no question comes before a board of one tool.
 #[test]
 fn nobody_is_asked_to_switch_the_spindle_of_an_original() {
     let parts = [part(1, &[[20, 10]])];
@@ -305,8 +305,8 @@ fn nobody_is_asked_to_switch_the_spindle_of_an_original() {
     assert_eq!(of_hole, ["spindle on", "drilled at 20,10", "spindle off"]);
 }
 
-/// A program of three times the memory: it waits at each border and drills every hole once. The
-/// progress rises to the end, and the remaining time falls.
+/// A program of three times the size of the memory. It waits at each border and drills every hole
+/// once. The progress rises to the end, and the remaining time falls.
 #[test]
 fn a_long_board_is_done_in_parts() {
     let holes: Vec<[u16; 2]> = (0..2000).map(|n| [n % 40, n / 50]).collect();
@@ -339,7 +339,7 @@ fn a_detached_start_is_certain() {
     assert!(end.unwrap_err().contains("one tool"));
 }
 
-/// A program without a host is ended by another client, between two records.
+/// Another client ends a program without a host, between two records.
 #[test]
 fn a_program_left_alone_is_ended_from_elsewhere() {
     let parts = [part(1, &[[3000, 10], [5, 400], [3000, 400]])];
@@ -373,7 +373,7 @@ fn a_program_left_alone_is_ended_from_elsewhere() {
         rest(&mut second);
         let all = drilled(&mut second).len();
         assert!(holes == all && all < 3, "{is_original}: {holes}, {all}");
-        // A drill that stands gets nothing, at once.
+        // A drill at rest receives no `E`, and the call returns at once.
         assert_eq!(second.end_program(|_| waits += 1), Ok(()));
         assert_eq!(waits, 1);
     }
@@ -407,7 +407,7 @@ fn a_start_that_was_lost_is_reported() {
                 );
                 continue;
             }
-            // A client that does not know whether the drill runs reports that.
+            // A client that does not know whether the drill runs reports this.
             unknown += u32::from(has_drilled && !says_so);
             if !says_so {
                 let told = operator.told.last().map_or("", String::as_str);
@@ -427,7 +427,7 @@ fn a_start_that_was_lost_is_reported() {
     assert!(unheard >= 3 && unknown >= 1, "{unheard}, {unknown}");
 }
 
-/// An original drill does not report its start. It is not left without a host, and nothing moves
+/// An original drill does not report its start. So it is not left without a host, and nothing moves
 /// except in homing.
 #[test]
 fn an_original_is_not_left_to_itself() {
@@ -457,7 +457,7 @@ fn a_fault_is_reported_at_once() {
     assert!(took.as_secs() < 30, "{took:?}");
 }
 
-/// A cable that is pulled during a program is noticed within seconds, because the drill is queried
+/// A cable that is pulled during a program is detected within seconds, because the drill is queried
 /// now and then.
 #[test]
 fn a_pulled_cable_is_noticed_soon() {
@@ -466,7 +466,7 @@ fn a_pulled_cable_is_noticed_soon() {
     let (end, mut good) = send(client(false), &parts, 0, true, &mut Script::default());
     assert_eq!(end, Ok(End::Detached));
     let begins = good.elapsed();
-    // After the start there are two bytes here: the query and its answer.
+    // After the start, two bytes follow here: the query and its answer.
     let place = device(&mut good).line().carried - 2;
     let mut client = client(false);
     device(&mut client).line().fault = Some((place, Fault::Unplugged));
@@ -489,7 +489,7 @@ fn a_pulled_cable_is_noticed_soon() {
     );
 }
 
-/// The rates of the machine itself.
+/// A drill with the rates of the machine itself.
 fn real(lease_ms: u16) -> Client {
     client_of(Device::new(2400, false), StopRequests::default()).with_lease(lease_ms)
 }
@@ -498,7 +498,7 @@ fn real(lease_ms: u16) -> Client {
 /// Returns the client.
 fn pulled(parts: &[Part], lease_ms: u16, after_s: u64, passes_s: u64) -> (End, Client) {
     let mut client = real(lease_ms);
-    // The bytes up to the start, then two for each question.
+    // The bytes up to the start, then two bytes for each query.
     let (_, mut good) = send(real(lease_ms), parts, 0, true, &mut Script::default());
     let start = device(&mut good).line().carried;
     let questions = after_s * 1000 / 62;
@@ -510,8 +510,9 @@ fn pulled(parts: &[Part], lease_ms: u16, after_s: u64, passes_s: u64) -> (End, C
     (end.unwrap(), client)
 }
 
-/// At the rates of the machine: the cable is pulled at different times of a run. The drill does not
-/// continue alone. It comes up and stands, its spindle too; then `--from` continues without homing.
+/// The cable is pulled at different times of a run, at the rates of the machine. The drill does not
+/// continue alone. It raises its spindle and comes to rest, and the spindle stops, too. Then
+/// `--from` continues without homing.
 #[test]
 fn a_drill_without_its_host_stops_and_goes_on_without_homing() {
     let parts = [part(1, &[[300, 100], [500, 100], [500, 300], [400, 90]])];
@@ -567,7 +568,7 @@ fn a_drill_without_its_host_stops_and_goes_on_without_homing() {
     assert!(seen.len() > 2, "{seen:?}");
 }
 
-/// Without a lease it continues to the end of its program.
+/// Without a lease the drill continues to the end of its program.
 #[test]
 fn a_drill_without_a_lease_goes_on_alone() {
     let parts = [part(1, &[[300, 100], [320, 100]])];
@@ -581,7 +582,7 @@ fn a_drill_without_a_lease_goes_on_alone() {
     assert_eq!(device(&mut client).rig(0).unwrap().holes().len(), 2);
 }
 
-/// An original has no lease: where one is asked for, nothing moves.
+/// An original has no lease. If a lease is requested, nothing moves.
 #[test]
 fn an_original_is_not_driven_with_a_lease() {
     let parts = [part(1, &[[20, 10]])];
@@ -595,7 +596,7 @@ fn an_original_is_not_driven_with_a_lease() {
     }
 }
 
-/// A host that was late, not gone: the end of the lease is no end of the program.
+/// The host was late, but it was not gone. The end of the lease is not the end of the program.
 #[test]
 fn a_late_host_is_told_and_knows_the_holes() {
     let parts = [part(1, &[[300, 100], [500, 100], [500, 300]])];
@@ -618,7 +619,7 @@ fn a_late_host_is_told_and_knows_the_holes() {
     }
 }
 
-/// A drill that was left alone with a board is at work, then done: `--from` of the hole where its
+/// A drill that was left alone with a board is at work, then done. `--from` with the hole where its
 /// host was lost drills no hole twice.
 #[test]
 fn a_hole_that_was_drilled_alone_is_not_drilled_again() {
@@ -636,7 +637,7 @@ fn a_hole_that_was_drilled_alone_is_not_drilled_again() {
         let end = end.unwrap();
         (sentence(&end, "husillo send b.drl", 5), end, client)
     };
-    // At work: nothing is known, and no number is repeated.
+    // While the drill is at work nothing is known, and the message does not repeat the number.
     let (told, end, mut second) = again(second, 2);
     assert!(matches!(end, End::Unreached(_)), "{told}");
     assert!(
@@ -646,7 +647,7 @@ fn a_hole_that_was_drilled_alone_is_not_drilled_again() {
     assert!(!told.contains("--from 3"), "{told}");
     rest(&mut second);
     assert_eq!(drilled(&mut second).len(), 3, "it has ended");
-    // At rest: its count says what is drilled.
+    // At rest its count shows what is drilled.
     let (told, _, mut second) = again(second, 2);
     assert!(told.contains("by its own count"), "{told}");
     assert!(
@@ -654,14 +655,14 @@ fn a_hole_that_was_drilled_alone_is_not_drilled_again() {
         "{told}"
     );
     assert_eq!(drilled(&mut second).len(), 3, "nothing was drilled again");
-    // Another program, or a memory that was cleared, says nothing of this board.
+    // Another program, or a cleared memory, shows nothing about this board.
     second.reach().unwrap();
     second.run(Step::Clear).unwrap();
     let (told, end, _) = again(second, 3);
     assert_eq!(end, End::Drilled, "{told}");
 }
 
-/// An original at work does not answer: nothing is sent, and the number of holes is not guessed.
+/// An original at work does not answer. Nothing is sent, and the number of holes is not guessed.
 #[test]
 fn an_original_at_work_is_left_alone() {
     let parts = [part(1, &[[3000, 10], [5, 400], [3000, 400]])];
@@ -694,7 +695,7 @@ fn an_original_at_work_is_left_alone() {
     );
 }
 
-/// Holes drilled in pecks: each counts once, and a resumed job begins with a whole hole.
+/// Holes that are drilled in pecks. Each counts once, and a resumed job begins with a whole hole.
 #[test]
 fn pecks_are_one_hole() {
     let hole = |[x, y]: [u16; 2]| {
@@ -720,7 +721,7 @@ fn pecks_are_one_hole() {
     };
     let pecks = |at| [(at, 4), (at, 5), (at, 6)];
     assert_eq!(depths(&mut one), [pecks([9, 4]), pecks([5, 8])].concat());
-    // Stopped anywhere: a hole that is reported as done is done to its last peck.
+    // The job stops at any point. A hole that is reported as done is drilled to its last peck.
     for fault_at in 0..60 {
         let mut client = client(false);
         let (_, mut good) = send(
@@ -758,9 +759,9 @@ fn faults() -> impl Iterator<Item = Fault> {
     ])
 }
 
-/// Sends a board with a fault. Then it continues, as the operator does, with the next hole of the
-/// report or the first one that is missing in the board. Returns `false` if nothing was reported.
-/// At the end every hole is there once.
+/// Sends a board with a fault. Then continues as the operator does: with the next hole of the
+/// report, or with the first hole that is missing in the board. Returns `false` if nothing was
+/// reported. At the end every hole is there once.
 fn goes_on(client: Client, parts: &[Part], fault: Fault, context: &str) -> bool {
     let expected = places(parts);
     let mut from = 0;
@@ -779,7 +780,7 @@ fn goes_on(client: Client, parts: &[Part], fault: Fault, context: &str) -> bool 
                 return round > 0;
             }
             End::Detached => panic!("{context}"),
-            // Nothing was sent: not one hole is more than before.
+            // Nothing was sent, so there is no new hole.
             End::Unreached(_) => {
                 rest(&mut client);
                 let count = drilled(&mut client).len();
@@ -837,7 +838,7 @@ fn any_fault_at_any_byte_is_survived_or_reported() {
     }
 }
 
-/// The same at random in long boards, which include the border of the device's memory.
+/// Random faults in long boards, which include the border of the device's memory.
 #[test]
 fn faults_in_long_boards_are_survived_or_reported() {
     let (mut numbers, mut reported) = (Random::new(5), 0);
@@ -849,7 +850,7 @@ fn faults_in_long_boards_are_survived_or_reported() {
             .collect();
         let parts = [part(1, &holes)];
         let mut client = client(false);
-        // Half of them near the border, where a full memory is run.
+        // Half of the faults are near the border, where a full memory is run.
         let place = if round % 2 == 0 {
             random(17_000)
         } else {

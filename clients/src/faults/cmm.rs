@@ -1,4 +1,4 @@
-//! A measuring machine of one axis with its faults, without and with end switches.
+//! A measuring machine with one axis and its faults, without and with end switches.
 
 use super::{Bench, Fault, State, Subject};
 use husillo_metrology::Error;
@@ -13,19 +13,19 @@ use std::rc::Rc;
 
 /// Module of the axis.
 const MODULE: usize = 1;
-/// Counts of a revolution, each with an index.
+/// Counts of one revolution. Each revolution has an index.
 const TURN: i64 = 400;
 /// The counts of a short move, and of a long one.
 const SHORT: i64 = 40;
 const LONG: i64 = 2800;
-/// A face before the probe.
+/// A face in front of the probe.
 const FACE: &str = "1:3018";
-/// The end switches, both on one input of the module. The high one is before the end of the probe's
-/// over-travel.
+/// The end switches. Both are on one input of the module. The high one is at a position before the
+/// end of the probe's over-travel.
 const ENDS: [&str; 2] = ["1:..-600", "1:3100"];
 /// The mechanical ends beyond them.
 const STOPS: [i64; 2] = [-640, 3140];
-/// The time without power of a reset, us.
+/// Time without power during a reset, us.
 const OUTAGE_US: u64 = 100_000;
 
 /// The simulated line, and the lines of the panel that are due.
@@ -34,15 +34,15 @@ struct SimulatedLine {
     due: Vec<(u64, String)>,
     is_plugged: bool,
     counts: i64,
-    /// Where it was when it last moved by more than four counts, and when.
+    /// The position after the last motion by more than four counts, and the time of that motion.
     rested: i64,
     moved_us: u64,
-    /// Where the axis meets its mechanical ends. It stays there until the fault is repaired.
+    /// Positions of the mechanical ends. The axis stays at an end until the fault is repaired.
     stops: Option<[i64; 2]>,
 }
 
 impl SimulatedLine {
-    /// A period of the servos.
+    /// Simulates one period of the servos.
     fn tick(&mut self) -> Vec<u8> {
         let now_us = self.port.elapsed_us();
         let is_due = |(at_us, _): &mut (u64, String)| *at_us <= now_us;
@@ -122,7 +122,7 @@ impl Bench for Shared {
         line_of.due.push((at_us, line.to_owned()));
     }
 
-    /// Bytes of this line are disturbed in the tests of its protocol.
+    /// The tests of this line's protocol disturb its bytes, so this does nothing.
     fn disturb(&mut self, _: Option<(u64, LineFault)>) {}
 
     fn pass(&mut self, ms: u64) {
@@ -161,12 +161,12 @@ fn switched_on(bench: &Shared, has_ends: bool) -> Result<Head<Shared>, Error> {
 
 fn begun(bench: &Shared, has_ends: bool) -> Result<Head<Shared>, Error> {
     let mut head = switched_on(bench, has_ends)?;
-    // With an end switch, home is found from everywhere, unless the probe touches.
+    // With an end switch, home is found from any position, unless the probe touches.
     if has_ends && head.home(0).is_ok() {
         head.go_to([SHORT, 0, 0])?;
         return Ok(head);
     }
-    // The operator goes back from the face, slowly. The probe may touch once more at first.
+    // The operator moves back from the face slowly. At first the probe may touch once more.
     for _ in 0..4 {
         let _ = head.jog(0, false, 3.0, true);
     }
@@ -185,7 +185,8 @@ const FAULTS: &[Fault] = &[
     ENCODER,
     MOTOR,
 ];
-/// Those of a machine with end switches. An axis that was at its mechanical end is turned by hand.
+/// The faults of a machine with end switches. The operator turns an axis by hand if it was at its
+/// mechanical end.
 const FAULTS_WITH_ENDS: &[Fault] = &[
     LINE,
     RESET,
@@ -210,13 +211,13 @@ const FAULTS_WITH_ENDS: &[Fault] = &[
 const CONTACT_OPEN: Fault = Fault::new("contact stuck open", "open probe", &["free probe"]);
 const CONTACT_CLOSED: Fault =
     Fault::new("contact stuck closed", "close probe", &["free probe"]).ends_within(1000);
-/// The limit of the position error at the slowest rate.
+/// The time to the limit of the position error at the slowest rate.
 const ENCODER: Fault =
     Fault::new("encoder silent", "encoder 1 off", &["encoder 1 on"]).ends_within(11_000);
 const MOTOR: Fault = Fault::new("motor stalled", "block 1", &["unblock 1"]).ends_within(1000);
 /// The move ends at its goal.
 const LINE: Fault = Fault::new("host killed, cable pulled", "unplug", &["plug"]);
-/// Without a drive it coasts.
+/// Without a drive the axis coasts.
 const RESET: Fault = Fault::new("module reset", "reset", &["plug"]).ends_within(300);
 const POWER: Fault = Fault::new("power lost", "power off", &["power on"]).ends_within(300);
 
@@ -286,9 +287,9 @@ impl<const HAS_ENDS: bool> Subject for Cmm<HAS_ENDS> {
 
     fn is_true(&mut self) -> bool {
         let Ok([position, ..]) = self.head.position() else {
-            return true; // it says that it does not know
+            return true; // it reports that it does not know
         };
-        // Home is an index.
+        // Home is at an index, so only the position within a revolution is compared.
         let counts = self.bench.0.borrow().counts;
         let off = (counts - position).rem_euclid(TURN);
         off.min(TURN - off) <= 2

@@ -14,11 +14,12 @@ use std::time::Duration;
 
 /// Rate of the line, bits/s.
 const BAUD: u32 = 2400;
-/// A lease, and the motion up from the deepest point of a hole.
+/// Longest motion after the host is silent, ms: a lease, and the motion up from the deepest point
+/// of a hole.
 const UP_MS: u64 = 20_000;
 /// The steps of a short move.
 const SHORT: i32 = 40;
-/// The longest search for a switch, and some more.
+/// The longest search for a switch, with a margin.
 const LONGEST: Duration = Duration::from_secs(220);
 /// Depth of the bit in the board where the power was lost, in steps below the upper sensor.
 const DEEP: i32 = 3500;
@@ -33,7 +34,7 @@ pub struct Drill {
     is_drilled: bool,
 }
 
-/// An operator who looks on.
+/// An operator who only watches.
 struct Silent;
 
 impl Operator for Silent {
@@ -62,7 +63,7 @@ impl Drill {
         self.client().device().unwrap()
     }
 
-    /// A drill that homes does not answer.
+    /// Waits until the drill has homed. A drill does not answer while it homes.
     fn wait_until_homed(&mut self) -> Result<String, String> {
         let client = self.client();
         let end = client.elapsed() + LONGEST;
@@ -115,7 +116,7 @@ impl Subject for Drill {
     ];
     const FAULTS: &'static [Fault] = &[
         Fault::new("host killed, cable pulled", "unplug", &["plug"]).ends_within(UP_MS),
-        // it homes
+        // After a reset it homes.
         Fault::new("controller reset", "reset", &["where"]),
         Fault::new("power lost", "power off", &["power on"]).ends_within(0),
         Fault::new("home switch stuck open", "open x", &["free x", "reset"]),
@@ -151,7 +152,7 @@ impl Subject for Drill {
         let mut hand = Hand::new(client, |_, _| Ok(()));
         hand.carry_out(&Action::Home).unwrap();
         if state == State::FirstHoming {
-            // The power was lost with the bit in the board, and is back.
+            // The power was lost with the bit in the board, and it has returned.
             let [x, y] = HOLES[0].map(i32::from);
             for (axis, steps) in [(Axis::X, x), (Axis::Y, y), (Axis::Z, DEEP)] {
                 hand.carry_out(&Action::Steps(axis, steps)).unwrap();
@@ -201,7 +202,7 @@ impl Subject for Drill {
             depth: STROKE_STEPS.into(),
             is_clean: true,
         });
-        // Work that has ended early leaves a part of the holes.
+        // Work that has ended early leaves only some of the holes.
         let is_place = |at: [i32; 2]| whole.iter().any(|hole| hole.at == at);
         let holes_are_right = if is_drilled {
             rig.holes() == whole
@@ -212,7 +213,7 @@ impl Subject for Drill {
             return holes_are_right;
         };
         let Ok(place) = hand.carry_out(&Action::Where) else {
-            return true; // it says that it does not know
+            return true; // it reports that it does not know
         };
         place.contains("unknown")
             || (place.contains(&format!("x        {x} steps"))

@@ -6,7 +6,7 @@ use crate::{StopRequests, Wire};
 use husillo_sim::device::microfactory::Device;
 use std::time::Duration;
 
-/// A lease, the next question, and the time of a byte.
+/// Longest motion after the host is silent, ms: a lease, the next question, and the time of a byte.
 const SILENT_MS: u64 = 260;
 /// The steps of a short move.
 const SHORT: i32 = 40;
@@ -98,7 +98,7 @@ impl Subject for Microfactory {
 
     fn is_true(&mut self) -> bool {
         let Ok(place) = self.client.carry_out(&Action::Where) else {
-            return true; // it says that it does not know
+            return true; // it reports that it does not know
         };
         let [x, y, z, _] = self.device().rig(0).unwrap().tool();
         let [zero_x, zero_y, zero_z, _] = self.zero;

@@ -8,12 +8,12 @@ use husillo_sim::device::micromill::Device;
 use husillo_transports::micromill::{Axis, Line, Point};
 use std::time::Duration;
 
-/// A lease, and the time of a byte.
+/// Longest motion after the host is silent, ms: a lease, and the time of a byte.
 const SILENT_MS: u64 = 260;
 /// The steps of a short move.
 const SHORT: i32 = 40;
 
-/// The client of the state.
+/// The client that a state needs.
 enum Client {
     Hand(Box<Hand>),
     Sender(Box<Sender>),
@@ -51,7 +51,7 @@ impl Micromill {
     }
 }
 
-/// A program of one long line.
+/// Sends a program of one long line.
 fn program(sender: &mut Sender) -> Result<String, String> {
     drop(sender.begin()?);
     let to = Point::Xy([Some(200_000), None]);
@@ -130,7 +130,7 @@ impl Subject for Micromill {
             Client::Hand(hand) => hand.state(),
             Client::Sender(sender) => sender.session().state().ok().flatten(),
         };
-        // Otherwise it says that it does not know.
+        // Otherwise it reports that it does not know its position.
         state.filter(|state| state.is_homed).is_none_or(|state| {
             let tool = self.device().rig(0).unwrap().place();
             let load = state.axes.map(|axis| axis.load_steps);

@@ -1,32 +1,32 @@
-//! Faults at random instants, of the machine or of one byte on its line: nothing ends wrong without
-//! a report, and nothing moves longer than stated.
+//! Faults of the machine or of one byte on its line, at random instants. Nothing ends wrong without
+//! a report, and no motion lasts longer than stated.
 
 use super::{Fault, LOST, Subject};
 use super::{drill::Drill, microfactory::Microfactory, micromill::Micromill};
 use husillo_sim::Random;
 use husillo_sim::device::LineFault;
 
-/// Latest instant of a fault, after the start of the action, ms.
+/// Latest instant of a fault, in ms after the start of the action.
 const LATEST_MS: u64 = 40_000;
-/// Bytes of an action, of which one is hit.
+/// Number of bytes of an action. A fault hits one of them.
 const BYTES: u64 = 400;
 
-/// Counts of a soak.
+/// Counts over all sessions of a soak.
 #[derive(Debug, Default)]
 struct Tally {
     hours: f64,
     sessions: u32,
     reported: u32,
     carried_out: u32,
-    /// Wrong, and reported at the next homing.
+    /// Wrong positions that are reported at the next homing.
     at_homing: u32,
-    /// Wrong, and never reported.
+    /// Wrong positions that are never reported.
     unseen: u32,
-    /// Longest motion after a host was killed, a reset or a loss of power, ms.
+    /// Longest motion after the host was killed, after a reset or after a loss of power, ms.
     longest_ms: u64,
 }
 
-/// One session: an action with a fault in its course, then the repair and another program.
+/// Runs one session: an action with a fault during it, then the repair and another program.
 fn session<S: Subject>(random: &mut Random, tally: &mut Tally) {
     fn one<T>(random: &mut Random, of: &'static [T]) -> &'static T {
         &of[random.below(of.len() as u64) as usize]
@@ -60,7 +60,7 @@ fn session<S: Subject>(random: &mut Random, tally: &mut Tally) {
         }
     };
     let result = machine.act(state);
-    // Until the fault has occurred, and what moves without a host has ended.
+    // Simulates until the fault has occurred and every motion that needs no host has ended.
     let left_ms = (begin_ms + after_ms).saturating_sub(machine.bench().now_ms());
     machine.bench().pass(left_ms + 20_000);
     let moved_ms = (machine.bench().last_step_ms()).saturating_sub(begin_ms + after_ms);
@@ -99,7 +99,7 @@ fn session<S: Subject>(random: &mut Random, tally: &mut Tally) {
     tally.hours += machine.bench().now_ms() as f64 / 3.6e6;
 }
 
-/// Sessions until this simulated time has passed.
+/// Runs sessions until this simulated time has passed.
 fn soak<S: Subject>(hours: f64) {
     let mut random = Random::new(72);
     let mut tally = Tally::default();
@@ -118,7 +118,8 @@ fn faults_at_random_instants_are_reported() {
     soak::<Microfactory>(1.0);
 }
 
-/// A day of each machine: `cargo test --release -p husillo-clients -- --ignored --nocapture a_day`.
+/// A soak of each machine for a day:
+/// `cargo test --release -p husillo-clients -- --ignored --nocapture a_day`.
 #[test]
 #[ignore = "takes minutes, optimised"]
 fn a_day_of_faults_at_random_instants() {

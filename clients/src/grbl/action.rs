@@ -9,7 +9,7 @@ pub enum Action {
     Home,
     /// Unlock without homing.
     Unlock,
-    /// Move axes by these distances, as words of the jog: `X10Y-5`.
+    /// Move axes by these distances, in words of a jog: `X10Y-5`.
     By(String),
     /// Move axes to these positions from the work zero.
     To(String),
@@ -35,7 +35,7 @@ impl Action {
     ///
     /// # Errors
     ///
-    /// A sentence about the first word that is not understood.
+    /// Returns a sentence about the first word that is not understood.
     pub fn parse(words: &[String]) -> Result<Vec<Self>, String> {
         let mut words = words.iter().map(String::as_str).peekable();
         let mut actions = Vec::new();
@@ -76,7 +76,7 @@ fn is_letters(word: &str) -> bool {
     !word.is_empty() && word.bytes().all(|byte| b"XYZABCxyzabc".contains(&byte))
 }
 
-/// Words of axes, each with a plain number: `X10Y-5`.
+/// Reads words of axes, each with a plain number, such as `X10Y-5`.
 fn axes(action: &str, word: Option<&str>) -> Result<String, String> {
     let text = word.unwrap_or_default().to_ascii_uppercase();
     let mut rest = text.as_str();

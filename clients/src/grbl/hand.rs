@@ -7,7 +7,7 @@ use husillo_sim::device::grbl::Device;
 use husillo_transports::grbl::{SETTINGS, State};
 use std::time::Duration;
 
-/// Speed of a move where none is named, mm/min.
+/// Speed of a move if none is given, mm/min.
 const FEED: f64 = 600.0;
 
 /// A session, and the speed of the next move.
@@ -22,7 +22,7 @@ impl Hand {
     ///
     /// # Errors
     ///
-    /// A sentence about the port or the controller.
+    /// Returns a sentence about the port or the controller.
     pub fn new(wire: Wire<Device>, stop: StopRequests) -> Result<Self, String> {
         let mut session = Session::new(wire, stop);
         session.begin()?;
@@ -79,7 +79,7 @@ impl Hand {
 impl ByHand for Hand {
     type Action = Action;
 
-    /// The text about the result has the position.
+    /// The text about the result contains the position.
     fn carry_out(&mut self, action: &Action) -> Result<String, String> {
         match action {
             Action::Home => {

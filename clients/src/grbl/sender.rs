@@ -1,4 +1,4 @@
-//! A program to a controller, as fast as its receive buffer takes it.
+//! Sends a program to a controller, as fast as its receive buffer accepts it.
 
 use super::session::{Heard, Session, described};
 use crate::{StopRequests, Wire};
@@ -9,58 +9,58 @@ use std::collections::VecDeque;
 /// How lines are sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pacing {
-    /// As many as the receive buffer of the controller takes.
+    /// As many lines as the receive buffer of the controller holds.
     Counted,
-    /// One, when the previous one is answered.
+    /// One line, after the previous one is answered.
     Answered,
-    /// One, when the previous one is made and the operator agrees.
+    /// One line, after the previous one is carried out and the operator agrees.
     SingleBlock,
 }
 
-/// Who watches a program and intervenes.
+/// An operator who watches a program and intervenes.
 pub trait Operator {
-    /// The state has changed, or the controller has sent a text for the operator.
+    /// Receives a report when the state has changed, or a text of the controller for the operator.
     fn hear(&mut self, heard: &Heard);
-    /// This many lines are answered.
+    /// Receives the number of lines that are answered.
     fn progress(&mut self, lines: usize);
-    /// A byte that takes effect at once: hold, resume, an override.
+    /// Returns a byte that takes effect at once: hold, resume or an override.
     fn command(&mut self) -> Option<Realtime>;
-    /// Whether a line is sent in [`Pacing::SingleBlock`]. Otherwise the program ends before it.
+    /// Whether to send a line in [`Pacing::SingleBlock`]. If not, the program ends before it.
     fn agrees(&mut self, line: &str) -> bool;
 }
 
-/// What was sent.
+/// The result of a program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sent {
-    /// Lines that were made.
+    /// Lines that were carried out.
     pub lines: usize,
-    /// The report at the end.
+    /// The status report at the end.
     pub status: Status,
 }
 
-/// A program that is sent.
+/// A controller that receives a program.
 #[derive(Debug)]
 pub struct Sender {
     session: Session,
     pacing: Pacing,
     window: Window,
-    /// Index of each line that is sent and not answered.
+    /// Index of each line that is sent and not yet answered.
     waiting: VecDeque<usize>,
     answered: usize,
-    /// Moves that wait in the queue of the controller, at most.
+    /// Largest number of moves that wait in the queue of the controller.
     queue: usize,
 }
 
-/// A dwell of no time. The controller answers it when all moves before it are made. A report of
-/// `Idle` does not say so: it may come before the last move begins.
+/// A dwell of zero time. The controller answers it when all moves before it are carried out. A
+/// report of `Idle` does not show that, because it may come before the last move begins.
 const SYNCHRONISE: &str = "G4P0";
 
 impl Sender {
-    /// Connects to a controller that stands. Nothing moves.
+    /// Connects to a controller at rest. Nothing moves.
     ///
     /// # Errors
     ///
-    /// A sentence about the port, or about a controller that moves or is locked.
+    /// Returns a sentence about the port, or about a controller that moves or is locked.
     pub fn new(wire: Wire<Device>, pacing: Pacing, stop: StopRequests) -> Result<Self, String> {
         let mut session = Session::new(wire, stop);
         session.begin()?;
@@ -90,7 +90,7 @@ impl Sender {
             session,
             pacing,
             queue,
-            // Grbl's buffer has one byte less than it reports.
+            // Grbl's buffer holds one byte less than Grbl reports.
             window: Window::new(RECEIVE_BYTES - 1),
             waiting: VecDeque::new(),
             answered: 0,
@@ -102,29 +102,31 @@ impl Sender {
         &mut self.session
     }
 
-    /// Lines that are answered. Moves of the last of them may wait in the queue of the controller.
+    /// Lines that are answered. Moves of the last of these lines may wait in the queue of the
+    /// controller.
     pub const fn answered(&self) -> usize {
         self.answered
     }
 
-    /// Moves that wait in the queue of the controller, at most, as it reports.
+    /// Largest number of moves that wait in the queue of the controller, as the controller reports
+    /// it.
     pub const fn queue(&self) -> usize {
         self.queue
     }
 
-    /// Index of the first line that may not be made: the queue may be full, and one move is being
-    /// made. A line is answered when its last move is in the queue.
+    /// Index of the first line that may not be carried out. The queue may be full, and one more
+    /// move is being carried out. A line is answered when its last move is in the queue.
     pub const fn first_open(&self) -> usize {
         self.answered.saturating_sub(self.queue + 1)
     }
 
-    /// Sends these lines, each with its number, and waits until they are made.
+    /// Sends these lines, each with its number, and waits until they are carried out.
     ///
     /// # Errors
     ///
     /// A line is too long or refused, motion is interrupted, the controller is reset, the port
-    /// fails, or a stop is asked for. The machine stands then, where the controller still answers,
-    /// and the message has the position.
+    /// fails, or a stop is requested. If the controller still answers, the machine is at rest then,
+    /// and the message contains the position.
     pub fn send(
         &mut self,
         lines: &[(usize, String)],
@@ -160,7 +162,7 @@ impl Sender {
         })
     }
 
-    /// Whether a line fits, and its turn has come.
+    /// Whether a line may be sent: it fits into the buffer, and its turn has come.
     fn may_send(&self, line: &str) -> bool {
         let fits = self.window.bytes() + line.len() as u16 + 1 < u16::from(RECEIVE_BYTES);
         match self.pacing {
@@ -169,7 +171,7 @@ impl Sender {
         }
     }
 
-    /// Passes on what the operator wants.
+    /// Carries out a request to stop, and passes on the commands of the operator.
     fn intervene(&mut self, operator: &mut dyn Operator) -> Result<(), String> {
         if self.session.is_stopped() {
             return Err(self.session.halt());
@@ -183,7 +185,7 @@ impl Sender {
         Ok(())
     }
 
-    /// Receives for a short time.
+    /// Receives for a short time and handles a line that has arrived.
     fn hear(
         &mut self,
         lines: &[(usize, String)],
@@ -222,7 +224,7 @@ impl Sender {
         Ok(())
     }
 
-    /// Waits until all moves are made.
+    /// Waits until all moves are carried out.
     fn finish(
         &mut self,
         lines: &[(usize, String)],
@@ -238,8 +240,8 @@ impl Sender {
         Ok(())
     }
 
-    /// The message about an end that the controller does not know of: it brakes and drops the
-    /// lines that wait in it.
+    /// Ends a program for a reason that the controller does not know. The controller brakes and
+    /// drops the lines that wait in it. Returns the message.
     fn ended(&mut self, why: String) -> String {
         match self.session.stand() {
             Ok(()) => format!(
@@ -251,7 +253,7 @@ impl Sender {
     }
 }
 
-/// The number of moves in the queue: `[OPT:V,15,128]` in the answer to `$I`.
+/// Reads the number of moves in the queue from the answer to `$I`: `[OPT:V,15,128]`.
 fn queue(lines: &[String]) -> Result<usize, String> {
     let options = lines.iter().find_map(|line| line.strip_prefix("[OPT:"));
     let moves = options.and_then(|options| options.split([',', ']']).nth(1)?.parse().ok());

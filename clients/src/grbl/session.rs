@@ -1,4 +1,4 @@
-//! A controller on a port: its lines, and bytes that take effect at once.
+//! A session with a controller at a port: its lines, and bytes that take effect at once.
 
 use crate::{StopRequests, Wire};
 use husillo_sim::device::grbl::Device;
@@ -11,13 +11,14 @@ use std::time::Duration;
 const POLL: Duration = Duration::from_millis(200);
 /// The longest wait between two checks for Ctrl-C.
 const LOOK: Duration = Duration::from_millis(20);
-/// A board that the opened port resets has started within this time.
+/// A board that is reset by the opening of the port has started within this time.
 const START: Duration = Duration::from_secs(5);
-/// A controller that has sent nothing for this time is lost. It answers each request for a report.
+/// A controller that has sent nothing for this time counts as lost. A working one answers each
+/// request for a report.
 const SILENCE: Duration = Duration::from_secs(3);
-/// A motion has stopped within this time after a hold. Ramps take a second or two.
+/// After a hold a motion has stopped within this time. Ramps take a second or two.
 const HOLD: Duration = Duration::from_secs(10);
-/// Longest line of a controller, bytes. What comes after it is dropped.
+/// Longest line of a controller, bytes. The rest of a longer line is dropped.
 const LONGEST: usize = 1024;
 
 /// What a controller has sent.
@@ -38,7 +39,7 @@ pub enum Heard {
 }
 
 impl Heard {
-    /// Reads a line. Numbers that Grbl 1.1 does not have are those of a newer controller.
+    /// Reads a line. Numbers that Grbl 1.1 does not have come from a newer controller.
     fn of(line: &[u8]) -> Option<Heard> {
         let text = || String::from_utf8_lossy(line).into_owned();
         let number = |name| text().strip_prefix(name).and_then(|rest| rest.parse().ok());
@@ -53,7 +54,7 @@ impl Heard {
             Some(Message::Ok) => Some(Heard::Ok),
             Some(Message::Status(status)) => Some(Heard::Status(status)),
             Some(Message::Banner(_)) => Some(Heard::Started(text())),
-            // Other versions have other words after their name.
+            // Other versions have other words after the name.
             _ if line.starts_with(b"Grbl") => Some(Heard::Started(text())),
             _ => Some(Heard::Text(text())),
         }
@@ -65,15 +66,15 @@ impl Heard {
 pub struct Session {
     wire: Wire<Device>,
     stop: StopRequests,
-    /// The beginning of a line.
+    /// The beginning of a line that is not complete.
     line: Vec<u8>,
     status: Option<Status>,
     work_zero: Option<Place>,
-    /// When the last report was requested.
+    /// Time of the last request for a report.
     asked_at: Duration,
-    /// When the last byte was received.
+    /// Time of the last received byte.
     heard_at: Duration,
-    /// The port has failed, or the controller does not answer.
+    /// Whether the port has failed, or the controller does not answer.
     is_lost: bool,
 }
 
@@ -93,12 +94,12 @@ impl Session {
         }
     }
 
-    /// Waits for a controller that starts or runs already, and ends a line that an earlier program
-    /// has begun. Nothing moves.
+    /// Waits for a controller that is starting or already runs. Then ends a line that an earlier
+    /// program has begun. Nothing moves.
     ///
     /// # Errors
     ///
-    /// A sentence about the port or the controller.
+    /// Returns a sentence about the port or the controller.
     pub fn begin(&mut self) -> Result<(), String> {
         self.put(&[Realtime::Status.byte()])?;
         let end = self.elapsed() + START;
@@ -113,7 +114,7 @@ impl Session {
         if self.is_held() || self.is_in_motion() {
             return Ok(());
         }
-        // The beginning of a line from elsewhere is refused, or does nothing: it has no end.
+        // A partial line of another program is refused or has no effect, because it is incomplete.
         self.put(b"\n")?;
         loop {
             match self.turn()? {
@@ -139,7 +140,7 @@ impl Session {
     ///
     /// # Errors
     ///
-    /// The line is refused, motion is interrupted, the port fails, or a stop is asked for.
+    /// The line is refused, motion is interrupted, the port fails, or a stop is requested.
     pub fn request(&mut self, line: &str) -> Result<Vec<String>, String> {
         if let Some(state) = self.state().filter(|_| self.is_held()) {
             let name = state.name();
@@ -164,7 +165,7 @@ impl Session {
         }
     }
 
-    /// Receives for a short time at most. Requests a report where one is due.
+    /// Receives for a short time at most. Requests a status report if one is due.
     ///
     /// # Errors
     ///
@@ -227,7 +228,7 @@ impl Session {
     }
 
     /// The message about an alarm, with the position. After some alarms the controller answers only
-    /// when it is reset, so this resets it. Nothing moves then.
+    /// after a reset. So this resets the controller. Nothing moves then.
     pub fn alarmed(&mut self, number: u16) -> String {
         let why = alarm(number);
         match self.reset() {
@@ -236,8 +237,8 @@ impl Session {
         }
     }
 
-    /// Requests reports until one has the work zero. Grbl sends it in every thirtieth report at
-    /// most; a controller that never sends it has reported positions from the work zero.
+    /// Requests reports until one contains the work zero. Grbl sends the work zero at least once in
+    /// thirty reports. A controller that never sends it has reported positions from the work zero.
     ///
     /// # Errors
     ///
@@ -263,7 +264,7 @@ impl Session {
         self.status.as_ref()
     }
 
-    /// Whether the last report is one of a motion.
+    /// Whether the last report shows a motion.
     pub fn is_in_motion(&self) -> bool {
         use State::{Door, Hold, Home, Jog, Run};
         matches!(
@@ -272,20 +273,21 @@ impl Session {
         )
     }
 
-    /// Whether the last report is one of a controller that answers no line before it goes on.
+    /// Whether the last report shows a state in which the controller answers no line until it
+    /// resumes.
     pub fn is_held(&self) -> bool {
         use State::{Door, Hold, Sleep};
         matches!(self.state(), Some(Hold(_) | Door(_) | Sleep))
     }
 
-    /// Whether a stop is asked for.
+    /// Whether a stop is requested.
     pub fn is_stopped(&self) -> bool {
         self.stop.is_asked()
     }
 
     /// Stops any motion and drops all lines that wait in the controller. The axes brake first, so
-    /// the position stays valid. After a second request the controller is reset in the motion, and
-    /// the position is lost. Returns a message with the position.
+    /// the position stays valid. After a second request the controller is reset during the motion,
+    /// and the position is lost. Returns a message with the position.
     pub fn halt(&mut self) -> String {
         match self.stand() {
             Ok(()) => format!("interrupted: the controller has stopped; {}", self.stands()),
@@ -304,11 +306,11 @@ impl Session {
     pub fn stand(&mut self) -> Result<(), String> {
         let before = self.stop.count();
         let is_homing = self.state() == Some(State::Home);
-        // A jog takes only its own byte, and drops what waits behind it.
+        // A jog obeys only its own byte. It drops what waits behind it.
         self.put(&[Realtime::Hold.byte(), Realtime::JogCancel.byte()])?;
         let end = self.elapsed() + HOLD;
         self.fresh_status()?;
-        // Homing knows no hold: a reset ends it.
+        // Homing has no hold, so a reset ends it.
         while !is_homing && self.is_in_motion() {
             if self.stop.count() > before.max(1) || self.elapsed() > end {
                 break;
@@ -335,7 +337,7 @@ impl Session {
         Err("it does not start after a reset".into())
     }
 
-    /// The position of the last report from the work zero, nm. `None`: the work zero is unknown.
+    /// The position in the last report, from the work zero, nm. `None`: the work zero is unknown.
     pub fn work_position(&self) -> Option<Vec<i64>> {
         match (self.status?.position, self.work_zero) {
             (Position::Work(at), _) => Some(at.nm().to_vec()),
@@ -347,7 +349,7 @@ impl Session {
         }
     }
 
-    /// The position of the last report, from the work zero where that is known.
+    /// The position in the last report as text, from the work zero if that is known.
     pub fn stands(&self) -> String {
         let Some(status) = self.status.filter(|_| !self.is_lost) else {
             return "the position is unknown".into();
@@ -367,12 +369,12 @@ impl Session {
         known.join("; ") + doubtful
     }
 
-    /// Time since the port was opened. A simulated controller has simulated time.
+    /// Time since the port was opened. For a simulated controller this is simulated time.
     pub fn elapsed(&self) -> Duration {
         self.wire.elapsed()
     }
 
-    /// What a simulated machine has reported on its panel.
+    /// The lines that a simulated machine has reported on its panel since the last call.
     pub fn panel(&mut self) -> Vec<String> {
         self.wire.take_reports()
     }

@@ -37,12 +37,12 @@ pub enum Action {
     Emergency,
 }
 
-/// The actions of each machine. Actions after `2:` are for the second one alone; those after `all:`
-/// and before any number are for all.
+/// The actions of each machine. Actions after `2:` are for the second machine alone. Actions after
+/// `all:`, and actions before any number, are for all machines.
 ///
 /// # Errors
 ///
-/// A sentence about the first word that is not understood.
+/// Returns a sentence about the first word that is not understood.
 pub fn shares(
     words: &[String],
     machines: usize,
@@ -85,7 +85,7 @@ impl Action {
     ///
     /// # Errors
     ///
-    /// A sentence about the first word that is not understood.
+    /// Returns a sentence about the first word that is not understood.
     pub fn parse(
         words: &[String],
         figure: impl Fn(&str) -> Result<Figure, String>,
@@ -111,7 +111,7 @@ impl Action {
         Ok(actions)
     }
 
-    /// `x 25`, or `x+ 2s`.
+    /// Reads a motion such as `x 25` or `x+ 2s`.
     fn motor(word: &str, amount: Option<&String>) -> Result<Self, String> {
         let unknown = || {
             format!(

@@ -19,35 +19,36 @@ const IN_SIMULATED_TIME: Waits = Waits {
     answer: Duration::from_millis(200),
     quiet: Duration::from_millis(60),
 };
-/// The same wait in real time, where a busy computer or an adapter adds delays.
+/// The waits in real time, where a busy computer or an adapter adds delays.
 const IN_REAL_TIME: Waits = Waits {
     answer: Duration::from_millis(1500),
     quiet: Duration::from_millis(150),
 };
 /// The lease, in units of 10 ms: a motion ends this long after the last byte of this program.
 pub const LEASE: u8 = 25;
-/// The period in which the device is asked whether it stands.
+/// The period of the queries whether the device is at rest.
 const ASK: Duration = Duration::from_millis(50);
-/// The period in which a jog is repeated, well within the dead-man's time.
+/// The period in which a jog is repeated. It is well within the dead-man's time.
 const AGAIN: Duration = Duration::from_millis(100);
 /// The wait for the homing of a device that does not answer.
 const HOMING: Duration = Duration::from_secs(120);
-/// The wait for approach and figure of a device that does not answer and has its own figure:
-/// at most 20 000 steps.
+/// The wait for the approach and the figure of a device that does not answer and has its own
+/// figure: at most 20 000 steps.
 const FIGURE: Duration = Duration::from_secs(250);
-/// The stop bytes that end any half command, and one more.
+/// The number of stop bytes that end any partial command, and one more.
 const STOPS: usize = 6;
-/// The tries of a question, of a figure and of bringing to rest. Repeating them does no harm.
+/// The number of tries of a question, of a figure and of bringing the device to rest. A repetition
+/// does no harm.
 const TRIES: usize = 3;
 /// More bytes than this without a pause are noise.
 const NOISE: usize = 1000;
-/// A report with a wrong check.
+/// The message about a report with a wrong check.
 const NOISY: &str = "the answer was damaged: the line is noisy";
-/// A stepping motor loses steps in multiples of four: a turn of its field.
+/// A stepping motor loses steps in multiples of four, because four steps are a turn of its field.
 const LEAST_LOSS_STEPS: u32 = 4;
 
-/// The right to use the link to a controller of two machines. The value says whether the last use
-/// succeeded.
+/// The right to use the link to a controller of two machines. The value is `true` if the last
+/// use succeeded.
 type Turn = Arc<Mutex<bool>>;
 
 /// The host's side of the link.
@@ -59,20 +60,20 @@ pub struct Client {
     answers: bool,
     /// The machine of the controller, 0 or 1.
     machine: u8,
-    /// Set when the other machine of the controller has a client, too.
+    /// Set if the other machine of the controller has a client, too.
     turn: Option<Turn>,
     has_turn: bool,
     stop: StopRequests,
-    /// Longest silence of this program during a motion, in units of 10 ms; 0 for any.
+    /// Longest silence of this program during a motion, in units of 10 ms; 0 for no limit.
     lease: u8,
     /// A step of X, Y and Z in nm, as numerator and denominator.
     steps: [[i128; 2]; 3],
     is_reached: bool,
-    /// The machine was homed. If its status loses that, it was reset.
+    /// Whether the machine was homed. If its status is no longer homed, the machine was reset.
     is_homed: bool,
     /// The displacement of the loaded figure, X and Z.
     figure_end: Option<[i32; 2]>,
-    /// Its duration at 100 steps a second, with a backlash take-up at every move.
+    /// The duration of the figure at 100 steps a second, with a backlash take-up at every move.
     figure_time: Duration,
 }
 
@@ -84,7 +85,7 @@ struct Waits {
 }
 
 impl Waits {
-    /// Waits that together last three quarters of a lease at most.
+    /// Waits that together last at most three quarters of a lease.
     fn within_lease(self, lease: u8) -> Self {
         let quarter = match lease {
             0 => return self,
@@ -105,8 +106,8 @@ enum Answer {
 }
 
 impl Client {
-    /// A client on a wire to a device that answers, or to one that does not. It stops when a
-    /// stop is requested.
+    /// A client on a wire. `answers`: whether its device answers. The client stops when a stop is
+    /// requested.
     pub fn new(wire: Wire<Device>, table: ByteTable, answers: bool, stop: StopRequests) -> Self {
         let waits = match wire {
             Wire::Simulated { .. } => IN_SIMULATED_TIME,
@@ -136,15 +137,15 @@ impl Client {
         self
     }
 
-    /// Every motion ends this long after the last byte of this program, in units of 10 ms. 0: a
+    /// Every motion ends this long after the last byte of this program, in units of 10 ms. With 0 a
     /// motion needs no host. The other machine of the same controller has the same lease.
     pub const fn with_lease(mut self, lease: u8) -> Self {
         self.lease = lease;
         self
     }
 
-    /// Steps of this length, for positions in millimetres and inches. Without this call they are
-    /// those of the original.
+    /// Sets the length of the steps, for positions in millimetres and inches. Without this call
+    /// they are the steps of the original.
     pub const fn with_steps(mut self, steps: [[i128; 2]; 3]) -> Self {
         self.steps = steps;
         self
@@ -191,12 +192,12 @@ impl Client {
         }
     }
 
-    /// Carries out an action and waits for its end. Returns how it ended. After a failure the
-    /// device is brought to rest.
+    /// Carries out an action and waits for its end. Returns how it ended. After a failure it brings
+    /// the device to rest.
     ///
     /// # Errors
     ///
-    /// The link failed, or the device did not carry it out.
+    /// The link failed, or the device did not carry out the action.
     pub fn carry_out(&mut self, action: &Action) -> Result<String, String> {
         let result = self.done(action);
         result.map_err(|error| {
@@ -218,7 +219,7 @@ impl Client {
         })
     }
 
-    /// Whether Ctrl-C is pressed again, within a second of the first time.
+    /// Whether Ctrl-C is pressed again within a second of the first time.
     fn wants_emergency(&self) -> bool {
         if !self.stop.is_asked() || !matches!(self.wire, Wire::Real { .. }) {
             return false;
@@ -262,7 +263,7 @@ impl Client {
                 }
                 false => "it does not answer".into(),
             }),
-            // Reaching it has stopped it.
+            // Reaching the device has stopped it.
             Action::Stop => {
                 self.talk(Self::rest)?;
                 self.finished(Duration::ZERO, Report::Stopped)
@@ -273,8 +274,9 @@ impl Client {
     }
 
     /// Runs an exchange with exclusive use of the link and with this machine selected. The machine
-    /// is selected each time, as a controller selects the first one after a reset. After a failure
-    /// the state of the device is unknown, so the next exchange brings the link to rest first.
+    /// is selected each time, because a controller selects the first one after a reset. After a
+    /// failure the state of the device is unknown, so the next exchange brings the link to rest
+    /// first.
     fn talk<T>(
         &mut self,
         exchange: impl FnOnce(&mut Self) -> Result<T, String>,
@@ -310,7 +312,7 @@ impl Client {
         let [mut mm, mut inch] = [String::new(), String::new()];
         for (letter, (steps, step)) in ["x", "y", "z"].into_iter().zip(axes) {
             let Nm(nm) = length(steps.into(), step);
-            // Below 2^53 nm, so both are right to the last printed digit.
+            // The lengths are below 2^53 nm, so both texts are right to the last printed digit.
             mm += &format!("{letter} {:.3} ", nm as f64 / 1e6);
             inch += &format!("{letter} {:.4} ", nm as f64 / 25.4e6);
         }
@@ -362,8 +364,8 @@ impl Client {
         Ok(())
     }
 
-    /// Selects the machine. A controller of one machine refuses that, which is harmless for the
-    /// first.
+    /// Selects the machine. A controller of one machine refuses this, which is harmless for the
+    /// first machine.
     fn choose(&mut self) -> Result<(), String> {
         let [first, second] = self.table.machines;
         let letter = if self.machine > 0 { second } else { first };
@@ -373,7 +375,7 @@ impl Client {
         Ok(())
     }
 
-    /// Ends any half command and any motion. Bytes on the line are dropped.
+    /// Ends any partial command and any motion. Drops the bytes on the line.
     fn rest(&mut self) -> Result<(), String> {
         let mut last = None;
         for attempt in 1..=TRIES {
@@ -385,7 +387,7 @@ impl Client {
             if last.is_some_and(|last| last == self.table.stop || last == REJECTED) {
                 return Ok(());
             }
-            // No answer to any of the bytes: there is no device.
+            // No byte was answered, so there is no device.
             if last.is_none() && attempt > 1 {
                 break;
             }
@@ -421,7 +423,8 @@ impl Client {
     }
 
     fn emergency(&mut self) -> Result<String, String> {
-        // More bytes than a half command may still need as data. This does not wait for its turn.
+        // These are more bytes than a partial command may still need as data. The emergency stop
+        // does not wait for its turn.
         for _ in 0..STOPS {
             self.put(self.table.emergency)?;
         }
@@ -430,7 +433,8 @@ impl Client {
         }
         let unheard = "no answer to the emergency stop: use the button at the machine";
         if let Some(turn) = &self.turn {
-            // Either client may receive the answers, so the next one brings the link to rest first.
+            // Either client may receive the answers. So the next exchange brings the link to rest
+            // first.
             *locked(turn) = false;
         } else if self.answers_to(STOPS)?.is_none() {
             return Err(unheard.into());
@@ -442,7 +446,7 @@ impl Client {
         }
     }
 
-    /// Stores a figure. Repeats it if the link fails, because every try starts from the beginning.
+    /// Stores a figure. Tries again if the link fails. Each try starts from the beginning.
     fn load(&mut self, moves: &[[i16; 2]]) -> Result<String, String> {
         if moves.len() > usize::from(device::ROOM) {
             return Err(format!(
@@ -487,7 +491,7 @@ impl Client {
             bytes.extend(move_bytes(*way));
         }
         bytes.push(table.keep);
-        // Below the room of a device.
+        // The number of moves is at most the room of a device.
         bytes.extend(u16::try_from(moves.len()).unwrap_or(u16::MAX).to_le_bytes());
         bytes.extend(figure_check(moves).to_le_bytes());
         self.command(&bytes)
@@ -500,11 +504,11 @@ impl Client {
         let lengths = moves
             .iter()
             .map(|[x, z]| f64::from(*x).hypot(f64::from(*z)) + 200.0);
-        // 5000 steps to the work piece at most.
+        // The distance to the work piece is at most 5000 steps.
         self.figure_time = Duration::from_secs_f64((lengths.sum::<f64>() + 5400.0) / 100.0);
     }
 
-    /// Cuts the stored figure, and checks the end position of one that was loaded.
+    /// Cuts the stored figure. Checks the end position if this client has loaded the figure.
     fn cut(&mut self) -> Result<String, String> {
         let from = self.position()?;
         if self.answers && !self.is_homed {
@@ -529,7 +533,7 @@ impl Client {
         Ok(how)
     }
 
-    /// Counted steps, at most 255 at a time.
+    /// Turns a motor by counted steps, at most 255 at a time.
     fn steps(&mut self, motor: u8, steps: i32) -> Result<String, String> {
         let table = self.table;
         let mut left = steps;
@@ -544,7 +548,7 @@ impl Client {
                 count,
                 table.run,
             ])?;
-            // 64 steps a second at least, and a take-up of 200 steps before them.
+            // At least 64 steps a second, and a take-up of 200 steps before them.
             let longest = Duration::from_secs_f64((f64::from(count) + 250.0) / 64.0);
             how = self.finished(longest, Report::Done)?;
             if let [Some(from), Some(to)] = [from, self.position()?] {
@@ -575,7 +579,7 @@ impl Client {
                 self.pause(AGAIN.min(end.saturating_sub(self.wire.elapsed())))?;
             }
         }
-        // A jog that a switch has ended still moves off the switch. A stop would interrupt that.
+        // A jog that a switch has ended still backs off the switch. A stop would interrupt that.
         if !self.answers || (turns && self.ask()?.report.is_none()) {
             self.send(self.table.stop)?;
         }
@@ -584,7 +588,8 @@ impl Client {
         }
         self.finished(Duration::ZERO, Report::Stopped)
             .or_else(|error| {
-                // The host or the line was slow: the jog was shorter, and the result says so.
+                // The host or the line was slow. So the jog was shorter, and the result reports
+                // that.
                 if error == device::text(Report::DeadMan) {
                     Ok(error)
                 } else {
@@ -608,8 +613,8 @@ impl Client {
         })
     }
 
-    /// Waits until nothing moves, and returns how it ended. Waits the longest time for a device
-    /// that does not answer.
+    /// Waits until nothing moves. Returns how the motion ended. For a device that does not answer,
+    /// it waits the longest time.
     fn finished(&mut self, longest: Duration, wanted: Report) -> Result<String, String> {
         if !self.answers {
             self.pause(longest)?;
@@ -659,7 +664,7 @@ impl Client {
     }
 
     /// Asks a device that has homed where its switches closed. Returns a sentence if steps were
-    /// lost since the homing before. `None`: none was lost, or there is nothing to compare.
+    /// lost since the previous homing. `None`: no steps were lost, or there is nothing to compare.
     fn lost(&mut self) -> Result<Option<String>, String> {
         if !self.answers {
             return Ok(None);
@@ -679,8 +684,8 @@ impl Client {
         }))
     }
 
-    /// Asks until there is an answer. The device stands, so that no lease runs. One that does not
-    /// know the question compares nothing.
+    /// Asks until there is an answer. The device is at rest, so no lease runs. A device that does
+    /// not know the question compares nothing.
     fn ask_for_switches(&mut self) -> Result<Switches, String> {
         let mut trouble = String::new();
         for _ in 0..TRIES {
@@ -741,8 +746,8 @@ impl Client {
         Ok(bytes)
     }
 
-    /// Sends a byte and waits for its answer, or for the time of the byte if the device does not
-    /// answer.
+    /// Sends a byte and waits for its answer. If the device does not answer, it waits for the time
+    /// of the byte.
     fn send(&mut self, byte: u8) -> Result<Answer, String> {
         self.put(byte)?;
         if !self.answers {
@@ -751,8 +756,8 @@ impl Client {
         }
         match self.get(self.waits.answer)? {
             Some(answer) if answer == byte && byte != REJECTED => Ok(Answer::Taken),
-            // A data byte may equal the rejection. It counts as accepted: the check at the end of
-            // the command reveals an error.
+            // A data byte may equal the rejection. It counts as accepted, because the check at the
+            // end of the command reveals an error.
             Some(REJECTED) if byte == REJECTED => Ok(Answer::Taken),
             Some(REJECTED) => Ok(Answer::Rejected),
             Some(other) => Err(format!(
@@ -766,7 +771,8 @@ impl Client {
     fn pause(&mut self, time: Duration) -> Result<(), String> {
         let end = self.wire.elapsed() + time;
         while self.wire.elapsed() < end && (self.answers || !self.stop.is_asked()) {
-            // The wait for a device that does not answer may be long, so Ctrl-C is polled.
+            // The wait for a device that does not answer may be long, so Ctrl-C is checked
+            // meanwhile.
             let left = end.saturating_sub(self.wire.elapsed()).min(AGAIN);
             if self.turn.is_some() && !self.has_turn {
                 // Bytes that arrive now are for the other client.
@@ -789,7 +795,7 @@ impl Client {
     }
 }
 
-/// A thread that panicked leaves no half-done state in it.
+/// Locks the turn. A thread that panicked leaves a valid value in it.
 fn locked(turn: &Turn) -> MutexGuard<'_, bool> {
     turn.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -803,8 +809,8 @@ fn letter(table: &ByteTable, motor: u8, forward: bool) -> u8 {
     if forward { plus } else { minus }
 }
 
-/// The position of a device as text. One that is not homed does not know it, and has its counters
-/// only.
+/// The position of a device as text. A device that is not homed does not know its position. It has
+/// only its counters.
 fn place(status: &Status) -> String {
     let [x, y, z, spindle] = status.position_steps;
     let counters = format!("x {x} y {y} z {z} spindle {spindle} steps");
@@ -814,7 +820,7 @@ fn place(status: &Status) -> String {
     }
 }
 
-/// The same, after the report of a failure.
+/// The position of a device as text, to follow the report of a failure.
 fn standing(status: &Status) -> String {
     match status.is_homed {
         true => format!("it stands at {}", place(status)),

@@ -1,4 +1,4 @@
-//! Several machines at work at once, each on its own link, and one report about them.
+//! Several machines that work at once, each on its own link, and one report about them.
 
 use super::action::Action;
 use super::client::Client;
@@ -32,7 +32,7 @@ pub struct Row {
     pub end: Result<String, String>,
 }
 
-/// What a machine says at work.
+/// A report of a machine at work.
 #[derive(Clone, Debug)]
 pub struct Said {
     /// Its number among the machines, from 0.
@@ -69,7 +69,7 @@ impl fmt::Display for What {
     }
 }
 
-/// Record of one machine.
+/// The record of one machine.
 #[derive(Debug)]
 pub struct Share {
     port: String,
@@ -78,7 +78,7 @@ pub struct Share {
 }
 
 impl Share {
-    /// Why it ended before its last action.
+    /// Why the machine ended before its last action.
     fn error(&self) -> Option<&str> {
         self.rows.last()?.end.as_ref().err().map(String::as_str)
     }

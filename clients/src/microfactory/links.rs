@@ -18,9 +18,10 @@ pub struct Links<'a> {
     pub answers: bool,
     /// The figure that simulated machines start with.
     pub figure: &'a [[i16; 2]],
-    /// A motion ends this long after the last byte of this program, in units of 10 ms. 0: never.
+    /// A motion ends this long after the last byte of this program, in units of 10 ms. With 0 a
+    /// motion needs no host.
     pub lease: u8,
-    /// Requests to stop all of them.
+    /// Requests to stop all machines.
     pub stop: StopRequests,
 }
 
@@ -50,13 +51,13 @@ impl Links<'_> {
         Ok(client.of_machine(place.number()))
     }
 
-    /// Opens a machine per port, each with its share of the actions. A port is `sim`, a serial
-    /// device or `tcp:HOST:PORT`, with `#1` or `#2` behind it for a machine of a controller of two.
+    /// Opens a machine for each port, each with its share of the actions. A port is `sim`, a serial
+    /// device or `tcp:HOST:PORT`. After it, `#1` or `#2` names a machine of a controller of two.
     /// Two machines of one controller share its link.
     ///
     /// # Errors
     ///
-    /// A sentence about the port that cannot be opened, or is named twice.
+    /// Returns a sentence about the port that cannot be opened, or is named twice.
     pub fn crew(&self, ports: &[String], shares: Vec<Vec<Action>>) -> Result<Vec<Worker>, String> {
         let places = ports.iter().map(|port| Place::parse(port));
         let places = places.collect::<Result<Vec<_>, _>>()?;
@@ -83,10 +84,10 @@ impl Links<'_> {
     }
 }
 
-/// A machine: a port, or a number behind it as in `/dev/ttyUSB0#2`.
+/// A machine: a port, or a port with a number as in `/dev/ttyUSB0#2`.
 struct Place<'a> {
     port: &'a str,
-    /// Of a controller of two: 0 or 1.
+    /// The machine of a controller of two: 0 or 1.
     machine: Option<u8>,
 }
 
@@ -109,7 +110,7 @@ impl<'a> Place<'a> {
         self.machine.unwrap_or(0)
     }
 
-    /// Each of these is a device of its own.
+    /// Whether the machine is simulated. Each simulated machine is a device of its own.
     fn is_simulated(&self) -> bool {
         self.port == "sim"
     }

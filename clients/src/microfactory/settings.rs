@@ -11,7 +11,7 @@ pub struct Settings {
     pub config: MicrofactoryConfig,
     /// The bytes of its link.
     pub table: ByteTable,
-    /// Shortest interval between two steps that a motor follows, in ticks of the controller.
+    /// Shortest interval between two steps that a motor can follow, in ticks of the controller.
     pub pull_out_ticks: u32,
     /// A step of X, Y and Z in nm, as numerator and denominator.
     pub steps: [[i128; 2]; 3],

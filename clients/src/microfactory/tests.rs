@@ -26,7 +26,7 @@ fn client() -> Client {
     client_of(0)
 }
 
-/// Of a machine alone on its controller, or of the second one of two.
+/// A client of a machine alone on its controller, or of the second one of two.
 fn client_of(machine: u8) -> Client {
     let settings = settings();
     let device = Device::new(
@@ -65,7 +65,8 @@ fn session() -> Vec<Action> {
     ]
 }
 
-/// The actions of a session up to the first failure, and its reason.
+/// Carries out the actions of a session. The error is the number of the first failed action, and
+/// the reason.
 fn run(client: &mut Client) -> Result<(), (usize, String)> {
     for (place, action) in session().iter().enumerate() {
         client.carry_out(action).map_err(|error| (place, error))?;
@@ -78,7 +79,7 @@ fn outcome(client: &mut Client, zero: [i32; 2]) -> ([i32; 2], usize) {
     outcome_of(client, 0, zero)
 }
 
-/// The same of another machine.
+/// The outcome of another machine: its tool position and its number of figures.
 fn outcome_of(client: &mut Client, machine: u8, zero: [i32; 2]) -> ([i32; 2], usize) {
     let device = client.device();
     let [x, _, z, _] = device.rig(machine).unwrap().tool();
@@ -87,7 +88,8 @@ fn outcome_of(client: &mut Client, machine: u8, zero: [i32; 2]) -> ([i32; 2], us
     ([x - zero[0], z - zero[1]], figures.count())
 }
 
-/// Of the rig: 420 steps above the switch and back off it by 20, and so on.
+/// In X the rig begins 420 steps above the switch, and in Z 900 steps. Homing backs off each switch
+/// by 20 steps.
 const ZERO: [i32; 2] = [20 - 420, 20 - 900];
 const GOOD: ([i32; 2], usize) = ([63, -7 + 0x3F - 0x21], 1);
 
@@ -110,10 +112,10 @@ fn faults() -> impl Iterator<Item = Fault> {
     ])
 }
 
-/// The whole session with a fault. If nothing is reported, everything is done as requested. If
-/// something is reported, nothing turns any more, except the action in progress after a pulled
-/// cable. The operator then continues after plugging in, a reset and homing. Returns whether it was
-/// reported.
+/// Runs the whole session with a fault. If nothing is reported, everything is done as requested. If
+/// a failure is reported, nothing turns any more, except the action in progress after a pulled
+/// cable. The operator then plugs the cable in, resets the device, homes it and continues. Returns
+/// whether a failure was reported.
 fn survives(machine: u8, place: u64, fault: Fault) -> bool {
     let context = format!("{fault:?} at byte {place} to machine {machine}");
     let mut client = client_of(machine);
@@ -182,7 +184,7 @@ fn any_fault_at_any_byte_is_survived_or_reported() {
     }
 }
 
-/// The same at random in a long session: a figure of 400 moves, and long counted steps.
+/// Random faults in a long session: a figure of 400 moves, and long counted steps.
 #[test]
 fn faults_in_long_sessions_are_survived_or_reported() {
     let (mut numbers, mut reported) = (Random::new(11), 0);
@@ -293,7 +295,7 @@ fn jog(motor: u8, forward: bool, seconds: u64) -> Action {
     }
 }
 
-/// How often a switch stopped something.
+/// Number of times that a switch stopped a motion.
 fn switch_reports(client: &mut Client) -> usize {
     let told = client.device().take_reports();
     let hits = told
@@ -302,8 +304,8 @@ fn switch_reports(client: &mut Client) -> usize {
     hits.count()
 }
 
-/// A jog that ends at a switch is reported and not begun again, whatever its time. The axis backs
-/// off the switch completely.
+/// A jog that ends at a switch is reported and not begun again, whatever its time is. The axis
+/// backs off the switch completely.
 #[test]
 fn a_jog_into_a_switch_is_reported_and_ends() {
     let mut client = client();
@@ -319,7 +321,8 @@ fn a_jog_into_a_switch_is_reported_and_ends() {
     assert!(client.elapsed() < Duration::from_secs(20));
 }
 
-/// The same with counted steps, which the host sends by 255.
+/// Counted steps that end at a switch are reported and end. The host sends them in portions of at
+/// most 255.
 #[test]
 fn steps_into_a_switch_are_reported_and_end() {
     let mut client = client();
@@ -338,7 +341,8 @@ fn steps_into_a_switch_are_reported_and_end() {
     );
 }
 
-/// The answer to a letter that the controller does not carry out, as while it backs off a switch.
+/// The answer to a letter that the controller does not carry out, for example while it backs off a
+/// switch.
 #[test]
 fn what_is_refused_is_not_acknowledged() {
     let settings = settings();
@@ -367,7 +371,7 @@ fn what_is_refused_is_not_acknowledged() {
         "it begins, and goes back at once"
     );
     assert_eq!(say(&mut device, b'x'), b"?");
-    // No figure is stored behind `<`.
+    // No figure is stored after `<`.
     device.control("reset");
     assert_eq!(say(&mut device, b'<'), b"<");
     assert_eq!(say(&mut device, b'G'), b"?");
@@ -452,7 +456,7 @@ fn two_machines_move_at_once() {
     let (first, second) = (device.rig(0).unwrap().tool(), device.rig(1).unwrap().tool());
     assert!(first[1] > 100 && first[0] == 0, "{first:?}");
     assert!(second[0] > 100 && second[1] == 0, "{second:?}");
-    // Nothing repeats the jogs: both machines stand after their dead-man's time.
+    // Nothing repeats the jogs, so both machines stop after their dead-man's time.
     for _ in 0..1000 {
         device.tick();
     }
@@ -466,8 +470,8 @@ fn two_machines_move_at_once() {
     );
 }
 
-/// After a reset a controller of two machines listens for the first one. Commands for the second do
-/// not move it.
+/// After a reset a controller of two machines has selected the first one. Commands for the second
+/// one do not move the first.
 #[test]
 fn a_reset_does_not_exchange_the_machines() {
     let settings = settings();
@@ -501,7 +505,7 @@ fn a_controller_of_one_machine_has_no_second() {
 }
 
 /// With a lease every motion ends when the host is silent, and the position is still right. Without
-/// one, homing, counted steps and figures continue to their ends, as those of the original.
+/// a lease, homing, counted steps and figures continue to their ends, as on the original.
 #[test]
 fn every_motion_has_a_lease() {
     const LEASE_MS: usize = 250;
@@ -526,7 +530,7 @@ fn every_motion_has_a_lease() {
             device.send(*byte);
             pass(&mut device, 5);
         }
-        // Questions renew it.
+        // Queries renew it.
         for _ in 0..6 {
             device.send(b'5');
             pass(&mut device, 50);
@@ -546,7 +550,7 @@ fn every_motion_has_a_lease() {
     }
 }
 
-/// A device that does not know the question where its switches closed homes as before.
+/// A device that does not know the query about its switches homes as before.
 #[test]
 fn a_device_that_does_not_compare_its_switches_homes() {
     let mut settings = settings();
@@ -568,7 +572,7 @@ fn a_device_that_does_not_compare_its_switches_homes() {
     }
 }
 
-/// A device without a lease is refused unless that is accepted.
+/// A device without a lease is refused, unless the user accepts that.
 #[test]
 fn a_device_without_a_lease_is_not_trusted() {
     let mut settings = settings();

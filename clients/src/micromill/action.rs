@@ -50,7 +50,7 @@ impl Action {
     ///
     /// # Errors
     ///
-    /// A sentence about the first word that is not understood.
+    /// Returns a sentence about the first word that is not understood.
     pub fn parse(words: &[String]) -> Result<Vec<Self>, String> {
         let mut words = words.iter().map(String::as_str);
         let mut actions = Vec::new();
@@ -106,7 +106,7 @@ impl Action {
         Ok(actions)
     }
 
-    /// `x 25`, or `x+ 2s`, or `x+y- 2s`.
+    /// Reads a motion such as `x 25`, `x+ 2s` or `x+y- 2s`.
     fn motion(word: &str, amount: Option<&str>) -> Result<Self, String> {
         if let Some(axis) = axis(word) {
             let steps = amount.and_then(|steps| steps.parse().ok());
@@ -155,7 +155,7 @@ const fn letter(axis: Axis) -> char {
     axis.letter().to_ascii_lowercase() as char
 }
 
-/// `1.5s`.
+/// Reads a time such as `1.5s`.
 fn time(word: &str, amount: Option<&str>) -> Result<Duration, String> {
     amount
         .and_then(|amount| amount.strip_suffix('s'))

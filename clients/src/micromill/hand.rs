@@ -13,7 +13,7 @@ use std::time::Duration;
 const TURN_US: u32 = 50_000;
 /// Largest number of steps of one string.
 const MOST_STEPS: i32 = 9999;
-/// Why a position is not known.
+/// Why a position is unknown.
 const UNREPORTED: &str = "the controller does not report where it is";
 
 /// A session, and the state that the controller has reported.
@@ -27,12 +27,12 @@ pub struct Hand {
 
 impl Hand {
     /// Stops any motion, and asks for the state of the controller. From now on every motion ends
-    /// `lease_ms` after the last byte of the host; with 0 it needs no host. Positions are reported
-    /// in `frame`.
+    /// `lease_ms` after the last byte of the host. With 0 a motion needs no host. Positions are
+    /// reported in `frame`.
     ///
     /// # Errors
     ///
-    /// A sentence about the port or the controller.
+    /// Returns a sentence about the port or the controller.
     pub fn new(
         wire: Wire<Device>,
         bits_per_s: u32,
@@ -63,7 +63,7 @@ impl Hand {
             }
             Action::Backlash(axis, um) => self.ordered(Order::Backlash(*axis, *um)),
             Action::Zero => self.ordered(Order::Zero),
-            // Repeated, because the first string of the session may be lost.
+            // The order is repeated, because the first string of the session may be lost.
             Action::Stop => self.ordered(Order::Stop),
             Action::Where => Ok(()),
         }
@@ -115,7 +115,8 @@ impl Hand {
         Ok(())
     }
 
-    /// Carries out a motion without an end: parts of a given duration, with changes of speed.
+    /// Carries out a motion that has no end of its own. It has parts of a given duration, with
+    /// changes of speed between them.
     fn moves(&mut self, order: Order, legs: &[Leg]) -> Result<(), String> {
         if !self.session.start(order) {
             return Err("the string before it has not ended".into());
@@ -164,7 +165,7 @@ impl Hand {
 impl ByHand for Hand {
     type Action = Action;
 
-    /// If the controller has stopped, the text about a failure has the position.
+    /// The text about a failure contains the position if the controller has stopped.
     fn carry_out(&mut self, action: &Action) -> Result<String, String> {
         let made = self.made(action);
         let (steps, net) = (self.session.steps.len(), self.session.net_steps());
@@ -172,7 +173,7 @@ impl ByHand for Hand {
         let before = self.state;
         let asked = match &made {
             Ok(()) if before.is_some() => self.session.state(),
-            // After each failure the position may be another one.
+            // After any failure the position may have changed.
             Err(_) if before.is_some() => Ok(self.session.state_after()),
             _ => Ok(None),
         };
@@ -182,7 +183,7 @@ impl ByHand for Hand {
             (made, Err(_)) => (made, None),
         };
         self.state = state;
-        // Homing and another backlash count from elsewhere.
+        // After homing or with another backlash, the steps count from another position.
         let is_same = !matches!(action, Action::Home | Action::Backlash(..));
         let uncounted = before
             .zip(state)
@@ -252,7 +253,7 @@ mod tests {
         Hand::new(wire, BAUD, LEASE_MS, frame, StopRequests::default()).unwrap()
     }
 
-    /// Without encoders only homing shows lost steps, also to another program.
+    /// Without encoders only homing shows lost steps. It shows them to another program, too.
     #[test]
     fn homing_shows_steps_that_were_lost_since_the_last_one() {
         let mut hand = hand(Device::new(BAUD));

@@ -25,14 +25,14 @@ pub struct Frame {
 
 impl LengthUnit {
     fn text(self, nm: i64) -> String {
-        // Below 2.2 m, so the quotient is exact to the last printed digit.
+        // The length is below 2.2 m, so the quotient is exact to the last printed digit.
         let (value, decimals) = match self {
             Self::Millimetres => (nm as f64 / 1e6, 6),
             Self::Inches => (nm as f64 / 25.4e6, 7),
         };
         let text = format!("{value:.decimals$}");
         let text = text.trim_end_matches('0').trim_end_matches('.');
-        // What is rounded to zero has no sign.
+        // A value that is rounded to zero has no sign.
         match text {
             "-0" => "0".into(),
             _ => text.into(),
@@ -67,7 +67,7 @@ pub fn work_zero(state: &State) -> [Nm; 3] {
     state.axes.map(|axis| Nm(axis.zero_nm.into()))
 }
 
-/// Where the motors stand, and from where that counts.
+/// The position of the motors, and the point from which it counts.
 pub fn motors(state: &State) -> String {
     let [x, y, z] = state.motor_steps();
     let from = match state.is_homed {
@@ -77,7 +77,8 @@ pub fn motors(state: &State) -> String {
     format!("motors at x {x} y {y} z {z}{from}")
 }
 
-/// Compares the motors with the steps reported since `before`. Returns a sentence if they differ.
+/// Compares the position of the motors with the steps reported since `before`. Returns a sentence
+/// if they differ.
 pub fn uncounted(before: &State, steps: &[i64; 3], now: &State) -> Option<String> {
     let differences = apart(before, steps, now);
     let [x, y, z] = differences;
@@ -86,7 +87,8 @@ pub fn uncounted(before: &State, steps: &[i64; 3], now: &State) -> Option<String
     })
 }
 
-/// How far the motors are from where `before` and the steps since then lead.
+/// Difference between the position of the motors and the one to which `before` and the steps since
+/// then lead.
 fn apart(before: &State, steps: &[i64; 3], now: &State) -> [i64; 3] {
     let mut differences = [0; 3];
     let motors = before.motor_steps().into_iter().zip(now.motor_steps());
@@ -96,15 +98,15 @@ fn apart(before: &State, steps: &[i64; 3], now: &State) -> [i64; 3] {
     differences
 }
 
-/// A stepping motor loses steps in multiples of four: a turn of its field.
+/// A stepping motor loses steps in multiples of four, because four steps are a turn of its field.
 const LEAST_LOSS_STEPS: i64 = 4;
 
-/// Compares where the home switches of a mill closed with where they closed before. `steps` are
-/// those reported while it homed, `now` is the state afterwards. Returns a sentence if steps were
-/// lost since the last homing: without encoders nothing else shows it. `None` if the mill was not
-/// homed before.
+/// Compares where the home switches of a mill closed with where they closed before. `steps` are the
+/// steps reported during homing. `now` is the state after homing. Returns a sentence if steps were
+/// lost since the last homing. Without encoders nothing else shows lost steps. `None` if the mill
+/// was not homed before.
 ///
-/// The motor always stands at the same position when it has homed, whatever the real backlash is.
+/// After homing the motor is always at the same position, whatever the real backlash is.
 pub fn lost(before: &State, steps: &[i64; 3], now: &State) -> Option<String> {
     if !before.is_homed || !now.is_homed {
         return None;
@@ -120,7 +122,7 @@ pub fn lost(before: &State, steps: &[i64; 3], now: &State) -> Option<String> {
     })
 }
 
-/// Machine and work coordinates, work zero, steps and backlash: a row each.
+/// Machine and work coordinates, work zero, steps and backlash, each in a row.
 pub fn report(state: &State, Frame { config, unit }: &Frame) -> String {
     let mut text = String::new();
     let zero = work_zero(state).map(|nm| nm.0);
@@ -139,7 +141,7 @@ pub fn report(state: &State, Frame { config, unit }: &Frame) -> String {
     }
     let [x, y, z] = state.axes.map(|axis| axis.load_steps);
     let [of_x, of_y, of_z] = state.axes.map(|axis| axis.backlash_steps);
-    // A string takes all that is written.
+    // Writing to a string does not fail.
     let _ = write!(
         text,
         "  steps     x {x} y {y} z {z}, {}\n  backlash  x {of_x} y {of_y} z {of_z} steps",

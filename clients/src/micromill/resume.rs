@@ -1,4 +1,4 @@
-//! Going on with a program in the middle: the lines that are left, from where the mill stands.
+//! Continues a program in the middle: the remaining lines, from the present position of the mill.
 
 use super::Translated;
 use super::position::position;
@@ -7,25 +7,26 @@ use husillo_transports::micromill::{Line, Point, State};
 
 /// The unit of coordinates, nm.
 const UNIT_NM: i64 = 10;
-/// Distance from a line that counts as on it, nm: half a diagonal of two steps, and the rounding
-/// of the program to steps.
+/// Largest distance at which the mill counts as on a line, nm: half a diagonal of two steps, and
+/// the rounding of the program to steps.
 const ON_LINE_NM: i64 = 300;
-/// The same for an arc: what the controller accepts between an arc and its start.
+/// Largest distance at which the mill counts as on an arc, nm. It is the distance that the
+/// controller accepts between an arc and its start.
 const ON_ARC_NM: f64 = 5_000.0;
 
-/// Where the program is between two of its lines: nm from the zero of the part. `None`: no line has
+/// A position between two lines of the program, nm from the zero of the part. `None`: no line has
 /// moved this axis.
 type Place = [Option<i64>; 3];
 
 impl Translated {
-    /// Leaves out the lines before line `number` of the program. The mill must stand at the start
-    /// of that line or on its path, where a stop has left it. If the spindle turns there, its line
-    /// comes first. Tools are not asked for again.
+    /// Leaves out the lines before line `number` of the program. The mill must be at the start of
+    /// that line, or on its path where a stop has left it. If the spindle turns at that point, the
+    /// line that starts it comes first. Tools are not requested again.
     ///
     /// # Errors
     ///
-    /// A sentence: the program ends before this line, the mill is not homed or stands elsewhere, or
-    /// the zero of the part is set before this line.
+    /// Returns a sentence if the program ends before this line, if the mill is not homed or is
+    /// elsewhere, or if the zero of the part is set before this line.
     pub fn resumed_at(
         mut self,
         number: usize,
@@ -101,7 +102,7 @@ fn elsewhere(line: usize, place: Place, at: [i64; 3]) -> String {
     )
 }
 
-/// Where a line ends.
+/// The position at which a line ends.
 fn end(line: &Line, place: Place, zero: [i64; 3]) -> Place {
     let [x, y, z] = place;
     let nm = |units: Option<i32>, before| units.map_or(before, |units| Some(in_nm(units)));
@@ -121,7 +122,7 @@ fn in_nm(units: i32) -> i64 {
     i64::from(units) * UNIT_NM
 }
 
-/// Whether the mill is at a place, as far as that is known.
+/// Whether the mill is at a position, as far as that position is known.
 fn is_at(place: Place, at: [i64; 3]) -> bool {
     let pairs = place.into_iter().zip(at);
     pairs
@@ -149,7 +150,7 @@ fn is_on(line: &Line, from: Place, at: [i64; 3], zero: [i64; 3]) -> bool {
     let offset = [x - from[0], y - from[1], z - from[2]];
     let dot = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let length_2 = dot(ray, ray);
-    // A path of no length is its start.
+    // A path without length is only its start.
     let part = match length_2 > 0.0 {
         true => (dot(offset, ray) / length_2).clamp(0.0, 1.0),
         false => 0.0,
@@ -199,7 +200,8 @@ mod tests {
         }
     }
 
-    /// A mill that is homed, in steps from the zero of the part, which is at 140 um in each axis.
+    /// A homed mill. Its position is in steps from the zero of the part. That zero is at 140 um in
+    /// each axis.
     fn at(steps: [i32; 3]) -> State {
         State {
             axes: steps.map(|steps| AxisState {
@@ -230,7 +232,7 @@ mod tests {
             );
             Ok(lines)
         };
-        // At the start of a line, within it, and a step aside.
+        // At the start of a line, within it, and one step beside it.
         for y in [0, 1, 500, 999, 1000] {
             assert_eq!(resumed(4, [1000, y, -100]), rest(4), "{y}");
             assert_eq!(resumed(4, [999, y, -100]), rest(4), "{y}");
@@ -239,7 +241,7 @@ mod tests {
         for (x, y) in [(1000, 0), (800, 600), (600, 800)] {
             assert_eq!(resumed(8, [x, y, -100]), rest(8), "{x} {y}");
         }
-        // While the tool goes down.
+        // While the tool moves down.
         assert_eq!(resumed(2, [0, 0, -40]), rest(2));
     }
 

@@ -1,4 +1,4 @@
-//! Lines to a controller, and the steps that it reports.
+//! Sends lines to a controller, and collects the steps that it reports.
 
 use super::position;
 use super::session::Session;
@@ -12,13 +12,13 @@ use husillo_transports::micromill::{Line, Order, State};
 pub struct Sending {
     /// Rate of the port, bits/s.
     pub bits_per_s: u32,
-    /// Longest silence of the host after which a motion ends, ms; 0: it needs no host.
+    /// Longest silence of the host before a motion ends, ms; 0: a motion needs no host.
     pub lease_ms: u16,
-    /// Send a line while the previous one is made, without a stop between them.
+    /// Send a line while the previous one is being carried out, without a stop between them.
     pub streams: bool,
     /// Report every n-th step; 0 reports none.
     pub every: u16,
-    /// Home first.
+    /// Home before the first line.
     pub homes: bool,
 }
 
@@ -27,22 +27,22 @@ pub struct Sending {
 pub struct Sent {
     /// Each step reported since homing: its axis, and whether it was forward.
     pub steps: Vec<(u8, bool)>,
-    /// Lines that were made.
+    /// Lines that were carried out.
     pub lines: usize,
-    /// What the controller reports at the end. `None`: it has no such report.
+    /// The state that the controller reports at the end. `None`: the controller has no such report.
     pub state: Option<State>,
 }
 
-/// A controller that gets lines, one after the other.
+/// A controller that receives lines, one after the other.
 #[derive(Debug)]
 pub struct Sender {
     session: Session,
     sending: Sending,
     /// The state before homing. `None`: the controller does not report its state.
     found: Option<State>,
-    /// In this state the first line begins. `None`: the controller does not report its state.
+    /// The state in which the first line begins. `None`: the controller does not report its state.
     start: Option<State>,
-    /// The reported steps give the position.
+    /// Whether the reported steps give the position.
     is_counted: bool,
 }
 
@@ -51,7 +51,7 @@ impl Sender {
     ///
     /// # Errors
     ///
-    /// A sentence about the port or the controller.
+    /// Returns a sentence about the port or the controller.
     pub fn new(wire: Wire<Device>, sending: Sending, stop: StopRequests) -> Result<Self, String> {
         let mut session = Session::new(wire, sending.bits_per_s, stop);
         session.begin(sending.lease_ms)?;
@@ -74,18 +74,18 @@ impl Sender {
         &mut self.session
     }
 
-    /// The state in which the first line begins, after homing where that is asked for. `None`: the
+    /// The state in which the first line begins, after homing if that was requested. `None`: the
     /// controller does not report its state.
     pub const fn start(&self) -> Option<State> {
         self.start
     }
 
-    /// Homes where that is asked for. Call it before the first line. Returns a sentence if the home
+    /// Homes if that was requested. Call it before the first line. Returns a sentence if the home
     /// switches show that steps were lost since the last homing.
     ///
     /// # Errors
     ///
-    /// A sentence about the failure. That about a stop has the position of the motors.
+    /// Returns a sentence about the failure. After a stop it contains the position of the motors.
     pub fn begin(&mut self) -> Result<Option<String>, String> {
         let begun = self.try_begin();
         begun.map_err(|sentence| self.failed(sentence))
@@ -102,7 +102,7 @@ impl Sender {
             if state != self.start {
                 return Err("homing: the controller is not where homing ends".into());
             }
-            // Without a report of every step there is nothing to compare.
+            // Steps can be compared only if every step is reported.
             let known = self.found.zip(state).filter(|_| sending.every == 1);
             lost =
                 known.and_then(|(found, now)| position::lost(&found, &session.net_steps(), &now));
@@ -115,13 +115,14 @@ impl Sender {
         Ok(lost)
     }
 
-    /// Sends a line of the file and waits until it is made, or queued if lines are streamed. Before
-    /// it is sent, `operator` gets the line and its string, and returns whether to continue.
+    /// Sends a line of the file and waits until it is carried out, or until it is queued if lines
+    /// are streamed. Before the line is sent, `operator` gets the line and its string. It returns
+    /// whether to continue.
     ///
     /// # Errors
     ///
-    /// The line is refused, the port fails, or a stop is asked for. The message has the position of
-    /// the motors.
+    /// The line is refused, the port fails, or a stop is requested. The message contains the
+    /// position of the motors.
     pub fn send(
         &mut self,
         number: usize,
@@ -145,7 +146,7 @@ impl Sender {
             session.finish()?;
         }
         if !operator(line, &string) {
-            // After Ctrl-C this returns the message about it.
+            // After Ctrl-C this call returns the message about the interruption.
             session.turn(0)?;
             return Err(match line {
                 Line::Tool(tool) => format!("line {number}: stopped before tool {tool}"),
@@ -159,32 +160,33 @@ impl Sender {
         Ok(())
     }
 
-    /// What the controller has echoed of the last line, and how many steps it has reported in all.
+    /// What the controller has echoed of the last line, and the number of steps reported so far.
     pub fn echo(&self) -> (String, usize) {
         (self.session.echo(), self.session.steps.len())
     }
 
-    /// Lines that were made.
+    /// Lines that were carried out.
     pub const fn made(&self) -> usize {
         self.session.lines
     }
 
-    /// Keeps the session alive for a time while no line is sent: at most one tenth of a second.
+    /// Keeps the session alive for a time while no line is sent. The time is at most a tenth of a
+    /// second.
     ///
     /// # Errors
     ///
-    /// The port fails, the controller was reset, or a stop is asked for.
+    /// The port fails, the controller was reset, or a stop is requested.
     pub fn idle(&mut self, longest_us: u32) -> Result<(), String> {
         let turned = self.session.turn(longest_us);
         turned.map(|_| ()).map_err(|sentence| self.failed(sentence))
     }
 
-    /// Waits until all lines are made, and asks for the state at the end.
+    /// Waits until all lines are carried out, then asks for the state.
     ///
     /// # Errors
     ///
-    /// As [`send`](Self::send), and a controller whose position is not that of the steps that it
-    /// reported.
+    /// The errors of [`send`](Self::send). Also an error if the position of the controller is not
+    /// that of the steps that it reported.
     pub fn finish(&mut self) -> Result<Sent, String> {
         let finished = self.try_finish();
         let state = finished.map_err(|sentence| self.failed(sentence))?;
@@ -213,7 +215,7 @@ impl Sender {
             return sentence;
         }
         let lines = counted(self.session.lines, "line");
-        // Whoever does not answer is not asked again.
+        // A controller that does not answer is not asked again.
         let Some(state) = self.session.state_after() else {
             return format!("{sentence}; {lines} made; the position is unknown");
         };
@@ -225,7 +227,7 @@ impl Sender {
         format!("{sentence}; {lines} made; {motors}{uncounted}")
     }
 
-    /// What the controller counts beyond the steps that it reported.
+    /// A sentence about the steps that the controller counts beyond those that it reported.
     fn uncounted(&self, state: &State) -> Option<String> {
         let start = self
             .start

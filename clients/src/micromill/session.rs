@@ -1,4 +1,4 @@
-//! A controller on a port: orders, one after the other, and its reports.
+//! A session with a controller at a port: orders, one after the other, and its reports.
 
 use crate::{StopRequests, Wire};
 use husillo_sim::device::micromill::Device;
@@ -13,12 +13,12 @@ const TURN_US: u32 = 100_000;
 /// The longest wait between two checks for Ctrl-C, us: 4 steps of a jog.
 const LOOK_US: u32 = 20_000;
 
-/// The report of a controller that was just switched on, or reset by the opened port, arrives
-/// within this time.
+/// A controller that was just switched on, or reset by the opening of the port, reports within this
+/// time.
 const GREETING: Duration = Duration::from_millis(20);
-/// Reports of the state until two agree.
+/// Largest number of reports of the state that are requested until two agree.
 const MOST_REPORTS: u8 = 6;
-/// A controller that has not confirmed a stop within this time does not answer, us.
+/// A controller that has not confirmed a stop within this time counts as not answering, us.
 const HALT_US: u32 = 3_000_000;
 
 /// The host's end of the link, and the reports of the controller.
@@ -30,20 +30,20 @@ pub struct Session {
     waiting: VecDeque<u8>,
     /// Set by Ctrl-C.
     stop: StopRequests,
-    /// The stop was carried out.
+    /// Whether the stop was carried out.
     is_halted: bool,
-    /// The controller has answered the first order. The report of a reset before it is the greeting
-    /// of a controller that was switched on: nothing is lost.
+    /// Whether the controller has answered the first order. A report of a reset before that answer
+    /// is the greeting of a controller that was switched on, so nothing is lost.
     has_begun: bool,
-    /// The controller has not answered, or the port has failed.
+    /// Whether the controller does not answer, or the port has failed.
     is_lost: bool,
     /// Period of the strings that continue a motion, us. `None`: a motion needs no host.
     renewal_us: Option<u32>,
-    /// When the last one of them was sent, us.
+    /// Time at which the last one of these strings was sent, us.
     renewed_us: u32,
-    /// Each reported step: axis, and whether forward.
+    /// Each reported step: its axis, and whether it was forward.
     pub steps: Vec<(u8, bool)>,
-    /// Streamed lines that were made.
+    /// Lines that were carried out. The session counts the streamed ones.
     pub lines: usize,
     /// Digits of the last report of the state.
     digits: StateDigits,
@@ -53,9 +53,9 @@ pub struct Session {
 
 impl Session {
     /// A session with a controller in any state. The first order should be [`Order::Stop`]. The
-    /// controller is stopped as soon as `stop` is set.
+    /// session stops the controller as soon as `stop` is set.
     pub fn new(mut wire: Wire<Device>, bits_per_s: u32, stop: StopRequests) -> Self {
-        // Earlier bytes are dropped. The first order reports a dead line.
+        // Drops earlier bytes. The first order detects a dead line.
         let _ = wire.receive_all(GREETING);
         let timing = HostTiming::of(bits_per_s);
         Self {
@@ -77,15 +77,16 @@ impl Session {
     }
 
     /// Brings a controller in any state to rest. From now on every motion ends `lease_ms` after the
-    /// last byte of the host, and the calls of this session continue it. With 0 a motion needs no
+    /// last byte of the host. The calls of this session continue a motion. With 0 a motion needs no
     /// host.
     ///
     /// # Errors
     ///
-    /// A sentence about the port or the controller.
+    /// Returns a sentence about the port or the controller.
     pub fn begin(&mut self, lease_ms: u16) -> Result<(), String> {
         // The greeting of the controller may come late and end this string in the middle. The
-        // beginning of a string, of this one or of a program that was killed, spoils the next one.
+        // beginning of a string spoils the next one. It may be from this session or from a program
+        // that was killed.
         let mut first = self.outcome(Order::Stop, "stop")?;
         if first == Outcome::Restarted {
             first = self.outcome(Order::Stop, "stop")?;
@@ -95,7 +96,7 @@ impl Session {
         }
         self.has_begun = true;
         self.order(Order::Stream(false), "no streaming")?;
-        // 0 ends the lease of an earlier program.
+        // A lease of 0 ends the lease of an earlier program.
         let leased = self.order(Order::Lease(lease_ms), "lease");
         self.renewal_us = None;
         if lease_ms > 0 {
@@ -121,7 +122,8 @@ impl Session {
     ///
     /// # Errors
     ///
-    /// The order failed, with `name` before the reason, or the port failed.
+    /// The port failed, or the order failed. If the order failed, the message is `name` and the
+    /// reason.
     pub fn order(&mut self, order: Order, name: &str) -> Result<(), String> {
         match self.outcome(order, name)? {
             Outcome::Done => Ok(()),
@@ -146,15 +148,15 @@ impl Session {
     /// What the controller has echoed of the last order.
     pub fn echo(&self) -> String {
         let echo = String::from_utf8_lossy(&self.echo);
-        // Strings that continue the motion came after it.
+        // The echoes of strings that continue the motion follow it.
         let renewal = Order::Renew.text();
         let renewal = String::from_utf8_lossy(renewal.bytes()).into_owned();
         echo.trim_end_matches(&renewal[..]).to_owned()
     }
 
-    /// Asks a controller at rest for its state. Two equal reports in succession are required,
-    /// because a wrong bit on the line would give a wrong position. `None`: the controller has no
-    /// such string.
+    /// Asks a controller at rest for its state. Two reports in succession must be equal, because a
+    /// wrong bit on the line would give a wrong position. `None`: the controller has no such
+    /// string.
     ///
     /// # Errors
     ///
@@ -177,7 +179,7 @@ impl Session {
         Err("the reports of the position differ: check the cable".into())
     }
 
-    /// The state after a failure, where the controller still answers.
+    /// The state after a failure, if the controller still answers.
     pub(super) fn state_after(&mut self) -> Option<State> {
         if self.is_lost {
             return None;
@@ -189,7 +191,7 @@ impl Session {
         self.state().ok().flatten().filter(|_| is_at_rest)
     }
 
-    /// Waits until all streamed lines are made.
+    /// Waits until all streamed lines are carried out.
     ///
     /// # Errors
     ///
@@ -201,12 +203,12 @@ impl Session {
         Ok(())
     }
 
-    /// Sends a byte if one may be sent. Otherwise it receives for at most `longest_us`. Returns
-    /// the outcome of a string that has ended.
+    /// Sends the bytes that may be sent. If there are none, it receives for at most `longest_us`.
+    /// Returns the outcome of a string that has ended.
     ///
     /// # Errors
     ///
-    /// The port failed, the controller was reset, or Ctrl-C was pressed, which stops the motion.
+    /// The port failed, the controller was reset, or Ctrl-C was pressed. Ctrl-C stops the motion.
     pub fn turn(&mut self, longest_us: u32) -> Result<Option<Outcome>, String> {
         if !self.is_halted && self.stop.is_asked() {
             self.is_halted = true;
@@ -224,7 +226,7 @@ impl Session {
                     sent.map_err(gone)?;
                     return Ok(None);
                 }
-                // The guard before a `;` has begun.
+                // The guard time before a `;` has begun.
                 1000
             }
             Progress::Waiting { us } => us,
@@ -252,12 +254,12 @@ impl Session {
         }
     }
 
-    /// What a simulated mill has reported on its panel.
+    /// The lines that a simulated mill has reported on its panel since the last call.
     pub fn panel(&mut self) -> Vec<String> {
         self.wire.take_reports()
     }
 
-    /// Whether Ctrl-C has ended it.
+    /// Whether Ctrl-C has ended the session.
     pub const fn is_halted(&self) -> bool {
         self.is_halted
     }
@@ -271,8 +273,8 @@ impl Session {
         steps
     }
 
-    /// Stops any motion, whatever is on the line. Returns the message about it. A second Ctrl-C
-    /// ends the wait.
+    /// Stops any motion, whatever bytes are on the line. Returns the message about the stop. A
+    /// second Ctrl-C ends the wait.
     fn halt(&mut self) -> String {
         // The string being sent is dropped. The first byte of this order stops the motion at once.
         self.host = Host::new(self.timing);
@@ -315,7 +317,7 @@ impl Session {
         Ok(())
     }
 
-    /// Time since the port was opened. A simulated mill has simulated time.
+    /// Time since the port was opened. For a simulated mill this is simulated time.
     pub fn elapsed(&self) -> Duration {
         self.wire.elapsed()
     }
@@ -329,7 +331,7 @@ impl Session {
         }
     }
 
-    /// Time at the port, us, wrapping.
+    /// Time at the port, us. It wraps.
     pub fn now(&self) -> u32 {
         self.wire.elapsed().as_micros() as u32
     }
@@ -373,14 +375,15 @@ mod tests {
     use husillo_sim::device::Emulation as _;
     use husillo_transports::micromill::{Answer, Axis};
 
-    /// A killed program leaves part of a string in the controller. The next session begins anyway.
+    /// A killed program leaves part of a string in the controller. The next session begins
+    /// nevertheless.
     #[test]
     fn a_session_begins_after_half_a_string() {
         for left in ["", "L", "PX+10", "G01X01000", "!", "LA", ";"] {
             let mut device = Device::new(BAUD);
             left.bytes().for_each(|byte| device.send(byte));
             let mut wire = Wire::simulated(device);
-            // Until the controller has echoed all of it.
+            // Waits until the controller has echoed all of it.
             while !wire.receive_all(GREETING).unwrap().is_empty() {}
             let mut session = Session::new(wire, BAUD, StopRequests::default());
             assert_eq!(session.begin(LEASE_MS), Ok(()), "{left}");
@@ -388,8 +391,8 @@ mod tests {
         }
     }
 
-    /// A controller that is switched on greets. A greeting that comes after the first bytes of a
-    /// session is no reset in it; a later one is.
+    /// A controller greets when it is switched on. A greeting after the first bytes of a session
+    /// does not count as a reset. A later greeting counts as one.
     #[test]
     fn a_late_greeting_is_no_reset() {
         let greeting = Answer::Ready.byte();
@@ -402,7 +405,7 @@ mod tests {
         assert_eq!(reset, Err("the controller was reset".into()));
     }
 
-    /// A motion ends with its lease. A session with 0 ends the lease of an earlier one.
+    /// A motion ends with its lease. A session with a lease of 0 ends the lease of an earlier one.
     #[test]
     fn a_lease_of_zero_ends_an_earlier_one() {
         let wire = Wire::simulated(Device::new(BAUD));
@@ -410,7 +413,7 @@ mod tests {
         let motion = Order::Steps(Axis::X, 400);
         session.begin(LEASE_MS).unwrap();
         assert_eq!(session.outcome(motion, "move"), Ok(Outcome::Done));
-        // Like a host that has gone, it sends nothing any more.
+        // The session sends nothing any more, like a host that has gone.
         session.renewal_us = None;
         assert_eq!(session.outcome(motion, "move"), Ok(Outcome::Stopped));
         session.begin(0).unwrap();

@@ -1,4 +1,5 @@
-//! Commands to the strings of the micro mill: absolute micrometres, X and Y together, Z alone.
+//! Translates commands to the strings of the micro mill. The strings have absolute micrometres.
+//! They move X and Y together, and Z alone.
 
 use husillo_gcode::{Arc, Command, Direction, Feed, Nm, Plane, SpindleDirection};
 use husillo_machine::Config;
@@ -11,7 +12,7 @@ use std::f64::consts::TAU;
 const UNIT_NM: i64 = 10;
 /// Largest coordinate in that unit: five digits of micrometres and two decimals.
 const MOST: i64 = 9_999_999;
-/// Length of the parts in which a curve is followed, as a part of a step.
+/// Length of the parts into which a curve is divided, as a fraction of a step.
 const PART: f64 = 0.02;
 
 /// A program for the mill.
@@ -27,8 +28,8 @@ pub struct Translated {
     pub errors: Vec<(usize, String)>,
 }
 
-/// Translates commands, each with the number of its line. The mill is at machine zero, and the
-/// zero of the part is there, too.
+/// Translates commands, each with the number of its line. The mill is at machine zero, and so is
+/// the zero of the part.
 pub fn translate(
     commands: impl IntoIterator<Item = (usize, Command<3>)>,
     config: &Config<3>,
@@ -45,19 +46,19 @@ pub fn translate(
 pub struct Translator<'a> {
     config: &'a Config<3>,
     made: Translated,
-    /// Notes of a line are made once.
+    /// The notes so far. A note is made once in each line.
     noted: BTreeSet<(usize, String)>,
     line: usize,
     /// The part's zero in machine coordinates.
     zero: [Nm; 3],
-    /// Where the last line ends, in units from the part's zero.
+    /// The end of the last line, in units from the part's zero.
     at: [i64; 3],
-    /// Where the last command ends, in machine coordinates.
+    /// The end of the last command, in machine coordinates.
     from: [Nm; 3],
 }
 
 impl<'a> Translator<'a> {
-    /// The mill is `at` this position, and its part's zero is at `zero`, both in machine
+    /// The mill is at the position `at`, and its part's zero is at `zero`. Both are in machine
     /// coordinates, as the commands are. The strings count from the part's zero.
     pub fn new(config: &'a Config<3>, zero: [Nm; 3], at: [Nm; 3]) -> Self {
         let mut translator = Self {
@@ -170,7 +171,7 @@ impl Translator<'_> {
             let [x, y, z] = to;
             let [at_x, at_y, at_z] = self.at;
             self.note("Z moves apart from X and Y".into());
-            // Z moves up before X and Y, and X and Y before Z down.
+            // Z moves up before X and Y move. X and Y move before Z moves down.
             let between = if z > at_z {
                 [at_x, at_y, z]
             } else {
@@ -181,14 +182,14 @@ impl Translator<'_> {
         self.straight(to, None);
     }
 
-    /// Whether Z and another axis move.
+    /// Whether both Z and another axis move.
     fn moves_apart(&self, to: [i64; 3]) -> bool {
         let [x, y, z] = to;
         let [at_x, at_y, at_z] = self.at;
         z != at_z && (x != at_x || y != at_y)
     }
 
-    /// X and Y, or Z alone. If a curve leaves both, Z moves first.
+    /// Moves X and Y, or Z alone. If a curve leaves both to move, Z moves first.
     fn straight(&mut self, to: [i64; 3], feed: Option<u16>) {
         let [x, y, z] = to;
         let [at_x, at_y, at_z] = self.at;
@@ -253,8 +254,8 @@ impl Translator<'_> {
         self.straight(to, Some(feed));
     }
 
-    /// A curve on which Z moves together with the others. Z steps when it is half a step off.
-    /// Between these steps X and Y continue on lines or on an arc.
+    /// Follows a curve on which Z moves together with the other axes. Z steps when it is half a
+    /// step off. Between these steps X and Y continue on lines or on an arc.
     fn flatten(
         &mut self,
         steps: f64,
@@ -273,7 +274,7 @@ impl Translator<'_> {
         while part < parts {
             part += 1.0;
             let at = place(part / parts);
-            // X or Y reverses here, and not because of an arc.
+            // X or Y reverses here, and the curve is no arc in X and Y.
             let next_travel = [at[0] - before[0], at[1] - before[1]];
             let turns = round.is_none()
                 && travel
@@ -298,11 +299,11 @@ impl Translator<'_> {
         self.across([x, y, 0.0], feed, round);
     }
 
-    /// X and Y to a position, Z unchanged.
+    /// Moves X and Y to a position. Z does not move.
     fn across(&mut self, at: [f64; 3], feed: u16, round: Option<(Direction, [i64; 2])>) {
         let [x, y] = [0, 1].map(|axis| self.rounded(axis, Nm(at[axis].round() as i64)));
         let z = self.at[2];
-        // Less than a step joins the next part.
+        // A distance of at most a step becomes a line, even on an arc.
         let step = (self.step_nm() / UNIT_NM as f64) as i64;
         let is_short = (x - self.at[0]).abs().max((y - self.at[1]).abs()) <= step;
         match round {
@@ -349,7 +350,7 @@ impl Translator<'_> {
         });
     }
 
-    /// Tenths of mm/min.
+    /// The feed in tenths of mm/min.
     fn feed(&mut self, feed: &Feed, command: &Command<3>) -> Option<u16> {
         let nm = match feed {
             Feed::PerMinute(Nm(nm)) => *nm as f64,
@@ -375,7 +376,7 @@ impl Translator<'_> {
         f64::from(z.scale.nm()) / f64::from(z.scale.steps())
     }
 
-    /// Steps of the axis with the longest distance.
+    /// The steps of the axis with the longest distance.
     fn longest(&self, from: &[Nm; 3], to: &[Nm; 3]) -> f64 {
         let ways = from.iter().zip(to).map(|(a, b)| (b.0 - a.0).abs());
         ways.max().unwrap_or(0) as f64 / self.step_nm()
@@ -385,7 +386,7 @@ impl Translator<'_> {
         std::array::from_fn(|axis| self.rounded(axis, at[axis]))
     }
 
-    /// A coordinate in units: the nearest one within the same step.
+    /// A coordinate in units. It is the nearest one that is within the same step.
     fn rounded(&self, axis: usize, at: Nm) -> i64 {
         let zero = self.zero[axis].0;
         let unit = nearest(at.0 - zero, UNIT_NM);
@@ -459,7 +460,7 @@ fn to_nm(command: &Command<3>) -> &[Nm; 3] {
     }
 }
 
-/// `at / unit`, halves away from zero.
+/// `at / unit`, rounded to an integer, halves away from zero.
 fn nearest(at: i64, unit: i64) -> i64 {
     let half = if at < 0 { -unit / 2 } else { unit / 2 };
     (at + half) / unit

@@ -5,7 +5,7 @@ use husillo_machine::StepEvent;
 /// The switches and sensors.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
 pub struct DrillInputs {
-    /// Home switches of X and Y: closed.
+    /// Whether the home switches of X and Y are closed.
     pub home: [bool; 2],
     /// The upper sensor sees the spindle: Z is home.
     pub is_up: bool,
@@ -46,13 +46,13 @@ pub enum DrillReport {
         /// Steps of X and Y from zero.
         at: [u16; 2],
     },
-    /// The host was silent for longer than its lease: the work ends.
+    /// The host was silent for longer than its lease, so the work ends.
     Expired,
-    /// A fault: the spindle is off, and nothing moves or answers until a reset.
+    /// A fault has occurred. The spindle is off, and nothing moves or answers until a reset.
     Fault(DrillFault),
 }
 
-/// The reason why a drill stands until a reset.
+/// The reason why a drill is stopped until a reset.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum DrillFault {
     /// No home switch closed within the longest search.
@@ -69,14 +69,14 @@ pub enum DrillFault {
     NotUp,
     /// The lower sensor did not see the spindle within the longest stroke.
     NotDown,
-    /// The upper sensor is closed although Z is deep, or does not open when Z leaves it. It sticks,
-    /// or Z does not move.
+    /// The upper sensor is closed although Z is far below it, or does not open when Z moves off it.
+    /// The sensor sticks, or Z does not move.
     UpClosed,
     /// The lower sensor is closed although Z is above it.
     DownClosed,
     /// Both sensors of Z are closed, and the position of Z is not known.
     BothClosed,
-    /// A home switch closed too far from zero, or did not close at zero: steps were lost.
+    /// A home switch closed too far from zero, or did not close at zero, because steps were lost.
     LostSteps {
         /// 0 for X, 1 for Y.
         axis: u8,

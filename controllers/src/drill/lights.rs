@@ -10,8 +10,8 @@ pub struct DrillLights {
     pub moves: [bool; 2],
     /// The axes are being homed: D4.
     pub homes: bool,
-    /// The drill motor turns: D5. Not in the original, whose lamp is the bit of the motor: or Z
-    /// moves.
+    /// The drill motor turns, or Z moves: D5. In the original the lamp is the bit of the motor and
+    /// does not show that Z moves.
     pub drills: bool,
     /// The manual mode: A4.
     pub is_manual: bool,

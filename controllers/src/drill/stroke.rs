@@ -1,14 +1,14 @@
-//! Where Z is between its sensors, and whether they can be right.
+//! The position of Z between its sensors, and a check of these sensors.
 
 use super::task::{Next, Task};
 use super::{Drill, DrillConfig, DrillEvent, DrillFault, DrillInputs, Z};
 
-/// Steps of Z, compared with its sensors.
+/// The steps of Z, for comparison with its sensors.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Stroke {
     /// Steps below the point where the upper sensor closed last. `None`: not known.
     depth: Option<u16>,
-    /// Whether the upper sensor was ever closed. One that was not may stick when it closes.
+    /// Whether the upper sensor has ever closed. If it has not, it may stick when it closes.
     has_closed: bool,
     /// Whether the upper sensor has opened since it closed last.
     has_opened: bool,
@@ -29,8 +29,8 @@ impl Stroke {
         self.depth = (self.depth).map(|depth| depth.saturating_add_signed(direction.into()));
     }
 
-    /// Compares the sensors with the steps. `rises`: Z moves up, so that the upper sensor closes at
-    /// its point.
+    /// Compares the sensors with the steps. `rises`: Z moves up, so the upper sensor closes at its
+    /// known position.
     fn check(
         &mut self,
         config: &DrillConfig,
@@ -44,8 +44,8 @@ impl Stroke {
             if is_up && depth > config.back_off_steps {
                 return Some(DrillFault::UpClosed);
             }
-            // The position at which the sensor closes is certain. The position at which it opens
-            // again is not.
+            // The sensor closes at a known position. It opens again at a position that is not known
+            // exactly.
             let play = if was_down { config.back_off_steps } else { 0 };
             if is_down && (is_up || depth < shortest.saturating_sub(play)) {
                 return Some(DrillFault::DownClosed);
@@ -63,7 +63,7 @@ impl Stroke {
 }
 
 impl<const N: usize> Drill<N> {
-    /// Whether a sensor of Z cannot be right. The drill then stops with a fault.
+    /// Whether the steps of Z show that a sensor is wrong. The drill then stops with a fault.
     pub(super) fn finds_stuck_sensor(&mut self, inputs: &DrillInputs, rises: bool) -> bool {
         let fault = self.stroke.check(&self.config, inputs, rises);
         if let Some(fault) = fault {
@@ -72,13 +72,15 @@ impl<const N: usize> Drill<N> {
         fault.is_some()
     }
 
-    /// Whether Z has to leave the upper sensor: it is closed, and was not seen to open and to close
-    /// again. One that sticks on the way up closes, too, with the bit in the board.
+    /// Whether Z has to move off the upper sensor, because the sensor is closed but has not been
+    /// seen to open and close again. A sensor that sticks reports closed even while the bit is
+    /// in the board.
     pub(super) const fn doubts_upper_sensor(&self) -> bool {
         self.config.shortest_stroke_steps.is_some() && self.stroke.depth.is_none()
     }
 
-    /// Moves down until the upper sensor opens. It then closes again not far above.
+    /// Moves down until the upper sensor opens. When Z moves up again, the sensor closes after a
+    /// short distance.
     pub(super) fn open_up(
         &mut self,
         left: u16,

@@ -13,8 +13,8 @@ pub(super) enum Task {
         axis: u8,
         left: u32,
     },
-    /// X or Y has found its switch and moves off until it opens: a switch that sticks is no home.
-    /// Another search follows.
+    /// X or Y has found its switch and moves off until the switch opens. A switch that sticks does
+    /// not mark home. Another search follows.
     Open {
         axis: u8,
         left: u16,
@@ -30,7 +30,7 @@ pub(super) enum Task {
         axis: u8,
         gone: u16,
     },
-    /// The axis returns from there.
+    /// The axis returns from beyond zero.
     Return {
         axis: u8,
         left: u16,
@@ -45,8 +45,8 @@ pub(super) enum Task {
         left: u16,
         next: Next,
     },
-    /// Z moves down until its closed upper sensor opens: one that sticks is no home. Z then moves
-    /// up to it again.
+    /// Z moves down until its closed upper sensor opens. A sensor that sticks does not mark home. Z
+    /// then moves up to the sensor again.
     OpenUp {
         left: u16,
         next: Next,
@@ -75,7 +75,8 @@ pub(super) enum Next {
 }
 
 impl Next {
-    /// What follows if the lease expires: a hole that is drilled counts, the rest ends.
+    /// Returns what follows if the lease expires. A hole that is already drilled counts. All other
+    /// work ends.
     pub(super) const fn without_host(self) -> Self {
         match self {
             Self::Drilled => self,

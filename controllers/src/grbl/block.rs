@@ -83,8 +83,7 @@ fn rest(line: &[u8], given: &Given, first: Option<u16>) -> Text {
         let code = u16::try_from(word.tenths).unwrap_or(u16::MAX);
         match word.letter {
             b'N' => {}
-            // These codes are always in effect. M1 has no effect, because there is no switch for
-            // it.
+            // Codes that are always in effect. M1 has no effect, because there is no switch for it.
             b'G' if matches!(code, 200 | 210 | 400 | 610 | 911) || Some(code) == first => {}
             b'M' if code == 10 => {}
             b'G' if code == 490 => text.put(b"G49"),

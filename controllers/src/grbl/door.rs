@@ -14,7 +14,7 @@ const COOLANT_US: u32 = 1_000_000;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum DoorStep {
     Braking,
-    /// The axes stand, and spindle and coolant are off.
+    /// The axes are at rest, and spindle and coolant are off.
     Stands,
     /// The spindle starts. The number is the rest of its time, in microseconds.
     Spindle(u32),
@@ -53,7 +53,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         self.send(&Message::Feedback(Feedback::CheckDoor));
     }
 
-    /// Switches the outputs off when the axes stand.
+    /// Switches the outputs off when the axes are at rest.
     pub(super) fn door_stopped(&mut self) {
         if self.phase == Phase::Door(DoorStep::Braking) {
             self.rest_motors();

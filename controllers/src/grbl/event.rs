@@ -87,7 +87,8 @@ impl Timed for GrblEvent {
     }
 }
 
-/// The stop byte: the reset byte, 0x18, while an event is being made. Otherwise no byte stops.
+/// The bytes that stop the motors. While an event is being made, the reset byte 0x18 stops them. At
+/// other times no byte does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GrblStops(pub(super) bool);
 

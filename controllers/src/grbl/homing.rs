@@ -223,7 +223,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         true
     }
 
-    /// Sets the positions of homed axes, which stand at their pull-off.
+    /// Sets the positions of homed axes, which are at their pull-off.
     fn set_home(&mut self, axes: u8) {
         let settings = *self.settings();
         let mut place = self.position();
@@ -240,8 +240,8 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
                 pull_off.wrapping_neg()
             });
         }
-        // The settings keep the position within the range of the axes. If not, the axes keep their
-        // positions.
+        // The settings keep the position within the range of the axes. If the position is out of
+        // range, the axes keep their positions.
         if let Ok(steps) = self.machine.config().nearest_steps(&place) {
             self.steps = steps;
         }

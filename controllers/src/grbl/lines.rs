@@ -43,7 +43,7 @@ pub(super) enum Task {
     /// The end of the motion before a move that leaves the travel.
     SoftLimit,
     Home,
-    /// The start, which executes the stored line with this number.
+    /// The start of the controller, which executes the stored line with this number.
     Startup(u8),
 }
 
@@ -198,7 +198,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
     /// Executes a block of G-code.
     ///
     /// # Errors
-    /// Fails with the error that answers the line. Nothing has changed.
+    /// Fails with the error that answers the line. Nothing has changed in this case.
     pub(super) fn block(&mut self, text: &[u8]) -> Result<Outcome, ErrorCode> {
         let given = Given::read(text, self.options.has_mist)?;
         let (mut modal, mut commands) = (self.modal.clone(), Commands::new());

@@ -6,7 +6,7 @@ use super::{Grbl, GrblEvent, LONGEST_WAIT_US, Phase, Task};
 
 /// Silence of the line after which queued moves begin, in microseconds.
 pub(super) const START_US: u32 = 3000;
-/// The last part of this silence, in microseconds. Queued moves then already count as motion.
+/// The last part of this silence, in microseconds. During it, queued moves already count as motion.
 const UNDERWAY_US: u32 = 1500;
 
 /// Data that each move carries.
@@ -51,7 +51,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         self.machine.queued() > 0 && self.start_us <= UNDERWAY_US
     }
 
-    /// Brakes, immediately or after the delay that the options define.
+    /// Brakes immediately, or after the delay that the options define.
     pub(super) fn brake(&mut self) {
         self.brake_us = self.options.brakes_after_us;
         if self.brake_us == 0 {

@@ -16,10 +16,11 @@ pub struct GrblOptions {
     /// Whether status reports contain the line number of the present block.
     pub reports_lines: bool,
     /// Microseconds from a hold, a cancelled jog or a probe contact until braking begins. Grbl
-    /// first makes the segments that it has prepared.
+    /// first makes the segments that it has already prepared.
     pub brakes_after_us: u32,
-    /// While nothing happens, the controller gives waits, so that its inputs are read. Without this
-    /// an input that changes while the machine stands is seen at the next byte or move.
+    /// Whether the controller gives waits while nothing happens, so that its inputs are read.
+    /// Without this, an input that changes while the machine is at rest is read only at the next
+    /// byte or move.
     pub reads_inputs: bool,
     /// Highest step rate that the settings may request, in steps per second. `None`: no limit.
     pub most_steps_per_s: Option<u32>,

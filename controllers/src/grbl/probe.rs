@@ -12,7 +12,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         self.inputs.probe == self.settings().is_set(6)
     }
 
-    /// Begins a probe move. The axes stand.
+    /// Begins a probe move. The axes are at rest.
     pub(super) fn begin_probe(&mut self, command: Command<3>, away: bool, must: bool) {
         self.contact = None;
         if self.is_probe_closed() != away {

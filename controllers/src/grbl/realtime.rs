@@ -34,7 +34,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
                 flags.reset = true;
                 return true;
             }
-            // Requests in quick succession get one answer.
+            // Several requests in quick succession get one report.
             Realtime::Status => flags.status |= self.merge_us == 0,
             Realtime::Resume => flags.resume = true,
             Realtime::Hold => flags.hold = true,

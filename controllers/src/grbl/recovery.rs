@@ -14,11 +14,12 @@ const DEAF_US: u32 = 500_000;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Recovery {
     None,
-    /// The time after an alarm, in microseconds, and what follows it.
+    /// No line is executed for this time after an alarm, in microseconds. The second value is what
+    /// follows.
     Deaf(u32, After),
-    /// Until a reset by the host.
+    /// No line is executed until the host resets the controller.
     Locked,
-    /// The time before the banner, in microseconds.
+    /// The controller waits for this time before the banner, in microseconds.
     Boot(u32),
 }
 
@@ -69,7 +70,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         self.alarm(Alarm::HardLimit, After::Lock);
     }
 
-    /// Handles a move that leaves the travel. The axes stand.
+    /// Handles a move that leaves the travel. The axes are at rest.
     pub(super) fn soft_limit(&mut self) {
         self.drop_moves();
         self.switch_outputs_off();

@@ -11,8 +11,8 @@ use super::door::DoorStep;
 use super::lines::Task;
 use super::{Grbl, Phase};
 
-/// Number of reports from one that has the work zero (or the overrides) to the next one: while the
-/// machine is busy, and otherwise.
+/// Number of reports from one report with the work zero (or the overrides) to the next one. The
+/// first value applies while the machine is busy, the second one otherwise.
 const WORK_ZERO_EVERY: [u8; 2] = [30, 10];
 const OVERRIDES_EVERY: [u8; 2] = [20, 10];
 
@@ -160,7 +160,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             mist,
             flood,
             tool: self.tool,
-            // The F word of G93 is printed as it was written: F30 as 30.
+            // The F word of G93 is printed as it was written, so F30 is printed as 30.
             feed_nm_per_min: modal.feed_word(),
             milli_rpm,
         };

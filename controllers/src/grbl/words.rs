@@ -7,7 +7,7 @@ use husillo_transports::grbl::{ErrorCode, decimal};
 pub(super) struct Word<'a> {
     pub(super) letter: u8,
     pub(super) number: &'a [u8],
-    /// The number in tenths, cut to whole tenths.
+    /// The number in tenths. Further decimals are dropped.
     pub(super) tenths: i32,
 }
 
@@ -229,7 +229,7 @@ impl Given {
     }
 
     /// Whether the motion code or the motion mode uses the axis words. A motion code uses them even
-    /// if there are none.
+    /// if the block has none.
     pub(super) fn is_motion(&self) -> bool {
         match self.axis_user {
             Some(user) => user == AxisUser::Motion,
@@ -276,7 +276,7 @@ impl Given {
     }
 
     /// Whether the feed of an earlier block is valid. `None`: the block has an F word, which
-    /// decides.
+    /// decides this.
     fn has_feed(&self, state: &Modes) -> Option<bool> {
         if self.has(b'F') {
             return None;
@@ -329,7 +329,7 @@ impl Given {
         self.check_unused(bit(b'R') | CENTRE)
     }
 
-    /// Rejects words that no code uses. `used` are the words of the motion.
+    /// Rejects words that no code uses. `used` has the words that the motion uses.
     fn check_unused(&self, used: u32) -> Result<(), ErrorCode> {
         let mut used = used | AXES | bit(b'F') | bit(b'N') | bit(b'S') | bit(b'T');
         match self.non_modal {

@@ -25,18 +25,18 @@ pub struct MicrofactoryConfig {
     pub reset_ticks: u32,
     /// Ticks from RESET, or from switching the current on, to the first step.
     pub settle_ticks: u32,
-    /// Whether RESET precedes every move, as in the original. A rotor in a state other than 1 then
-    /// jumps by up to two full steps. Otherwise RESET precedes only the first move after power-on,
-    /// when the phases are unknown.
+    /// Whether RESET precedes every move, as in the original. A rotor whose sequencer is not in
+    /// state 1 then jumps by up to two full steps. Otherwise RESET precedes only the first move
+    /// after power-on, when the phases are unknown.
     pub resets_before_moves: bool,
     /// Whether the spindle turns during the approach and the cutting of a figure.
     pub spindle_turns_in_figures: bool,
 }
 
 impl MicrofactoryConfig {
-    /// The rates, backlash and back-off of the original, on a timer of 1 MHz. The distances of
-    /// search and approach and the settling time of 10 ms are chosen by this project, because no
-    /// source states them.
+    /// The rates, backlash and back-off of the original, on a timer of 1 MHz. No source states the
+    /// distances of search and approach, nor the settling time. This project has chosen them; the
+    /// settling time is 10 ms.
     pub const ORIGINAL: MicrofactoryConfig = MicrofactoryConfig {
         timer_hz: 1_000_000,
         axis_rate_hz: 400,

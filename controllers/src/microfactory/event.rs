@@ -8,9 +8,9 @@ use husillo_machine::StepEvent;
 /// The switches and the contact.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
 pub struct MicrofactoryInputs {
-    /// Home switches of X, Y and Z: closed.
+    /// Whether the home switches of X, Y and Z are closed.
     pub home: [bool; 3],
-    /// The tool touches the work piece.
+    /// Whether the tool touches the work piece.
     pub contact: bool,
 }
 

@@ -17,12 +17,12 @@ pub(super) struct FigureMove {
 }
 
 impl FigureMove {
-    /// Creates a move by `move_steps` in X and Z. Its events share the time for its length at the
-    /// rate of the axes equally.
+    /// Creates a move by `move_steps` in X and Z. The duration of the move follows from its length
+    /// and the rate of the axes. All events of the move have the same share of it.
     pub(super) fn new(move_steps: [i16; 2], config: &MicrofactoryConfig) -> Self {
         let mut line = Line::new(move_steps.map(i32::from));
-        // The sum of two squares of at most 2^15 is at most 2^31, times 2^16. Its root is the
-        // length times 256, below 2^24.
+        // The sum of two squares of at most 2^15 is at most 2^31. It is multiplied by 2^16. The
+        // root is the length times 256, below 2^24.
         let [x, z] = move_steps.map(|steps| u64::from(steps.unsigned_abs()));
         let square = x.wrapping_mul(x).wrapping_add(z.wrapping_mul(z));
         let length_q8 = (square << 16).isqrt();

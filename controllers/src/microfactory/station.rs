@@ -50,15 +50,15 @@ impl<const MOVES: usize> AsRef<[[i16; 2]]> for Figure<MOVES> {
 
 /// The controller of a microfactory with its link: bytes in, events and bytes out.
 ///
-/// It drives one or two machines: the original controller has 20 to 24 lines for each. Each machine
+/// It drives one or two machines. The original controller has 20 to 24 lines for each. Each machine
 /// has its own motors, switches, figure and time. With two machines the link selects one
 /// ([`Device::of_two_machines`]), and a command applies to the selected one. Both may move at the
 /// same time. An emergency stop and a reset apply to both.
 ///
-/// A host may ask for a lease ([`Order::Lease`]): a motion of any kind then ends when no byte has
-/// arrived for that time. Every byte renews it.
+/// A host may request a lease ([`Order::Lease`]). A motion of any kind then ends when no byte has
+/// arrived for that time. Every byte renews the lease.
 ///
-/// An answer without room in the queue is lost, and the host asks again.
+/// If the queue has no room for an answer, the answer is lost, and the host asks again.
 ///
 /// # Cost
 /// The size is 4 bytes for each of `MOVES` moves and 0.2 kB per machine, plus 0.1 kB.
@@ -87,7 +87,7 @@ pub struct MicrofactoryStation<const MOVES: usize, const MACHINES: usize = 1> {
     link: Device,
     machines: [Microfactory<Figure<MOVES>>; MACHINES],
     out: Ring<u8, OUT>,
-    /// Longest silence of the line during a motion, in units of 10 ms. 0: any.
+    /// Longest permitted silence of the line during a motion, in units of 10 ms. 0: no limit.
     lease: u8,
 }
 
@@ -115,7 +115,7 @@ impl<const MOVES: usize, const MACHINES: usize> MicrofactoryStation<MOVES, MACHI
         figure.is_whole
     }
 
-    /// Takes a command for a machine, 0 or 1. Returns whether it is carried out, see
+    /// Takes a command for a machine, 0 or 1. Returns whether it is carried out: see
     /// [`Microfactory::command`]. [`Order::Emergency`] stops all machines.
     pub fn command(&mut self, machine: u8, command: Order) -> bool {
         if command == Order::Emergency {
@@ -146,8 +146,8 @@ impl<const MOVES: usize, const MACHINES: usize> MicrofactoryStation<MOVES, MACHI
         self.machines.get_mut(usize::from(machine))
     }
 
-    /// Carries out commands without motion: those for the figure of a machine and for the lease,
-    /// and requests for a report.
+    /// Carries out commands without motion. These concern the figure of a machine or the lease, or
+    /// request a report.
     fn keep(&mut self, machine: u8, command: Order) {
         if let Order::Lease(time) = command {
             self.lease = time;
@@ -175,7 +175,7 @@ impl<const MOVES: usize, const MACHINES: usize> MicrofactoryStation<MOVES, MACHI
                 figure.push(move_steps);
             }
             Order::Keep => figure.is_whole = true,
-            // The other commands have been begun or refused.
+            // The other commands were already begun or refused.
             _ => {}
         }
     }
@@ -198,7 +198,8 @@ impl<const MOVES: usize, const MACHINES: usize> Controller
         MACHINES as u8
     }
 
-    /// Takes a byte from the line. A step that was given before a stop is the last one.
+    /// Takes a byte from the line. If it stops the motion, a step that was already given is the
+    /// last one.
     fn receive(&mut self, byte: u8) -> bool {
         let is_moving = self.is_moving(self.link.machine());
         let received = self.link.receive(byte, is_moving);
@@ -225,7 +226,7 @@ impl<const MOVES: usize, const MACHINES: usize> Controller
         is_held.then_some(u32::from(self.lease).wrapping_mul(10_000))
     }
 
-    /// Ends the motion of every machine. A step that was given before is the last one.
+    /// Ends the motion of every machine. A step that was already given is the last one.
     fn expire(&mut self) -> bool {
         for machine in &mut self.machines {
             machine.expire();

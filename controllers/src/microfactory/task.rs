@@ -24,11 +24,12 @@ pub(super) enum Task {
         turn: Turn,
         left: u8,
     },
-    /// Homing of an axis begins, by leaving its switch or by searching it.
+    /// Homing of an axis begins. The axis moves off its switch or searches for it.
     Look {
         axis: u8,
     },
-    /// The axis moves off its switch, which was closed before the search; in motor steps.
+    /// The axis moves off its switch, which was closed before the search. The number is in motor
+    /// steps.
     Leave {
         axis: u8,
         left: u32,

@@ -12,19 +12,19 @@ pub struct MicromillConfig {
     pub machine: Config<3>,
     /// Step rate of jogs, counted steps and homing, in steps per second.
     pub jog_hz: u16,
-    /// Change of the jog rate at a time, in steps per second.
+    /// Change of the jog rate by one command, in steps per second.
     pub jog_change_hz: u16,
-    /// Highest rate of a jog and a run, in steps per second: the rate that the motors follow
-    /// without a ramp.
+    /// Highest rate of a jog and a run, in steps per second. The motors follow this rate without a
+    /// ramp.
     pub top_hz: u16,
     /// Load steps from the position where a home switch closes to machine zero.
     pub back_off_steps: u16,
-    /// Steps of homing towards each switch after which the search fails, where the position is not
-    /// known: travel, backlash, and the distance to the switch.
+    /// Longest search of homing towards each switch, in steps, if the position is not known: the
+    /// sum of travel, backlash, and the distance to the switch. After it the search fails.
     pub search_steps: [u32; 3],
-    /// Steps of homing away from a closed switch after which it fails: the backlash, and how deep
-    /// an axis may stand in its switch. Where the position is known, a search for the switch ends
-    /// this many steps beyond machine zero.
+    /// Longest move of homing away from a closed switch, in steps. It covers the backlash and how
+    /// far an axis may be beyond the point where its switch closes. After it homing fails. If the
+    /// position is known, a search for the switch ends this many steps beyond machine zero.
     pub leave_steps: u16,
 }
 
@@ -33,8 +33,8 @@ impl MicromillConfig {
     /// 390 at most, as in `machines/micromill.toml`.
     pub const MICROMILL: MicromillConfig = MicromillConfig::with_step_of(1);
 
-    /// The micro mill whose motors make `parts` steps for a full step: 1, 2 for half steps, or 4
-    /// for quarter steps; at most 16. The speeds in mm/min are the same.
+    /// The micro mill with motors that make `parts` steps for a full step: 1 for full steps, 2 for
+    /// half steps, 4 for quarter steps; at most 16. The speeds in mm/min are the same.
     pub const fn with_step_of(parts: u8) -> MicromillConfig {
         let parts = match parts {
             0 => 1,

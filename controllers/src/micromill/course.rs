@@ -10,10 +10,10 @@ pub(super) struct Course {
     pub(super) timer: Timer,
     /// Directions in which a straight move takes up backlash before it begins.
     pub(super) heading: Directions,
-    /// The next step of the path and its wait, while something precedes it.
+    /// The next step of the path and its wait, while a take-up or a part of the wait precedes it.
     pub(super) next: Option<(Directions, u64)>,
-    /// Whether an axis steps in the opposite direction to before, or for the first time. Only then
-    /// can a take-up be due.
+    /// Whether an axis steps for the first time, or in the opposite direction to its last step.
+    /// Only then can a take-up be due.
     pub(super) may_owe: bool,
     /// Last directions of the axes: the lower byte marks forward steps, the upper byte backward
     /// steps.

@@ -22,8 +22,8 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
         let Some(entry) = self.queue.first() else {
             return Next::Wait;
         };
-        // A command that only changes coordinates does not wait for the moves before it, as in
-        // `machine`.
+        // A command that only changes coordinates does not wait for the moves before it. `machine`
+        // does the same.
         let is_nothing = entry.kind == Kind::Nothing;
         if !entry.moves() && !is_nothing && self.carried_ticks > 0 {
             self.task = Task::Idle;

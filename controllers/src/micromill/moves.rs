@@ -11,7 +11,7 @@ use husillo_machine::MAX_WAIT_TICKS;
 
 impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUEUE, AHEAD, OUT> {
     /// Returns the next step of the present move, or of the take-up before it. If something else
-    /// comes first, the step is stored and [`look`](Micromill::look) decides.
+    /// comes first, the step is stored, and [`look`](Micromill::look) decides what comes next.
     #[inline]
     pub(super) fn step_of_path(&mut self, inputs: &MicromillInputs) -> Option<MicromillStep> {
         let course = &mut self.course;
@@ -106,7 +106,8 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
             return self.give(MAX_WAIT_TICKS, Directions::NONE);
         }
         if directions.negative & inputs.home != 0 {
-            // No switch closes within the travel, so steps were lost.
+            // No switch closes within the travel. A closed switch therefore shows that steps were
+            // lost.
             self.is_homed = false;
             self.cut();
             return Next::Wait;

@@ -22,7 +22,7 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
             Order::Line(line) => self.take(line),
             Order::Faster => self.change_jog(1),
             Order::Slower => self.change_jog(-1),
-            // Its bytes have ended the silence.
+            // The bytes of this string have already ended the silence.
             Order::Renew => {}
             Order::Lease(ms) => {
                 self.lease = if ms == 0 { Lease::None } else { Lease::Ms(ms) };

@@ -6,11 +6,11 @@ use husillo_interp::{ArcError, ArcMove, Interpolator, Line, Moves, NarrowArc, St
 /// A line or a flat arc. The methods are those of [`husillo_interp::Path`], so the steps are the
 /// same.
 ///
-/// Helices and arcs whose state requires 64 bits are not included. Such arcs are refused: within
+/// Helices and arcs whose state requires 64 bits are not included. Such arcs are refused. Within
 /// the mill's 2.1 m they are only spirals whose radius changes much in few steps. On a Cortex-M0
 /// this saves 4 kB of code and 390 bytes of stack.
 #[derive(Clone, Debug)]
-// A mill holds one of these in place; a box would require an allocator.
+// A mill stores one of these directly, because a box would require an allocator.
 #[allow(clippy::large_enum_variant)]
 pub(super) enum Flat {
     Line(Line<3>),

@@ -26,7 +26,7 @@ pub(super) enum Task {
         directions: Directions,
         left: u16,
     },
-    /// Homing: leaves the switch if it is closed at the start. The later move towards the switch
+    /// Homing: moves off the switch if it is closed at the start. The later move towards the switch
     /// determines the flank.
     Leave {
         axis: Axis,
@@ -98,7 +98,7 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
         self.step_alone(axis, true)
     }
 
-    /// A step of one axis at the rate of moves by hand.
+    /// Returns a step of one axis at the rate of moves by hand.
     fn step_alone(&mut self, axis: Axis, forward: bool) -> Next {
         self.give(
             self.interval(self.config.jog_hz),
@@ -159,7 +159,8 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
         Next::Again
     }
 
-    /// Longest search for the switch of an axis: over its travel, or from where it is.
+    /// Returns the longest search for the switch of an axis: over its travel, or from its known
+    /// position.
     fn search_steps(&self, axis: Axis) -> u32 {
         let index = axis as usize;
         let most = self.config.search_steps.get(index).copied().unwrap_or(0);
@@ -173,8 +174,8 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
         }
     }
 
-    /// Returns the take-up of the first axis that has one due, or the step itself. The flag is
-    /// `true` for the step itself.
+    /// Returns the take-up of the first axis that has one due, or the step itself. The second value
+    /// is `true` for the step itself.
     fn owed_or(&self, directions: Directions) -> (Directions, bool) {
         match first_owed(&self.plays, directions) {
             Some((owed, _)) => (owed, false),
@@ -196,7 +197,8 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
         })
     }
 
-    /// Whether this many steps end within the travel of an axis. Before homing it is unknown.
+    /// Whether this many steps end within the travel of an axis. Before homing, the travel is
+    /// unknown.
     #[inline(never)]
     pub(super) fn is_within(&self, axis: &husillo_machine::Axis, play: &Play, steps: i16) -> bool {
         match axis.travel {
@@ -218,7 +220,7 @@ impl<const QUEUE: usize, const AHEAD: usize, const OUT: usize> Micromill<'_, QUE
         Next::Again
     }
 
-    /// Returns the ticks between steps, rounded up so that the rate is never exceeded.
+    /// Returns the ticks between steps. They are rounded up, so that the rate is never exceeded.
     fn interval(&self, hz: u16) -> u32 {
         self.config.machine.timer_hz.div_ceil(u32::from(hz).max(1))
     }

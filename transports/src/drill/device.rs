@@ -24,7 +24,7 @@ enum Mode {
     Idle,
     /// Number of bytes since `b`.
     Download(u32),
-    /// The next byte is the advance. Whether the device homes after it.
+    /// The next byte is the advance. `homes`: the device homes after it.
     Advance {
         homes: bool,
     },
@@ -39,7 +39,7 @@ enum Mode {
     Lease,
 }
 
-/// The work during which the controller does not obey bytes.
+/// The work during which the controller does not execute received bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Work {
     None,
@@ -55,7 +55,7 @@ enum After {
     Answer(u8),
     /// This byte, which arrived when the memory was full, is stored.
     Store(u8),
-    /// A program begins: that byte was `b`.
+    /// A program begins, because the byte that arrived was `b`.
     Begin,
 }
 
@@ -68,20 +68,20 @@ enum After {
 /// | the machine is free | [`take`](Device::take), and [`done`](Device::done) when that is carried out |
 /// | the transmitter is free | [`transmit`](Device::transmit) |
 ///
-/// Bytes that arrive while the device works are lost. Two kinds are kept: the first byte, which
+/// Bytes that arrive while the device works are lost, with two exceptions: the first byte, which
 /// stays in the receiver, and `E`; see [`Rules`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Device<const N: usize> {
     rules: Rules,
     mode: Mode,
     memory: Buffer<N>,
-    /// The first bytes of a record whose other bytes are the first in the memory.
+    /// The first bytes of a record whose other bytes are at the start of the memory.
     carried: Buffer<2>,
     work: Work,
     /// An order is being carried out.
     is_busy: bool,
     stops: bool,
-    /// The first byte that arrived during work.
+    /// The first byte that arrived during work. It is taken after the work.
     unheard: Option<u8>,
     advance: u8,
     out: Buffer<8>,
@@ -92,10 +92,11 @@ pub struct Device<const N: usize> {
     is_drilling: bool,
     /// The memory holds the end of a longer program.
     is_tail: bool,
-    /// Number of drillings since `c`, modulo 2^16, and whether a `c` has arrived since the reset.
+    /// Number of drillings since `c`, modulo 2^16. The next field: whether a `c` has arrived since
+    /// the reset.
     drillings: u16,
     was_cleared: bool,
-    /// The longest silence of the host during work, in units of 50 ms; 0 is any.
+    /// The longest permitted silence of the host during work, in units of 50 ms. 0: no limit.
     lease: u8,
     /// The present work ends, because its lease has expired.
     is_expired: bool,
@@ -144,7 +145,8 @@ impl<const N: usize> Device<N> {
             Work::Program(_, After::Answer(_)) if byte == AT_WORK && self.rules.has_extras => {
                 self.say_at_work();
             }
-            // With a lease the host asks while it waits. A wrong bit in such a byte is no command.
+            // With a lease the host asks while it waits. A byte with a wrong bit is not taken as a
+            // command.
             Work::Orders(..) if is_leased => {
                 if byte == AT_WORK {
                     self.say_at_work();
@@ -158,7 +160,7 @@ impl<const N: usize> Device<N> {
         }
     }
 
-    /// Returns the next order for the machine. `None` while the last one is not
+    /// Returns the next order for the machine. Returns `None` while the last one is not
     /// [`done`](Device::done), or if there is none.
     pub fn take(&mut self) -> Option<Order> {
         if self.is_busy {
@@ -200,7 +202,7 @@ impl<const N: usize> Device<N> {
 
     /// Adds a hole at this position, in steps, to the end of the program. The caller does this for
     /// [`Order::Teach`], before [`done`](Device::done). If the memory has no room for the nine
-    /// bytes, the answer reports it.
+    /// bytes, the answer reports this.
     pub fn teach(&mut self, [x, y]: [u16; 2]) {
         let stored = self.memory.bytes().len();
         let is_whole = self.carried.bytes().is_empty() && stored.checked_rem(3) == Some(0);
@@ -212,16 +214,16 @@ impl<const N: usize> Device<N> {
         self.memory.extend(&hole);
     }
 
-    /// Reports that an order given by hand was not completed. The answer of a device with extras
-    /// says so.
+    /// Registers that an order given by hand was not completed. A device with extras reports this
+    /// in its answer.
     pub fn cut_short(&mut self) {
         if let (Work::Orders(orders, Some(_)), true) = (self.work, self.rules.has_extras) {
             self.work = Work::Orders(orders, Some(NOT_ALL));
         }
     }
 
-    /// Reports that a fault has stopped the machine. The present order is never answered. A device
-    /// with extras sends [`FAULT`] once, unless a host would take it for an echo.
+    /// Registers that a fault has stopped the machine. The present order is never answered. A
+    /// device with extras sends [`FAULT`] once, unless a host would take it for an echo.
     pub fn fail(&mut self) {
         self.has_failed = true;
         if self.rules.has_extras && self.awaited() != Some(FAULT) {
@@ -239,7 +241,7 @@ impl<const N: usize> Device<N> {
         }
     }
 
-    /// Whether the program runs, or an order given by hand.
+    /// Whether the program or an order given by hand is being executed.
     pub fn is_working(&self) -> bool {
         self.is_busy || self.work != Work::None
     }
@@ -248,7 +250,8 @@ impl<const N: usize> Device<N> {
     pub fn transmit(&mut self) -> Option<u8> {
         if let Some(byte) = self.out.bytes().get(self.sent).copied() {
             self.sent = self.sent.wrapping_add(1); // 8 at most
-            // At once, because the next byte may arrive before this is called again.
+            // It is cleared here, because the next byte may arrive before this function is called
+            // again.
             if self.sent == self.out.bytes().len() {
                 self.out.clear();
                 self.sent = 0;
@@ -373,7 +376,8 @@ impl<const N: usize> Device<N> {
         }
     }
 
-    /// Takes a byte of a program. The end needs no room. Any other byte waits until there is room.
+    /// Takes a byte of a program. The end of the program needs no room. Any other byte waits until
+    /// there is room.
     fn download(&mut self, byte: u8, count: u32) {
         let may_end = count > 0 || self.rules.ends_when_empty;
         if byte == b'f' && may_end && count.checked_rem(3) == Some(0) {
@@ -422,7 +426,7 @@ impl<const N: usize> Device<N> {
                 return self.out.push(b'm');
             }
             b'n' if self.rules.has_extras => return self.ask(true),
-            // A question that has come too late.
+            // This question arrived after the end of the work.
             AT_WORK if self.rules.has_extras => return,
             _ => return self.out.push(byte),
         };
@@ -520,7 +524,7 @@ impl<const N: usize> Device<N> {
         }
     }
 
-    /// Empties the memory. Part of a record at its end is carried over.
+    /// Empties the memory. If it ends within a record, the part of this record is kept.
     fn restart_memory(&mut self) {
         let bytes = self.memory.bytes();
         let length = self.carried.bytes().len().wrapping_add(bytes.len()); // at most N + 2
@@ -534,9 +538,10 @@ impl<const N: usize> Device<N> {
     }
 }
 
-/// The next count. At its end it keeps its remainder by three.
+/// Returns the next count. At the end of its range the count keeps its remainder by three.
 fn next(count: u32) -> u32 {
-    // 2^32 - 1 is a multiple of 3, as 3 is. A count that is not 0 does not become 0.
+    // 2^32 - 1 is a multiple of 3, and so is the new count 3. A count that is not 0 does not become
+    // 0.
     if count == u32::MAX - 1 {
         3
     } else {
@@ -553,7 +558,7 @@ pub(super) fn check([letter, low, high]: [u8; 3]) -> u8 {
 mod tests {
     use super::next;
 
-    /// The remainder by three is that of a count without an end, and it never returns to 0.
+    /// The remainder by three is that of an unbounded count, and the count never returns to 0.
     #[test]
     fn a_count_keeps_its_remainder_at_its_end() {
         let mut count = u32::MAX - 10;

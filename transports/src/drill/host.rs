@@ -6,15 +6,15 @@ use super::{
     Progress, Refused, Step, Timing, WORKING,
 };
 
-/// Bytes that bring any device to rest. Four `f` complete any record and reach the position where
-/// `f` ends a program. `Q` leaves the manual mode. An idle device ignores all of them. `B` is the
-/// test, but a device that takes a program echoes it as well, and one wrong bit in an `f` makes a
-/// `b`, which begins a program. Therefore a last `Q` follows: only an idle device does not answer
-/// it.
+/// Bytes that bring any device to rest. Four `f` complete any record and reach the position at
+/// which `f` ends a program. `Q` leaves the manual mode. An idle device ignores all of them. `B` is
+/// the test. A device that receives a program echoes it as well, and one wrong bit in an `f` gives
+/// `b`, which begins a program. Therefore a last `Q` follows, because only an idle device does not
+/// answer it.
 const RESYNC: [u8; 7] = [b'f', b'f', b'f', b'f', b'Q', b'B', b'Q'];
 
-/// The most bytes that a device can hold beyond the echoed ones when a failure is noticed: one that
-/// came twice, one whose echo is missing, and the four of [`RESYNC`].
+/// The largest number of bytes that a device can hold beyond the echoed ones when a failure is
+/// noticed: one that was doubled, one whose echo is missing, and the four `f` of [`RESYNC`].
 const BEYOND: u32 = 6;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -30,20 +30,21 @@ enum Mode {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Phase {
     Idle,
-    /// A byte is to be sent.
+    /// A byte waits to be sent.
     Send(u8),
-    /// The answer to it.
+    /// The host waits for the answer to this byte.
     Answer(u8),
-    /// The answer, after the usual time has passed.
+    /// The host still waits for the answer after the usual time.
     Late,
-    /// The echo that follows a `w`.
+    /// The host waits for the echo that follows a `w`.
     Border,
-    /// What follows the answer: a record, of which this many bytes have arrived, or a text.
+    /// The host waits for what follows the answer. This is a record, of which this many bytes have
+    /// arrived, or a text.
     Record(u8),
     Text,
-    /// Silence after the answer.
+    /// The host waits for silence after the answer.
     Guard,
-    /// The byte with this number is next. Answers to those before are dropped.
+    /// The byte with this number is next. Answers to earlier bytes are dropped.
     Resync(u8),
     Boot,
     Over(Outcome),
@@ -58,9 +59,9 @@ enum Phase {
 /// | a byte arrives | [`push`](Host::push) |
 /// | after each of these, and after the time that it returns | [`poll`](Host::poll) |
 ///
-/// [`done_bytes`](Host::done_bytes) were done for certain, and [`begun_bytes`](Host::begun_bytes)
-/// may have been begun. After a failure the operator checks the board between these two. `now_us`
-/// wraps; calls may be up to 2^31 us apart.
+/// [`done_bytes`](Host::done_bytes) have certainly been done, and
+/// [`begun_bytes`](Host::begun_bytes) may have been begun. After a failure the operator checks the
+/// board between these two. `now_us` wraps. Calls may be up to 2^31 us apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Host {
     timing: Timing,
@@ -70,27 +71,27 @@ pub struct Host {
     phase: Phase,
     /// The expected answer.
     answer: u8,
-    /// The next bytes of a step with several parts, and what the device sends after them.
+    /// The next bytes of a step with several parts, and the bytes that the device sends after them.
     then: [Option<u8>; 2],
     last: Option<u8>,
     /// The record that was read last.
     record: [u8; 3],
     /// Tries left for this byte.
     tries: u8,
-    /// Number of further answers that may arrive, because the byte was repeated.
+    /// Number of additional answers that may arrive because the byte was repeated.
     repeats: u8,
     since_us: u32,
     wait_us: u32,
     /// Number of bytes stored since the program was cleared.
     stored: u32,
-    /// Whether nothing was stored since.
+    /// Whether nothing was stored since the program was cleared.
     is_clear: bool,
-    /// Whether the program has its end, and can run.
+    /// Whether the program has its end and can run.
     is_whole: bool,
     done: u32,
     begun: u32,
     stops: bool,
-    /// Whether the device was asked if a program runs, and whether it has confirmed it.
+    /// Whether the host has asked if a program runs, and whether the device has confirmed it.
     asks_at_work: bool,
     is_at_work: bool,
     /// The lease that the device has confirmed; 0 without a lease.
@@ -132,10 +133,10 @@ impl Host {
         }
     }
 
-    /// Begins a step. It fails at once if an unexpected byte arrived before it.
+    /// Begins a step. The step fails at once if an unexpected byte has arrived before it.
     ///
     /// # Errors
-    /// [`Refused`]. Nothing is sent then.
+    /// [`Refused`]. In this case nothing is sent.
     pub fn start(&mut self, step: Step, now_us: u32) -> Result<(), Refused> {
         if self.phase != Phase::Idle {
             return Err(Refused::Busy);
@@ -182,8 +183,8 @@ impl Host {
     }
 
     /// Returns the byte that asks the device to stop a program after the present record. The step
-    /// then ends as stopped. `None` if nothing runs. While a full memory is run, only a device with
-    /// [`Rules::stops_at_border`](super::Rules::stops_at_border) hears it.
+    /// then ends as stopped. Returns `None` if nothing runs. While a full memory is run, only a
+    /// device with [`Rules::stops_at_border`](super::Rules::stops_at_border) receives this byte.
     pub fn stop(&mut self) -> Option<u8> {
         let runs = match self.phase {
             Phase::Answer(_) | Phase::Late => self.step == Step::Execute,
@@ -193,9 +194,10 @@ impl Host {
         runs.then_some(b'E')
     }
 
-    /// Returns the byte that asks a device with extras whether the program runs, or with a lease
-    /// whether anything moves. The device answers at once: see [`is_at_work`](Self::is_at_work).
-    /// `None` if nothing moves by this step, or it has ended.
+    /// Returns the byte that asks a device with extras whether the program runs. With a lease it
+    /// asks whether anything moves. The device answers at once: see
+    /// [`is_at_work`](Self::is_at_work). Returns `None` if this step moves nothing, or if it has
+    /// ended.
     pub fn ask_at_work(&mut self) -> Option<u8> {
         let waits = matches!(self.phase, Phase::Answer(_) | Phase::Late);
         let is_last = self.then == [None; 2] && self.last.is_none();
@@ -223,7 +225,7 @@ impl Host {
         self.since_us = now_us;
     }
 
-    /// Returns the next byte for the line. `None` if there is none now.
+    /// Returns the next byte for the line. Returns `None` if there is none now.
     pub fn transmit(&mut self, now_us: u32) -> Option<u8> {
         match self.phase {
             Phase::Send(byte) => {
@@ -347,7 +349,7 @@ impl Host {
         self.done
     }
 
-    /// Returns the number of bytes that the device may have done. They exceed
+    /// Returns the number of bytes that the device may have done. It exceeds
     /// [`done_bytes`](Self::done_bytes) only while a program runs and after a failure.
     pub const fn begun_bytes(&self) -> u32 {
         self.begun
@@ -389,11 +391,11 @@ impl Host {
             _ if mode != self.mode => Err(Refused::Mode),
             // These are steps of their own.
             Step::Key(b'a' | b'Q' | b'T' | b'n') => Err(Refused::Mode),
-            // One wrong bit turns `m` into `e`.
+            // With one wrong bit, `m` is `e`.
             Step::Begin | Step::Manual(_) if !self.is_clear => Err(Refused::NotCleared),
             Step::End if !is_at_end => Err(Refused::Incomplete),
             Step::Store(_) if self.lease > 0 && self.is_at_border() => Err(Refused::Leased),
-            // It would end the program here.
+            // This byte would end the program here.
             Step::Store(b'f') if is_at_end => Err(Refused::Incomplete),
             Step::Execute if !self.is_whole => Err(Refused::Incomplete),
             _ => Ok(byte),
@@ -423,7 +425,7 @@ impl Host {
 
     fn hear(&mut self, byte: u8, now_us: u32) {
         let is_border = matches!(self.step, Step::Store(_)) && self.is_at_border();
-        // One wrong bit in the answer to a question changes nothing.
+        // A wrong bit in the answer to a question is harmless.
         let is_like = |answer: u8| (byte ^ answer).count_ones() <= 1;
         if is_border && byte == b'w' {
             self.begun = whole(self.stored);
@@ -472,7 +474,7 @@ impl Host {
             None if byte == wanted => {
                 let [letter, ..] = self.record;
                 if self.step == Step::Read(0) && matches!(letter, b'X' | b'Y' | b'Z') {
-                    // There is a program. The caller decides whether it is complete.
+                    // The device has a program. The caller decides whether it is complete.
                     (self.is_whole, self.is_clear) = (true, false);
                 }
                 self.conclude(now_us);
@@ -481,7 +483,7 @@ impl Host {
         }
     }
 
-    /// The longest pause between bytes that the device sends one after the other.
+    /// Returns the longest pause between bytes that the device sends one after the other.
     const fn pause_us(&self) -> u32 {
         self.timing.echo_us.saturating_add(self.timing.late_us)
     }
@@ -531,7 +533,7 @@ impl Host {
             }
             Step::Execute => {
                 self.done = self.begun;
-                // Of a longer program the device holds only the end.
+                // If the program was longer than the memory, the device holds only its end.
                 self.is_whole = self.stored <= self.memory_bytes;
             }
             _ => {}
@@ -542,7 +544,7 @@ impl Host {
     /// Waits for the silence after the last answer.
     fn conclude(&mut self, now_us: u32) {
         let guard_us = if self.repeats > 0 {
-            // A repeated byte may be answered again.
+            // A repeated byte may be answered once more.
             self.timing.guard_us.saturating_add(self.timing.late_us)
         } else {
             self.timing.guard_us
@@ -588,7 +590,7 @@ impl Host {
         (self.is_clear, self.is_whole) = (false, false);
     }
 
-    /// From now on, and for a character that is on the line.
+    /// Starts a wait of `us` from now on. If a byte is on the line, its time is added.
     fn wait(&mut self, phase: Phase, us: u32, now_us: u32) {
         self.phase = phase;
         self.since_us = now_us;
@@ -603,7 +605,7 @@ impl Host {
     }
 }
 
-/// The number of bytes in whole records.
+/// Returns the number of bytes in whole records.
 fn whole(bytes: u32) -> u32 {
-    bytes.wrapping_sub(bytes.checked_rem(3).unwrap_or_default()) // a remainder is not above
+    bytes.wrapping_sub(bytes.checked_rem(3).unwrap_or_default()) // at most `bytes`
 }

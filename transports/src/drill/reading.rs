@@ -1,12 +1,13 @@
 //! Readings of the state of a device with extras.
 
-/// A value that [`Step::Read`](super::Step::Read) reads with [`number`](Reading::number): a letter
-/// and a number of 16 bits. Older devices with extras know only the first one and answer `f` 00 00.
+/// A value that [`Step::Read`](super::Step::Read) reads with [`number`](Reading::number). The
+/// answer is a letter and a number of 16 bits. Older devices with extras know only the first value
+/// and answer `f` 00 00 to the others.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Reading {
-    /// Drillings of programs done since the program was cleared, modulo 2^16: `c`, or `B` if it was
-    /// not cleared since the reset.
+    /// Drillings of programs done since the program was cleared, modulo 2^16. The letter is `c`, or
+    /// `B` if the program was not cleared since the reset.
     Drillings,
     /// Steps of X from zero: `X`.
     X,
@@ -34,13 +35,13 @@ impl Reading {
         Reading::Records,
     ];
 
-    /// Returns the number for [`Step::Read`](super::Step::Read): ff ff for the first one, and one
-    /// less for each further one. No memory has a record with such a number.
+    /// Returns the number for [`Step::Read`](super::Step::Read): ff ff for the first reading, and
+    /// one less for each further one. No memory has a record with such a number.
     pub const fn number(self) -> u16 {
         u16::MAX - self as u16
     }
 
-    /// Returns the reading with this number. `None`: it is that of a record.
+    /// Returns the reading with this number. Returns `None` for the number of a record.
     pub(super) fn of(number: u16) -> Option<Reading> {
         Reading::ALL
             .into_iter()
@@ -56,18 +57,18 @@ pub struct MachineState {
     pub place_steps: [u16; 2],
     /// Steps of X and Y from their switches to zero.
     pub zero_steps: [u16; 2],
-    /// Positions count from the switches.
+    /// Whether positions count from the switches.
     pub is_homed: bool,
-    /// The spindle turns.
+    /// Whether the spindle turns.
     pub spindle_turns: bool,
-    /// The upper sensor of Z sees the spindle.
+    /// Whether the upper sensor of Z sees the spindle.
     pub is_up: bool,
-    /// The lower sensor of Z sees the spindle.
+    /// Whether the lower sensor of Z sees the spindle.
     pub is_down: bool,
 }
 
 impl MachineState {
-    /// A machine that is switched on.
+    /// The state of a machine that was just switched on.
     pub const UNKNOWN: MachineState = MachineState {
         place_steps: [0; 2],
         zero_steps: [0; 2],

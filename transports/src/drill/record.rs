@@ -1,9 +1,9 @@
-//! The records of the circuit-board drill: positions in, three bytes each out, and back.
+//! The records of the circuit-board drill: positions to records of three bytes, and back.
 //!
 //! The drill's controller keeps its program as records of three bytes: an axis, and its position in
 //! motor steps from home. X and Y move one after the other. Z is one whole drilling. The original
-//! ignores the number of Z; with its flaws corrected it is a depth. A file of records contains what
-//! the link takes in download mode: the records, then `f`.
+//! ignores the number of Z. With its flaws corrected, the number is a depth. A file of records
+//! contains the bytes that the link takes in download mode: the records, then `f`.
 //!
 //! ```text
 //!   58 lo hi   `X`: to lo + 256 hi steps         59 lo hi   `Y`: likewise
@@ -22,10 +22,10 @@
 //! # Ok::<(), husillo_transports::drill::OffTable>(())
 //! ```
 //!
-//! Limits: a record holds 0 to 65 535 steps, that is 612.477 mm; the table is 23 540 by 4815 steps
-//! ([`Table::DRILL`]). A position is rounded to the nearest step, so its error is at most half a
-//! step, 4.673 um. These errors do not add up. The controller's buffer holds 8192 bytes, 2730
-//! records and two bytes of the next; a longer file is sent in pieces.
+//! Limits: a record holds 0 to 65 535 steps, which are 612.477 mm. The table is 23 540 by 4815
+//! steps ([`Table::DRILL`]). A position is rounded to the nearest step, so its error is at most
+//! half a step, 4.673 um. These errors do not add up. The controller's buffer holds 8192 bytes:
+//! 2730 records and two bytes of the next one. A longer file is sent in pieces.
 
 use core::fmt;
 use core::iter::FusedIterator;
@@ -61,8 +61,8 @@ impl Record {
         [letter, low, high]
     }
 
-    /// Reads a record of three bytes. `None` if the first is not `X`, `Y` or `Z`. The controller
-    /// takes any other byte except `f` for an X; here it is refused.
+    /// Reads a record of three bytes. Returns `None` if the first byte is not `X`, `Y` or `Z`. The
+    /// controller takes any other byte except `f` for an X. This function refuses it.
     pub const fn from_bytes([letter, low, high]: [u8; 3]) -> Option<Record> {
         let steps = u16::from_le_bytes([low, high]);
         match letter {
@@ -143,12 +143,13 @@ impl Table {
     /// Converts a position in nanometres from home to steps of X and Y.
     ///
     /// # Errors
-    /// The position is not on the table. If neither axis is, the error is that of X.
+    /// The position is not on the table. If both coordinates are off the table, the error is that
+    /// of X.
     pub const fn steps(&self, [x, y]: [i64; 2]) -> Result<[u16; 2], OffTable> {
         match (self.move_x(x), self.move_y(y)) {
             (Ok(Record::X(x)), Ok(Record::Y(y))) => Ok([x, y]),
             (Err(error), _) | (_, Err(error)) => Err(error),
-            // The two before give no other records.
+            // The first two results are always moves of X and Y.
             _ => Ok([0; 2]),
         }
     }
@@ -156,7 +157,8 @@ impl Table {
     /// Returns the records of a hole at a position in nanometres from home: X, Y, drill.
     ///
     /// # Errors
-    /// The position is not on the table. If neither axis is, the error is that of X.
+    /// The position is not on the table. If both coordinates are off the table, the error is that
+    /// of X.
     pub const fn hole(&self, [x, y]: [i64; 2]) -> Result<[Record; 3], OffTable> {
         match (self.move_x(x), self.move_y(y)) {
             (Ok(x), Ok(y)) => Ok([x, y, Record::Drill(0)]),
@@ -165,7 +167,7 @@ impl Table {
     }
 }
 
-/// The nearest step, halves away from zero, if it is on the table.
+/// Returns the nearest step if it is on the table. Halves round away from zero.
 const fn steps(at_nm: i64, last: u16) -> Option<u16> {
     const NM_PER_MM: i64 = 1_000_000;
     let Some(scaled) = at_nm.checked_mul(STEPS_PER_MM as i64) else {
@@ -174,8 +176,8 @@ const fn steps(at_nm: i64, last: u16) -> Option<u16> {
     if scaled <= -NM_PER_MM / 2 {
         return None;
     }
-    // Above -half: the sum is above zero, and the quotient towards zero is the nearest. The
-    // quotients are below 2^44.
+    // The position is above minus half a step, so the sum is above zero, and rounding the quotient
+    // towards zero gives the nearest step. The quotients are below 2^44.
     let (whole, rest) = (scaled / NM_PER_MM, scaled % NM_PER_MM);
     let steps = whole.wrapping_add(rest.wrapping_add(NM_PER_MM / 2) / NM_PER_MM);
     if steps <= last as i64 {
@@ -218,7 +220,8 @@ pub struct OffTable {
 
 impl fmt::Display for OffTable {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // To the micrometre below: 65 535 steps are 612 476 635 nm, so the product is below 2^37.
+        // Rounded down to whole micrometres. 65 535 steps are 612 476 635 nm, so the product is
+        // below 2^37.
         let micrometres = u64::from(self.last)
             .saturating_mul(1000)
             .checked_div(u64::from(STEPS_PER_MM))
@@ -290,7 +293,7 @@ impl<R: Iterator<Item = Record>> Iterator for RecordBytes<R> {
 
 impl<R: Iterator<Item = Record>> FusedIterator for RecordBytes<R> {}
 
-/// The error in bytes that should be a program.
+/// The kind of an error in the bytes of a program.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
@@ -301,13 +304,13 @@ pub enum RecordErrorKind {
     CutOff,
     /// There is no `f` after the last record.
     NoEnd,
-    /// `f` is before the first record. The controller would take it for the first byte of one.
+    /// `f` is before the first record. The controller would take it for the first byte of a record.
     Empty,
     /// There are bytes after the `f`.
     AfterEnd,
 }
 
-/// The first error in bytes that should be a program, and its position.
+/// The first error in the bytes of a program, and its position.
 #[derive(Copy, Clone, Eq, PartialEq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RecordError {
@@ -315,7 +318,7 @@ pub struct RecordError {
     pub kind: RecordErrorKind,
     /// Offset of the first wrong byte.
     pub at: usize,
-    /// Offset after the last wrong byte. Equal to `at` if something is missing at the end.
+    /// Offset after the last wrong byte. It equals `at` if something is missing at the end.
     pub end: usize,
 }
 

@@ -6,18 +6,18 @@ use core::fmt;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Step {
-    /// Brings a device in an unknown state to rest: ends any record, any program and the manual
+    /// Brings a device in an unknown state to rest. It ends any record, any program and the manual
     /// mode, and tests the link. It runs nothing, with one exception: a device whose full memory
     /// waits for its next byte runs what it holds.
     Resync,
     /// Tests the link.
     Test,
-    /// Requests a lease, in units of [`LEASE_UNIT_MS`](super::LEASE_UNIT_MS), for all that the
-    /// device does from now on; 0 ends the lease. Only a device with extras has a lease. While a
-    /// step lasts, [`Host::ask_at_work`](super::Host::ask_at_work) renews the lease. When it
-    /// expires, the step ends with [`Failure::Expired`].
+    /// Requests a lease, in units of [`LEASE_UNIT_MS`](super::LEASE_UNIT_MS), for all work from now
+    /// on. 0 ends the lease. Only a device with extras has a lease. While a step lasts,
+    /// [`Host::ask_at_work`](super::Host::ask_at_work) renews the lease. When the lease expires,
+    /// the step ends with [`Failure::Expired`].
     Lease(u8),
-    /// Empties the program of a device with extras. The zero stays.
+    /// Empties the program of a device with extras, and keeps the zero.
     Empty,
     /// Empties the program. The present position becomes X 0, Y 0.
     Clear,
@@ -33,22 +33,24 @@ pub enum Step {
     Execute,
     /// Homes, then enters the manual mode with an advance in steps.
     Manual(u8),
-    /// Does the same on a device with extras, and keeps the program.
+    /// Homes, then enters the manual mode of a device with extras, and keeps the program. The
+    /// number is the advance in steps.
     ManualKept(u8),
     /// Sends a key of the manual mode.
     Key(u8),
     /// Changes the advance in the manual mode.
     Advance(u8),
-    /// Adds a hole at the present position to the end of the program; in the manual mode of a
-    /// device with extras.
+    /// Adds a hole at the present position to the end of the program. This is possible in the
+    /// manual mode of a device with extras.
     Teach,
     /// Leaves the manual mode.
     Quit,
     /// Switches the spindle outside of the manual mode, on a device with extras.
     Spindle(bool),
     /// Reads the record with this number, from 0, of the program in a device with extras:
-    /// [`Host::record`](super::Host::record). The numbers of a [`Reading`](super::Reading) ask for
-    /// something else, as [`COUNT`](super::COUNT) for the number of holes that were drilled.
+    /// [`Host::record`](super::Host::record). The number of a [`Reading`](super::Reading) reads
+    /// this value instead. For example, [`COUNT`](super::COUNT) reads the number of holes that were
+    /// drilled.
     Read(u16),
     /// Reads the text of a device with extras, up to [`END_OF_TEXT`](super::END_OF_TEXT). The
     /// caller keeps it.
@@ -109,7 +111,7 @@ pub enum Failure {
     Silent,
     /// This byte arrived instead of the answer.
     Wrong(u8),
-    /// This byte arrived although nothing was sent: a byte was doubled.
+    /// This byte arrived although nothing was sent, so a byte was doubled.
     Unasked(u8),
     /// The device reports that it was reset.
     Restarted,
@@ -117,8 +119,8 @@ pub enum Failure {
     /// the table. It does nothing until a reset.
     Fault,
     /// The lease expired before the work was done, because the device received nothing for that
-    /// time. X and Y have stopped, and their positions are still known if they were known. Z is up
-    /// if it was drilling, and the spindle stands still.
+    /// time. X and Y have stopped. If their positions were known, they still are. If Z was
+    /// drilling, it is up. The spindle is at rest.
     Expired,
     /// The memory of the device has no room for another hole. Only this outcome and the next one
     /// leave the device in a known state.

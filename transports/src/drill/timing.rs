@@ -6,32 +6,32 @@
 pub struct Timing {
     /// Time of a character on the line.
     pub character_us: u32,
-    /// From the last bit sent to the whole echo.
+    /// The time from the last bit sent to the complete echo.
     pub echo_us: u32,
-    /// An additional single wait for a late echo; 0 for no such wait.
+    /// An additional single wait for a late echo. 0: no additional wait.
     pub late_us: u32,
-    /// How often a byte is sent until it is echoed, at least once.
+    /// The largest number of times that a byte is sent until it is echoed, at least once.
     pub tries: u8,
-    /// Whether this holds for every byte, as in the original, where a late echo makes the device
-    /// store a byte twice. Otherwise it holds for `B` and `c` only, which may be done twice.
+    /// Whether every byte is repeated, as in the original. A late echo then makes the device store
+    /// a byte twice. Otherwise only `B` and `c` are repeated, which may be done twice.
     pub resends_anything: bool,
-    /// The silence that must follow the last byte of an exchange before the exchange counts as
-    /// ended. An additional echo means an additional byte.
+    /// The silence that must follow the last byte of an exchange. After it the exchange has ended.
+    /// An additional echo in this time means an additional byte.
     pub guard_us: u32,
     /// Longest time of homing, and of a reset with its homing.
     pub home_us: u32,
     /// Longest time of a whole program, or of a full memory.
     pub run_us: u32,
-    /// Between the bytes that bring an unknown device to rest.
+    /// The pause between the bytes that bring an unknown device to rest.
     pub pause_us: u32,
 }
 
 impl Timing {
     /// Returns the timing for a line at this rate in baud. An echo may take two characters and 10
-    /// ms, a late one 100 ms more; homing may take a minute.
+    /// ms. A late echo may take 100 ms more. Homing may take a minute.
     ///
-    /// `run_us` is the longest time of a program, or of 8192 bytes of it. The caller knows it: one
-    /// hole takes up to 15 s.
+    /// `run_us` is the longest time of a program, or of 8192 bytes of a longer one. The caller must
+    /// know it: one hole takes up to 15 s.
     pub const fn of(bits_per_s: u32, run_us: u32) -> Timing {
         let character_us = match 10_000_000_u32.checked_div(bits_per_s) {
             Some(us) => us,
@@ -50,9 +50,9 @@ impl Timing {
         }
     }
 
-    /// The timing of the original: 10 ms, three tries, for every byte. At 2400 baud no echo can
-    /// arrive in this time, so every byte is stored more than once. For tests of the original's end
-    /// only.
+    /// The timing of the original: 10 ms and three tries for every byte. At 2400 baud no echo can
+    /// arrive in this time, so every byte is stored more than once. It is only for tests of the
+    /// original's device.
     pub const fn original(bits_per_s: u32, run_us: u32) -> Timing {
         Timing {
             echo_us: 10_000,

@@ -35,7 +35,7 @@ pub enum ErrorCode {
     StartupTooLong = 14,
     /// The jog leaves the travel.
     Travel = 15,
-    /// A jog has a word or a code that it does not take.
+    /// A jog has a word or a code that is not permitted in a jog.
     Jog = 16,
     /// Laser mode needs a variable spindle.
     LaserNeedsPwm = 17,
@@ -61,7 +61,7 @@ pub enum ErrorCode {
     WorkFrame = 29,
     /// G53 needs G0 or G1.
     MachineFrame = 30,
-    /// Axis words without use.
+    /// Axis words that no code uses.
     AxisWords = 31,
     /// The arc has no axis word of its plane.
     NoPlaneWords = 32,
@@ -71,7 +71,7 @@ pub enum ErrorCode {
     BadRadius = 34,
     /// The arc has no centre in its plane.
     NoCentre = 35,
-    /// Words without use.
+    /// Words that no code uses.
     Unused = 36,
     /// The tool length needs a Z word.
     ToolLengthAxis = 37,

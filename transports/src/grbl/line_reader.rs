@@ -6,8 +6,8 @@ use crate::grbl::LINE_CHARACTERS;
 /// A complete line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Line<'a> {
-    /// Its characters: upper case, without blanks, control bytes, `/` and comments. Empty for a
-    /// blank line, which is answered too.
+    /// Its characters: upper case, without blanks, control bytes, `/` and comments. A blank line is
+    /// empty. It is answered, too.
     Text(&'a [u8]),
     /// The line has more than [`LINE_CHARACTERS`] characters.
     TooLong,
@@ -30,16 +30,16 @@ pub struct LineReader {
     text: Buffer<LINE_CHARACTERS>,
     comment: Comment,
     is_too_long: bool,
-    /// The line was returned, so the next byte begins another one.
+    /// Whether the line was returned. The next byte then begins another line.
     is_complete: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Comment {
     None,
-    /// Until `)`.
+    /// In a comment that ends with `)`.
     Bracket,
-    /// Until the end of the line.
+    /// In a comment that ends with the line.
     Rest,
 }
 

@@ -61,7 +61,7 @@ pub enum Message<'a> {
 /// A text for the operator: `[MSG:...]`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Feedback<'a> {
-    /// After ALARM:1 and ALARM:2.
+    /// Sent after ALARM:1 and ALARM:2.
     ResetToContinue,
     /// Locked: `$H` or `$X` unlocks.
     Unlock,

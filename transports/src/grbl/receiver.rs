@@ -2,11 +2,11 @@
 
 use crate::grbl::{RECEIVE_BYTES, Realtime};
 
-/// Separates the bytes of the line. A real-time byte is returned immediately. The others wait for
-/// the controller in a buffer of `N` bytes.
+/// Separates the bytes of the line. A real-time byte is returned immediately. Other bytes wait in a
+/// buffer of `N` bytes until the controller takes them.
 ///
 /// Grbl has `N` = 128. A controller with a larger buffer should still report 128, because some
-/// senders write lines that they do not count.
+/// senders write additional lines without counting them.
 ///
 /// # Examples
 ///

@@ -77,7 +77,7 @@ impl Settings {
     /// - [`ErrorCode::BadNumber`], [`ErrorCode::Negative`], [`ErrorCode::StepPulse`],
     ///   [`ErrorCode::SoftLimitsNeedHoming`].
     ///
-    /// The values are unchanged then.
+    /// In case of an error the values are unchanged.
     pub fn write(&mut self, number: u8, text: &[u8]) -> Result<(), ErrorCode> {
         let (milli, rest) = decimal(text, 3).ok_or(ErrorCode::BadNumber)?;
         if !rest.is_empty() {
@@ -116,7 +116,7 @@ impl Settings {
             *slot = value;
         }
         if number == 22 && value == 0 {
-            // Soft limits need homing, so they are switched off with it.
+            // Soft limits need homing, so they are switched off together with it.
             let _ = self.write(20, b"0");
         }
         Ok(())

@@ -70,12 +70,13 @@ impl Text {
     }
 }
 
-/// `10^places`; saturates.
+/// Returns `10^places`. The result saturates.
 pub(crate) const fn power_of_ten(places: u8) -> u64 {
     10_u64.saturating_pow(places as u32)
 }
 
-/// `value / divisor`, rounded to nearest, halves away from zero. The divisor is above 0.
+/// Returns `value / divisor`, rounded to the nearest. Halves round away from zero. The divisor is
+/// above 0.
 pub(crate) fn rounded(value: i64, divisor: u64) -> i64 {
     let size = value.unsigned_abs().saturating_add(divisor >> 1);
     let size = size.checked_div(divisor).unwrap_or(0);
@@ -84,10 +85,11 @@ pub(crate) fn rounded(value: i64, divisor: u64) -> i64 {
     if value < 0 { size.wrapping_neg() } else { size }
 }
 
-/// Reads a number at the start of a text: an optional sign, digits with an optional point, no
-/// exponent. Returns it as `value / 10^places`, rounded to the nearest, and the rest of the text.
+/// Reads a number at the start of a text. A number has an optional sign and digits with an optional
+/// point, but no exponent. Returns the number as `value / 10^places`, rounded to the nearest, and
+/// the rest of the text.
 ///
-/// Returns `None` without a digit, or if the value exceeds 2^62.
+/// Returns `None` if there is no digit, or if the value exceeds 2^62.
 pub fn decimal(text: &[u8], places: u8) -> Option<(i64, &[u8])> {
     let (is_negative, mut rest) = match text.split_first() {
         Some((b'-', rest)) => (true, rest),
@@ -131,7 +133,7 @@ pub fn decimal(text: &[u8], places: u8) -> Option<(i64, &[u8])> {
     let value = i64::try_from(value)
         .ok()
         .filter(|value| *value >> 62 == 0)?;
-    // It is below 2^62.
+    // The value is below 2^62.
     let value = if is_negative {
         value.wrapping_neg()
     } else {

@@ -2,8 +2,8 @@
 
 use crate::grbl::RECEIVE_BYTES;
 
-/// The lines that a sender has sent and that have no answer yet. Their bytes fit the receive buffer
-/// of the controller.
+/// The lines that a sender has sent and that are not answered yet. Their bytes fit the receive
+/// buffer of the controller.
 ///
 /// # Examples
 ///
@@ -37,8 +37,8 @@ impl Window {
         }
     }
 
-    /// Counts a line, with its end, that is being sent. Returns `false` if it must wait. A line
-    /// longer than the window may be sent alone.
+    /// Counts a line, with its end, that the sender wants to send. Returns `false` if the line must
+    /// wait. A line longer than the window may be sent alone.
     pub fn send(&mut self, length: u8) -> bool {
         let place = self.first.wrapping_add(self.count) % self.lengths.len();
         let fits = self.bytes.saturating_add(length.into()) <= self.capacity || self.count == 0;

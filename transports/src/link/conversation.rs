@@ -1,4 +1,4 @@
-//! One end of a numbered exchange, which repeats frames from a number on (go back N).
+//! One end of a numbered exchange. After a loss it repeats all frames from a number on (go back N).
 
 use super::{PAYLOAD_BYTES, WINDOW_FRAMES};
 use crate::buffer::Buffer;
@@ -9,7 +9,7 @@ use crate::buffer::Buffer;
 pub enum Refused {
     /// The other end was not called, or is down.
     NotUp,
-    /// The largest number of payloads is in flight.
+    /// The largest permitted number of payloads is in flight.
     Full,
     /// The payload has more than [`PAYLOAD_BYTES`].
     TooLong,
@@ -25,15 +25,16 @@ pub(super) enum Order {
     Gap,
 }
 
-/// Frames in flight in one direction, and the number of the last one accepted in the other.
+/// Frames in flight in one direction, and the number of the last frame accepted in the other
+/// direction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Conversation<const WINDOW: usize> {
-    /// A ring: the oldest at `head`.
+    /// A ring. The oldest frame is at `head`.
     frames: [Buffer<PAYLOAD_BYTES>; WINDOW],
     head: usize,
-    /// Number of the oldest, modulo 16.
+    /// Number of the oldest frame, modulo 16.
     first: u8,
-    /// At most WINDOW; of these `sent` since the last rewind.
+    /// At most WINDOW. `sent` of them were sent since the last rewind.
     queued: usize,
     sent: usize,
     taken: u8,
@@ -94,8 +95,8 @@ impl<const WINDOW: usize> Conversation<WINDOW> {
         self.frames.get(place).map(|frame| (number, frame.bytes()))
     }
 
-    /// Whether this acknowledges a new number. The other end has taken everything up to it. A
-    /// number that was never sent is ignored.
+    /// Takes an acknowledged number. The other end has taken everything up to this number. Returns
+    /// whether the number is new. A number that was never sent is ignored.
     pub(super) fn acknowledge(&mut self, number: u8) -> bool {
         let more = usize::from(number.wrapping_sub(self.first).wrapping_add(1) & 15);
         if more == 0 || more > self.queued {
@@ -104,17 +105,17 @@ impl<const WINDOW: usize> Conversation<WINDOW> {
         self.head = self.slot(more);
         self.first = self.first.wrapping_add(more as u8) & 15; // more is at most WINDOW
         self.queued = self.queued.wrapping_sub(more);
-        // After a rewind an answer to an earlier frame may arrive.
+        // After a rewind an acknowledgement of a frame that was sent before may arrive.
         self.sent = self.sent.saturating_sub(more);
         true
     }
 
-    /// Has all frames sent again that are not acknowledged.
+    /// Marks all frames that are not acknowledged to be sent again.
     pub(super) fn rewind(&mut self) {
         self.sent = 0;
     }
 
-    /// Takes a number of the other end.
+    /// Takes the number of a frame from the other end.
     pub(super) fn take(&mut self, number: u8) -> Order {
         match number.wrapping_sub(self.taken) & 15 {
             1 => {
@@ -126,7 +127,7 @@ impl<const WINDOW: usize> Conversation<WINDOW> {
         }
     }
 
-    /// The index of the n-th frame from the head. n is at most WINDOW.
+    /// Returns the index of the n-th frame from the head. n is at most WINDOW.
     const fn slot(&self, n: usize) -> usize {
         let place = self.head.wrapping_add(n);
         if place < WINDOW {

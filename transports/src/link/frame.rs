@@ -11,10 +11,11 @@ const HEAD_BYTES: usize = 3;
 /// Head, payload, check.
 const BODY_BYTES: usize = HEAD_BYTES + PAYLOAD_BYTES + 2;
 
-/// A whole frame on the line: the first distance, the body, the zero at its end.
+/// A whole frame on the line: the first distance, the body, and the zero at its end.
 pub(super) const WIRE_BYTES: usize = BODY_BYTES + 2;
 
-// The distances of COBS are then below 255: none of them stands for a run without a zero.
+// All distances of COBS are then below 255. The value 255, which stands for a run without a zero,
+// does not occur.
 const _: () = assert!(BODY_BYTES < 254);
 
 const CHECK: Crc<u16, Table<1>> = Crc::<u16, Table<1>>::new(&CRC_16_IBM_SDLC);
@@ -25,11 +26,12 @@ const CHECK: Crc<u16, Table<1>> = Crc::<u16, Table<1>>::new(&CRC_16_IBM_SDLC);
 pub enum Kind {
     /// A numbered payload.
     Data,
-    /// Only the number of the last accepted frame. From a master it is a question.
+    /// Only the number of the last accepted frame. Sent by a master, it is a question.
     Acknowledge,
-    /// The same, and a frame was missing: send again from there.
+    /// The number of the last accepted frame. The frame after it was missing and must be sent
+    /// again.
     Gap,
-    /// A call and its answer: both ends restart their numbers. A call without payload means that
+    /// A call and its answer. Both ends restart their numbers. A call without payload means that
     /// the station has restarted and waits for a call.
     Call,
 }
@@ -59,16 +61,16 @@ impl Kind {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Frame<'a> {
-    /// Address of the station that sends or receives it, or [`BROADCAST`](super::BROADCAST).
+    /// Address of the station that sends or receives the frame, or [`BROADCAST`](super::BROADCAST).
     pub address: u8,
     /// Its kind.
     pub kind: Kind,
     /// Whether a station sends it.
     pub from_station: bool,
-    /// From a master: the number of its last broadcast, 1 to 7, 0 for none. From a station: the
-    /// same number if it heard that broadcast, otherwise 0.
+    /// From a master: the number of its last broadcast, 1 to 7, or 0 if there was none. From a
+    /// station: the same number if it received that broadcast, otherwise 0.
     pub broadcast: u8,
-    /// Its number, 0 to 15; of a broadcast, 1 to 7; 0 where it is no data.
+    /// Its number, 0 to 15. A broadcast has 1 to 7. A frame without data has 0.
     pub number: u8,
     /// The number of the last accepted frame, 0 to 15.
     pub acknowledged: u8,
@@ -77,8 +79,8 @@ pub struct Frame<'a> {
 }
 
 impl<'a> Frame<'a> {
-    /// Returns the frame as bytes of the line. `None` if the payload is too long. Numbers are taken
-    /// modulo 16, that of the broadcast modulo 8.
+    /// Returns the frame as bytes of the line. Returns `None` if the payload is too long. Numbers
+    /// are taken modulo 16, the number of the broadcast modulo 8.
     ///
     /// # Examples
     /// ```
@@ -107,7 +109,8 @@ impl<'a> Frame<'a> {
         body.extend(self.payload);
         body.extend(&CHECK.checksum(body.bytes()).to_le_bytes());
         let mut wire = Buffer::new();
-        // Each zero becomes the distance to the next one; all distances are below 255, see above.
+        // Each zero becomes the distance to the next one. All distances are below 255: see
+        // `WIRE_BYTES`.
         for run in body.bytes().split(|byte| *byte == 0) {
             wire.push((run.len() as u8).wrapping_add(1));
             wire.extend(run);
@@ -116,7 +119,8 @@ impl<'a> Frame<'a> {
         Some(Sent { wire, next: 0 })
     }
 
-    /// Reads the frame of a body with its check. `None` if it is not valid.
+    /// Reads the frame of a body with its check. Returns `None` if the check or the content is
+    /// wrong.
     fn of(body: &'a [u8]) -> Option<Frame<'a>> {
         let (checked, check) = body.split_last_chunk::<2>()?;
         if CHECK.checksum(checked) != u16::from_le_bytes(*check) {
@@ -148,7 +152,7 @@ impl Sent {
         self.wire.bytes()
     }
 
-    /// Returns the next byte to send. `None` if all are sent.
+    /// Returns the next byte to send. Returns `None` if all bytes are sent.
     pub fn transmit(&mut self) -> Option<u8> {
         let byte = self.wire.bytes().get(self.next).copied()?;
         self.next = self.next.wrapping_add(1); // at most WIRE_BYTES
@@ -156,20 +160,21 @@ impl Sent {
     }
 }
 
-/// Bytes to frames. A zero begins a new frame, whatever came before.
+/// Converts bytes to frames. A zero begins a new frame, whatever came before it.
 ///
-/// A byte costs a comparison or two; the check is made at the end of a frame. 144 bytes.
+/// A byte costs one or two comparisons. The check is made at the end of a frame. The size is 144
+/// bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Receiver {
     body: Buffer<BODY_BYTES>,
-    /// Bytes up to the next distance; 0: the next byte is one.
+    /// Number of bytes up to the next distance. 0: the next byte is a distance.
     run: u8,
     state: State,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum State {
-    /// No byte since the last zero.
+    /// No byte has arrived since the last zero.
     Empty,
     Filling,
     /// The frame is too long. Bytes are dropped up to the next zero.
@@ -210,7 +215,8 @@ impl Receiver {
                 self.take(byte);
             }
             state => {
-                // A distance. A zero precedes it, except the first one.
+                // This byte is a distance. Each distance except the first one stands for a zero
+                // before it.
                 self.run = byte.wrapping_sub(1); // above zero
                 if state == State::Filling {
                     self.take(0);

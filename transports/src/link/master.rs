@@ -23,20 +23,20 @@ pub enum Event<'a> {
         /// Number of payloads in doubt: 0 or 1.
         unacknowledged: usize,
     },
-    /// The next payload of a station, once.
+    /// The next payload of a station. Each payload is returned once.
     Data {
         /// The station.
         station: usize,
         /// The payload.
         payload: &'a [u8],
     },
-    /// The station did not hear the last broadcast.
+    /// The station did not receive the last broadcast.
     Missed {
         /// The station.
         station: usize,
     },
-    /// Every station that is up has reported whether it heard the last broadcast. [`Event::Missed`]
-    /// or [`Event::Down`] came before for each one that did not.
+    /// Every station that is up has reported whether it received the last broadcast. Before this
+    /// event, each station that did not receive it has caused [`Event::Missed`] or [`Event::Down`].
     Checked,
 }
 
@@ -56,15 +56,15 @@ struct Line {
     conversation: Conversation<1>,
     tries: u8,
     asked_us: u32,
-    /// It had a payload, and may have more.
+    /// Whether the station has sent a payload. It may have more.
     is_talking: bool,
-    /// It must report whether it received the broadcast.
+    /// Whether the station must still report if it received the broadcast.
     is_checked: bool,
     has_missed: bool,
 }
 
-/// A master. It asks its stations in turn, as often as there is something to send. It takes 504
-/// bytes, and 176 per station.
+/// A master. It asks its stations in turn, as often as there is something to send. Its size is 504
+/// bytes, and 176 bytes per station.
 ///
 /// | when | call |
 /// | --- | --- |
@@ -79,21 +79,21 @@ pub struct Master<const STATIONS: usize> {
     lines: [Line; STATIONS],
     receiver: Receiver,
     sending: Option<Sent>,
-    /// The station that is to answer, and until when.
+    /// The station that must answer, and the time until which it must do so.
     awaited: Option<(usize, u32)>,
-    /// When the line may be used again; `None` = now.
+    /// The time from which the line may be used again. `None`: now.
     ready_us: Option<u32>,
     /// The station that was asked last.
     last: usize,
     shout: Option<Buffer<PAYLOAD_BYTES>>,
-    /// Number of the last broadcast, 1 to 7; 0 = none yet.
+    /// Number of the last broadcast, 1 to 7. 0: none yet.
     broadcast: u8,
     is_checking: bool,
 }
 
 impl<const STATIONS: usize> Master<STATIONS> {
-    /// Creates the master of stations with these addresses, each different and none
-    /// [`BROADCAST`]. All are down.
+    /// Creates the master of stations with these addresses. The addresses must differ, and none may
+    /// be [`BROADCAST`]. All stations are down.
     pub fn new(timing: Timing, addresses: [u8; STATIONS]) -> Self {
         Master {
             timing,
@@ -135,7 +135,7 @@ impl<const STATIONS: usize> Master<STATIONS> {
     /// Queues a payload for a station, one at a time.
     ///
     /// # Errors
-    /// [`Refused`]. Nothing changes then.
+    /// [`Refused`]. In this case nothing changes.
     pub fn send(&mut self, station: usize, payload: &[u8]) -> Result<(), Refused> {
         let line = self.lines.get_mut(station).ok_or(Refused::NoStation)?;
         if line.state != State::Up {
@@ -145,11 +145,11 @@ impl<const STATIONS: usize> Master<STATIONS> {
     }
 
     /// Queues a payload for all stations. It is sent once, before anything else, when the line is
-    /// free. Then every station that is up is asked whether it heard it.
+    /// free. Then the master asks every station that is up whether it received it.
     ///
     /// # Errors
     /// [`Refused::Full`] until the last broadcast is [`Event::Checked`], [`Refused::NotUp`] if no
-    /// station is up, [`Refused::TooLong`].
+    /// station is up, or [`Refused::TooLong`].
     pub fn broadcast(&mut self, payload: &[u8]) -> Result<(), Refused> {
         if payload.len() > PAYLOAD_BYTES {
             return Err(Refused::TooLong);
@@ -166,7 +166,7 @@ impl<const STATIONS: usize> Master<STATIONS> {
         Ok(())
     }
 
-    /// Returns the next byte for the line. `None` if there is none now.
+    /// Returns the next byte for the line. Returns `None` if there is none now.
     pub fn transmit(&mut self, now_us: u32) -> Option<u8> {
         if self.sending.is_none() {
             if self.awaited.is_some()
@@ -189,12 +189,13 @@ impl<const STATIONS: usize> Master<STATIONS> {
         byte
     }
 
-    /// Takes a byte from the line. Returns what the byte completes.
+    /// Takes a byte from the line. Returns the event of the frame that the byte completes.
     pub fn push(&mut self, byte: u8, now_us: u32) -> Option<Event<'_>> {
         let frame = self.receiver.push(byte)?;
         let (station, _) = self.awaited?;
         let line = self.lines.get_mut(station)?;
-        // An answer to an earlier question is repeated when the master asks again.
+        // A late answer to an earlier question is dropped. The station repeats it when the master
+        // asks again.
         if !frame.from_station || frame.address != line.address {
             return None;
         }
@@ -229,13 +230,13 @@ impl<const STATIONS: usize> Master<STATIONS> {
         })
     }
 
-    /// Returns an event that the time has caused. Call it until it returns `None`.
+    /// Returns an event that is due because of the time. Call this until it returns `None`.
     pub fn poll(&mut self, now_us: u32) -> Option<Event<'static>> {
         if let Some((station, until_us)) = self.awaited {
             if has_come(until_us, now_us) {
                 self.awaited = None;
                 self.sending = None;
-                // A station that still sends must end before the next question.
+                // A station that still sends must finish before the next question.
                 self.ready_us = Some(now_us.wrapping_add(self.timing.turnaround_us));
                 let line = self.lines.get_mut(station)?;
                 line.tries = line.tries.saturating_add(1);
@@ -264,8 +265,8 @@ impl<const STATIONS: usize> Master<STATIONS> {
             .is_some_and(|line| line.state == State::Up)
     }
 
-    /// Returns the number of payloads that a station has not acknowledged: 0 or 1. The number stays
-    /// after the station went down, until it is called again.
+    /// Returns the number of payloads that a station has not acknowledged: 0 or 1. After the
+    /// station went down, the number is kept until the station is called again.
     pub fn unacknowledged(&self, station: usize) -> usize {
         self.lines
             .get(station)
@@ -273,7 +274,7 @@ impl<const STATIONS: usize> Master<STATIONS> {
     }
 
     fn shout_out(&mut self, payload: &[u8], now_us: u32) -> Option<Sent> {
-        // 1 to 7, and never twice the same.
+        // The number is 1 to 7. Two successive numbers differ.
         self.broadcast = if self.broadcast >= 7 {
             1
         } else {
@@ -303,7 +304,7 @@ impl<const STATIONS: usize> Master<STATIONS> {
         Some(sent)
     }
 
-    /// Returns the question to the next station that must be asked.
+    /// Returns the question to the next station that is due.
     fn ask(&mut self, now_us: u32) -> Option<Sent> {
         let (timing, broadcast) = (self.timing, self.broadcast);
         let (before, behind) = self
@@ -370,7 +371,7 @@ impl Line {
     }
 }
 
-/// Whether a time has come, up to 2^31 us ago.
+/// Whether a time has been reached, up to 2^31 us ago.
 pub(super) const fn has_come(at_us: u32, now_us: u32) -> bool {
     now_us.wrapping_sub(at_us) as i32 >= 0
 }

@@ -1,10 +1,10 @@
-//! Functions for programs that wait with `nb::block!`. They accept a payload, or would block until
-//! one is acknowledged.
+//! Functions for programs that wait with `nb::block!`. They accept a payload. If there is no room,
+//! they return `WouldBlock` until a payload is acknowledged.
 
 use super::{Master, Peer, Refused, Station};
 
 impl<const WINDOW: usize> Peer<WINDOW> {
-    /// [`send`](Peer::send) that can be repeated in a loop.
+    /// Like [`send`](Peer::send), but can be repeated in a loop.
     ///
     /// # Errors
     /// `WouldBlock` while the largest number of payloads is in flight. Other errors are permanent.
@@ -14,17 +14,17 @@ impl<const WINDOW: usize> Peer<WINDOW> {
 }
 
 impl Station {
-    /// [`send`](Station::send) that can be repeated in a loop.
+    /// Like [`send`](Station::send), but can be repeated in a loop.
     ///
     /// # Errors
-    /// `WouldBlock` while the master has not fetched the last one. Other errors are permanent.
+    /// `WouldBlock` while the master has not fetched the last payload. Other errors are permanent.
     pub fn poll_send(&mut self, payload: &[u8]) -> nb::Result<(), Refused> {
         or_full(self.send(payload))
     }
 }
 
 impl<const STATIONS: usize> Master<STATIONS> {
-    /// [`send`](Master::send) that can be repeated in a loop.
+    /// Like [`send`](Master::send), but can be repeated in a loop.
     ///
     /// # Errors
     /// `WouldBlock` while the largest number of payloads is in flight. Other errors are permanent.

@@ -1,4 +1,4 @@
-//! Either end of a line that only two share.
+//! Either end of a line that only two ends share.
 
 use super::conversation::{Conversation, Order};
 use super::frame::{Frame, Kind, Receiver, Sent};
@@ -19,14 +19,15 @@ enum Answer {
     Gap,
     /// The answer to the call with this number.
     Up(u8),
-    /// Not called since the start.
+    /// This end was not called since the start.
     Down,
 }
 
-/// One end of a full-duplex line. Both ends may send at any time, up to `WINDOW` frames (1 to 7)
-/// before the first is acknowledged. It takes 384 bytes, and 128 per frame.
+/// One end of a full-duplex line. Both ends may send at any time. Up to `WINDOW` frames (1 to 7)
+/// may be sent before the first is acknowledged. The size is 384 bytes, and 128 bytes per frame.
 ///
-/// One end calls, the other end is called. Each sends a sign of life every [`Timing::ask_us`].
+/// One end calls, the other end is called. Each end sends at least one frame every
+/// [`Timing::ask_us`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Peer<const WINDOW: usize> {
     address: u8,
@@ -37,9 +38,9 @@ pub struct Peer<const WINDOW: usize> {
     state: State,
     call: u8,
     answer: Option<Answer>,
-    /// A gap was reported, and no frame in order has arrived since.
+    /// Whether a gap was reported and no frame in order has arrived since.
     is_gap_told: bool,
-    /// When the frames in flight must be acknowledged.
+    /// The time until which the frames in flight must be acknowledged.
     until_us: Option<u32>,
     tries: u8,
     heard_us: u32,
@@ -78,8 +79,8 @@ impl<const WINDOW: usize> Peer<WINDOW> {
     }
 
     /// Calls the other end, in any state. Both ends restart, and queued payloads are dropped. A
-    /// payload on the line may still arrive before the call. At the end that is called this does
-    /// nothing.
+    /// payload on the line may still arrive before the call. At the end that is called, this
+    /// function does nothing.
     pub fn call(&mut self) {
         if self.calls {
             self.state = State::Calling;
@@ -90,7 +91,7 @@ impl<const WINDOW: usize> Peer<WINDOW> {
     /// Queues a payload.
     ///
     /// # Errors
-    /// [`Refused`]. Nothing changes then.
+    /// [`Refused`]. In this case nothing changes.
     pub fn send(&mut self, payload: &[u8]) -> Result<(), Refused> {
         if self.state != State::Up {
             return Err(Refused::NotUp);
@@ -98,7 +99,7 @@ impl<const WINDOW: usize> Peer<WINDOW> {
         self.conversation.queue(payload)
     }
 
-    /// Takes a byte from the line. Returns what the byte completes.
+    /// Takes a byte from the line. Returns the content of the frame that the byte completes.
     pub fn push(&mut self, byte: u8, now_us: u32) -> Option<Received<'_>> {
         let frame = self.receiver.push(byte)?;
         if frame.from_station != self.calls || frame.address != self.address {
@@ -164,7 +165,7 @@ impl<const WINDOW: usize> Peer<WINDOW> {
         }
     }
 
-    /// Returns the next byte for the line. `None` if there is none now.
+    /// Returns the next byte for the line. Returns `None` if there is none now.
     pub fn transmit(&mut self, now_us: u32) -> Option<u8> {
         if self.sending.is_none() {
             self.sending = self.say(now_us);
@@ -179,8 +180,8 @@ impl<const WINDOW: usize> Peer<WINDOW> {
         byte
     }
 
-    /// Whether the link has gone down since the last call. The payloads in flight at that time are
-    /// [`unacknowledged`](Peer::unacknowledged).
+    /// Returns why the link has gone down since the last call of this function, if it has. The
+    /// payloads in flight at that time are [`unacknowledged`](Peer::unacknowledged).
     pub fn poll(&mut self, now_us: u32) -> Option<Lost> {
         if self
             .until_us
@@ -210,7 +211,7 @@ impl<const WINDOW: usize> Peer<WINDOW> {
     }
 
     /// Returns the number of payloads that the other end has not acknowledged. After the link went
-    /// down it is unknown whether they arrived.
+    /// down, it is not known whether these payloads arrived.
     pub const fn unacknowledged(&self) -> usize {
         self.conversation.unacknowledged()
     }

@@ -1,4 +1,4 @@
-//! A station on a line that several share.
+//! A station on a line that several stations share.
 
 use super::conversation::{Conversation, Order};
 use super::frame::{Frame, Kind, Receiver, Sent};
@@ -10,9 +10,9 @@ use super::{BROADCAST, Lost, Refused, Timing};
 pub enum Received<'a> {
     /// The link is up, and all numbers start again. Payloads that were queued before are dropped.
     Up,
-    /// The next payload of the other end, once.
+    /// The next payload of the other end. Each payload is returned once.
     Data(&'a [u8]),
-    /// A payload for all stations, once.
+    /// A payload for all stations. Each payload is returned once.
     Broadcast(&'a [u8]),
 }
 
@@ -24,11 +24,11 @@ enum Answer {
     Gap,
     /// The answer to the call with this number.
     Up(u8),
-    /// Not called since the start.
+    /// This station was not called since the start.
     Down,
 }
 
-/// A station. It sends one frame when it is asked. It takes 496 bytes.
+/// A station. It sends one frame when it is asked. Its size is 496 bytes.
 ///
 /// | when | call |
 /// | --- | --- |
@@ -42,7 +42,7 @@ pub struct Station {
     receiver: Receiver,
     conversation: Conversation<1>,
     is_up: bool,
-    /// The master's last known broadcast, and whether it was received.
+    /// The number of the master's last known broadcast, and whether the station received it.
     broadcast: u8,
     has_heard: bool,
     answer: Option<Answer>,
@@ -67,7 +67,7 @@ impl Station {
         }
     }
 
-    /// Takes a byte from the line. Returns what the byte completes.
+    /// Takes a byte from the line. Returns the content of the frame that the byte completes.
     pub fn push(&mut self, byte: u8, now_us: u32) -> Option<Received<'_>> {
         let frame = self.receiver.push(byte)?;
         if frame.from_station || (frame.address != self.address && frame.address != BROADCAST) {
@@ -94,7 +94,8 @@ impl Station {
             return None;
         }
         if frame.broadcast != self.broadcast {
-            // It was missed. It must not be taken for a later one with the same number.
+            // The station has missed this broadcast. It must not take it for a later one with the
+            // same number.
             (self.broadcast, self.has_heard) = (frame.broadcast, false);
         }
         self.conversation.acknowledge(frame.acknowledged);
@@ -116,7 +117,7 @@ impl Station {
     /// Queues a payload until the master asks.
     ///
     /// # Errors
-    /// [`Refused`]. Nothing changes then.
+    /// [`Refused`]. In this case nothing changes.
     pub fn send(&mut self, payload: &[u8]) -> Result<(), Refused> {
         if !self.is_up {
             return Err(Refused::NotUp);
@@ -124,7 +125,7 @@ impl Station {
         self.conversation.queue(payload)
     }
 
-    /// Returns the next byte for the line. `None` if there is none now.
+    /// Returns the next byte for the line. Returns `None` if there is none now.
     pub fn transmit(&mut self, now_us: u32) -> Option<u8> {
         if self.sending.is_none() {
             let answer = self.answer?;
@@ -141,8 +142,8 @@ impl Station {
         byte
     }
 
-    /// Whether the link has gone down since the last call: nothing was received for
-    /// [`Timing::silence_us`].
+    /// Returns [`Lost::Silence`] if the link has gone down since the last call of this function,
+    /// because nothing was received for [`Timing::silence_us`].
     pub fn poll(&mut self, now_us: u32) -> Option<Lost> {
         let silence_us = self.timing.silence_us;
         let is_lost =
@@ -153,7 +154,7 @@ impl Station {
         is_lost.then_some(Lost::Silence)
     }
 
-    /// Whether it was called and receives its master.
+    /// Whether the station was called and receives its master.
     pub const fn is_up(&self) -> bool {
         self.is_up
     }

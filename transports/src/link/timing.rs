@@ -8,20 +8,21 @@ pub struct Timing {
     pub character_us: u32,
     /// Silence before the line changes its direction, at both ends; 0 on a full-duplex line.
     pub turnaround_us: u32,
-    /// Longest time of the other end until its answer, in addition to the times of the line.
+    /// Longest time that the other end takes to answer, in addition to the times of the line.
     pub answer_us: u32,
-    /// How often a frame is sent before the link is down, at least once.
+    /// How often a frame is sent before the link goes down, at least once.
     pub tries: u8,
     /// Period in which the master asks a station without payloads.
     pub ask_us: u32,
-    /// A station that receives nothing for this time is down, and should stop its machine. 0:
-    /// never.
+    /// A station that receives nothing for this time is down and should stop its machine. 0: no
+    /// limit.
     pub silence_us: u32,
 }
 
 impl Timing {
-    /// Returns the timing for a line at this rate in baud, 8N1: two characters of turnaround, 20 ms
-    /// to answer, three tries, a question every 50 ms, down after a second of silence.
+    /// Returns the timing for a line at this rate in baud, 8N1. The turnaround is two characters,
+    /// the time to answer is 20 ms, and there are three tries. The master asks every 50 ms. The
+    /// link goes down after a second of silence.
     pub const fn of(bits_per_s: u32) -> Timing {
         let character_us = match 10_000_000_u32.checked_div(bits_per_s) {
             Some(us) => us,
@@ -37,8 +38,9 @@ impl Timing {
         }
     }
 
-    /// Returns the longest time of an answer, from the first byte of a question at the port: the
-    /// longest frame in each direction, the turnaround, and the time of the other end.
+    /// Returns the longest time until an answer, from the first byte of the question at the port.
+    /// It is the sum of the longest frame in each direction, the turnaround, and the time of the
+    /// other end.
     pub const fn wait_us(&self) -> u32 {
         self.character_us
             .saturating_mul(2 * super::frame::WIRE_BYTES as u32)

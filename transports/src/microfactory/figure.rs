@@ -3,7 +3,7 @@
 use crc::{CRC_16_IBM_SDLC, Crc, Table};
 
 /// CRC-16/X-25, as on [`crate::link`]. It detects any three wrong bits in 4092 bytes (1023 moves).
-/// Of other errors it misses one in 65536.
+/// One in 65536 of other errors is not detected.
 const CHECK: Crc<u16, Table<1>> = Crc::<u16, Table<1>>::new(&CRC_16_IBM_SDLC);
 
 /// The four bytes of a move: steps of X and Z, low bytes first.
@@ -12,12 +12,13 @@ pub const fn move_bytes([x, z]: [i16; 2]) -> [u8; 4] {
     [x0, x1, z0, z1]
 }
 
-/// Reads the move of four bytes.
+/// Reads a move from four bytes.
 pub(super) const fn move_of([x0, x1, z0, z1]: [u8; 4]) -> [i16; 2] {
     [i16::from_le_bytes([x0, x1]), i16::from_le_bytes([z0, z1])]
 }
 
-/// The check of bytes that follow others whose check is known. Without bytes it is 0.
+/// Returns the check of bytes that follow others. `before` is the check of those others, or 0 if
+/// there are none.
 pub(super) fn checked(before: u16, bytes: &[u8]) -> u16 {
     // Undoes the last exclusive or, in the bit order of a start value.
     let mut digest = CHECK.digest_with_initial((before ^ 0xFFFF).reverse_bits());
@@ -25,8 +26,8 @@ pub(super) fn checked(before: u16, bytes: &[u8]) -> u16 {
     digest.finalize()
 }
 
-/// The check of a figure. It follows [`ByteTable::keep`](super::ByteTable::keep) and the number of
-/// moves.
+/// Returns the check of a figure. It follows [`ByteTable::keep`](super::ByteTable::keep) and the
+/// number of moves.
 pub fn figure_check(moves: &[[i16; 2]]) -> u16 {
     let grow = |check, way: &[i16; 2]| checked(check, &move_bytes(*way));
     moves.iter().fold(0, grow)

@@ -1,5 +1,5 @@
-//! The reports of a device: how its last task ended, its positions, and where its home switches
-//! closed.
+//! The reports of a device. They state how its last task ended, its positions, and where its home
+//! switches closed.
 
 use super::figure::checked;
 
@@ -7,19 +7,19 @@ use super::figure::checked;
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Report {
-    /// All axes are homed and stand at zero, off their switches.
+    /// All axes are homed. They are at zero, off their switches.
     Homed,
     /// Counted steps, a figure or a back-off from a switch ended.
     Done,
     /// Stopped by command.
     Stopped,
-    /// The host was silent: a jog was not repeated in time, or a lease ended.
+    /// The host was silent, so a jog was not repeated in time, or a lease ended.
     DeadMan,
-    /// The tool touches the work piece: the figure begins.
+    /// The tool touches the work piece, and the figure begins.
     Contact,
     /// The approach ended without contact. The figure was not cut.
     NoContact,
-    /// There is no figure: none was stored since another one was deleted.
+    /// There is no figure, because none was stored since another one was deleted.
     NoFigure,
     /// A home switch closed unexpectedly. The axis backs off it.
     Switch {
@@ -36,7 +36,7 @@ pub enum Report {
         /// 0 to 2.
         axis: u8,
     },
-    /// Emergency stop: nothing moves until a reset.
+    /// Emergency stop. Nothing moves until a reset.
     Emergency,
 }
 
@@ -59,7 +59,7 @@ impl Report {
         }
     }
 
-    /// Returns the report of a byte.
+    /// Returns the report with this byte.
     pub const fn of(byte: u8) -> Option<Self> {
         Some(match byte {
             b'h' => Self::Homed,
@@ -86,7 +86,7 @@ impl Report {
 
 /// Bytes of a [`Status`] on the line.
 pub const STATUS_BYTES: usize = 20;
-/// The byte without a report: nothing has happened since the last command that began a motion, or
+/// The byte for no report. Nothing has happened since the last command that began a motion, or
 /// since the reset.
 const NOTHING: u8 = b'-';
 
@@ -112,7 +112,7 @@ impl Status {
         with_check([report, flags].into_iter(), &self.position_steps)
     }
 
-    /// Reads the bytes of a device. `None` if the check is wrong.
+    /// Reads the bytes of a device. Returns `None` if the check is wrong.
     pub fn of(bytes: &[u8; STATUS_BYTES]) -> Option<Self> {
         let ([report, flags], places) = content(bytes)?.split_first_chunk::<2>()?;
         let report = match *report {
@@ -131,15 +131,15 @@ impl Status {
 /// Bytes of [`Switches`] on the line.
 pub const SWITCHES_BYTES: usize = 15;
 
-/// Where the home switches closed at the last homing, compared with the homing before. A switch
-/// that closes at another step shows that steps were lost, which no encoder does here.
+/// Where the home switches closed at the last homing, compared with the homing before. If a switch
+/// closes at another step, steps were lost. There is no encoder here that would show this.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Switches {
     /// Whether the machine was homed before that homing. Otherwise there is nothing to compare.
     pub are_compared: bool,
-    /// **Steps** of the motors of X, Y and Z: how far from its counted position each one was when
-    /// its switch closed. 0 if no step was lost.
+    /// **Steps** of the motors of X, Y and Z: the difference between the counted position and the
+    /// real one when the switch closed. 0 if no step was lost.
     pub lost_steps: [i32; 3],
 }
 
@@ -149,7 +149,7 @@ impl Switches {
         with_check([self.are_compared.into()].into_iter(), &self.lost_steps)
     }
 
-    /// Reads the bytes of a device. `None` if the check is wrong.
+    /// Reads the bytes of a device. Returns `None` if the check is wrong.
     pub fn of(bytes: &[u8; SWITCHES_BYTES]) -> Option<Self> {
         let (flag, steps) = content(bytes)?.split_first()?;
         Some(Self {
@@ -159,7 +159,8 @@ impl Switches {
     }
 }
 
-/// Bytes, steps with low bytes first, and the check of all of them. `N` is their number.
+/// Returns the bytes, the steps with low bytes first, and the check of all of them. `N` is the
+/// number of bytes.
 fn with_check<const N: usize>(first: impl Iterator<Item = u8>, steps: &[i32]) -> [u8; N] {
     let content = first.chain(steps.iter().flat_map(|steps| steps.to_le_bytes()));
     let mut check = 0;
@@ -174,7 +175,7 @@ fn with_check<const N: usize>(first: impl Iterator<Item = u8>, steps: &[i32]) ->
     bytes
 }
 
-/// The bytes before the check. `None` if the check is wrong.
+/// Returns the bytes before the check. Returns `None` if the check is wrong.
 fn content(bytes: &[u8]) -> Option<&[u8]> {
     let (content, check) = bytes.split_last_chunk::<2>()?;
     (checked(0, content) == u16::from_le_bytes(*check)).then_some(content)

@@ -36,15 +36,15 @@ pub struct ByteTable {
     pub switches: u8,
     /// The following commands are for the first or the second machine of the controller.
     pub machines: [u8; 2],
-    /// A motion ends when the line is silent for a time. The time follows in one byte, in units of
-    /// 10 ms. 0: a motion needs no host.
+    /// A motion ends when the line is silent for a time. One byte follows, with this time in units
+    /// of 10 ms. 0: a motion needs no host.
     pub lease: u8,
 }
 
 impl ByteTable {
-    /// `H J N G`, `X x Y y Z z C c`, `A`, `E`, `!`, and commands that the original lacks:
-    /// `< 3 6 5 w`, `o t`, one and two, and `l`. A single wrong bit in one of the latter makes no
-    /// other command.
+    /// `H J N G`, `X x Y y Z z C c`, `A`, `E`, `!`, and the commands that the original lacks:
+    /// `< 3 6 5 w`, `o t` for machine one and two, and `l`. A single wrong bit in one of the latter
+    /// makes no other command.
     pub const DEFAULT: ByteTable = ByteTable {
         home: b'H',
         manual: b'J',
@@ -93,13 +93,13 @@ impl ByteTable {
             self.lease,
             super::REJECTED,
         ];
-        // A bit per byte that was seen. Sorting more than 20 values would link a panic of the
-        // library.
+        // One bit for each byte that was seen. A sort of more than 20 values would link a panic of
+        // the library.
         let mut seen = [0_u32; 8];
         bytes.iter().all(|byte| {
             let bit = 1_u32.wrapping_shl(u32::from(*byte)); // modulo 32
             let Some(word) = seen.get_mut(usize::from(byte >> 5)) else {
-                return false; // there are eight
+                return false; // `seen` has eight words
             };
             let is_new = *word & bit == 0;
             *word |= bit;

@@ -15,7 +15,7 @@ pub enum Answer {
     },
     /// `88`: ready; sent once after a reset.
     Ready,
-    /// `89`: homing found no switch, or did not get off it. The positions are unknown.
+    /// `89`: homing found no switch, or could not move off it. The positions are unknown.
     NoSwitch,
     /// `8b`: a correct string that cannot be executed. The mill is not homed, the target is beyond
     /// the travel, the arc is impossible, or the mill is moving.
@@ -48,7 +48,8 @@ impl Answer {
         }
     }
 
-    /// Returns the answer of a byte. `None` for an echo, and for values without a meaning.
+    /// Returns the answer with this byte. Returns `None` for an echo, and for values without a
+    /// meaning.
     pub const fn of(byte: u8) -> Option<Answer> {
         Some(match byte {
             0x80..=0x85 => {

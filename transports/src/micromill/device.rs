@@ -24,7 +24,8 @@ const RESERVE: usize = 8;
 pub struct Device<const OUT: usize> {
     string: Buffer<STRING_BYTES>,
     motion: Motion,
-    /// A motion needs no strings of the host. Otherwise [`Order::Renew`] may come at any time.
+    /// Whether a motion needs no strings of the host. Otherwise [`Order::Renew`] may arrive at any
+    /// time.
     is_unattended: bool,
     is_streaming: bool,
     /// One step in this many is reported. 0: none.
@@ -42,9 +43,10 @@ pub struct Device<const OUT: usize> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Motion {
     None,
-    /// `W;`, `V;` and `L;` do not stop it.
+    /// A jog. `W;`, `V;` and `L;` do not stop it.
     Jog,
-    /// Any byte stops it, unless lines are streamed. With a lease it is as a jog.
+    /// Another motion. Any byte stops it, unless lines are streamed. With a lease it is stopped
+    /// like a jog.
     Other,
 }
 
@@ -67,10 +69,11 @@ impl<const OUT: usize> Device<OUT> {
         device
     }
 
-    /// Takes a byte from the line and returns the order that it completes, or [`Order::Stop`] if
-    /// the byte stops the motion. While nothing moves, a stop is the whole string `A;`.
+    /// Takes a byte from the line and returns the order that it completes. Returns [`Order::Stop`]
+    /// if the byte stops the motion. While nothing moves, only the whole string `A;` is a stop.
     pub fn push(&mut self, byte: u8) -> Option<Order> {
-        // With bit 7 set it would be an answer. `?` is in no string, and the host has not sent it.
+        // With bit 7 set the echo would be an answer. `?` is in no string, so the host has not sent
+        // it.
         self.send(if byte < 0x80 { byte } else { b'?' });
         if self.is_streaming && byte == b'A' {
             self.string.clear();
@@ -85,7 +88,7 @@ impl<const OUT: usize> Device<OUT> {
             b';' => self.end(),
             b' ' | b'\t' | b'\r' | b'\n' => None,
             _ => {
-                // A string that is too long has one byte more than the longest one.
+                // For a string that is too long, one byte more than the longest string is kept.
                 self.string.push(byte);
                 None
             }
@@ -115,7 +118,7 @@ impl<const OUT: usize> Device<OUT> {
         match order {
             None => self.answer(Answer::Wrong),
             Some(Order::Stream(on)) => {
-                // Queued lines end under the rules under which they were sent.
+                // Queued lines end under the rules that applied when they were sent.
                 let is_free = self.motion == Motion::None;
                 if is_free {
                     self.is_streaming = on;
@@ -166,8 +169,9 @@ impl<const OUT: usize> Device<OUT> {
         self.is_streaming
     }
 
-    /// Whether this many steps can be reported now, with room left for echoes and answers. Steps
-    /// that are queued for the motors will be reported as well.
+    /// Whether this many steps can be reported now, with enough room left for echoes and answers.
+    /// The number must include the steps that are queued for the motors, because they will be
+    /// reported as well.
     pub const fn has_room(&self, steps: usize) -> bool {
         // At most OUT wait.
         steps.saturating_add(RESERVE) <= OUT.wrapping_sub(self.waiting)
@@ -203,8 +207,8 @@ impl<const OUT: usize> Device<OUT> {
         self.send(answer.byte());
     }
 
-    /// Sends the state, then [`Answer::Taken`]: 74 bytes. Without room for all of them some are
-    /// dropped, and the host asks again.
+    /// Sends the state, then [`Answer::Taken`]: 74 bytes. If there is no room for all of them, some
+    /// are dropped, and the host asks again.
     #[inline(never)]
     pub fn report(&mut self, state: &State) {
         for axis in &state.axes {
@@ -230,8 +234,8 @@ impl<const OUT: usize> Device<OUT> {
         byte
     }
 
-    /// Queues a byte for the line. Without room the byte is dropped, so a host that does not read
-    /// misses echoes of its own.
+    /// Queues a byte for the line. Without room the byte is dropped. A host that does not read
+    /// therefore misses echoes of its own bytes.
     fn send(&mut self, byte: u8) {
         // Both at most OUT.
         let place = wrapped::<OUT>(self.first.wrapping_add(self.waiting));
@@ -250,7 +254,7 @@ impl<const OUT: usize> Default for Device<OUT> {
     }
 }
 
-/// The index in a ring for an index below twice its length.
+/// Returns the index in a ring for an index below twice its length.
 const fn wrapped<const OUT: usize>(place: usize) -> usize {
     if place >= OUT {
         place.wrapping_sub(OUT)

@@ -6,16 +6,17 @@ use super::{Answer, Axis, Order, Text};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct HostTiming {
-    /// From a byte to its echo.
+    /// The longest time from a byte to its echo.
     pub echo_us: u32,
-    /// The time from the last echo to the answer of an order without motion. Also the time after
-    /// which a string whose `;` was not echoed must have shown an effect.
+    /// The longest time from the last echo to the answer of an order without motion. Also the time
+    /// in which a string whose `;` was not echoed must have an effect.
     pub answer_us: u32,
-    /// From the last echo to the answer of a motion, below 2^31.
+    /// The longest time from the last echo to the answer of a motion, below 2^31.
     pub motion_us: u32,
     /// How often a string is sent until its echo is right, at least once.
     pub tries: u8,
-    /// Silence before the `;`. An additional echo means that the controller got an additional byte.
+    /// Silence before the `;`. An additional echo in this time means that the controller received
+    /// an additional byte.
     pub guard_us: u32,
     /// Number of bytes that may wait for their echo: the size of the controller's receive buffer.
     pub window: u8,
@@ -23,7 +24,8 @@ pub struct HostTiming {
 
 impl HostTiming {
     /// Returns the timing for a line at this rate in baud. An echo may take two characters and 200
-    /// ms, an answer 500 ms more, a move half an hour. The guard is three characters of silence.
+    /// ms. An answer may take 500 ms more, and a move may take half an hour. The guard is three
+    /// characters of silence.
     pub const fn of(bits_per_s: u32) -> HostTiming {
         let character_us = match 10_000_000_u32.checked_div(bits_per_s) {
             Some(us) => us,
@@ -45,19 +47,19 @@ impl HostTiming {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Outcome {
-    /// It was executed. A streamed line is in the queue.
+    /// The string was executed. A streamed line is in the queue.
     Done,
-    /// It was stopped before its end.
+    /// The motion was stopped before its end.
     Stopped,
-    /// It cannot be executed now. Nothing has changed.
+    /// The string cannot be executed now. Nothing has changed.
     Refused,
     /// The controller knows no such string. Nothing has changed.
     Wrong,
     /// Homing found no switch.
     NoSwitch,
-    /// Its echo was wrong several times. It was not executed.
+    /// Its echo was wrong several times. The string was not executed.
     Garbled,
-    /// No answer arrived in time. Whether it was executed is unknown.
+    /// No answer arrived in time. It is not known whether the string was executed.
     Silent,
     /// The controller was reset.
     Restarted,
@@ -67,7 +69,8 @@ pub enum Outcome {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Report {
-    /// A motor step, or the last of the number that [`Order::Every`] has set.
+    /// A motor step. With [`Order::Every`] it stands for the set number of steps and is the last of
+    /// them.
     Step {
         /// The axis.
         axis: Axis,
@@ -78,7 +81,7 @@ pub enum Report {
     LineDone,
     /// A motion ended before it was done. The queue is dropped.
     Stopped,
-    /// It was reset: it is not homed, and its queue is empty.
+    /// The controller was reset. The mill is not homed, and the queue is empty.
     Restarted,
     /// A digit of the state that [`Order::Report`] asks for.
     Digit(u8),
@@ -103,9 +106,9 @@ pub enum Progress {
     Over(Outcome),
 }
 
-/// The host's end of the mill's line: one string at a time. While a string that moves waits for its
-/// answer, [`Order::Stop`] may be sent in its place, and [`Order::Faster`], [`Order::Slower`] and
-/// [`Order::Renew`] in addition.
+/// The host's end of the mill's line. It sends one string at a time. While a string that moves the
+/// machine waits for its answer, two kinds of orders are possible: [`Order::Stop`] in its place,
+/// and [`Order::Faster`], [`Order::Slower`] and [`Order::Renew`] in addition.
 ///
 /// | when | call |
 /// | --- | --- |
@@ -114,10 +117,10 @@ pub enum Progress {
 /// | a byte arrives | [`push`](Host::push) |
 /// | after each of these, and after the time that it returns | [`poll`](Host::poll) |
 ///
-/// The host sends `;` only if the echo of all characters before it was right. Otherwise it spoils
-/// the string with a `!`, which no string contains, and sends it again. So a wrong bit never causes
-/// a wrong motion, unless a second one hides it in the echo. `now_us` wraps; calls may be up to
-/// 2^31 us apart.
+/// The host sends `;` only if the echo of all characters before it was right. Otherwise it makes
+/// the string invalid with a `!`, which no string contains, and sends the string again. So a wrong
+/// bit never causes a wrong motion, unless a second wrong bit hides it in the echo. `now_us` wraps.
+/// Calls may be up to 2^31 us apart.
 #[derive(Debug, Clone)]
 pub struct Host {
     timing: HostTiming,
@@ -127,30 +130,30 @@ pub struct Host {
     sent: u8,
     echoed: u8,
     phase: Phase,
-    /// The answer of the order whose string is, or was, sent.
+    /// The answer to the order of the present or the last string.
     answer: Option<Outcome>,
     tries: u8,
-    /// The string is sent in addition to the order, not for it.
+    /// Whether the string is sent in addition to the order and not for it.
     is_aside: bool,
     is_streaming: bool,
     /// Number of bytes that have extended [`Phase::Quiet`]. It is limited, because a controller may
     /// report steps without a pause.
     heard: u8,
-    /// Number of streamed lines that are in the queue and not made.
+    /// Number of streamed lines that are in the queue and not made yet.
     lines: u32,
     since_us: u32,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Phase {
-    /// The string, then its answer.
+    /// The host sends the string and waits for its answer.
     String,
     /// The echo of the `;` was wrong or is missing. The string may have been executed.
     Unsure,
-    /// `!;`, then the answer that there is no such string.
+    /// The host sends `!;` and waits for the answer that there is no such string.
     Spoil,
-    /// That answer was received. If `!;` was sent more than once, further answers may follow, so
-    /// nothing is sent until the line is silent.
+    /// This answer was received. If `!;` was sent more than once, further answers may follow.
+    /// Therefore nothing is sent until the line is silent.
     Quiet,
 }
 
@@ -201,8 +204,8 @@ impl Host {
         self.order?;
         let byte = self.text.bytes().get(usize::from(self.sent)).copied()?;
         let open = self.sent.wrapping_sub(self.echoed); // never more echoed than sent
-        // The last byte waits until all other echoes were right. A spoilt string does not wait for
-        // echoes.
+        // The last byte waits until all other echoes were right. A string that was made invalid
+        // does not wait for echoes.
         let may_go = match byte {
             b';' if self.phase == Phase::String => {
                 open == 0 && now_us.wrapping_sub(self.since_us) >= self.timing.guard_us
@@ -279,7 +282,7 @@ impl Host {
                     Answer::NoSwitch => Outcome::NoSwitch,
                     _ => Outcome::Done,
                 };
-                // An answered string was sent. Its echo may be lost.
+                // A string that is answered was sent completely, but its echo may be lost.
                 let is_sent = self.text.bytes().len() == usize::from(self.sent);
                 let is_open = self.phase == Phase::String && !self.is_aside && !is_sent;
                 if self.order.is_none() || is_open {
@@ -372,7 +375,7 @@ impl Host {
             }
         }
         match self.order {
-            // `spoil` has given up.
+            // `spoil` has stopped trying.
             Some(_) if self.tries == 0 => {
                 self.order = None;
                 Progress::Over(Outcome::Silent)
@@ -386,13 +389,14 @@ impl Host {
             return Some(Report::Noise(byte));
         }
         if self.sent == self.echoed && self.phase == Phase::String {
-            // One echo more than bytes were sent: the controller may have the byte, too.
+            // There is one echo more than bytes sent, so the controller may have an additional
+            // byte.
             self.spoil(now_us);
             return None;
         }
         let expected = self.text.bytes().get(usize::from(self.echoed)).copied();
         match self.phase {
-            // Any byte may be a late echo.
+            // In these phases any byte may be a late echo.
             Phase::Spoil | Phase::Quiet => None,
             Phase::Unsure => {
                 if expected == Some(byte) {
@@ -417,8 +421,8 @@ impl Host {
         }
     }
 
-    /// Turns the string into an unknown one. After the last try the order ends, whatever the line
-    /// has answered: a line that answers every byte with noise would otherwise never end it.
+    /// Makes the string unknown to the controller. After the last try the order ends, whatever
+    /// arrived. Otherwise an order would never end on a line that answers every byte with noise.
     fn spoil(&mut self, now_us: u32) {
         if self.tries == 0 {
             self.load(Text::new(), now_us);
@@ -434,11 +438,12 @@ impl Host {
         self.phase = Phase::Spoil;
     }
 
-    /// Acts after the spoilt string was refused: sends the order again, or gives up.
+    /// Acts after the invalid string was refused: sends the order again, or gives up.
     fn respoilt(&mut self, now_us: u32) {
         self.phase = Phase::String;
         match self.order {
-            // An additional string has stopped the order, and an answered one was received.
+            // The order is not sent again if an additional string has stopped it, or if it was
+            // answered and therefore received.
             Some(order) if self.tries > 0 && !self.is_aside && self.answer.is_none() => {
                 self.load(order.text(), now_us);
             }

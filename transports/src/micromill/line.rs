@@ -27,14 +27,14 @@ pub enum Line {
     Rapid(Point),
     /// `G01X01000F08;`, `G01Z-00100F08;`: at a feed of two to four digits, not 0.
     Linear(Point, u16),
-    /// `G02X02969.00Y03400.00I03012.00J03040.00F08;`, `G03..`: an arc. If it ends where it begins,
-    /// it is a full turn.
+    /// `G02X02969.00Y03400.00I03012.00J03040.00F08;`, `G03..`: an arc. An arc that ends where it
+    /// begins is a full turn.
     Arc {
         /// G02.
         clockwise: bool,
         /// Its end.
         to: [i32; 2],
-        /// Its centre, in the part's frame like the end.
+        /// Its centre, in the part's frame, as for the end.
         centre: [i32; 2],
         /// Tenths of mm/min, not 0.
         feed: u16,
@@ -43,7 +43,7 @@ pub enum Line {
     Dwell(u16),
     /// `G28X0Y0;`, `G28Z0;`: a rapid move to machine zero.
     MachineZero {
-        /// Z. Otherwise X and Y.
+        /// Whether Z moves. Otherwise X and Y move.
         z: bool,
     },
     /// `G54;`: the present position becomes the part's zero.
@@ -66,7 +66,7 @@ pub enum Line {
 }
 
 impl Line {
-    /// Reads a string without its `;`, blanks or line ends. `None` if no such line exists.
+    /// Reads a string without its `;`, blanks or line ends. Returns `None` if no such line exists.
     pub fn read(string: &[u8]) -> Option<Line> {
         let (code, words) = string.split_first_chunk::<3>()?;
         let mut reader = Reader(words);

@@ -56,19 +56,20 @@ pub enum Order {
     Line(Line),
     /// `S1;`, `S0;`: switches the streaming of lines on or off.
     Stream(bool),
-    /// `L0250;`: a motion ends this many milliseconds after the last string, 1 to 9999. 0: a motion
-    /// needs no host.
+    /// `L0250;`: a motion ends when no string has arrived for this many milliseconds, 1 to 9999. 0:
+    /// a motion needs no host.
     Lease(u16),
     /// `L;`: the motion continues.
     Renew,
-    /// `R010;`: has one step in this many reported, 1 to 999. 0: none.
+    /// `R010;`: reports one step in this many, 1 to 999. 0: reports none.
     Every(u16),
     /// `I;`: reports the [`State`](super::State).
     Report,
 }
 
 impl Order {
-    /// Reads a string without its `;`, blanks and line ends. `None` if no such string exists.
+    /// Reads a string without its `;`, blanks and line ends. Returns `None` if no such string
+    /// exists.
     #[inline(never)] // a caller may be optimized for speed, this function need not be
     pub fn read(string: &[u8]) -> Option<Order> {
         let mut reader = Reader(string);
@@ -118,8 +119,8 @@ impl Order {
         reader.is_empty().then_some(order)
     }
 
-    /// Returns the string with its `;`. Numbers with too many digits lose the upper ones. Orders
-    /// from [`Order::read`] have no such numbers.
+    /// Returns the string with its `;`. Numbers with too many digits lose their upper digits.
+    /// Orders from [`Order::read`] have no such numbers.
     pub fn text(&self) -> Text {
         let mut text = Text::new();
         match *self {
@@ -167,7 +168,7 @@ impl Order {
         text
     }
 
-    /// Whether the controller answers. Other strings are only echoed.
+    /// Whether the controller answers this string. Other strings are only echoed.
     pub const fn is_answered(&self) -> bool {
         !matches!(self, Order::Faster | Order::Slower | Order::Renew)
     }
@@ -182,7 +183,7 @@ fn way(axis: Axis, is_forward: bool) -> [i8; 3] {
     })
 }
 
-/// Two or three axes, each once.
+/// Reads two or three axes with their directions. Each axis may occur once.
 fn ways(reader: &mut Reader<'_>) -> Option<[i8; 3]> {
     let (mut ways, mut count) = ([0_i8; 3], 0_u8);
     while !reader.is_empty() {
@@ -199,7 +200,7 @@ fn ways(reader: &mut Reader<'_>) -> Option<[i8; 3]> {
     (count >= 2).then_some(ways)
 }
 
-/// A sign and this many digits, at most four.
+/// Reads a sign and this many digits, at most four.
 fn signed(reader: &mut Reader<'_>, digits: u8) -> Option<i16> {
     let is_forward = reader.way()?;
     let value = reader.digits(digits, digits)? as i16;

@@ -42,14 +42,14 @@ impl Reader<'_> {
             }
             let digit = u32::from(first.wrapping_sub(b'0'));
             value = value.wrapping_mul(10).wrapping_add(digit);
-            count = count.wrapping_add(1); // most at most
+            count = count.wrapping_add(1); // at most `most`
             self.0 = rest;
         }
         (count >= least).then_some(value)
     }
 
-    /// Takes the word with this letter, if it is next, in units of 10 nm: an optional sign, one to
-    /// five digits of micrometres and up to two decimals.
+    /// Takes the word with this letter, if it is next. The word has an optional sign, one to five
+    /// digits of micrometres and up to two decimals. Returns its value in units of 10 nm.
     pub(super) fn coordinate(&mut self, letter: u8) -> Option<Option<i32>> {
         if !self.takes(letter) {
             return Some(None);

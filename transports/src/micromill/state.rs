@@ -7,8 +7,8 @@ pub struct AxisState {
     /// Position of the load in steps: from machine zero, or from the position at power-on if the
     /// mill is not homed.
     pub load_steps: i32,
-    /// Motor steps ahead of the load: 0 with the negative flank of the screw engaged, the backlash
-    /// with the positive one. Always 0 before homing.
+    /// Motor steps ahead of the load. It is 0 if the negative flank of the screw is engaged, and
+    /// the backlash if the positive flank is engaged. It is always 0 before homing.
     pub ahead_steps: u16,
     /// The backlash that is taken up after homing, in steps.
     pub backlash_steps: u16,
@@ -17,15 +17,15 @@ pub struct AxisState {
 }
 
 impl AxisState {
-    /// Returns the position of the motor in steps: that of the load while the positive flank is
-    /// engaged, and less by the backlash with the negative flank.
+    /// Returns the position of the motor in steps. With the positive flank engaged it is the
+    /// position of the load. With the negative flank engaged it is less by the backlash.
     pub const fn motor_steps(&self, is_homed: bool) -> i32 {
         let backlash = if is_homed { self.backlash_steps } else { 0 };
         let ahead = self.load_steps.wrapping_add(self.ahead_steps as i32);
         ahead.wrapping_sub(backlash as i32)
     }
 
-    /// The digits of the link, eight to a number.
+    /// Returns the numbers of the link, eight digits each.
     pub(super) const fn words(&self) -> [u32; 3] {
         let backlash = (self.ahead_steps as u32) << 16 | self.backlash_steps as u32;
         [self.load_steps as u32, backlash, self.zero_nm as u32]
@@ -118,7 +118,8 @@ impl StateDigits {
         self.count = self.count.saturating_add(1);
     }
 
-    /// Returns the state. `None` if the number of digits is wrong, or a number is impossible.
+    /// Returns the state. Returns `None` if the number of digits is wrong, or if a number is
+    /// impossible.
     pub fn state(&self) -> Option<State> {
         if self.count != 73 || self.last > 1 {
             return None;

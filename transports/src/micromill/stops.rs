@@ -1,6 +1,7 @@
 //! The bytes that stop a motion.
 
-/// Bytes that stop the motion. For an interrupt that must act before the foreground takes the byte.
+/// The bytes that stop the motion. An interrupt uses this, because it must act before the
+/// foreground takes the byte.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Stops {
@@ -15,8 +16,8 @@ pub enum Stops {
 }
 
 impl Stops {
-    /// Whether the byte stops the motion. The bytes of `W;`, `V;` and `L;` also stop a jog
-    /// where they are out of place; the foreground detects this.
+    /// Whether the byte stops the motion. The bytes of `W;`, `V;` and `L;` also stop a jog if they
+    /// are out of place. The foreground detects this.
     pub const fn takes(self, byte: u8) -> bool {
         match self {
             Stops::Nothing => false,

@@ -11,9 +11,9 @@ pub enum Baud {
     B19200,
     /// 57600.
     B57600,
-    /// 115200; 113636 as the original's chip divides its clock.
+    /// 115200. The original's chip divides its clock to 113636.
     B115200,
-    /// 230400, modules of version 10 and later.
+    /// 230400, for modules of version 10 and later.
     B230400,
 }
 
@@ -38,11 +38,11 @@ impl Baud {
         }
     }
 
-    /// Returns the rate of a divisor on a module of this version. `None` if the module keeps its
-    /// rate.
+    /// Returns the rate of a divisor on a module of this version. Returns `None` if the module
+    /// keeps its rate.
     ///
-    /// It is a table instead of a formula, because clients differ by one: 129 and 127, 63 and 64,
-    /// 20 and 21 are all in use.
+    /// This is a table instead of a formula, because the divisors of clients differ by one: 129 and
+    /// 127, 63 and 64, 20 and 21 are all in use.
     pub const fn from_divisor(divisor: u8, version: u8) -> Option<Baud> {
         match divisor {
             127 | 129 => Some(Baud::B9600),

@@ -17,7 +17,7 @@ pub(super) const fn is_group(address: u8) -> bool {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Group {
-    /// 0x80 to 0xFF. The upper bit counts as set.
+    /// 0x80 to 0xFF. The upper bit is always taken as set.
     pub address: u8,
     /// Whether the module answers for the group. At most one module of a group may.
     pub is_leader: bool,
@@ -47,12 +47,13 @@ pub enum Reset {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Command {
-    /// 0: sets counter and command position, without a jump. Not during a trapezoid.
+    /// 0: sets the counter and the commanded position, so the axis does not jump. Not permitted
+    /// during a trapezoid.
     ResetPosition(Reset),
-    /// 1: gives the module its own address, 0 to 0x7F, and a group. The first time, its ADDR_OUT
-    /// goes low.
+    /// 1: gives the module its own address, 0 to 0x7F, and a group. The first Set Address also
+    /// makes its ADDR_OUT low.
     SetAddress {
-        /// 1 to 32 are in use; 0 = not yet addressed.
+        /// 1 to 32 are in use. 0: not yet addressed.
         address: u8,
         /// Group, and role in it.
         group: Group,
@@ -67,14 +68,14 @@ pub enum Command {
     StartMotion,
     /// 6: sets gains and limits of the servo.
     SetGain(Gains),
-    /// 7: switches the amplifier, and stops.
+    /// 7: switches the amplifier and stops the motor.
     StopMotor(Stop),
     /// 8: sets outputs (bits 0, 1) and directions (bits 2, 3: 1 = input). Version 10 has other
     /// meanings.
     IoControl(u8),
     /// 9: waits for an event that latches the home position.
     SetHoming(Homing),
-    /// A: sets the rate of the line. Only for a group without a leader.
+    /// A: sets the rate of the line. It is permitted only for a group without a leader.
     SetBaud(Baud),
     /// B: clears the bits of overcurrent, position error, position wrap and servo overrun.
     ClearBits,
@@ -84,8 +85,8 @@ pub enum Command {
     AddPathPoints(PathPoints),
     /// E: requests a reply only.
     NoOperation,
-    /// F: sets the state after power-up. It is never answered. Version 10 takes a byte of
-    /// configuration.
+    /// F: sets the state after power-up. It is never answered. Version 10 takes a configuration
+    /// byte.
     HardReset(Option<u8>),
 }
 
@@ -162,8 +163,8 @@ impl Command {
         Frame::new(address, code, data.bytes())
     }
 
-    /// Returns the command with this code and data for a module of `version`. `None` for a command
-    /// that such a module does not know, for a wrong length, and for a group address as an
+    /// Returns the command with this code and data for a module of `version`. Returns `None` for a
+    /// command that such a module does not know, for a wrong length, and for a group address as an
     /// individual address.
     pub fn decode(code: u8, data: &[u8], version: u8) -> Option<Command> {
         let mut fields = Fields(data);
@@ -205,8 +206,8 @@ impl Command {
         fields.0.is_empty().then_some(command)
     }
 
-    /// Whether every number is in the range of the data sheet for this version. The host sends
-    /// nothing else. The module passes on all values.
+    /// Whether every number is in the range of the data sheet for this version. The host sends only
+    /// such commands. The module passes on all values.
     pub fn is_in_range(&self, version: u8) -> bool {
         match self {
             Command::ResetPosition(reset) => {

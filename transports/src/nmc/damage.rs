@@ -1,24 +1,25 @@
-//! Commands into which damage could change a packet: another command, or half of one when the line
-//! is flushed.
+//! Commands that damage could change into another command, or into half a command that a flush of
+//! the line completes.
 
 use super::frame::HEADER;
 use super::{Command, Frame, Receiver, Verdict};
 
-/// Bytes of a flush. A packet lacks at most 18.
+/// Bytes of a flush. At most 18 bytes of a packet are missing.
 pub const FLUSH_LENGTH: usize = 20;
 
-/// The byte that fills the rest of a half-received packet after `request` may have been damaged. It
+/// Returns the byte that completes a half-received packet after `request` may have been damaged. It
 /// is nearly always 0.
 ///
 /// A module that missed a byte takes the flush as the rest of its packet. Once in 256 cases the
 /// checksum is right, and half a command would be executed. This function therefore tries on a
-/// receiver every damage that leaves a packet open: any byte lost, any byte doubled, all bytes lost
-/// from any byte on, a length with one wrong bit. It chooses a byte that completes none of them. If
-/// a packet with a wrong length has a right checksum for any byte (the last byte is added and
-/// compared), the packet may only be completed to something that is no command in any version.
+/// receiver every damage that leaves a packet incomplete: any byte lost, any byte doubled, all
+/// bytes lost from any byte on, a length with one wrong bit. It chooses a byte that completes no
+/// such packet. There is one special case: a packet with a wrong length whose checksum is right for
+/// any byte, because the last byte is added and compared. Such a packet may only be completed to
+/// something that is no command in any version.
 ///
-/// Cost: 62 receptions of up to 40 bytes per byte tried, on a line that is about to rest for a
-/// millisecond.
+/// Cost: 62 receptions of up to 40 bytes for each byte tried. The line then rests for a millisecond
+/// anyway.
 pub fn flush_byte(request: &Frame) -> u8 {
     let safe = |is_harmful: fn(&Receiver) -> bool| {
         (0..HEADER).find(|byte| is_safe(request.bytes(), *byte, is_harmful))
@@ -32,9 +33,9 @@ pub fn flush_byte(request: &Frame) -> u8 {
 /// execute.
 ///
 /// The checksum detects any wrong bit except one in the length, which moves the position of the
-/// checksum. The strict lengths of the modules refuse nearly all such packets. The exception is
-/// Reset Position relative to home at address 1, `AA 01 10 01 12`: with a wrong length it is
-/// `AA 01 00 01`, a reset to zero.
+/// checksum. The modules accept only exact lengths, so they refuse nearly all such packets. The
+/// exception is Reset Position relative to home at address 1, `AA 01 10 01 12`. With a wrong length
+/// it is `AA 01 00 01`, a reset to zero.
 pub(super) fn is_fragile(request: &Frame, version: u8) -> bool {
     [0x10, 0x20, 0x40, 0x80].into_iter().any(|bit| {
         let mut receiver = Receiver::new();
@@ -71,7 +72,7 @@ enum Damage {
     Length { bit: u8 },
 }
 
-/// Whether a flush with `byte` completes the rest of the request to a valid and harmful packet.
+/// Whether a flush with `byte` completes the damaged request to a valid and harmful packet.
 fn completes(request: &[u8], damage: Damage, byte: u8, is_harmful: fn(&Receiver) -> bool) -> bool {
     let mut receiver = Receiver::new();
     for (place, sent) in (0..).zip(request) {

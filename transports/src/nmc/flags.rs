@@ -6,16 +6,17 @@
 pub struct Status(pub u8);
 
 impl Status {
-    /// Idle, finished or servo off. Clear during a trapezoid, and in velocity mode until the goal
-    /// velocity is reached.
+    /// The module is idle, the move is finished, or the servo is off. This bit is clear during a
+    /// trapezoid, and in velocity mode until the goal velocity is reached.
     pub const MOVE_DONE: Status = Status(0x01);
-    /// The packet just received was damaged and nothing was executed.
+    /// The packet just received was damaged, and nothing was executed.
     pub const CHECKSUM_ERROR: Status = Status(0x02);
-    /// The current limit was exceeded. It stays until Clear Bits.
+    /// The current limit was exceeded. This bit stays set until Clear Bits.
     pub const OVERCURRENT: Status = Status(0x04);
-    /// Motor supply present.
+    /// The motor supply is present.
     pub const POWER_ON: Status = Status(0x08);
-    /// The position error exceeded its limit, or the servo was off. It stays until Clear Bits.
+    /// The position error exceeded its limit, or the servo was off. This bit stays set until Clear
+    /// Bits.
     pub const POSITION_ERROR: Status = Status(0x10);
     /// Level of the input LIMIT1.
     pub const LIMIT_1: Status = Status(0x20);
@@ -38,15 +39,15 @@ pub struct Auxiliary(pub u8);
 impl Auxiliary {
     /// Index input of the encoder.
     pub const INDEX: Auxiliary = Auxiliary(0x01);
-    /// The 32-bit position has wrapped. It stays until Clear Bits.
+    /// The 32-bit position has wrapped. This bit stays set until Clear Bits.
     pub const POSITION_WRAP: Auxiliary = Auxiliary(0x02);
     /// The position servo is on.
     pub const SERVO_ON: Auxiliary = Auxiliary(0x04);
-    /// The acceleration of the move is over. The next start clears it.
+    /// The acceleration of the move is over. The next start clears this bit.
     pub const ACCELERATION_DONE: Auxiliary = Auxiliary(0x08);
-    /// The constant speed of the move is over. The next start clears it.
+    /// The constant speed of the move is over. The next start clears this bit.
     pub const SLEW_DONE: Auxiliary = Auxiliary(0x10);
-    /// A servo cycle was not finished in time. It stays until Clear Bits.
+    /// A servo cycle was not finished in time. This bit stays set until Clear Bits.
     pub const SERVO_OVERRUN: Auxiliary = Auxiliary(0x20);
     /// The axis follows path points (version 5 and later).
     pub const PATH_MODE: Auxiliary = Auxiliary(0x40);
@@ -102,7 +103,7 @@ impl Items {
         }
     }
 
-    /// Returns the bytes of the items in a reply, 0 to 17. The reply has two more.
+    /// Returns the number of bytes of the items in a reply, 0 to 17. The reply has two more bytes.
     pub const fn length(self) -> usize {
         const BYTES: [u8; 8] = [4, 1, 2, 1, 4, 2, 2, 1];
         let mut bits = self.0;
@@ -119,7 +120,8 @@ impl Items {
     }
 }
 
-/// The events that end homing, and how the motor then stops. Without an event homing is cancelled.
+/// The events that end homing, and how the motor then stops. If no event is set, homing is
+/// cancelled.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Homing(pub u8);
@@ -129,13 +131,13 @@ impl Homing {
     pub const LIMIT_1: Homing = Homing(0x01);
     /// On any change of LIMIT2.
     pub const LIMIT_2: Homing = Homing(0x02);
-    /// The motor is switched off when homed.
+    /// The motor is switched off when the event occurs.
     pub const MOTOR_OFF: Homing = Homing(0x04);
     /// On a change of the index.
     pub const INDEX: Homing = Homing(0x08);
-    /// The motor stops abruptly when homed.
+    /// The motor stops abruptly when the event occurs.
     pub const ABRUPT: Homing = Homing(0x10);
-    /// The motor stops smoothly when homed.
+    /// The motor stops smoothly when the event occurs.
     pub const SMOOTH: Homing = Homing(0x20);
     /// On excessive position error.
     pub const POSITION_ERROR: Homing = Homing(0x40);
@@ -154,7 +156,7 @@ impl Homing {
         Homing(self.0 | other.0)
     }
 
-    /// Whether it has no event, which cancels homing.
+    /// Whether no event is set, which cancels homing.
     pub const fn is_cancel(self) -> bool {
         self.0 & Homing::EVENTS.0 == 0
     }

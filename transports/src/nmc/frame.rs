@@ -66,10 +66,10 @@ enum State {
     Sum,
 }
 
-/// Takes bytes and finds packets for any address. A module must follow the packets for other
-/// modules, too.
+/// Takes bytes and finds packets for any address. A module must also follow the packets for other
+/// modules.
 ///
-/// The receiver has no time limit: a packet that lost a byte takes bytes of the following packets
+/// The receiver has no time limit. A packet that lost a byte takes bytes of the following packets
 /// until it is complete. The flush of the host completes it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Receiver {
@@ -92,7 +92,7 @@ impl Receiver {
         }
     }
 
-    /// Takes a byte. `Some` if it completes a packet. [`address`](Self::address),
+    /// Takes a byte. Returns `Some` if it completes a packet. [`address`](Self::address),
     /// [`code`](Self::code) and [`data`](Self::data) describe the packet until the next byte.
     pub fn push(&mut self, byte: u8) -> Option<Verdict> {
         match self.state {
@@ -141,7 +141,7 @@ impl Receiver {
         self.state = State::Idle;
     }
 
-    /// Whether it is outside of a packet.
+    /// Whether the receiver is outside of a packet.
     pub fn is_idle(&self) -> bool {
         self.state == State::Idle
     }

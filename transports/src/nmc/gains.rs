@@ -18,8 +18,8 @@ pub struct Gains {
     pub integration_limit: u16,
     /// Limit of the PWM, 0 to 255.
     pub output_limit: u8,
-    /// Current limit. Odd: the sense is proportional to the current. Even: it is inversely
-    /// proportional. 0: none.
+    /// Current limit. With an odd value the sense signal is proportional to the current. With an
+    /// even value it is inversely proportional. 0: no limit.
     pub current_limit: u8,
     /// Position error in counts above which the servo is switched off, 0 to 0x3FFF (0x7FFF in
     /// version 10).

@@ -59,11 +59,11 @@ enum Bad {
 ///
 /// Before a command that must not be executed twice, the host takes a reading. If the reply is
 /// lost, it flushes the line and reads again. It repeats the command only if the two readings show
-/// that nothing happened (see [`Command::repeat`]). Each reading is repeated until two in a row
-/// agree, because one byte lost and an equal one doubled in a reply leave its length and checksum
-/// right. Such a command takes three exchanges, a poll takes one.
+/// that nothing happened (see [`Command::repeat`]). The host repeats each reading until two in a
+/// row agree. The reason is that a lost byte and an equal doubled byte in one reply leave its
+/// length and checksum right. A command with readings takes three exchanges, a poll takes one.
 ///
-/// `now_us` wraps; calls may be up to 2^31 us apart. 1.6 KB.
+/// `now_us` wraps. Calls may be up to 2^31 us apart. The size is 1.6 KB.
 #[derive(Debug, Clone)]
 pub struct Host {
     timing: Timing,
@@ -73,14 +73,15 @@ pub struct Host {
     command: Command,
     /// For a reading that is taken twice: the largest difference of the positions.
     twice_counts: Option<u32>,
-    /// The first reading of one that is taken twice.
+    /// The first of two readings of a reading that is taken twice.
     first: Option<Reply>,
     phase: Phase,
     /// Tries left for the command, and for the reading.
     tries: u8,
     readings: u8,
     before: Reply,
-    /// Whether any byte of the reply arrived, and of the reading after it.
+    /// Whether any byte of the reply has arrived. The next field is the same for the reading after
+    /// it.
     has_heard: bool,
     has_heard_after: bool,
     out: Buffer<FLUSH_LENGTH>,
@@ -90,7 +91,7 @@ pub struct Host {
     input: Buffer<LONGEST_REPLY>,
     /// Whether more bytes arrived than a reply has.
     is_too_long: bool,
-    /// The latest end of the phase. Unknown until everything is sent.
+    /// The latest end of the phase. It is not known until everything is sent.
     deadline_us: Option<u32>,
     heard_us: u32,
     outcome: Option<Outcome>,
@@ -127,7 +128,7 @@ impl Host {
     /// Begins a step.
     ///
     /// # Errors
-    /// [`Refused`]. Nothing is sent then.
+    /// [`Refused`]. In this case nothing is sent.
     pub fn start(&mut self, step: Step, now_us: u32) -> Result<(), Refused> {
         if self.phase != Phase::Idle || self.outcome.is_some() {
             return Err(Refused::Busy);
@@ -157,7 +158,7 @@ impl Host {
     /// Begins a request: [`Step::Request`].
     ///
     /// # Errors
-    /// [`Refused`]. Nothing is sent then.
+    /// [`Refused`]. In this case nothing is sent.
     pub fn send_command(
         &mut self,
         address: u8,
@@ -167,7 +168,7 @@ impl Host {
         self.start(Step::Request { address, command }, now_us)
     }
 
-    /// The next byte for the command line; `None` when there is none for now.
+    /// Returns the next byte for the command line. Returns `None` if there is none now.
     pub fn transmit(&mut self, now_us: u32) -> Option<u8> {
         let bytes = self.out.bytes();
         let byte = bytes.get(usize::from(self.sent)).copied()?;
@@ -183,7 +184,7 @@ impl Host {
                     self.timing.reply_us.saturating_add(bytes_us)
                 }
             };
-            // All of it may still be in a buffer; 20 characters at most.
+            // All of it may still be in a buffer. These are at most 20 characters.
             let flight_us = self.baud.characters_us(length as u16);
             let wait_us = wait_us.saturating_add(flight_us).min(i32::MAX as u32);
             self.deadline_us = Some(now_us.wrapping_add(wait_us));
@@ -191,8 +192,8 @@ impl Host {
         Some(byte)
     }
 
-    /// Takes a byte of the status line. Bytes before the request, in a pause, or after a flush are
-    /// no reply.
+    /// Takes a byte of the status line. Bytes that arrive before the request is sent, in a pause,
+    /// or after a flush are not part of a reply.
     pub fn push(&mut self, byte: u8, now_us: u32) {
         let awaits = matches!(self.phase, Phase::Before | Phase::Command | Phase::After);
         if !awaits || self.deadline_us.is_none() {
@@ -205,7 +206,7 @@ impl Host {
         self.has_heard_after |= self.phase == Phase::After;
     }
 
-    /// Goes on where time or bytes allow it.
+    /// Continues the step as far as time and bytes allow.
     pub fn poll(&mut self, now_us: u32) -> Progress {
         if let Some(outcome) = self.outcome.take() {
             self.phase = Phase::Idle;
@@ -255,23 +256,23 @@ impl Host {
         }
     }
 
-    /// The rate of the line.
+    /// Returns the rate of the line.
     pub const fn baud(&self) -> Baud {
         self.baud
     }
 
-    /// The waits in force.
+    /// Returns the waits in force.
     pub const fn timing(&self) -> Timing {
         self.timing
     }
 
-    /// Other waits, from the next step on.
+    /// Sets other waits, which apply from the next step on.
     pub fn set_timing(&mut self, timing: Timing) {
         self.timing = timing;
     }
 
-    /// The modules in a group as bits; bit 0 is address 1. After a group command each must be asked
-    /// whether it heard the command.
+    /// Returns the modules in a group as bits. Bit 0 is address 1. After a group command, each of
+    /// them must be asked whether it received the command.
     pub fn members_of(&self, group: u8) -> u32 {
         let mut bits = 0;
         for (bit, member) in (0..32_u32).zip(self.members.iter().skip(1)) {
@@ -282,8 +283,8 @@ impl Host {
         bits
     }
 
-    /// Adopts a module that was set up before, with its address, 1 to 32, its status items and its
-    /// group.
+    /// Registers a module that was set up before, with its address, 1 to 32, its status items and
+    /// its group.
     pub fn adopt(&mut self, address: u8, items: Items, group: Group) {
         if let Some(member) = self.member_mut(address) {
             *member = Member {
@@ -296,9 +297,9 @@ impl Host {
     }
 }
 
-/// Microseconds from now to then, 0 when it is past.
+/// Returns the microseconds from now to `then_us`. Returns 0 if this time is past.
 fn until(then_us: u32, now_us: u32) -> u32 {
-    // Half of the circle is the past.
+    // A difference in the upper half of the range means that the time is past.
     let left_us = then_us.wrapping_sub(now_us);
     if left_us > i32::MAX as u32 {
         0

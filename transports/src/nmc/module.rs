@@ -11,12 +11,12 @@ use super::{Baud, Command, Group, Items, Readings, Receiver, Reply, Status, Verd
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Order {
-    /// For the servo: all but addressing, status, rate and reset.
+    /// A command for the servo: any command except those for addressing, status, rate and reset.
     Servo(Command),
     /// The line continues at this rate.
     Baud(Baud),
     /// Return to the state after power-up, with the configuration byte of version 10. The line
-    /// continues at 19200 baud. The module has reset itself, and ADDR_OUT is high again.
+    /// continues at 19200 baud. The module has already reset itself, and ADDR_OUT is high again.
     Reset(Option<u8>),
 }
 
@@ -39,32 +39,32 @@ enum Pending {
 /// | end of the servo cycle | [`take`](Module::take), execute, [`reply`](Module::reply) |
 /// | the transmitter is free | [`transmit`](Module::transmit); XMT_EN is [`is_sending`](Module::is_sending) until transmission is complete |
 ///
-/// An order is returned once, and only if the checksum of its packet was right. One command is
-/// kept. A packet that is complete before the last one was taken is dropped without a reply, so the
-/// host notices.
+/// An order is returned once, and only if the checksum of its packet was right. Only one command is
+/// stored. A packet that is complete before the last one was taken is dropped without a reply, so
+/// the host notices this.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Module {
     version: u8,
     receiver: Receiver,
-    /// ADDR_IN is low.
+    /// Whether ADDR_IN is low.
     is_enabled: bool,
-    /// ADDR_OUT is low.
+    /// Whether ADDR_OUT is low.
     is_addressed: bool,
     address: u8,
     group: Group,
-    /// Of every reply.
+    /// The items of every reply.
     items: Items,
     pending: Pending,
     /// The items of the reply that is due, and whether the packet was valid.
     due: Option<(Items, bool)>,
     sending: Buffer<LONGEST_REPLY>,
-    /// How many of them are sent.
+    /// Number of these bytes that are sent.
     sent: u8,
 }
 
 impl Module {
-    /// The state after power-up: deaf until ADDR_IN goes low. `version` is 4 for the chip of the
-    /// original; 5 and 10 know more commands.
+    /// Creates a module in its state after power-up. It receives nothing until ADDR_IN goes low.
+    /// `version` is 4 for the chip of the original. Versions 5 and 10 know more commands.
     pub const fn new(version: u8) -> Module {
         Module {
             version,
@@ -81,7 +81,8 @@ impl Module {
         }
     }
 
-    /// ADDR_IN: enabled while it is low. A disabled module neither receives nor answers.
+    /// Sets whether ADDR_IN is low. Only then is the module enabled. A disabled module neither
+    /// receives nor answers.
     pub fn set_enabled(&mut self, is_enabled: bool) {
         self.is_enabled = is_enabled;
         if !is_enabled {
@@ -91,7 +92,7 @@ impl Module {
         }
     }
 
-    /// ADDR_OUT is low: the next module of the daisy chain is enabled.
+    /// Whether ADDR_OUT is low. This enables the next module of the daisy chain.
     pub const fn enables_next(&self) -> bool {
         self.is_addressed
     }
@@ -125,13 +126,13 @@ impl Module {
         };
     }
 
-    /// Drops an incomplete packet. For an owner that can detect a pause on the line; the original
-    /// does not.
+    /// Drops an incomplete packet. This is for an owner that can detect a pause on the line. The
+    /// original does not detect one.
     pub fn forget_partial(&mut self) {
         self.receiver.reset();
     }
 
-    /// The order at the end of a servo cycle. The reply follows after the order.
+    /// Returns the order at the end of a servo cycle. The reply follows after the order.
     pub fn take(&mut self) -> Option<Order> {
         let pending = core::mem::replace(&mut self.pending, Pending::Nothing);
         let Pending::Command(command) = pending else {
@@ -197,7 +198,7 @@ impl Module {
         self.sent = 0;
     }
 
-    /// The next byte for the status line.
+    /// Returns the next byte for the status line.
     pub fn transmit(&mut self) -> Option<u8> {
         let byte = self.sending.bytes().get(usize::from(self.sent)).copied();
         if byte.is_some() {
@@ -213,22 +214,22 @@ impl Module {
         usize::from(self.sent) < self.sending.bytes().len()
     }
 
-    /// The module's own address, 0 until it gets one.
+    /// Returns the module's own address. It is 0 until the module is addressed.
     pub const fn address(&self) -> u8 {
         self.address
     }
 
-    /// The module's group.
+    /// Returns the module's group.
     pub const fn group(&self) -> Group {
         self.group
     }
 
-    /// The items of every reply.
+    /// Returns the items of every reply.
     pub const fn items(&self) -> Items {
         self.items
     }
 
-    /// The module's version.
+    /// Returns the module's version.
     pub const fn version(&self) -> u8 {
         self.version
     }
@@ -239,7 +240,7 @@ impl Module {
         }
     }
 
-    /// The rule of collisions: a module that receives a byte stops its reply.
+    /// Applies the rule for collisions: a module that receives a byte stops its reply.
     fn cancel(&mut self) {
         self.due = None;
         self.cancel_sending();

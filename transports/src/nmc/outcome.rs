@@ -4,37 +4,37 @@ use core::fmt;
 
 use super::{Baud, Command, Items, Reply};
 
-/// One thing to do on the line.
+/// One action on the line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Step {
-    /// Send a command and await its reply.
+    /// Sends a command and waits for its reply.
     Request {
         /// An individual address, 0 to 32, or a group, 0x80 to 0xFF.
         address: u8,
-        /// What to send.
+        /// The command to send.
         command: Command,
     },
-    /// Reads a standing axis until two readings in a row agree. A wrong position must then pass the
-    /// checksum twice with the same value.
+    /// Reads an axis at rest until two readings in a row agree. A wrong position is then accepted
+    /// only if it passes the checksum twice with the same value.
     ReadTwice {
         /// 0 to 32.
         address: u8,
-        /// What to read.
+        /// The items to read.
         items: Items,
-        /// The largest difference of the two positions, in counts: the jitter of the servo. All
-        /// other items must be equal, also the home position. Velocity, current and position error
-        /// are not compared.
+        /// The largest difference of the two positions, in counts, which allows for the jitter of
+        /// the servo. All other items must be equal, including the home position. Velocity, current
+        /// and position error are not compared.
         jitter_counts: u32,
     },
-    /// Complete half-received packets, and drop the answers to them.
+    /// Completes half-received packets and drops the answers to them.
     Flush,
-    /// Keep silent, in microseconds.
+    /// Keeps the line silent for this time.
     Wait {
         /// At most 2^31 - 1.
         us: u32,
     },
-    /// Continue at another rate. The caller owns the port.
+    /// Continues at another rate. The caller owns the port.
     Switch(Baud),
 }
 
@@ -42,17 +42,17 @@ pub enum Step {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Refused {
-    /// The step before is not done.
+    /// The previous step is not done.
     Busy,
     /// A number is not permitted for the module.
     OutOfRange,
-    /// Individual addresses end at 32 here.
+    /// The host supports individual addresses up to 32.
     NoSuchAddress,
-    /// The reply to a change of the rate would come at another rate, so only a group without leader
-    /// can receive this command.
+    /// The reply to a change of the rate would be sent at another rate. Therefore only a group
+    /// without a leader can receive this command.
     WouldAnswer,
-    /// One wrong bit would make another command of the packet: Reset Position relative to home
-    /// (version 10) at address 1. Set the position instead.
+    /// One wrong bit would make another command of the packet. This is Reset Position relative to
+    /// home (version 10) at address 1. Set the position instead.
     Fragile,
 }
 
@@ -74,18 +74,19 @@ impl core::error::Error for Refused {}
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Outcome {
-    /// Executed once. In a group: by its leader; the other members must be queried.
+    /// The command was executed once. In a group this is known only for the leader. The other
+    /// members must be queried.
     Answered(Reply),
-    /// No reply came, but a reading shows that it was executed once: this reading.
+    /// No reply arrived, but this reading shows that the command was executed once.
     Confirmed(Reply),
-    /// Sent, flushed, waited or switched: steps without an answer.
+    /// The step was done. It is one without an answer: a command, flush, wait or switch.
     Sent,
-    /// It did not go well.
+    /// The step has failed.
     Failed(Failure),
 }
 
 impl Outcome {
-    /// What was read, when it went well.
+    /// Returns the reply or the reading of a step that has not failed.
     pub fn reply(&self) -> Option<&Reply> {
         match self {
             Outcome::Answered(reply) | Outcome::Confirmed(reply) => Some(reply),
@@ -98,16 +99,17 @@ impl Outcome {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Failure {
-    /// No byte was received: a dead module, the end of the daisy chain, or a broken line. A command
-    /// that may be repeated may have been executed.
+    /// No byte was received, because of a dead module, the end of the daisy chain, or a broken
+    /// line. A command that may be repeated may have been executed.
     Silent,
-    /// Bytes were received, but no valid reply: noise, two modules that answer, or items other than
-    /// those set. A command that may be repeated may have been executed.
+    /// Bytes were received, but no valid reply. Causes are noise, two modules that answer, or items
+    /// other than those set. A command that may be repeated may have been executed.
     Garbled,
     /// The module received the command damaged each time, or readings show that nothing happened.
     /// The command was certainly not executed.
     NotExecuted,
-    /// Executed once or not at all, which the readings do not show. It was not sent again.
+    /// The command was executed once or not at all. The readings do not show which. It was not sent
+    /// again.
     Uncertain,
     /// No two readings agreed.
     Unsteady,

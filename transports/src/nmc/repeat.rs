@@ -1,27 +1,27 @@
-//! Which commands may be sent again after a missing reply, and how readings show that they must
-//! not.
+//! Which commands may be sent again after a missing reply, and how readings show that a command
+//! must not be sent again.
 //!
 //! A reply can be lost after the command was executed, and a packet does not show whether it is a
-//! repetition. A command that does harm when executed twice is therefore never repeated blindly.
-//! Readings before and after it decide.
+//! repetition. A command that does harm when executed twice is therefore never repeated without a
+//! check. Readings before and after it decide.
 
 use super::{Auxiliary, Command, Items, Mode, Reply, Reset, Status, Trajectory};
 
-/// A standing axis moves by less than this: servo jitter and settling stay below.
+/// An axis at rest moves by less than this. Servo jitter and settling are smaller.
 const STILL_COUNTS: u32 = 64;
 
 /// When a command may be repeated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Repeat {
-    /// At any time: executed twice, it has the same effect.
+    /// At any time, because a second execution has no further effect.
     Free,
     /// Only if readings of these items, before and after, show that it was not executed: see
     /// [`Command::finding`].
     AfterReading(Items),
     /// Only if no module answers at this new address.
     AfterSilenceAt(u8),
-    /// No module answers it, so it is sent once.
+    /// The command is sent once, because no module answers it.
     Never,
 }
 
@@ -33,14 +33,14 @@ pub enum Finding {
     Executed,
     /// It was not executed.
     NotExecuted,
-    /// Unknown, but executed twice it has the same effect.
+    /// It is not known, but a second execution has no further effect.
     Harmless,
-    /// Unknown, and a repetition could do harm.
+    /// It is not known, and a repetition could do harm.
     Unknown,
 }
 
 impl Command {
-    /// Returns when it may be repeated to `address`.
+    /// Returns when the command may be repeated to `address`.
     pub fn repeat(&self, address: u8) -> Repeat {
         const STANDING: Items = Items::POSITION.with(Items::VELOCITY);
         const MOTION: Items = STANDING.with(Items::AUXILIARY).with(Items::HOME);
@@ -51,7 +51,7 @@ impl Command {
             | Command::SetGain(_)
             | Command::StopMotor(_)
             | Command::IoControl(_) => Repeat::Free,
-            // In the buffer the second one replaces the first.
+            // In the buffer the second trajectory replaces the first.
             Command::LoadTrajectory(trajectory) if !trajectory.start_now => Repeat::Free,
             Command::SetHoming(homing) if homing.is_cancel() => Repeat::Free,
             Command::SetAddress { address: new, .. } if *new == address => Repeat::Free,
@@ -71,8 +71,8 @@ impl Command {
         }
     }
 
-    /// The conclusion from readings of the items of [`repeat`](Self::repeat) before and after. The
-    /// motion that Start Motion started is unknown here, so the worst is assumed;
+    /// Returns what readings of the items of [`repeat`](Self::repeat) before and after show. The
+    /// motion that Start Motion started is not known here, so the worst case is assumed.
     /// [`Host`](super::Host) knows what it loaded.
     pub fn finding(&self, before: &Reply, after: &Reply) -> Finding {
         match self {
@@ -97,7 +97,7 @@ impl Command {
                 if added == 0 {
                     started_path(runs(before), runs(after))
                 } else if runs(before) || runs(after) {
-                    Finding::Unknown // points leave while others come
+                    Finding::Unknown // points are used while others are added
                 } else if is == was.wrapping_add(added) {
                     Finding::Executed
                 } else if is == was {
@@ -127,8 +127,9 @@ fn stands(reply: &Reply) -> bool {
     reply.status.contains(Status::MOVE_DONE) && reply.velocity().unwrap_or_default() == 0
 }
 
-/// The conclusion from two readings in a row. `None` if one of them must be wrong, or something
-/// happened in between. Values that the conclusions do not use (switches, the index) may change.
+/// Returns the reading that two readings in a row confirm. Returns `None` if one of them must be
+/// wrong, or if something happened in between. Values that the conclusions do not use (switches,
+/// the index) may differ.
 pub(super) fn agreement(first: &Reply, second: &Reply) -> Option<Reply> {
     const STATUS: u8 = Status::MOVE_DONE.0
         | Status::HOME_IN_PROGRESS.0
@@ -145,16 +146,17 @@ pub(super) fn agreement(first: &Reply, second: &Reply) -> Option<Reply> {
         && a.home == b.home
         && (is_moving || is_near(a.position, b.position))
         && (leaves || a.path_points == b.path_points);
-    // The reading of the two in which the axis has a speed: it gives fewer conclusions.
+    // If the axis has a speed in one of the readings, this reading is used, because it gives fewer
+    // conclusions.
     agrees.then_some(if stands(second) { *first } else { *second })
 }
 
 fn is_near(a: i32, b: i32) -> bool {
-    // The difference as positions wrap.
+    // The difference, where positions wrap.
     a.wrapping_sub(b).unsigned_abs() <= STILL_COUNTS
 }
 
-/// Whether no event happened that an operator or a host must know before anything moves.
+/// Whether no event happened that an operator or a host must know of before anything moves.
 fn is_undisturbed(before: &Reply, after: &Reply) -> bool {
     const WATCHED: u8 = Status::HOME_IN_PROGRESS.0
         | Status::POSITION_ERROR.0
@@ -163,7 +165,7 @@ fn is_undisturbed(before: &Reply, after: &Reply) -> bool {
     (before.status.0 ^ after.status.0) & WATCHED == 0 && before.home() == after.home()
 }
 
-/// Whether the position became `to`. It can be seen at a standing axis only.
+/// Whether the position became `to`. This can be seen only if the axis is at rest.
 fn reset(to: i32, before: &Reply, after: &Reply) -> Finding {
     let (was, is) = (before.readings.position, after.readings.position);
     if !stands(before) || !stands(after) {
@@ -179,7 +181,7 @@ fn reset(to: i32, before: &Reply, after: &Reply) -> Finding {
     }
 }
 
-/// `trajectory` is `None` if it is unknown.
+/// Returns what the readings show about Start Motion. `trajectory` is `None` if it is not known.
 pub(super) fn start(trajectory: Option<&Trajectory>, before: &Reply, after: &Reply) -> Finding {
     let done = |reply: &Reply| reply.status.contains(Status::MOVE_DONE);
     let began = done(before) && !done(after);
@@ -187,8 +189,8 @@ pub(super) fn start(trajectory: Option<&Trajectory>, before: &Reply, after: &Rep
     let known = trajectory.filter(|known| !known.is_relative());
     match known {
         _ if began || moved => Finding::Executed,
-        // A trapezoid from standstill to the present position is no motion. A speed that is already
-        // set stays.
+        // A trapezoid from standstill to the present position causes no motion. A speed that is
+        // already set is kept.
         Some(known)
             if is_undisturbed(before, after)
                 && (known.mode != Mode::Trapezoid || (stands(before) && stands(after))) =>
@@ -199,7 +201,7 @@ pub(super) fn start(trajectory: Option<&Trajectory>, before: &Reply, after: &Rep
     }
 }
 
-/// Armed again after its event, a second event would move the home position.
+/// If homing is armed again after its event, a second event would move the home position.
 fn homing(before: &Reply, after: &Reply) -> Finding {
     let waits = |reply: &Reply| reply.status.contains(Status::HOME_IN_PROGRESS);
     let (Some(was), Some(is)) = (before.home(), after.home()) else {
@@ -209,14 +211,14 @@ fn homing(before: &Reply, after: &Reply) -> Finding {
     match (waits(before), waits(after)) {
         (false, true) => Finding::Executed,
         (false, false) if was != is => Finding::Executed,
-        // An event would have latched a position on the path. The old home position is not
-        // on it.
+        // An event during the move would have latched a position on the path. The old home position
+        // is not on the path.
         (false, false)
             if !is_near(was, from) && !is_near(was, to) && !is_between(was, from, to) =>
         {
             Finding::NotExecuted
         }
-        // Or nothing moved that could have made an event at the old home position again.
+        // Or there was no motion that could have caused an event at the old home position again.
         (false, false) if from == to && stands(before) && stands(after) && was != from => {
             Finding::NotExecuted
         }
@@ -257,8 +259,8 @@ fn clear_bits(before: &Reply, after: &Reply) -> Finding {
     if was != 0 && is == 0 {
         Finding::Executed
     } else if is & !was == 0 {
-        Finding::Harmless // what is set still, is set for a cause that lasts, or was not cleared
+        Finding::Harmless // bits still set have a lasting cause or were not cleared
     } else {
-        Finding::Unknown // something new, which must not be cleared unseen
+        Finding::Unknown // a new bit, which must not be cleared before it is read
     }
 }

@@ -38,10 +38,10 @@ pub struct Readings {
     pub version: u8,
 }
 
-/// A velocity in counts per cycle, 16.16, as the item VELOCITY has it: negated, whole counts,
+/// Converts a velocity in counts per cycle, 16.16, to the item VELOCITY: negated, in whole counts,
 /// saturated.
 pub const fn reported_velocity(velocity: i32) -> i16 {
-    // An i32 shifted by 16 fits i16; only the negation of the least one needs its bound.
+    // An i32 shifted by 16 fits i16. Only the negation of the lowest value must saturate.
     ((velocity >> 16) as i16).saturating_neg()
 }
 
@@ -63,7 +63,7 @@ impl Reply {
         self.has(Items::POSITION).then_some(self.readings.position)
     }
 
-    /// Returns the velocity, if the reply has it. The sign is that of the line.
+    /// Returns the velocity, if the reply has it. The sign is as on the line.
     pub fn velocity(&self) -> Option<i16> {
         self.has(Items::VELOCITY).then_some(self.readings.velocity)
     }
@@ -79,7 +79,7 @@ impl Reply {
         self.has(Items::HOME).then_some(self.readings.home)
     }
 
-    /// Reads a packet with these items. `None` if its length or its sum is wrong.
+    /// Reads a packet with these items. Returns `None` if its length or its sum is wrong.
     pub fn decode(bytes: &[u8], items: Items) -> Option<Reply> {
         let (last, told) = bytes.split_last()?;
         if told.len() != items.length().wrapping_add(1) || *last != sum(told, 0) {

@@ -11,15 +11,15 @@ const RESTARTS: u8 = 3;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Network {
-    /// Number of modules. They have the addresses from 1 on; 1 is the far end.
+    /// Number of modules. They have the addresses from 1 on. Address 1 is the far end.
     pub modules: u8,
     /// Kind and version of each module, the first at index 0. (0, 0) if it did not report them.
     pub devices: [(u8, u8); LAST_ADDRESS as usize],
-    /// Bit i is set if address i + 1 did not answer at the end: it missed the change of the rate,
-    /// or it is dead.
+    /// Bit i is set if address i + 1 did not answer at the end, because it missed the change of the
+    /// rate or is dead.
     pub silent: u32,
-    /// Whether the line was silent after the last module. Otherwise an address is in doubt: noise,
-    /// or two modules that answer.
+    /// Whether the line was silent after the last module. If not, an address is in doubt because of
+    /// noise, or because two modules answer.
     pub is_complete: bool,
 }
 
@@ -55,7 +55,7 @@ enum Phase {
     Switch,
     Greet(u8),
     Done,
-    /// No module answered: every other rate is set, with a flush and a reset.
+    /// No module answered. Every other rate is set in turn, with a flush and a reset.
     Search(u8, Sweep),
     Return,
 }
@@ -67,11 +67,11 @@ enum Sweep {
     Reset,
 }
 
-/// The order in which every client starts the line: flush, hard reset, addresses from the far end
-/// until no module answers, kind and version of each, the rate, a greeting of each.
+/// The order in which every client starts the line: flush; hard reset; addresses from the far end
+/// until no module answers; kind and version of each module; the rate; a greeting of each module.
 ///
-/// If no module answers, the modules may be at another rate from an earlier session. Then all rates
-/// are tried once.
+/// If no module answers, the modules may still have another rate from an earlier session. The
+/// start-up then tries all rates once.
 ///
 /// # Examples
 /// ```
@@ -91,7 +91,7 @@ pub struct Startup {
 }
 
 impl Startup {
-    /// Creates a start-up to a line at this rate.
+    /// Creates a start-up of a line that ends at this rate.
     pub const fn new(baud: Baud) -> Startup {
         Startup {
             baud,
@@ -103,18 +103,19 @@ impl Startup {
         }
     }
 
-    /// Also resets every individual address, the last one first, which takes 32 times
-    /// [`Timing::reset_us`](super::Timing::reset_us) more. A reset makes all modules behind it
-    /// deaf. A module that an earlier session left in a group other than 0xFF does not hear the
-    /// reset of all. It keeps its address, and another module may get the same one.
+    /// Also resets every individual address, the last one first. This takes 32 times
+    /// [`Timing::reset_us`](super::Timing::reset_us) more. After a reset, all modules behind the
+    /// reset one receive nothing. A module that an earlier session left in a group other than 0xFF
+    /// does not receive the reset of all modules. It keeps its address, and another module may get
+    /// the same one.
     #[must_use]
     pub const fn resetting_each(mut self) -> Startup {
         self.resets_each = true;
         self
     }
 
-    /// Returns the next action after the outcome of the previous one (`None` at first, and if the
-    /// host refused it).
+    /// Returns the next action after the outcome of the previous one. `None` is for the first call,
+    /// and for a step that the host refused.
     pub fn next(&mut self, outcome: Option<&Outcome>) -> Next {
         self.phase = self.after(outcome);
         match self.phase {
@@ -141,7 +142,8 @@ impl Startup {
                     Phase::Identify(1)
                 }
             }
-            // If in doubt, the next module must not get the same address, so all start again.
+            // If an address is in doubt, the next module must not get the same one. Therefore the
+            // start-up begins again.
             Phase::Address(_) if outcome != Some(&Outcome::Failed(Failure::Silent)) => {
                 if self.restarts > 0 {
                     self.restarts = self.restarts.saturating_sub(1);
@@ -174,7 +176,7 @@ impl Startup {
                 }
             }
             Phase::SetBaud if outcome.is_none() => {
-                self.baud = Baud::B19200; // a rate that some module cannot
+                self.baud = Baud::B19200; // some module does not support the rate
                 Phase::Greet(1)
             }
             Phase::SetBaud => Phase::Switch,
@@ -205,7 +207,7 @@ impl Startup {
         }
     }
 
-    /// Keeps what a module says of itself.
+    /// Stores the kind and version that a module has reported.
     fn identify(&mut self, address: u8, reply: &Reply) {
         let devices = self.network.devices.iter_mut();
         if let Some((device, _)) = devices.zip(1_u8..).find(|(_, of)| *of == address) {
@@ -250,7 +252,7 @@ impl Startup {
     }
 }
 
-/// The rates to search, by number.
+/// Returns the rate with this number in the search.
 fn rate_of(number: u8) -> Option<Baud> {
     match number {
         0 => Some(Baud::B115200),

@@ -10,7 +10,7 @@ pub const CYCLE_US: u32 = 512;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Timing {
-    /// From the last bit of a command to the first byte of its reply.
+    /// The longest time from the last bit of a command to the first byte of its reply.
     pub reply_us: u32,
     /// An additional wait for each byte of the reply.
     pub per_byte_us: u32,
@@ -19,17 +19,17 @@ pub struct Timing {
     pub guard_us: u32,
     /// Silence after a flush.
     pub settle_us: u32,
-    /// After a command without an answer. Longer than a servo cycle.
+    /// The wait after a command without an answer. It is longer than a servo cycle.
     pub unanswered_us: u32,
-    /// After a hard reset, while modules receive nothing.
+    /// The wait after a hard reset, during which modules receive nothing.
     pub reset_us: u32,
     /// How often a command or a reading is tried before the host gives up, at least once.
     pub tries: u8,
 }
 
 impl Timing {
-    /// The times of the vendor's library, for any adapter and operating system: 50 ms and 2 ms per
-    /// byte, 100 ms after a flush.
+    /// Returns the times of the vendor's library, for any adapter and operating system: 50 ms and 2
+    /// ms per byte, 100 ms after a flush.
     pub const fn patient(baud: Baud) -> Timing {
         Timing {
             reply_us: 50_000,
@@ -42,8 +42,8 @@ impl Timing {
         }
     }
 
-    /// For a port that passes bytes on at once (a microcontroller, a simulated line): three servo
-    /// cycles of `cycle_us` (512 times the divisor), two characters per byte.
+    /// Returns the times for a port that passes bytes on at once (a microcontroller, a simulated
+    /// line): three servo cycles of `cycle_us` (512 times the divisor), two characters per byte.
     pub const fn prompt(baud: Baud, cycle_us: u32) -> Timing {
         let cycles_us = cycle_us.saturating_mul(3);
         Timing {
@@ -66,22 +66,24 @@ pub struct Polling {
     pub modules: u8,
     /// Rate of the line.
     pub baud: Baud,
-    /// Items of every reply, set by Define Status, so that a No Operation of 4 bytes asks for them.
+    /// Items of every reply. Define Status sets them, so that a No Operation of 4 bytes requests
+    /// them.
     pub items: Items,
-    /// From the end of a request to the start of its reply: 0 to [`CYCLE_US`], half of it on
-    /// average.
+    /// The time from the end of a request to the start of its reply: 0 to [`CYCLE_US`], half of it
+    /// on average.
     pub latency_us: u32,
-    /// From the end of a reply to the start of the next request: 0 for the limit,
-    /// [`Timing::guard_us`] for a host that waits for the guard.
+    /// The time from the end of a reply to the start of the next request. It is 0 for the limit,
+    /// and [`Timing::guard_us`] for a host that waits for the guard.
     pub guard_us: u32,
 }
 
 impl Polling {
-    /// Returns the time per module in microseconds, rounded up: 4 characters, latency, status,
-    /// items and checksum, guard. With the position, 869 us and the latency at 115200 baud.
+    /// Returns the time per module in microseconds, rounded up. It includes 4 characters, latency,
+    /// status, items and checksum, and guard. With the position, at 115200 baud, it is 869 us plus
+    /// the latency.
     ///
     /// No polling is faster. Any byte on the command line cancels a reply, so the next request must
-    /// wait for the reply, and the shortest packet has 4 bytes.
+    /// wait for the end of the reply, and the shortest packet has 4 bytes.
     pub fn module_us(&self) -> u32 {
         let characters = 6 + self.items.length() as u16; // 23 at most
         self.baud

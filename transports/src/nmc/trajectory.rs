@@ -8,7 +8,7 @@ use super::frame::LONGEST_DATA;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Mode {
-    /// Trapezoidal profile to a position; only from standstill (version 4).
+    /// Trapezoidal profile to a position. In version 4 it starts only from standstill.
     Trapezoid,
     /// Velocity profile. It may change at any time.
     Velocity,
@@ -38,8 +38,8 @@ pub struct Trajectory {
     pub pwm: Option<u8>,
     /// The motion that the servo follows.
     pub mode: Mode,
-    /// Velocity and PWM modes: the negative direction. A trapezoid of version 10: relative to the
-    /// last goal. Of older versions: no effect.
+    /// In velocity and PWM modes: the negative direction. In a trapezoid of version 10: the
+    /// position is relative to the last goal. In a trapezoid of older versions it has no effect.
     pub reverse: bool,
     /// Whether it starts at once. Otherwise it starts at Start Motion.
     pub start_now: bool,
@@ -84,7 +84,7 @@ impl Trajectory {
         }
     }
 
-    /// `None` if the length differs from that of the control byte.
+    /// Returns `None` if the length differs from the one that the control byte requires.
     pub(super) fn read(data: &[u8]) -> Option<Trajectory> {
         let mut fields = Fields(data);
         let control = fields.u8()?;
@@ -159,8 +159,8 @@ impl Stop {
         }
     }
 
-    /// `None` if the length is wrong. Only one of the bits should be set. Of several bits the
-    /// quickest stop takes effect.
+    /// Returns `None` if the length is wrong. Only one of the bits should be set. If several are
+    /// set, the quickest stop takes effect.
     pub(super) fn read(data: &[u8]) -> Option<Stop> {
         let mut fields = Fields(data);
         let control = fields.u8()?;
@@ -189,7 +189,8 @@ impl Stop {
 /// Data of Add Path Points (version 5 and later): up to seven increments, or none to start the
 /// path.
 ///
-/// A point is |delta| times 4, 8 or 16 (30, 60, 120 Hz) with bit 0 = reverse and bit 1 = slow rate.
+/// A point is |delta| times 4, 8 or 16 (for 30, 60, 120 Hz). Bit 0 means reverse, and bit 1 means
+/// slow rate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PathPoints {
@@ -199,7 +200,7 @@ pub struct PathPoints {
 }
 
 impl PathPoints {
-    /// Creates a path of these points, at most the first seven.
+    /// Creates a path of these points. Only the first seven are used.
     pub fn new(points: &[u16]) -> PathPoints {
         let mut path = PathPoints::default();
         for (place, point) in path.points.iter_mut().zip(points) {

@@ -1,23 +1,23 @@
-//! Own bytes that the receiver hears.
+//! The echo of one's own bytes.
 
 /// The origin of a received byte.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Heard {
-    /// An own byte. Drop it.
+    /// The echo of a byte that this end has sent. Drop it.
     Echo,
-    /// Not the byte that was sent: another station drives the line, or the line is disturbed. Stop
-    /// sending and release the line. The bytes sent before are forgotten, and bytes received until
-    /// the line rests are invalid.
+    /// The byte differs from the one that was sent. Another station drives the line, or the line is
+    /// disturbed. Stop sending and release the line. The bytes sent before are forgotten, and bytes
+    /// received until the line is silent are invalid.
     Collision,
     /// A byte of another station.
     Foreign(u8),
 }
 
-/// Up to `N` bytes that were sent and not yet heard back, for a receiver that hears its own
-/// transmitter.
+/// Up to `N` bytes that were sent and whose echo has not arrived, for a receiver that receives its
+/// own transmitter.
 ///
-/// If the receiver is off while the driver is on (/RE tied to DE), no byte is heard back.
+/// If the receiver is off while the driver is on (/RE tied to DE), no echo arrives.
 /// [`silence`](Echo::silence) detects this.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -31,7 +31,7 @@ pub struct Echo<const N: usize> {
 }
 
 impl<const N: usize> Echo<N> {
-    /// Creates an echo for a line that returns sent bytes, or does not.
+    /// Creates an echo. `hears_itself`: the line returns the bytes that are sent.
     pub const fn new(hears_itself: bool) -> Self {
         Echo {
             sent: [0; N],
@@ -41,13 +41,13 @@ impl<const N: usize> Echo<N> {
         }
     }
 
-    /// Whether sent bytes are expected back.
+    /// Whether the line returns the bytes that are sent.
     pub const fn hears_itself(&self) -> bool {
         self.hears_itself
     }
 
-    /// Notes a byte that is being sent. Returns `false` if `N` bytes are in flight, so that this
-    /// one must wait.
+    /// Registers a byte that is being sent. Returns `false` if `N` bytes are in flight. This byte
+    /// must then wait.
     #[must_use]
     pub fn sent(&mut self, byte: u8) -> bool {
         if !self.hears_itself {
@@ -86,9 +86,9 @@ impl<const N: usize> Echo<N> {
         Heard::Echo
     }
 
-    /// Four characters after transmission is complete: whether all bytes were heard back. Missing
-    /// bytes are forgotten. They mean a broken line, or a receiver that does not hear its
-    /// transmitter.
+    /// Returns whether the echo of all bytes has arrived. Call it four characters after
+    /// transmission is complete. Missing bytes are forgotten. They mean a broken line, or a
+    /// receiver that does not receive its transmitter.
     pub fn silence(&mut self) -> bool {
         let all = self.length == 0;
         self.clear();
@@ -96,7 +96,7 @@ impl<const N: usize> Echo<N> {
     }
 
     /// Finds out with one harmless byte (0 for [`nmc`](crate::nmc)) whether the line returns the
-    /// bytes that are sent. `heard` is what arrived within four characters.
+    /// bytes that are sent. `heard` is the byte that arrived within four characters.
     pub fn learn(&mut self, sent: u8, heard: Option<u8>) {
         self.clear();
         self.hears_itself = heard == Some(sent);

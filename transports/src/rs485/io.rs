@@ -34,10 +34,10 @@ impl<S: fmt::Debug, P: fmt::Debug> fmt::Display for IoError<S, P> {
 
 impl<S: fmt::Debug, P: fmt::Debug> core::error::Error for IoError<S, P> {}
 
-/// A serial port with a transceiver, for ports whose `flush` returns on transmission complete, as
-/// `embedded-io` requires.
+/// A serial port with a transceiver. The `flush` of the port must return on transmission complete,
+/// as `embedded-io` requires.
 ///
-/// The caller keeps the turnaround with [`Turnaround`](super::Turnaround) before a message.
+/// The caller observes the turnaround with [`Turnaround`](super::Turnaround) before a message.
 #[derive(Debug)]
 pub struct IoPort<S, P, const N: usize> {
     serial: S,
@@ -50,8 +50,8 @@ where
     S: Read + Write + ReadReady,
     P: OutputPin,
 {
-    /// Takes the port, the pin and the known behaviour of the echo. The pin is first written with
-    /// the first message, so release the line before.
+    /// Takes the port, the pin and the known behaviour of the echo. The pin is written for the
+    /// first time with the first message, so the caller must release the line before.
     pub const fn new(serial: S, enable: EnablePin<P>, echo: Echo<N>) -> Self {
         IoPort {
             serial,
@@ -61,8 +61,8 @@ where
     }
 
     /// Sends a message and releases the line after its last stop bit, also after an error. It
-    /// blocks until then. Bytes that are heard back meanwhile are compared. A message longer than
-    /// `N` needs a port that returns them in time.
+    /// blocks until then. Echoes that arrive meanwhile are compared. A message longer than `N`
+    /// needs a port that returns the echoes in time.
     ///
     /// # Errors
     /// [`IoError`]. After a collision the rest of the message is not sent.
@@ -74,10 +74,10 @@ where
         sent.and(flushed)
     }
 
-    /// Returns a byte from the line, if there is one. Own bytes are dropped.
+    /// Returns a byte from the line, if there is one. Echoes of one's own bytes are dropped.
     ///
     /// # Errors
-    /// [`IoError`]. A collision if the byte should have been an own one.
+    /// [`IoError`]. It is a collision if the byte should have been an echo.
     pub fn receive(&mut self) -> Result<Option<u8>, IoError<S::Error, P::Error>> {
         while self.serial.read_ready().map_err(IoError::Serial)? {
             match self.hear()? {
@@ -101,7 +101,8 @@ where
 
     fn write(&mut self, message: &[u8]) -> Result<(), IoError<S::Error, P::Error>> {
         for byte in message {
-            // Returned bytes make room. During sending, a byte that was not sent is a collision.
+            // Echoes make room for further bytes. During sending, a byte that was not sent is a
+            // collision.
             while self.serial.read_ready().map_err(IoError::Serial)? {
                 if self.hear()? != Heard::Echo {
                     self.echo.silence();

@@ -32,9 +32,10 @@ impl<S: fmt::Debug, P: fmt::Debug> fmt::Display for NbError<S, P> {
 
 impl<S: fmt::Debug, P: fmt::Debug> core::error::Error for NbError<S, P> {}
 
-/// A serial port behind a transceiver. No function waits: `WouldBlock` means try again.
+/// A serial port with a transceiver. No function waits. `WouldBlock` means that the caller tries
+/// again.
 ///
-/// The caller keeps the turnaround with [`Turnaround`](super::Turnaround) before the first byte.
+/// The caller observes the turnaround with [`Turnaround`](super::Turnaround) before the first byte.
 #[derive(Debug)]
 pub struct NbPort<S, P, const N: usize> {
     serial: S,
@@ -48,8 +49,8 @@ where
     S: Read<u8> + Write<u8>,
     P: OutputPin,
 {
-    /// Takes the port, the pin and the known behaviour of the echo. The pin is first written with
-    /// the first byte, so release the line before.
+    /// Takes the port, the pin and the known behaviour of the echo. The pin is written for the
+    /// first time with the first byte, so the caller must release the line before.
     pub const fn new(serial: S, enable: EnablePin<P>, echo: Echo<N>) -> Self {
         NbPort {
             serial,
@@ -62,7 +63,8 @@ where
     /// Drives the line and hands the byte to the transmitter.
     ///
     /// # Errors
-    /// `WouldBlock` if the transmitter is full, or `N` bytes have not returned yet: read first.
+    /// `WouldBlock` if the transmitter is full, or if the echoes of `N` bytes have not arrived yet.
+    /// In this case read first.
     pub fn send(&mut self, byte: u8) -> nb::Result<(), NbError<S::Error, P::Error>> {
         if !self.is_driving {
             self.set_driving(true)?;
@@ -78,8 +80,8 @@ where
         written.map_err(|error| error.map(NbError::Serial))
     }
 
-    /// Releases the line after the last stop bit. Call it again until it is `Ok`, or at once from
-    /// the interrupt of transmission complete.
+    /// Releases the line after the last stop bit. Call it again until it returns `Ok`, or call it
+    /// once from the interrupt of transmission complete.
     ///
     /// # Errors
     /// `WouldBlock` while bytes are being sent.
@@ -93,11 +95,11 @@ where
         self.set_driving(false)
     }
 
-    /// Returns a byte from the line. `None` for an own byte.
+    /// Returns a byte from the line. Returns `None` for the echo of one's own byte.
     ///
     /// # Errors
-    /// `WouldBlock` if there is no byte. [`NbError::Collision`] if the byte should have been an own
-    /// one; the line is released.
+    /// `WouldBlock` if there is no byte. [`NbError::Collision`] if the byte should have been an
+    /// echo. The line is then released.
     pub fn receive(&mut self) -> nb::Result<Option<u8>, NbError<S::Error, P::Error>> {
         let byte = self
             .serial

@@ -2,7 +2,7 @@
 
 use embedded_hal::digital::OutputPin;
 
-/// The pin DE of a transceiver; high drives the line, or low for an inverted one.
+/// The pin DE of a transceiver. High drives the line. For an inverted pin, low drives it.
 #[derive(Debug)]
 pub struct EnablePin<P> {
     pin: P,

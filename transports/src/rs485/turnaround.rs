@@ -17,14 +17,15 @@
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Turnaround {
     silence_us: u32,
-    /// When the line was last active. `None`: long ago.
+    /// The time when the line was last active. `None`: long ago.
     busy_us: Option<u32>,
     is_driving: bool,
 }
 
 impl Turnaround {
     /// Requires `silence_us` of silence before the line is driven. One character or 100 us,
-    /// whichever is longer, gives any other station the time to release it. At most 2^31 - 1.
+    /// whichever is longer, gives any other station enough time to release the line. At most
+    /// 2^31 - 1.
     pub const fn new(silence_us: u32) -> Turnaround {
         Turnaround {
             silence_us,
@@ -33,13 +34,13 @@ impl Turnaround {
         }
     }
 
-    /// Notes that a byte of another end was received.
+    /// Registers that a byte of another end was received.
     pub fn heard(&mut self, now_us: u32) {
         self.busy_us = Some(now_us);
     }
 
     /// Returns the rest of the required silence, in microseconds. 0: the line may be driven. Call
-    /// it at least every 2^31 us.
+    /// this at least every 2^31 us.
     pub fn wait_us(&mut self, now_us: u32) -> u32 {
         let Some(busy_us) = self.busy_us else {
             return 0;
@@ -51,15 +52,16 @@ impl Turnaround {
         left_us
     }
 
-    /// Drives the line if it may be driven: raise driver enable, then send.
+    /// Begins to drive the line if it may be driven. If this returns `true`, the caller raises
+    /// driver enable and sends.
     #[must_use]
     pub fn begin(&mut self, now_us: u32) -> bool {
         self.is_driving |= self.wait_us(now_us) == 0;
         self.is_driving
     }
 
-    /// Notes that the transmission is complete, or was stopped for a collision: lower driver
-    /// enable.
+    /// Registers that the transmission is complete, or was stopped because of a collision. The
+    /// caller then lowers driver enable.
     pub fn complete(&mut self, now_us: u32) {
         self.is_driving = false;
         self.busy_us = Some(now_us);

@@ -1,10 +1,10 @@
-//! Programs to the simulated controller, with faults and interventions in their course.
+//! Programs to the simulated controller, with faults and interventions while they run.
 
 use super::*;
 use crate::grbl::{BAUD, open};
 use husillo_transports::grbl::{Adjust, Position};
 
-/// Carries out commands when this many lines are answered.
+/// An operator who sends each command when this many lines are answered.
 #[derive(Default)]
 struct Script {
     at: Vec<(usize, Realtime)>,
@@ -12,7 +12,7 @@ struct Script {
     states: Vec<State>,
     texts: Vec<String>,
     stop: Option<(usize, StopRequests)>,
-    /// In a hold the program goes on.
+    /// Whether the operator resumes the program after a hold.
     resumes: bool,
     agreed: usize,
 }
@@ -55,7 +55,7 @@ fn sender(pacing: Pacing, stop: StopRequests) -> Sender {
     Sender::new(open("sim", BAUD).unwrap(), pacing, stop).unwrap()
 }
 
-/// A line of short moves that ends at X 4.
+/// Short moves along a line that ends at X 4.
 fn short_moves() -> Vec<(usize, String)> {
     let first = ["G21 G90 G94".to_owned(), "F300".to_owned()];
     let moves = (1..=40).map(|number| format!("G1 X{:.1}", f64::from(number) / 10.0));
@@ -83,8 +83,8 @@ fn every_pacing_makes_the_whole_program() {
     }
 }
 
-/// The bytes that wait in the controller never exceed its receive buffer, and it always has some
-/// while lines are left. A move of 0.1 mm at 300 mm/min takes 20 ms, and nothing waits for the
+/// The bytes that wait in the controller never exceed its receive buffer. While lines are left,
+/// some bytes always wait. A move of 0.1 mm at 300 mm/min takes 20 ms, and no move waits for the
 /// host.
 #[test]
 fn counted_lines_take_no_longer_than_their_moves() {
@@ -106,7 +106,7 @@ fn a_refused_line_stops_the_machine_and_is_named() {
     assert!(why.contains("the controller has stopped; "), "{why}");
     let status = sender.session().fresh_status().unwrap();
     assert_eq!(status.state, State::Idle);
-    // None of the lines behind it are made.
+    // None of the lines behind it is carried out.
     assert!(x(&status) <= 1.9, "{why}");
 }
 
@@ -127,7 +127,7 @@ fn a_stop_brakes_and_keeps_the_position() {
     assert_eq!(status.state, State::Idle, "no alarm: the position is valid");
     let open = sender.first_open();
     assert!((4..=20).contains(&open), "index {open}");
-    // The first line that is not made is `first_open` or a later one.
+    // The first line that is not carried out is `first_open` or a later one.
     assert!(
         x(&status) >= (open as f64 - 3.0) / 10.0,
         "{why}, line {open}"
@@ -193,7 +193,7 @@ fn a_single_block_may_end_the_program() {
     assert!(why.starts_with("line 5: stopped before G1 X0.3"), "{why}");
 }
 
-/// A held controller answers no line. It is named, and a stop ends the hold.
+/// A held controller answers no line. The session detects the hold, and a stop ends it.
 #[test]
 fn a_held_controller_is_named() {
     let mut sender = sender(Pacing::Counted, StopRequests::default());
@@ -210,7 +210,7 @@ fn a_held_controller_is_named() {
     assert_eq!(session.state(), Some(State::Idle));
 }
 
-/// A killed program leaves part of a line, or lines that are being made.
+/// A killed program leaves part of a line, or lines that are being carried out.
 #[test]
 fn a_session_begins_after_a_killed_program() {
     for (left, is_in_motion) in [("G1 X", false), ("$J=G91X5F600\n", true)] {
@@ -229,7 +229,7 @@ fn a_session_begins_after_a_killed_program() {
     }
 }
 
-/// A switch that ends a jog is an alarm and no success.
+/// A switch that ends a jog is an alarm, not a success.
 #[test]
 fn a_jog_into_a_switch_fails() {
     use crate::ByHand as _;
@@ -242,7 +242,7 @@ fn a_jog_into_a_switch_fails() {
     assert!(why.starts_with("alarm 1: "), "{why}");
 }
 
-/// Moves of a line that was answered are part of the program.
+/// The moves of an answered line are part of the program.
 #[test]
 fn a_program_ends_where_its_last_move_ends() {
     let mut sender = sender(Pacing::Counted, StopRequests::default());

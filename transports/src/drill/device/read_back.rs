@@ -23,7 +23,7 @@ impl<const N: usize> Device<N> {
         let stored = self.memory.bytes().get(at..).unwrap_or_default();
         let record = match (Reading::of(number), stored.first_chunk()) {
             (Some(reading), _) => self.reading(reading),
-            // Records without those before them are no program.
+            // Without the records before them, these records are not a program.
             (None, Some(record)) if !self.is_tail => *record,
             (None, _) => [b'f', 0, 0],
         };

@@ -1,4 +1,4 @@
-//! The phases of an exchange: reading, command, answer, and the reaction to a missing answer.
+//! The phases of an exchange: reading, command, answer, and what follows a missing answer.
 
 use super::{Bad, Host, LAST_ADDRESS, Next, Phase};
 use crate::nmc::command::is_group;
@@ -19,7 +19,7 @@ impl Host {
         if !is_group(address) && address > LAST_ADDRESS {
             return Err(Refused::NoSuchAddress);
         }
-        // Members of a group would all take one address.
+        // Otherwise all members of a group would take one address.
         if matches!(
             command,
             Command::SetAddress { address: new, .. } if new > LAST_ADDRESS || is_group(address),
@@ -52,7 +52,7 @@ impl Host {
         Ok(())
     }
 
-    /// Sends the command, with one try less.
+    /// Sends the command. One try less is left.
     pub(super) fn send_again(&mut self) {
         self.tries = self.tries.saturating_sub(1);
         self.readings = self.readings_at_most();
@@ -76,7 +76,7 @@ impl Host {
         self.send_frame(frame);
     }
 
-    /// Tries, and the second reading, which is no retry.
+    /// Returns the number of tries plus the second reading, which is not a retry.
     fn readings_at_most(&self) -> u8 {
         let second = matches!(self.command.repeat(self.address), Repeat::AfterReading(_));
         self.timing.tries.max(1).saturating_add(second.into())
@@ -122,7 +122,7 @@ impl Host {
         self.deadline_us = None;
     }
 
-    /// The items of a valid reply to the last request.
+    /// Returns the items of a valid reply to the last request.
     pub(super) fn expected(&self) -> Items {
         let repeat = self.command.repeat(self.address);
         match (self.phase, self.command, repeat) {
@@ -134,7 +134,7 @@ impl Host {
         }
     }
 
-    /// The items in force in the module that replies.
+    /// Returns the items in force in the module that replies.
     fn in_force(&self) -> Items {
         let from = self.answerer().unwrap_or_default();
         self.member(from)
@@ -142,15 +142,15 @@ impl Host {
             .unwrap_or_default()
     }
 
-    /// The reply when it is long enough, valid or not.
+    /// Returns the reply if it is long enough. The reply may be invalid.
     pub(super) fn whole(&self) -> Option<Result<Reply, Bad>> {
         let status = Status(*self.input.bytes().first()?);
         let is_rejected = status.contains(Status::CHECKSUM_ERROR);
         let items = if !is_rejected {
             self.expected()
         } else if matches!(self.command, Command::DefineStatus(_)) {
-            // An earlier try may have changed the items in force. In any case they end at the
-            // deadline.
+            // An earlier try may have changed the items in force, so the length is not known. The
+            // reply ends at the deadline in any case.
             return None;
         } else {
             self.in_force()
@@ -158,7 +158,7 @@ impl Host {
         let length = items.length() + 2; // 19 at most
         let heard = self.input.bytes().len();
         if heard != length || self.is_too_long {
-            return None; // too long is known for certain at the deadline only
+            return None; // only at the deadline is it certain that no byte follows
         }
         Some(match Reply::decode(self.input.bytes(), items) {
             Some(_) if is_rejected => Err(Bad::Rejected),
@@ -255,13 +255,13 @@ impl Host {
         }
     }
 
-    /// The conclusion from this reading and the one before, if they agree.
+    /// Returns what this reading and the one before show, if they agree.
     fn agreed(&mut self, reply: &Reply) -> Option<Reply> {
         let first = self.first.replace(*reply)?;
         agreement(&first, reply)
     }
 
-    /// Two readings in a row have to agree.
+    /// Compares two readings in a row, which must agree.
     fn compare(&mut self, reply: Reply) {
         let apart = |a: i32, b: i32| a.wrapping_sub(b).unsigned_abs(); // as positions wrap
         let jitter = self.twice_counts.unwrap_or_default();

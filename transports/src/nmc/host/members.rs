@@ -4,7 +4,7 @@ use super::{Host, LAST_ADDRESS};
 use crate::nmc::command::is_group;
 use crate::nmc::{Command, Group, Items, Reply, Trajectory};
 
-/// What the host knows of a module.
+/// The state of a module, as far as the host knows it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Member {
     pub(super) is_present: bool,
@@ -26,7 +26,7 @@ impl Member {
 }
 
 impl Host {
-    /// The change of this state by an executed command.
+    /// Applies the change of this state by an executed command.
     pub(super) fn learn(&mut self, reply: Option<&Reply>) {
         let (address, command) = (self.address, self.command);
         match command {
@@ -64,7 +64,7 @@ impl Host {
         }
     }
 
-    /// Changes the module addressed, or all of the group.
+    /// Changes the addressed module, or all modules of the group.
     fn change(&mut self, change: impl Fn(&mut Member)) {
         let address = self.address;
         if is_group(address) {
@@ -75,10 +75,11 @@ impl Host {
         }
     }
 
-    /// The individual address whose module answers; `None` for a group without leader.
+    /// Returns the individual address of the module that answers. Returns `None` for a group
+    /// without a leader.
     pub(super) fn answerer(&self) -> Option<u8> {
         if !is_group(self.address) {
-            return Some(self.address); // also at its new address: it keeps its items
+            return Some(self.address); // a module with a new address keeps its items
         }
         let leads = |member: &Member| {
             member.is_present && member.group.is_leader && member.group.address == self.address
@@ -88,7 +89,7 @@ impl Host {
             .find_map(|(address, member)| leads(member).then_some(address))
     }
 
-    /// Of a module, or the lowest of a group.
+    /// Returns the version of a module, or the lowest version in a group.
     pub(super) fn version(&self, address: u8) -> u8 {
         if is_group(address) {
             let of_group = |member: &&Member| member.is_present && member.group.address == address;
