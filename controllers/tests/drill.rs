@@ -166,6 +166,14 @@ impl Bench {
         }
     }
 
+    /// Repairs the sensor, presses the button R, and waits until the drill is idle.
+    fn repair(&mut self) {
+        (self.sticks, self.is_stuck) = (None, false);
+        self.answers.clear();
+        self.drill.reset();
+        while self.go() {}
+    }
+
     fn homed() -> Self {
         let mut bench = Self::switched_on(10);
         while bench.go() {}
@@ -428,16 +436,9 @@ fn a_sensor_of_z_that_sticks_is_found() {
         while bench.go() {}
         assert_eq!(bench.place[..2], table, "{context}");
         assert!(!bench.drill.is_homed(), "{context}");
-        // The sensor is repaired.
-        (bench.sticks, bench.is_stuck) = (None, false);
-        bench.answers.clear();
-        bench.drill.reset();
-        while bench.go() {}
-        assert_eq!(
-            (bench.answers.as_slice(), bench.place),
-            (&b"B"[..], [0; 3]),
-            "{context}"
-        );
+        bench.repair();
+        assert_eq!(bench.place, [0; 3], "{context}");
+        assert_eq!(bench.answers, b"B", "{context}");
     }
 }
 
@@ -468,16 +469,9 @@ fn the_first_homing_finds_an_upper_sensor_that_sticks() {
         while bench.go() {}
         assert_eq!(bench.place[..2], [x, y], "{context}");
         assert_eq!(bench.answers, b"!", "{context}");
-        // The sensor is repaired.
-        (bench.sticks, bench.is_stuck) = (None, false);
-        bench.answers.clear();
-        bench.drill.reset();
-        while bench.go() {}
-        assert_eq!(
-            (bench.answers.as_slice(), bench.place),
-            (&b"B"[..], [0; 3]),
-            "{context}"
-        );
+        bench.repair();
+        assert_eq!(bench.place, [0; 3], "{context}");
+        assert_eq!(bench.answers, b"B", "{context}");
     }
 }
 

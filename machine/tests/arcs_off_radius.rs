@@ -53,6 +53,19 @@ fn trace(config: Config<3>, program: &str) -> Vec<(f64, [f64; 3])> {
     trace
 }
 
+/// The last programmed position of each axis in nm. All programs are absolute, in mm.
+fn programmed_end(program: &str) -> [f64; 3] {
+    let mut end = [0.0; 3];
+    for word in program.split_whitespace() {
+        for (letter, end) in ['X', 'Y', 'Z'].into_iter().zip(&mut end) {
+            if let Some(number) = word.strip_prefix(letter) {
+                *end = number.parse::<f64>().unwrap() * 1e6;
+            }
+        }
+    }
+    end
+}
+
 /// Largest acceleration of each axis in mm/s^2, from the events alone: second differences of the
 /// positions over a window, less than the error of a step at each of the three places.
 fn accelerations(trace: &[(f64, [f64; 3])], window: f64, step_nm: f64) -> [f64; 3] {
@@ -118,6 +131,13 @@ fn no_axis_exceeds_its_acceleration_on_arcs() {
                 axis.ramp.as_mut().unwrap().junction_hz = Some(0);
             }
             let trace = trace(config, program);
+            let (_, last) = *trace.last().unwrap();
+            for (axis, (at, end)) in last.into_iter().zip(programmed_end(program)).enumerate() {
+                assert!(
+                    (at - end).abs() <= 63.0,
+                    "{number}, axis {axis}: {at} {end}"
+                );
+            }
             let found = accelerations(&trace, 0.004, 125.0);
             let shares: [f64; 3] =
                 [0, 1, 2].map(|axis: usize| found[axis] / f64::from(limits[axis]));
@@ -126,5 +146,19 @@ fn no_axis_exceeds_its_acceleration_on_arcs() {
                 "{number}: {shares:?}"
             );
         }
+    }
+}
+
+/// An arc with a radius of 1.2 km on coarse steps is accepted, off its radius or not.
+#[test]
+fn a_large_arc_is_made() {
+    let mut config = config([500; 3]);
+    for axis in &mut config.axes {
+        axis.scale = Scale::new(12_500, 1).unwrap();
+    }
+    for end in ["X5 Y0", "X5 Y0.3"] {
+        let mut machine: Machine<3, Path<3>, Backlash, 32> = Machine::new(config);
+        let line = format!("G3 {end} I2.5 J1200000 F6000");
+        machine.line(line.as_bytes()).unwrap();
     }
 }

@@ -34,8 +34,9 @@ impl<const N: usize> Config<N> {
     ///
     /// A spiral is at no right angle to its spokes, and its speed changes as 1 / radius. So it is
     /// made as the circle through its ends with the nearest centre. This keeps the acceleration of
-    /// the axes. An arc of about a whole turn has no such circle and stays a spiral, of a slope
-    /// below a fifth of the difference of the radii per radius. The path stops at its ends.
+    /// the axes. An arc of about a whole turn has no such circle and stays a spiral. Its slope is
+    /// below a fifth of the difference of the radii per radius, and the path stops at its ends. On
+    /// equal steps so does an arc of more than a kilometre, beyond the range of this circle.
     ///
     /// # Errors
     /// As [`ProgrammedArc::as_circle`] on axes of different steps, where every arc is a circle, and
@@ -58,7 +59,7 @@ impl<const N: usize> Config<N> {
         match programmed.as_circle([scale, second.scale]) {
             Ok(circle) => Ok(Some(circle)),
             Err(ArcError::Degenerate) => Ok(None),
-            Err(ArcError::Unequal) if is_equal => Ok(Some(*programmed)),
+            Err(ArcError::Unequal | ArcError::TooLarge) if is_equal => Ok(Some(*programmed)),
             Err(ArcError::Unequal) => Err(MoveError::UnequalSteps),
             Err(_) => Err(MoveError::ArcTooLarge),
         }
