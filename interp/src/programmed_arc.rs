@@ -46,7 +46,8 @@ pub struct ProgrammedArc {
     /// Complete turns in addition to the angle from `from` to `to`.
     pub turns: u32,
     /// Difference of the radii at both ends in nm. Up to half a step the path is the circle through
-    /// `from`; beyond that it is a spiral.
+    /// `from`; beyond that it is a spiral. [`as_circle`](ProgrammedArc::as_circle) moves the centre
+    /// instead.
     pub mismatch_nm: u64,
 }
 

@@ -312,7 +312,7 @@ impl Checker<'_> {
             .map_or(at.whole(), |span| at.place(span));
         let finding = Finding::warning("W0302", message, end)
             .label("start and end have different distances from the centre")
-            .note("the tool follows a spiral between the two radii")
+            .note("the path passes both ends: on a circle with another centre, or on a spiral")
             .note(format!(
                 "no warning up to 2 steps ({}) or 1.5 units of the last digit; \
                  `motion.arc_tolerance` sets the limit",
