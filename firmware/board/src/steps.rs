@@ -38,9 +38,10 @@ enum Due {
 ///
 /// [`set_pulse_us`]: Steps::set_pulse_us
 ///
-/// A queue of `heapless` takes twice the instructions in the interrupt.
+/// A queue of `heapless` takes twice the instructions in the interrupt. The small fields come first,
+/// because the short instructions of a Cortex-M0 reach 32 bytes.
+#[repr(C)]
 pub struct Steps<D, const PLACES: usize, const PULSED: Pins = 0> {
-    places: [Step<D>; PLACES],
     /// Numbers of steps queued and made, wrapping. Modulo `PLACES` they are indices of slots.
     queued: u8,
     made: u8,
@@ -50,6 +51,7 @@ pub struct Steps<D, const PLACES: usize, const PULSED: Pins = 0> {
     /// Pins of `PULSED` whose pulse is low.
     inverted: Pins,
     pulse_us: u32,
+    places: [Step<D>; PLACES],
 }
 
 impl<D: Copy, const PLACES: usize, const PULSED: Pins> Steps<D, PLACES, PULSED> {
