@@ -6,6 +6,8 @@
 mod timer;
 
 mod durations;
+mod jerk_ramp;
+mod jerk_window;
 mod junction;
 mod look_ahead;
 mod quotient;
@@ -32,6 +34,8 @@ pub use axis_timers::AxisTimers;
 pub use bursts::{Burst, Bursts, Replay};
 pub use durations::{mul_div, mul_div_q16, share, times};
 pub use follower::{Due, Follower};
+pub use jerk_ramp::JerkRamp;
+pub use jerk_window::{JerkLimits, JerkLimitsError, JerkWindow, Slice};
 pub use junction::Junction;
 pub use look_ahead::{Limits, LookAhead};
 pub use ramp::{Piece, Ramp};

@@ -114,6 +114,11 @@ impl Stretch {
         scaled.min(self.ceiling_nm_per_s.into()).max(1) as u32
     }
 
+    /// Top speed under the overrides, below the upper level.
+    pub(crate) fn lower_top(&self, percents: Percents) -> u32 {
+        self.top_under(percents).min(self.knee())
+    }
+
     /// Largest change of the square of the speed over the whole move: 2 a L, at most 2^85.
     pub(crate) fn gain(&self) -> u128 {
         self.gain_by(self.double_acceleration())
