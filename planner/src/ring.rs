@@ -49,6 +49,20 @@ impl<T, const CAPACITY: usize> Ring<T, CAPACITY> {
         }
     }
 
+    /// Puts the element before the oldest one. A full queue drops it.
+    pub(crate) fn push_front(&mut self, element: T) {
+        if self.is_full() {
+            return;
+        }
+        // The capacity is not 0 here.
+        let head = self.place(CAPACITY.wrapping_sub(1));
+        if let Some(slot) = self.slots.get_mut(head) {
+            *slot = Some(element);
+            self.head = head;
+            self.len = self.len.wrapping_add(1);
+        }
+    }
+
     pub(crate) fn pop_front(&mut self) -> Option<T> {
         let element = self.slots.get_mut(self.head)?.take()?;
         self.head = self.place(1);
@@ -68,6 +82,14 @@ impl<T, const CAPACITY: usize> Ring<T, CAPACITY> {
             return None;
         }
         self.slots.get(self.place(offset))?.as_ref()
+    }
+
+    pub(crate) fn get_mut(&mut self, offset: usize) -> Option<&mut T> {
+        if offset >= self.len {
+            return None;
+        }
+        let place = self.place(offset);
+        self.slots.get_mut(place)?.as_mut()
     }
 
     pub(crate) fn front(&self) -> Option<&T> {

@@ -45,7 +45,7 @@ include!(concat!(env!("OUT_DIR"), "/chosen.rs"));
 #[cfg(feature = "flash")]
 mod flash;
 #[cfg(target_arch = "arm")]
-mod nvic;
+pub mod nvic;
 mod panic;
 mod registers;
 mod shared;

@@ -33,12 +33,15 @@ enum Due {
 /// A queue of `PLACES` steps, a power of two up to 128. The foreground fills it; the interrupt
 /// writes the levels and pops.
 ///
-/// In a step, the pins of `PULSED` are high for `PULSE_US` microseconds, then low. The wait of the
-/// next step counts from the rise.
+/// In a step, the pins of `PULSED` are high for the time of [`set_pulse_us`], then low. The wait of
+/// the next step counts from the rise.
 ///
-/// A queue of `heapless` takes twice the instructions in the interrupt.
-pub struct Steps<D, const PLACES: usize, const PULSED: Pins = 0, const PULSE_US: u32 = 0> {
-    places: [Step<D>; PLACES],
+/// [`set_pulse_us`]: Steps::set_pulse_us
+///
+/// A queue of `heapless` takes twice the instructions in the interrupt. The small fields come
+/// first, because the short instructions of a Cortex-M0 reach 32 bytes.
+#[repr(C)]
+pub struct Steps<D, const PLACES: usize, const PULSED: Pins = 0> {
     /// Numbers of steps queued and made, wrapping. Modulo `PLACES` they are indices of slots.
     queued: u8,
     made: u8,
@@ -47,11 +50,11 @@ pub struct Steps<D, const PLACES: usize, const PULSED: Pins = 0, const PULSE_US:
     has_pulsed: bool,
     /// Pins of `PULSED` whose pulse is low.
     inverted: Pins,
+    pulse_us: u32,
+    places: [Step<D>; PLACES],
 }
 
-impl<D: Copy, const PLACES: usize, const PULSED: Pins, const PULSE_US: u32>
-    Steps<D, PLACES, PULSED, PULSE_US>
-{
+impl<D: Copy, const PLACES: usize, const PULSED: Pins> Steps<D, PLACES, PULSED> {
     /// An empty queue; `delta` fills the slots.
     pub const fn new(delta: D) -> Self {
         const {
@@ -72,12 +75,19 @@ impl<D: Copy, const PLACES: usize, const PULSED: Pins, const PULSE_US: u32>
             due: Due::Nothing,
             has_pulsed: false,
             inverted: 0,
+            // Zero, so that the queue of a firmware takes no flash.
+            pulse_us: 0,
         }
     }
 
     /// Inverts pins of `PULSED`. The queue must be empty.
     pub fn invert(&mut self, pins: Pins) {
         self.inverted = pins & PULSED;
+    }
+
+    /// Sets how long the pins of `PULSED` are high in a step, from now on.
+    pub fn set_pulse_us(&mut self, us: u32) {
+        self.pulse_us = us;
     }
 
     /// The pins of `PULSED` whose pulse is low.
@@ -99,7 +109,7 @@ impl<D: Copy, const PLACES: usize, const PULSED: Pins, const PULSE_US: u32>
             self.has_pulsed = levels & PULSED != 0;
             if self.has_pulsed {
                 self.due = Due::Fall;
-                return crate::wait(PULSE_US, section);
+                return crate::wait(self.pulse_us, section);
             }
         }
         self.made = self.made.wrapping_add(1);
@@ -115,8 +125,9 @@ impl<D: Copy, const PLACES: usize, const PULSED: Pins, const PULSE_US: u32>
         }
         if PULSED != 0 && self.has_pulsed {
             self.has_pulsed = false;
+            let pulse_us = self.pulse_us;
             let step = self.place(self.made);
-            step.wait_us = step.wait_us.saturating_sub(PULSE_US);
+            step.wait_us = step.wait_us.saturating_sub(pulse_us);
         }
         let step = self.place(self.made);
         match step.wait_us.checked_sub(LONGEST_US) {

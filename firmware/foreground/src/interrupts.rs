@@ -8,20 +8,13 @@ use crate::Product;
 /// The queue of steps, and the bytes that stop it.
 ///
 /// A firmware keeps this in a static and calls its functions in `on_time` and `on_byte`. `PULSED`
-/// and `PULSE_US` are those of [`Steps`].
-pub struct Interrupts<
-    P: Product,
-    const PLACES: usize,
-    const PULSED: Pins = 0,
-    const PULSE_US: u32 = 0,
-> {
-    pub(crate) steps: Steps<P::Undo, PLACES, PULSED, PULSE_US>,
+/// is that of [`Steps`].
+pub struct Interrupts<P: Product, const PLACES: usize, const PULSED: Pins = 0> {
+    pub(crate) steps: Steps<P::Undo, PLACES, PULSED>,
     pub(crate) stops: <P::Controller as Controller>::Stops,
 }
 
-impl<P: Product, const PLACES: usize, const PULSED: Pins, const PULSE_US: u32>
-    Interrupts<P, PLACES, PULSED, PULSE_US>
-{
+impl<P: Product, const PLACES: usize, const PULSED: Pins> Interrupts<P, PLACES, PULSED> {
     /// An empty queue and no stopping byte. `undo` fills the slots of the queue.
     pub const fn new(undo: P::Undo) -> Self {
         Interrupts {
@@ -33,6 +26,11 @@ impl<P: Product, const PLACES: usize, const PULSED: Pins, const PULSE_US: u32>
     /// Inverts pins of `PULSED`, while no step is queued.
     pub fn invert(&mut self, pins: Pins) {
         self.steps.invert(pins);
+    }
+
+    /// Sets the time of a pulse.
+    pub fn set_pulse_us(&mut self, us: u32) {
+        self.steps.set_pulse_us(us);
     }
 
     /// The pins of `PULSED` whose pulse is low.

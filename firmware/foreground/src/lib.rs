@@ -56,10 +56,10 @@ pub trait Product {
 /// A controller that does not plan ahead needs a queue of one slot. It gets the present state of
 /// the switches, and is asked for an event after the previous one was made.
 #[inline(never)]
-pub fn run<P: Product, const PLACES: usize, const PULSED: Pins, const PULSE_US: u32>(
+pub fn run<P: Product, const PLACES: usize, const PULSED: Pins>(
     product: &mut P,
     controller: &mut P::Controller,
-    interrupts: &Shared<Interrupts<P, PLACES, PULSED, PULSE_US>>,
+    interrupts: &Shared<Interrupts<P, PLACES, PULSED>>,
 ) -> ! {
     const { assert!(P::Controller::AHEAD <= PLACES, "events wait in the queue") };
     let mut reported = 0_u8;
@@ -159,8 +159,8 @@ fn report<P: Product>(
 
 /// Queues an event. There must be room for it. Returns whether there is room for another one.
 #[inline(always)]
-fn push<P: Product, const PLACES: usize, const PULSED: Pins, const PULSE_US: u32>(
-    interrupts: &Shared<Interrupts<P, PLACES, PULSED, PULSE_US>>,
+fn push<P: Product, const PLACES: usize, const PULSED: Pins>(
+    interrupts: &Shared<Interrupts<P, PLACES, PULSED>>,
     step: Step<P::Undo>,
 ) -> bool {
     board::uninterrupted(|section| {
@@ -172,11 +172,11 @@ fn push<P: Product, const PLACES: usize, const PULSED: Pins, const PULSE_US: u32
 }
 
 /// Stops the motors, and drops and undoes the queued events.
-fn halt<P: Product, const PLACES: usize, const PULSED: Pins, const PULSE_US: u32>(
+fn halt<P: Product, const PLACES: usize, const PULSED: Pins>(
     product: &mut P,
     controller: &mut P::Controller,
     reported: &mut u8,
-    interrupts: &Shared<Interrupts<P, PLACES, PULSED, PULSE_US>>,
+    interrupts: &Shared<Interrupts<P, PLACES, PULSED>>,
 ) {
     let made = interrupts.with(|now| {
         now.steps.stop().for_each(|step| product.undo(step.delta));

@@ -8,12 +8,13 @@ little RAM. Its processor, a Cortex-M0, gives the bound of the stack.
 
 from __future__ import annotations
 
+import itertools
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
 from husillo_firmware import build, product, registers, stack
-from husillo_firmware.boards import MPS2, VIRT, Board
+from husillo_firmware.boards import MPS2, NUCLEO_F446, VIRT, Board
 from husillo_firmware.emulated import Emulated, Row, same
 from husillo_firmware.waiting import require
 
@@ -22,10 +23,12 @@ from products.grbl.link import Edges, Grbl
 
 LINES = 200
 SPEED = 1000
+# Not the time at power-on.
+PULSE_US = 37
 # Few steps per mm, because QEMU logs every access to a register. Rates and ramps of a small mill.
 SETTINGS = [(100, 25), (101, 25), (102, 25), (110, 3000), (111, 3000), (112, 2000)]
 SETTINGS += [(120, 500), (121, 500), (122, 500)]
-BOARDS = (MPS2, VIRT)
+BOARDS = (MPS2, VIRT, NUCLEO_F446)
 # The last line of a program waits until everything has been made.
 WAIT = "G4 P0.01"
 
@@ -93,7 +96,9 @@ def dialogues(board: Board) -> None:
 
 def cut(board: Board) -> Iterator[tuple[str, int]]:
     """Makes the program, and homes. Yields the figures."""
-    dialogues(board)
+    if board != NUCLEO_F446:
+        # It has the same processor as the MPS2.
+        dialogues(board)
     expected = emulated()
     with tempfile.TemporaryDirectory() as path:
         log = Path(path) / "log"
@@ -106,6 +111,8 @@ def cut(board: Board) -> Iterator[tuple[str, int]]:
             ram = grbl.ram()
     if found != expected:
         raise SystemExit(f"{board}: {found} instead of {expected}")
+    if board == MPS2:
+        pulses(board)
     home(board)
     realtime.check(board)
     yield "steps", sum(found.pulses)
@@ -127,6 +134,24 @@ def home(board: Board) -> None:
         require("$22=1" in grbl.ask("$$"), f"{board}: a setting is lost at a reset")
 
 
+def pulses(board: Board) -> None:
+    """The time of a step pulse is that of `$0`."""
+    with tempfile.TemporaryDirectory() as path:
+        log = Path(path) / "log"
+        with Grbl("grbl", board, *registers.ACCESSES, "-D", str(log)) as grbl:
+            grbl.start()
+            for line in (f"$0={PULSE_US}", "G1 X0.1 F600", WAIT):
+                grbl.ask(line)
+            grbl.monitor("info status")
+        writes = [one for one in registers.made(registers.read_file(board, log)) if one.due]
+    times = {
+        (low.due - high.due) // registers.clocks_per_us(board)
+        for high, low in itertools.pairwise(writes)
+        if high.levels & 1 and not low.levels & 1 and high.due and low.due
+    }
+    require(times == {PULSE_US}, f"{board}: pulses of {times} us instead of {PULSE_US}")
+
+
 def bound() -> int:
     """The most stack that the code for a Cortex-M0 can take."""
     build.cargo(
@@ -141,4 +166,4 @@ def main(arguments: list[str]) -> int:
     """Checks the firmware on the boards with enough RAM."""
     options = product.parser("grbl", __doc__).parse_args(arguments)
     figures = product.measure("grbl", options.boards or BOARDS, cut)
-    return product.settle("grbl", options, figures)
+    return product.settle("grbl", options, figures, BOARDS)

@@ -1,5 +1,5 @@
 """The command line of all checks: `firmware/check NAME ...`, `firmware/qemu PRODUCT ...`
-and `firmware/uf2 PRODUCT`."""
+and `firmware/image PRODUCT BOARD`."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import os
 import sys
 from importlib import import_module
 
-from husillo_firmware import boards, build, qemu, uf2
+from husillo_firmware import boards, build, image, qemu
 
 CHECKS = {
     "micromill": "products.micromill.check",
@@ -54,8 +54,8 @@ def main(arguments: list[str]) -> int:
     """Runs a check by its name. Returns the exit status."""
     if arguments[:1] == ["qemu"]:
         run(arguments[1:])
-    if arguments[:1] == ["uf2"]:
-        return uf2.main(arguments[1:])
+    if arguments[:1] == ["image"]:
+        return image.main(arguments[1:])
     if not arguments or arguments[0] not in CHECKS:
         print(f"firmware/check {'|'.join(CHECKS)} [--help]", file=sys.stderr)
         return 2

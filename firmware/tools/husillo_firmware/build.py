@@ -39,11 +39,15 @@ def elf(program: str, board: Board) -> Path:
 def firmware(program: str, board: Board, features: str = "") -> Path:
     """Builds a firmware for a board."""
     key = program, board.name
+    environment = {"CARGO_PROFILE_RELEASE_OPT_LEVEL": LEVELS.get(key, board.level)}
+    if board.file:
+        environment["BOARD"] = board.file
     own = ["--config", OWN[key]] if key in OWN else []
     cargo(
         *("build", "-q", "--release", "-p", program, "--features", features),
-        *("--target", board.target, *own),
-        CARGO_PROFILE_RELEASE_OPT_LEVEL=LEVELS.get(key, board.level),
+        *("--target", board.target, *own, *board.options),
+        folder=FIRMWARE,
+        **environment,
     )
     return elf(program, board)
 

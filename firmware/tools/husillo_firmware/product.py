@@ -34,9 +34,14 @@ def measure(name: str, on: Iterable[Board], measured: Measured) -> Figures:
     return figures
 
 
-def settle(name: str, options: argparse.Namespace, figures: Figures) -> int:
+def settle(
+    name: str,
+    options: argparse.Namespace,
+    figures: Figures,
+    on: Iterable[Board] = boards.ALL,
+) -> int:
     """Compares a product's figures with its golden file, or writes it. Returns the status."""
-    chosen = {board.name for board in options.boards or boards.ALL}
+    chosen = {board.name for board in options.boards or on}
     if options.write and options.boards:
         raise SystemExit("--write needs all boards")
     path = FIRMWARE / "products" / name / "golden.txt"

@@ -27,10 +27,11 @@ def command(elf: Path, board: Board, port: int, monitor: str, in_wall_time: bool
     sleep = "on" if in_wall_time else "off"
     return [
         *board.qemu,
-        *("-icount", f"shift=6,sleep={sleep}", "-M", board.name),
+        *("-icount", f"shift=6,sleep={sleep}", "-M", board.machine or board.name),
         # There is no network: on virt, its timers alone could keep virtual time running while the
         # monitor and the line wait forever.
         *("-nic", "none", "-display", "none", "-monitor", monitor),
+        *(["-serial", "null"] * board.serial),
         *("-serial", f"tcp:127.0.0.1:{port},server=on,wait=off,nodelay=on"),
         *("-kernel", str(elf)),
     ]

@@ -110,7 +110,46 @@ class Virt(Registers):
         return None
 
 
-BOARDS: dict[str, type[Registers]] = {"microbit": Microbit, "mps2-an386": Mps2, "virt": Virt}
+class NucleoF446(Registers):
+    """SysTick counts at 168 MHz. There is no counter of time, so `NOW` is never read.
+
+    The motors are at ports A, B and C, which are written in this order. The other outputs are at
+    the same ports.
+    """
+
+    CLOCKS_PER_US = 168
+    SENT = HEARD = 0x4000_4404
+    NOW = 0
+    SET_RESET = (0x4002_0018, 0x4002_0418, 0x4002_0818)
+    MOTORS = ((0, 10), (1, 3), (1, 5), (1, 4), (1, 10), (0, 8), (2, 1), (2, 11))
+    OUTPUTS = ((0, 9), (2, 10), (0, 5), (1, 0))
+
+    def __init__(self) -> None:
+        self.ports = [0, 0, 0]
+
+    def levels(self, pins: tuple[tuple[int, int], ...]) -> int:
+        """The levels of these pins, bit 0 for the first one."""
+        return sum((self.ports[port] >> pin & 1) << n for n, (port, pin) in enumerate(pins))
+
+    def write(self, address: int, value: int) -> tuple[str, int] | None:
+        if address not in self.SET_RESET:
+            return None
+        port, changed = self.SET_RESET.index(address), value | value >> 16
+        self.ports[port] = self.ports[port] & ~(value >> 16) | value & 0xFFFF
+        # Port C is the last one, and has pins of both.
+        for kind, pins in (("motors", self.MOTORS), ("outputs", self.OUTPUTS)):
+            of_last = [pin for of, pin in pins if of == 2]
+            if port == 2 and all(changed >> pin & 1 for pin in of_last):
+                return kind, self.levels(pins)
+        return None
+
+
+BOARDS: dict[str, type[Registers]] = {
+    "microbit": Microbit,
+    "mps2-an386": Mps2,
+    "virt": Virt,
+    "nucleo-f446": NucleoF446,
+}
 
 
 def clocks_per_us(board: Board) -> int:

@@ -76,7 +76,7 @@ def microbit() -> dict[str, str]:
 
 def pico() -> dict[str, str]:
     """The names of the Pico's pins in the tables."""
-    names = {line: f"GP{pin}, pin {PICO_PINS[pin - 2]}" for line, pin in pins("pico.rs").items()}
+    names = {line: f"GP{pin}, pin {PICO_PINS[pin - 2]}" for line, pin in pins("rp2.rs").items()}
     return names | {"link TXD": "USB", "link RXD": "USB"}
 
 
@@ -127,7 +127,46 @@ def read_bits(source: str) -> dict[str, str]:
     return fields
 
 
+# The signals of a Grbl controller, in the order of the lines of a board.
+GRBL_MOTORS = [f"{axis} {kind}" for kind in ("step", "direction") for axis in "XYZ"]
+GRBL_MOTORS += ["mist coolant"]
+GRBL_OUTPUTS = ["motors off", "spindle on", "spindle counter-clockwise", "flood coolant"]
+GRBL_INPUTS = [*(f"{axis} limit" for axis in "XYZ"), "probe", "hold", "start", "reset", "door"]
+
+
+def grbl_pins(board: str) -> tuple[dict[str, str], dict[str, str]]:
+    """The pins of each signal, in the table of a board's file and in its code."""
+    text = (BOARDS / board).read_text()
+    table: dict[str, str] = {}
+    columns: list[str] = []
+    for line in text.splitlines():
+        cells = [cell.strip() for cell in line.removeprefix("//! |").strip("|").split("|")]
+        if not line.startswith("//! |") or set(cells[0]) == {"-"}:
+            continue
+        columns = columns or cells
+        signal = ""
+        for column, cell in zip(columns, cells, strict=True):
+            if column == "signal":
+                signal = cell
+            elif column == "pin" and cell != "pin":
+                table[signal] = cell
+    code: dict[str, str] = {}
+    names = {"MOTORS": GRBL_MOTORS, "OUTPUTS": GRBL_OUTPUTS, "INPUTS": GRBL_INPUTS}
+    names["PWM"] = ["PWM of the spindle"]
+    for name, signals in names.items():
+        array = found(rf"pub const {name}: .*?= (.*?);", text)
+        pairs = zip(signals, re.findall(r"Pin\((\w), (\d+)\)", array), strict=False)
+        code |= {signal: f"P{port}{pin}" for signal, (port, pin) in pairs}
+    return table, code
+
+
 class Wiring(unittest.TestCase):
+    def test_the_signals_of_boards_with_an_stm32_are_those_of_the_code(self) -> None:
+        for board in ("nucleo.rs", "pill.rs"):
+            with self.subTest(board):
+                table, code = grbl_pins(board)
+                self.assertEqual(table, code)
+
     """The tables name the pins and lines of the source."""
 
     def test_pins(self) -> None:
@@ -144,7 +183,7 @@ class Wiring(unittest.TestCase):
 
     def test_the_list_of_lines_is_complete(self) -> None:
         lines = [row["line"] for row in rows("README.md")]
-        self.assertEqual(lines, [*pins("pico.rs"), "link TXD", "link RXD"])
+        self.assertEqual(lines, [*pins("rp2.rs"), "link TXD", "link RXD"])
 
     def lines_of(self, page: str, name: str) -> list[str]:
         """The lines of the rows that contain a name of the source."""

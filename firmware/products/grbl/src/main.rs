@@ -33,12 +33,7 @@ const OPTIONS: GrblOptions = GrblOptions {
     ..GrblOptions::FULL
 };
 
-/// How long a step pin is active. `$0` has no effect. The drivers of the field need 1 to 2.5 us,
-/// optocouplers before them up to 10 us.
-const PULSE_US: u32 = 10;
-
-static INTERRUPTS: Shared<Interrupts<Machine, 1, STEPS, PULSE_US>> =
-    Shared::new(Interrupts::new(()));
+static INTERRUPTS: Shared<Interrupts<Machine, 1, STEPS>> = Shared::new(Interrupts::new(()));
 
 /// A wait is over: the step pins rise or fall.
 #[unsafe(no_mangle)]
@@ -73,7 +68,7 @@ fn main() -> ! {
         outputs: Outputs::default(),
         switches: Switches::new(),
     };
-    machine.invert(controller);
+    machine.set_pulses(controller);
     foreground::run(&mut machine, controller, &INTERRUPTS)
 }
 
@@ -121,7 +116,7 @@ impl Product for Machine {
     fn performed(&mut self, grbl: &Grbl) {
         if core::mem::take(&mut self.must_store) {
             self.memory.write(grbl.memory());
-            self.invert(grbl);
+            self.set_pulses(grbl);
         }
     }
 
@@ -149,10 +144,14 @@ impl Machine {
         board::write(self.levels ^ INTERRUPTS.with(|now| now.inverted()));
     }
 
-    /// Takes the inverted step pins of `$2` into use.
-    fn invert(&mut self, grbl: &Grbl) {
-        let mask = grbl.memory().settings().whole(2);
-        INTERRUPTS.with(|now| now.invert(mask as Pins & STEPS));
+    /// Takes the time of a pulse, `$0`, and the inverted step pins, `$2`, into use.
+    fn set_pulses(&mut self, grbl: &Grbl) {
+        let settings = grbl.memory().settings();
+        let mask = settings.whole(2) as Pins & STEPS;
+        INTERRUPTS.with(|now| {
+            now.set_pulse_us(settings.whole(0));
+            now.invert(mask);
+        });
         self.write();
     }
 }

@@ -39,8 +39,7 @@ const NOT_RESET: u8 = 0b10;
 /// Cortex-M0 at 16 MHz takes some microseconds from one interrupt of the timer to the next.
 const PULSE_US: u32 = 10;
 
-static INTERRUPTS: Shared<Interrupts<Microfactory, 1, CLOCKS, PULSE_US>> =
-    Shared::new(Interrupts::new(()));
+static INTERRUPTS: Shared<Interrupts<Microfactory, 1, CLOCKS>> = Shared::new(Interrupts::new(()));
 
 /// A wait is over: the CLOCKs of a step rise or fall.
 #[unsafe(no_mangle)]
@@ -55,6 +54,7 @@ fn on_byte(_: u8, _: CriticalSection<'_>) {}
 /// Starts the main loop.
 #[board::entry]
 fn main() -> ! {
+    INTERRUPTS.with(|now| now.set_pulse_us(PULSE_US));
     board::start();
     board::switch(NOT_RESET);
     let link = Device::new(ByteTable::DEFAULT);

@@ -3,9 +3,9 @@
 use core::hint::black_box;
 
 use husillo_planner::{
-    AxisTimers, Burst, Bursts, Follower, Junction, LookAhead, Piece, Ramp, Recurrence, Replay,
-    SCurve, ServoLine, ServoProfile, Stretch, SurfaceSpeed, Tangent, Timer, Trapezoid,
-    arc_acceleration, arc_speed, mul_div, mul_div_q16, share, times,
+    ArcLimits, AxisTimers, Burst, Bursts, Follower, JerkRamp, JerkWindow, Junction, LookAhead,
+    Piece, Ramp, Recurrence, Replay, SCurve, ServoLine, ServoProfile, Slice, Stretch, SurfaceSpeed,
+    Tangent, Timer, Trapezoid, Upper, mul_div, mul_div_q16, share, times,
 };
 
 /// Keeps every function in the program.
@@ -20,6 +20,7 @@ pub fn keep() {
         Timer::rate as *const (),
     ]);
     path();
+    jerk();
     profiles();
     streams();
     servo();
@@ -70,8 +71,37 @@ fn path() {
         Tangent::<3>::speed_limit as *const (),
         Tangent::<3>::acceleration_limit as *const (),
         Junction::<3>::speed as *const (),
-        arc_speed as *const (),
-        arc_acceleration as *const (),
+        ArcLimits::new as *const (),
+        Upper::new as *const (),
+    ]);
+}
+
+fn jerk() {
+    black_box([
+        JerkWindow::<u32, 16>::new as *const (),
+        JerkWindow::<u32, 16>::push as *const (),
+        JerkWindow::<u32, 16>::pop as *const (),
+        JerkWindow::<u32, 16>::front as *const (),
+        JerkWindow::<u32, 16>::back as *const (),
+        JerkWindow::<u32, 16>::len as *const (),
+        JerkWindow::<u32, 16>::is_empty as *const (),
+        JerkWindow::<u32, 16>::is_full as *const (),
+        JerkWindow::<u32, 16>::clear as *const (),
+        JerkWindow::<u32, 16>::hold as *const (),
+        JerkWindow::<u32, 16>::resume as *const (),
+        JerkWindow::<u32, 16>::is_held as *const (),
+        JerkWindow::<u32, 16>::percent as *const (),
+        JerkWindow::<u32, 16>::set_override as *const (),
+        JerkWindow::<u32, 16>::set_rapid_override as *const (),
+        JerkWindow::<u32, 16>::units_per_nm as *const (),
+        JerkWindow::<u32, 16>::slice_ticks_q32 as *const (),
+        JerkWindow::<u32, 16>::next_slice as *const (),
+        Slice::length as *const (),
+        Slice::end_speed as *const (),
+        JerkRamp::new as *const (),
+        JerkRamp::begin::<u32, 16> as *const (),
+        JerkRamp::wait::<u32, 16> as *const (),
+        JerkRamp::stop as *const (),
     ]);
 }
 

@@ -12,6 +12,7 @@ mod arcs;
 mod chain;
 mod curves;
 mod encoder;
+mod jerk;
 mod lines;
 mod pid;
 mod planning;
@@ -42,6 +43,7 @@ pub fn methods(count: Count<'_>) {
     curves::all(count);
     profiles::all(count);
     planning::all(count);
+    jerk::all(count);
     stages::all(count);
     encoder::all(count);
     pid::all(count);

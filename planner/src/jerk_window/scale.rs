@@ -1,0 +1,131 @@
+//! Units of the jerk window.
+
+use core::fmt;
+
+use crate::{
+    jerk_window::filter::SLICES,
+    timer::{bits, scaled_quotient},
+};
+
+/// Limits of the path for a [`JerkWindow`](crate::JerkWindow).
+///
+/// The window lasts `acceleration / jerk`: the time from no acceleration to the full one.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct JerkLimits {
+    /// Acceleration along the path, the same for all moves. It is safe to use the least one that
+    /// the axes allow in any direction.
+    pub acceleration_nm_per_s2: u64,
+    /// Change of the acceleration per second.
+    pub jerk_nm_per_s3: u64,
+    /// Highest speed of any move; higher ones are limited to it.
+    pub highest_nm_per_s: u32,
+}
+
+/// Reason why the limits of a jerk window cannot be used.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum JerkLimitsError {
+    /// The acceleration, the jerk or the highest speed is 0.
+    Zero,
+    /// The window is so short that the speed changes by less than 64 units in a slice. At 1 m/s^2
+    /// it has to last at least 63 us.
+    WindowTooShort,
+    /// The window is so long that its values do not fit. At 1 m/s^2 and 1 m/s it may last 2.9 s.
+    WindowTooLong,
+}
+
+impl fmt::Display for JerkLimitsError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            JerkLimitsError::Zero => "acceleration, jerk and highest speed must not be 0",
+            JerkLimitsError::WindowTooShort => "the jerk is too high for the acceleration",
+            JerkLimitsError::WindowTooLong => "the jerk is too low for the acceleration",
+        })
+    }
+}
+
+impl core::error::Error for JerkLimitsError {}
+
+/// Longer moves are taken as this (1.1 km).
+const MAX_LENGTH_NM: u64 = 1 << 40;
+/// Most fraction bits of a unit.
+const MOST_BITS: u32 = 12;
+/// Bits of the highest speed and of the highest step, in units per slice. With these the braking
+/// distance and all products that lead to it fit in 63 bits.
+const SPEED_BITS: u32 = 30;
+const STEP_BITS: u32 = 25;
+
+/// Conversion to units of 2^-`fraction_bits` nm, and to slices.
+#[derive(Copy, Clone, Debug)]
+pub(crate) struct Scale {
+    /// Duration of a slice in s, times 2^(32 + `fraction_bits`). Rounded up, so that the jerk is
+    /// not exceeded.
+    slice: u32,
+    pub(crate) fraction_bits: u8,
+    /// Largest change of speed in a slice, in units per slice.
+    pub(crate) step: u32,
+    highest_nm_per_s: u32,
+}
+
+impl Scale {
+    pub(crate) fn new(limits: &JerkLimits) -> Result<Scale, JerkLimitsError> {
+        let JerkLimits {
+            acceleration_nm_per_s2: acceleration,
+            jerk_nm_per_s3: jerk,
+            highest_nm_per_s,
+        } = *limits;
+        if acceleration == 0 || jerk == 0 || highest_nm_per_s == 0 {
+            return Err(JerkLimitsError::Zero);
+        }
+        // 32 fraction bits, and those of a unit, for the 16th part of the window.
+        let digits = 32_u32.wrapping_add(MOST_BITS).wrapping_sub(SLICES.ilog2());
+        let (finest, _) = scaled_quotient(acceleration, jerk, digits as u8);
+        for fraction_bits in (0..=MOST_BITS).rev() {
+            let shift = MOST_BITS.wrapping_sub(fraction_bits);
+            let slice = finest.wrapping_shr(shift).saturating_add(1);
+            let Ok(slice) = u32::try_from(slice) else {
+                continue;
+            };
+            // At most 2^128 / 2^64.
+            let squared = u64::from(slice).wrapping_mul(slice.into());
+            let step = u128::from(squared).wrapping_mul(acceleration.into());
+            let step = step.wrapping_shr(64_u32.wrapping_add(fraction_bits));
+            let speed = u64::from(slice).wrapping_mul(highest_nm_per_s.into()) >> 32;
+            if step >> STEP_BITS != 0 || bits(speed) > SPEED_BITS {
+                continue;
+            }
+            if step < 64 {
+                return Err(JerkLimitsError::WindowTooShort);
+            }
+            return Ok(Scale {
+                slice,
+                fraction_bits: fraction_bits as u8,
+                step: step as u32,
+                highest_nm_per_s,
+            });
+        }
+        Err(JerkLimitsError::WindowTooLong)
+    }
+
+    /// Units per slice, rounded down.
+    pub(crate) fn speed(&self, nm_per_s: u32) -> u32 {
+        let nm_per_s = nm_per_s.min(self.highest_nm_per_s);
+        (u64::from(self.slice).wrapping_mul(nm_per_s.into()) >> 32) as u32
+    }
+
+    /// Length of a move in half units, at most 2^53.
+    pub(crate) fn half_units(&self, length_nm: u64) -> u64 {
+        let bits = u32::from(self.fraction_bits).wrapping_add(1);
+        length_nm.min(MAX_LENGTH_NM).wrapping_shl(bits)
+    }
+
+    /// Ticks of a slice times 2^32, rounded up.
+    pub(crate) fn ticks_q32(&self, timer_hz: u32) -> u64 {
+        let product = u64::from(self.slice).wrapping_mul(timer_hz.into());
+        product
+            .wrapping_shr(self.fraction_bits.into())
+            .saturating_add(1)
+    }
+}
