@@ -32,6 +32,7 @@
 //! assert_eq!(x.load_position(90 - 1457), 90);
 //! ```
 
+#![cfg_attr(docsrs, feature(doc_cfg))]
 #![no_std]
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]

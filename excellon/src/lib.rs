@@ -39,6 +39,7 @@
 //! name: hole patterns (G82, G83, G84, G87), cutter compensation (G41, G42), and an origin other
 //! than zero (G92, G93).
 
+#![cfg_attr(docsrs, feature(doc_cfg))]
 #![no_std]
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]

@@ -32,6 +32,7 @@
 //! ]);
 //! # Ok::<(), husillo_gcode::Error>(())
 //! ```
+#![cfg_attr(docsrs, feature(doc_cfg))]
 #![no_std]
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]

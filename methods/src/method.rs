@@ -96,7 +96,7 @@ pub const ARCS: [Method; 6] = [
 /// Columns of the instruction counts: Cortex-M0, Cortex-M4F, RISC-V.
 const PROCESSORS: [&str; 3] = ["thumbv6m", "thumbv7em", "rv32imac"];
 /// Instructions per event, counted under QEMU for the check of the firmware.
-const GOLDEN: &str = include_str!("../../firmware/proofs/counts/golden.txt");
+const GOLDEN: &str = include_str!("counts.txt");
 
 /// The events of a move, and the units of their sweep per BLU of path. `None` if every event is one
 /// BLU.

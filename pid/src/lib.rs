@@ -36,6 +36,7 @@
 //! # Ok::<(), husillo_pid::SettingsError>(())
 //! ```
 
+#![cfg_attr(docsrs, feature(doc_cfg))]
 #![no_std]
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]

@@ -47,6 +47,7 @@ fn stretch(way: &[i64; 3], last: &mut Option<Tangent<3>>) -> Option<Stretch> {
         obeys_override: true,
         acceleration_nm_per_s2: direction.acceleration_limit(&ACCELERATIONS),
         start_nm_per_s: 0,
+        upper: None,
         entry_limit_nm_per_s,
     })
 }
@@ -109,6 +110,7 @@ fn ramp(criterion: &mut Criterion) {
         obeys_override: true,
         acceleration_nm_per_s2: 100_000_000,
         start_nm_per_s: 0,
+        upper: None,
         entry_limit_nm_per_s: 0,
     };
     let mut group = criterion.benchmark_group("ramp");
@@ -131,6 +133,7 @@ fn ramp(criterion: &mut Criterion) {
     group.bench_function("event_at_constant_speed", |bencher| {
         let cruising = Stretch {
             start_nm_per_s: 100_000_000,
+            upper: None,
             ..line
         };
         bencher.iter(|| {

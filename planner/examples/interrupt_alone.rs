@@ -38,6 +38,7 @@ fn main() {
         obeys_override: true,
         acceleration_nm_per_s2: 1_000_000_000,
         start_nm_per_s: 0,
+        upper: None,
         entry_limit_nm_per_s: 0,
     };
     let mut moves = LookAhead::<(), 4>::new();

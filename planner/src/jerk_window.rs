@@ -62,8 +62,8 @@ pub use scale::{JerkLimits, JerkLimitsError};
 ///   This includes holds, resumes and overrides, which act from the next slice on.
 /// - **Ends** are exact: the path stops at the end of the last move.
 /// - **Moves** lose their own acceleration and start speed: [`JerkLimits`] has one acceleration
-///   for all, and a path with limited jerk has no start speed. A length above 2^40 nm is taken as
-///   this, and a top speed below one unit per slice as one unit.
+///   for all, and a path with limited jerk has no start speed. They stay below their upper level.
+///   A length above 2^40 nm is taken as this, and a top speed below one unit per slice as one unit.
 /// - **Capacity.** At most 512. To reach a speed v, the queue needs moves for a path of about
 ///   v^2 / 2 a + 1.5 v T.
 /// - **Short moves from stop to stop** take longer than with [`SCurve`](crate::SCurve), which is
@@ -89,6 +89,7 @@ pub use scale::{JerkLimits, JerkLimitsError};
 ///     obeys_override: true,
 ///     acceleration_nm_per_s2: 1_000_000_000,
 ///     start_nm_per_s: 0,
+///     upper: None,
 ///     entry_limit_nm_per_s: 0,
 /// };
 /// let mut moves = JerkWindow::<(), 8>::new(&limits)?;
@@ -363,7 +364,7 @@ impl<M, const CAPACITY: usize> JerkWindow<M, CAPACITY> {
         let Some(slot) = self.slot(self.made) else {
             return 0;
         };
-        let top = self.scale.speed(slot.stretch.top_under(self.percents));
+        let top = self.scale.speed(slot.stretch.lower_top(self.percents));
         let top = top.max(1);
         self.held.map_or(top, |held| top.min(held.speed))
     }
@@ -438,8 +439,8 @@ impl<M, const CAPACITY: usize> JerkWindow<M, CAPACITY> {
         let speed = after
             .stretch
             .entry_limit_nm_per_s
-            .min(before.stretch.top_under(self.percents))
-            .min(after.stretch.top_under(self.percents));
+            .min(before.stretch.lower_top(self.percents))
+            .min(after.stretch.lower_top(self.percents));
         let speed = self.scale.speed(speed);
         let squared = u64::from(speed).wrapping_mul(speed.into());
         Some(Corner {

@@ -119,26 +119,6 @@ impl<const N: usize> Junction<N> {
     }
 }
 
-/// Highest speed on an arc in nm/s. At this speed the acceleration towards the centre, v^2 / r, is
-/// half of what the axes allow.
-///
-/// The other part, [`arc_acceleration`], is left for speeding up and slowing down; the vector sum
-/// of both is the whole. `acceleration_nm_per_s2` is the smaller limit of the two axes of the
-/// plane.
-pub fn arc_speed(acceleration_nm_per_s2: u64, radius_nm: u64) -> u32 {
-    let squared = (acceleration_nm_per_s2 / 2).saturating_mul(radius_nm);
-    // The root of 64 bits has 32 bits.
-    squared.isqrt() as u32
-}
-
-/// Acceleration along an arc in nm/s^2 when half the limit goes towards the centre: sqrt(3)/2 of
-/// the limit.
-pub fn arc_acceleration(acceleration_nm_per_s2: u64) -> u64 {
-    // 0.866 is below sqrt(3)/2. Dividing first keeps the product in range.
-    let whole = (acceleration_nm_per_s2 / 1000).wrapping_mul(866);
-    whole.wrapping_add((acceleration_nm_per_s2 % 1000).wrapping_mul(866) / 1000)
-}
-
 fn squares<const N: usize>(vector: &[u32; N]) -> u64 {
     vector.iter().fold(0_u64, |sum, component| {
         // At most 2^62.

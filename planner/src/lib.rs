@@ -1,3 +1,4 @@
+#![cfg_attr(docsrs, feature(doc_cfg))]
 #![doc = include_str!("../README.md")]
 #![no_std]
 #![forbid(unsafe_code)]
@@ -16,6 +17,7 @@ mod ring;
 mod stretch;
 mod tangent;
 
+mod arc_limits;
 mod axis_timers;
 mod bursts;
 mod follower;
@@ -28,20 +30,21 @@ mod surface_speed;
 mod trapezoid;
 mod wide;
 
+pub use arc_limits::ArcLimits;
 pub use axis_timers::AxisTimers;
 pub use bursts::{Burst, Bursts, Replay};
 pub use durations::{mul_div, mul_div_q16, share, times};
 pub use follower::{Due, Follower};
 pub use jerk_ramp::JerkRamp;
 pub use jerk_window::{JerkLimits, JerkLimitsError, JerkWindow, Slice};
-pub use junction::{Junction, arc_acceleration, arc_speed};
+pub use junction::Junction;
 pub use look_ahead::{Limits, LookAhead};
 pub use ramp::{Piece, Ramp};
 pub use rates::{Rates, RatesError};
 pub use recurrence::Recurrence;
 pub use s_curve::SCurve;
 pub use servo::{ServoLine, ServoMotion, ServoProfile, ServoSetPoint};
-pub use stretch::Stretch;
+pub use stretch::{Stretch, Upper};
 pub use surface_speed::SurfaceSpeed;
 pub use tangent::Tangent;
 pub use timer::Timer;

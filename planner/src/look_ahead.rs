@@ -17,9 +17,20 @@
 //! Each move is therefore visited twice, for any length of the queue. The lowest candidate is
 //! always the first one. This is the known algorithm for the minimum of a sliding window. The two
 //! passes of Grbl's planner.c give the same speeds.
+//!
+//! On arcs less acceleration is left at high speeds ([`Upper`](crate::Upper)). While such moves are
+//! in the queue, two plans stand side by side. The first one stays below these speeds and has the
+//! whole acceleration. The second one has the small acceleration at all speeds. At each point the
+//! higher of the two speeds is possible: where it is that of the first plan, the speed is low, and
+//! where it is that of the second one, the acceleration is small. Without such moves both plans are
+//! the same, so only the first one is kept. The second one begins as a copy. A move is copied at
+//! most once, because it leaves the queue before the move that the copy was made for.
+
+mod plan;
 
 use crate::stretch::{Percents, square};
 use crate::{Stretch, ring::Ring};
+use plan::Plans;
 
 /// Highest speeds of the executing move, now and at its end.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
@@ -46,6 +57,7 @@ pub struct Limits {
 ///     obeys_override: true,
 ///     acceleration_nm_per_s2: 10_000_000,
 ///     start_nm_per_s: 0,
+///     upper: None,
 ///     entry_limit_nm_per_s: u32::MAX,
 /// };
 /// let mut moves = LookAhead::<&str, 2>::new();
@@ -58,12 +70,7 @@ pub struct Limits {
 #[derive(Clone, Debug)]
 pub struct LookAhead<M, const CAPACITY: usize> {
     slots: Ring<Slot<M>, CAPACITY>,
-    candidates: Ring<Candidate, CAPACITY>,
-    /// Height of the end of the first move. Heights cannot overflow: it would take 2^43 moves of
-    /// 2^85.
-    front_end: u128,
-    /// Height of the end of the last move.
-    end: u128,
+    plans: Plans<CAPACITY>,
     /// Sequence number of the first move; wraps.
     front_number: u32,
     percents: Percents,
@@ -77,22 +84,12 @@ struct Slot<M> {
     payload: M,
 }
 
-/// A junction with a bound below those of all junctions after it.
-#[derive(Copy, Clone, Debug)]
-struct Candidate {
-    /// Sequence number of the move after the junction.
-    number: u32,
-    height_and_limit: u128,
-}
-
 impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
     /// Creates an empty queue at an override of 100 %.
     pub const fn new() -> Self {
         Self {
             slots: Ring::new(),
-            candidates: Ring::new(),
-            front_end: 0,
-            end: 0,
+            plans: Plans::new(),
             front_number: 0,
             percents: Percents::FULL,
             limits: Limits {
@@ -117,16 +114,12 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
         let gain = stretch.gain();
         match self.slots.back() {
             Some(last) => {
-                let limit = entry_squared(&last.stretch, &stretch, self.percents);
                 // At most 2^31 moves wait, so the numbers of the moves in the queue differ.
                 let number = self.front_number.wrapping_add(self.slots.len() as u32);
-                self.add_candidate(number, limit);
-                self.end = self.end.wrapping_add(gain);
+                self.plans
+                    .join(number, &last.stretch, &stretch, gain, self.percents);
             }
-            None => {
-                self.front_end = gain;
-                self.end = gain;
-            }
+            None => self.plans.start(&stretch, gain),
         }
         self.slots.push_back(Slot {
             stretch,
@@ -146,13 +139,9 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
     pub fn pop(&mut self) -> Option<(Stretch, M)> {
         let slot = self.slots.pop_front()?;
         self.front_number = self.front_number.wrapping_add(1);
-        if let Some(candidate) = self.candidates.front() {
-            if candidate.number == self.front_number {
-                self.candidates.pop_front();
-            }
-        }
         if let Some(front) = self.slots.front() {
-            self.front_end = self.front_end.wrapping_add(front.gain);
+            self.plans
+                .advance(&slot.stretch, self.front_number, &front.stretch, front.gain);
         }
         self.update_limits(self.top());
         Some((slot.stretch, slot.payload))
@@ -204,22 +193,18 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
             return;
         }
         self.percents = percents;
-        self.candidates.clear();
-        let Some(front) = self.slots.front() else {
+        let Some(mut last) = self.slots.front() else {
             return;
         };
-        self.front_end = front.gain;
-        self.end = front.gain;
-        let mut last = front.stretch;
+        self.plans.start(&last.stretch, last.gain);
         for offset in 1..self.slots.len() {
             let Some(slot) = self.slots.get(offset) else {
                 break;
             };
-            let (stretch, gain) = (slot.stretch, slot.gain);
             let number = self.front_number.wrapping_add(offset as u32);
-            self.add_candidate(number, entry_squared(&last, &stretch, percents));
-            self.end = self.end.wrapping_add(gain);
-            last = stretch;
+            self.plans
+                .join(number, &last.stretch, &slot.stretch, slot.gain, percents);
+            last = slot;
         }
         self.update_limits(self.top());
     }
@@ -247,25 +232,8 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
     /// Drops all moves and keeps the override.
     pub fn clear(&mut self) {
         self.slots.clear();
-        self.candidates.clear();
+        self.plans.clear();
         self.update_limits(self.top());
-    }
-
-    /// Adds the junction between the last move and a new one. Removes all candidates with a higher
-    /// bound.
-    fn add_candidate(&mut self, number: u32, limit_squared: u64) {
-        let height_and_limit = self.end.wrapping_add(limit_squared.into());
-        while self
-            .candidates
-            .back()
-            .is_some_and(|candidate| candidate.height_and_limit >= height_and_limit)
-        {
-            self.candidates.pop_back();
-        }
-        self.candidates.push_back(Candidate {
-            number,
-            height_and_limit,
-        });
     }
 
     /// Top speed of the first move.
@@ -279,12 +247,7 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
         let exit_squared = match self.slots.back() {
             Some(last) => {
                 let stop = square(last.stretch.start_nm_per_s);
-                let mut lowest = self.end.wrapping_add(stop.into());
-                if let Some(candidate) = self.candidates.front() {
-                    lowest = lowest.min(candidate.height_and_limit);
-                }
-                let exit = lowest.saturating_sub(self.front_end);
-                u64::try_from(exit).unwrap_or(u64::MAX)
+                self.plans.exit_squared(stop)
             }
             None => 0,
         };
@@ -300,15 +263,4 @@ impl<M, const CAPACITY: usize> Default for LookAhead<M, CAPACITY> {
     fn default() -> Self {
         Self::new()
     }
-}
-
-/// Square of the highest speed from one move to the next: the junction limit and the top speeds of
-/// both moves. The start speed of the first move is always allowed, because the machine may stop
-/// from it and start again.
-fn entry_squared(before: &Stretch, after: &Stretch, percents: Percents) -> u64 {
-    let speed = after
-        .entry_limit_nm_per_s
-        .min(before.top_under(percents))
-        .min(after.top_under(percents));
-    square(speed.max(before.start_nm_per_s))
 }

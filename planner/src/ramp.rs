@@ -57,6 +57,7 @@ use sweeps::{Law, Span};
 ///     obeys_override: true,
 ///     acceleration_nm_per_s2: 50_000_000,
 ///     start_nm_per_s: 0,
+///     upper: None,
 ///     entry_limit_nm_per_s: 0,
 /// };
 /// let mut moves = LookAhead::<(), 8>::new();
@@ -97,6 +98,8 @@ pub struct Ramp {
     has_cruise: bool,
     /// Acceleration for which `course.slowness` was computed.
     acceleration: u64,
+    /// That of `course.other`; 0 where it is not known.
+    upper_acceleration: u64,
     /// Values of the move, kept for a change of the top speed.
     top: u32,
     programmed_top: u32,
@@ -139,6 +142,7 @@ impl Ramp {
             cruise: Timer::new(0, 1, 1),
             has_cruise: false,
             acceleration: 0,
+            upper_acceleration: 0,
             top: 1,
             programmed_top: 1,
             start: 0,
@@ -173,6 +177,11 @@ impl Ramp {
         self.programmed_top = stretch.top_nm_per_s.max(1);
         self.start = stretch.start_nm_per_s;
         self.set_scale(stretch);
+        self.course.knee = if stretch.upper.is_some() {
+            self.scaled(square(stretch.knee()))
+        } else {
+            u64::MAX
+        };
         let highest = square(stretch.entry_limit_nm_per_s);
         // Only a start speed leads to a speed above the limit of a junction. From a start speed the
         // speed may fall at once.
@@ -184,6 +193,7 @@ impl Ramp {
         self.is_line = self.largest_sweep == 1
             && is_quick
             && self.total_sweep <= u32::MAX.into()
+            && stretch.upper.is_none()
             && self.course.slowness.fraction_bits == 32;
         self.course.stops_whole = self.is_line;
         // An event has up to 64 grains, and a move at most 2^31.
@@ -208,11 +218,22 @@ impl Ramp {
             .wrapping_add(bits(self.total_sweep))
             .wrapping_sub(bits(length));
         let (per_sweep, _) = scaled_quotient(length, self.total_sweep, length_bits as u8);
+        let double = stretch.double_acceleration();
+        let lower = self.gain_of_grain(per_sweep, length_bits, double);
+        (self.course.path, self.course.wide) = lower;
+        if stretch.upper.is_some() {
+            let upper = self.gain_of_grain(per_sweep, length_bits, stretch.double_upper());
+            (self.course.other.path, self.course.other.wide) = upper;
+        }
+    }
+
+    /// The change of the square over a grain with twice this acceleration, and its unit.
+    fn gain_of_grain(&self, per_sweep: u64, length_bits: u32, double: u64) -> (u64, u8) {
         // 63 and 41 bits.
-        let product = u128::from(per_sweep).wrapping_mul(stretch.double_acceleration().into());
+        let product = u128::from(per_sweep).wrapping_mul(double.into());
         let up = u32::from(self.fine_bits)
             .wrapping_mul(2)
-            .wrapping_add(grain);
+            .wrapping_add(self.grain_bits.into());
         // Rounded up, so that braking over the whole move takes no longer than the look-ahead
         // assumes.
         let gain = match length_bits.checked_sub(up) {
@@ -222,18 +243,20 @@ impl Ramp {
         }
         .saturating_add(1);
         let wide = 66_u32.saturating_sub(gain.leading_zeros());
-        self.course.path = gain.wrapping_shr(wide) as u64;
+        let mut path = gain.wrapping_shr(wide) as u64;
         if wide != 0 {
             // At most 2^62.
-            self.course.path = self.course.path.wrapping_add(1).min((1 << 62) - 1);
+            path = path.wrapping_add(1).min((1 << 62) - 1);
         }
         // At most 62.
-        self.course.wide = wide as u8;
+        (path, wide as u8)
     }
 
     /// Chooses the units of speeds, and computes the time per unit of speed.
     fn set_scale(&mut self, stretch: &Stretch) {
+        self.course.switch(false);
         let acceleration = stretch.double_acceleration() >> 1;
+        let upper = stretch.double_upper() >> 1;
         let highest = stretch
             .ceiling_nm_per_s
             .max(stretch.top_nm_per_s)
@@ -253,6 +276,11 @@ impl Ramp {
             self.acceleration = acceleration;
             self.course.slowness = Slowness::new(self.timer_hz, acceleration, fine_bits);
             self.course.set_square(square);
+            self.upper_acceleration = 0;
+        }
+        if stretch.upper.is_some() && upper != self.upper_acceleration {
+            self.upper_acceleration = upper;
+            self.course.other.slowness = Slowness::new(self.timer_hz, upper, fine_bits);
         }
     }
 

@@ -1,5 +1,7 @@
 //! A move as the look-ahead sees it.
 
+use core::num::NonZeroU16;
+
 /// Longer moves are cut to this (17 km), so that nothing overflows.
 const MAX_LENGTH_NM: u64 = 1 << 44;
 /// Higher accelerations are cut to this (1100 m/s^2).
@@ -22,11 +24,54 @@ pub struct Stretch {
     pub obeys_override: bool,
     /// Acceleration along the path in nm/s^2.
     pub acceleration_nm_per_s2: u64,
+    /// The level of speed at which less acceleration is left along the path; `None` if there is
+    /// none.
+    pub upper: Option<Upper>,
     /// Start/stop speed: needs no ramp.
     pub start_nm_per_s: u32,
     /// Highest speed at the junction with the move before (see [`Junction`](crate::Junction)); 0
     /// stops there.
     pub entry_limit_nm_per_s: u32,
+}
+
+/// The upper of two levels of speed, as an arc has them: the faster it is, the more of the
+/// acceleration changes its direction, and the less is left along the path.
+///
+/// [`ArcLimits`](crate::ArcLimits) computes both levels of an arc. Both values are kept as parts of
+/// those of the [`Stretch`], so that a place in the queue is small.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Upper {
+    /// Part of the ceiling at which it begins, in 2^-16.
+    from: u16,
+    /// Part of the acceleration that is left in it, in 2^-16.
+    share: NonZeroU16,
+}
+
+impl Upper {
+    /// The upper level of a stretch with this ceiling. It begins at the speed `from_nm_per_s`, and
+    /// in it the acceleration falls from the first to the second of these, both in nm/s^2. Parts
+    /// are rounded down, so no limit is exceeded.
+    ///
+    /// Returns `None` for a stretch with one level: if it never reaches the speed, or if the
+    /// acceleration does not fall.
+    pub fn new(
+        ceiling_nm_per_s: u32,
+        from_nm_per_s: u32,
+        accelerations_nm_per_s2: [u64; 2],
+    ) -> Option<Upper> {
+        let [below, above] = accelerations_nm_per_s2.map(|limit| limit.min(MAX_ACCELERATION));
+        if from_nm_per_s >= ceiling_nm_per_s || above >= below {
+            return None;
+        }
+        // Both quotients are below 2^16.
+        let from = (u64::from(from_nm_per_s) << 16).checked_div(ceiling_nm_per_s.into())?;
+        let share = (above << 16).checked_div(below)?;
+        Some(Upper {
+            from: from as u16,
+            share: NonZeroU16::new(share as u16).unwrap_or(NonZeroU16::MIN),
+        })
+    }
 }
 
 /// Overrides in percent.
@@ -69,9 +114,28 @@ impl Stretch {
         scaled.min(self.ceiling_nm_per_s.into()).max(1) as u32
     }
 
+    /// Top speed under the overrides, below the upper level.
+    pub(crate) fn lower_top(&self, percents: Percents) -> u32 {
+        self.top_under(percents).min(self.knee())
+    }
+
     /// Largest change of the square of the speed over the whole move: 2 a L, at most 2^85.
     pub(crate) fn gain(&self) -> u128 {
-        u128::from(self.length()).wrapping_mul(u128::from(self.double_acceleration()))
+        self.gain_by(self.double_acceleration())
+    }
+
+    /// The same with the acceleration of the upper level.
+    pub(crate) fn upper_gain(&self) -> u128 {
+        self.gain_by(self.double_upper())
+    }
+
+    /// The length in two halves needs no product of 128 bits.
+    fn gain_by(&self, double: u64) -> u128 {
+        let length = self.length();
+        let [high, low] = [length >> 22, length & ((1 << 22) - 1)];
+        // At most 22 and 41 bits.
+        let [high, low] = [high, low].map(|half| u128::from(half.wrapping_mul(double)));
+        (high << 22).wrapping_add(low)
     }
 
     pub(crate) fn length(&self) -> u64 {
@@ -83,6 +147,31 @@ impl Stretch {
         self.acceleration_nm_per_s2
             .clamp(1, MAX_ACCELERATION)
             .wrapping_mul(2)
+    }
+
+    /// 2 a at the upper level.
+    pub(crate) fn double_upper(&self) -> u64 {
+        let double = self.double_acceleration();
+        match &self.upper {
+            None => double,
+            // 41 and 16 bits. An even number of at least 2, so that half of it is exact.
+            Some(upper) => {
+                let share = u64::from(upper.share.get());
+                double.wrapping_mul(share).wrapping_shr(17).max(1) << 1
+            }
+        }
+    }
+
+    /// The highest speed below the upper level.
+    pub(crate) fn knee(&self) -> u32 {
+        match &self.upper {
+            None => u32::MAX,
+            // Below the ceiling.
+            Some(upper) => {
+                let product = u64::from(self.ceiling_nm_per_s).wrapping_mul(upper.from.into());
+                (product >> 16).max(1) as u32
+            }
+        }
     }
 }
 

@@ -27,6 +27,7 @@ impl Line {
             obeys_override: true,
             acceleration_nm_per_s2: self.acceleration,
             start_nm_per_s: 0,
+            upper: None,
             entry_limit_nm_per_s: 0,
         }
     }

@@ -16,6 +16,7 @@
 //! where it only passes them on. The computation from the pin to the surface point uses integers
 //! only.
 
+#![cfg_attr(docsrs, feature(doc_cfg))]
 #![no_std]
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]

@@ -21,6 +21,7 @@
 //! # Ok::<(), husillo_stepper::Unsupported>(())
 //! ```
 
+#![cfg_attr(docsrs, feature(doc_cfg))]
 #![no_std]
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]

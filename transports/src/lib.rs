@@ -39,6 +39,7 @@
 //! assert_eq!([module.transmit(), module.transmit()], [Some(0x19), Some(0x19)]);
 //! ```
 
+#![cfg_attr(docsrs, feature(doc_cfg))]
 #![no_std]
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]

@@ -38,8 +38,8 @@ enum Due {
 ///
 /// [`set_pulse_us`]: Steps::set_pulse_us
 ///
-/// A queue of `heapless` takes twice the instructions in the interrupt. The small fields come first,
-/// because the short instructions of a Cortex-M0 reach 32 bytes.
+/// A queue of `heapless` takes twice the instructions in the interrupt. The small fields come
+/// first, because the short instructions of a Cortex-M0 reach 32 bytes.
 #[repr(C)]
 pub struct Steps<D, const PLACES: usize, const PULSED: Pins = 0> {
     /// Numbers of steps queued and made, wrapping. Modulo `PLACES` they are indices of slots.

@@ -223,7 +223,7 @@ fn read_positions(table: &mut Table<'_, '_>) -> Option<(BacklashTable, Range<usi
 mod tests {
     use crate::machines::machine_file::MachineFile;
 
-    const MICROMILL: &str = include_str!("../../../machines/micromill.toml");
+    const MICROMILL: &str = include_str!("../../machines/micromill.toml");
 
     #[test]
     fn bands_and_grids_become_maps() {

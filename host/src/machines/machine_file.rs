@@ -395,7 +395,7 @@ mod tests {
 
     #[test]
     fn pulses_bound_the_rate_of_a_step_and_direction_driver() {
-        let text = include_str!("../../../machines/router.toml");
+        let text = include_str!("../../machines/router.toml");
         let findings = |text: &str| match MachineFile::parse("router.toml", text) {
             Ok(_) => Vec::new(),
             Err(findings) => findings

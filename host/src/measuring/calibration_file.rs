@@ -153,7 +153,7 @@ mod tests {
             xz_ppb: -3,
             yz_ppb: 0,
         };
-        let text = include_str!("../../../machines/cmm3.toml").to_owned()
+        let text = include_str!("../../machines/cmm3.toml").to_owned()
             + &axis_lines('Y', &table)
             + &squareness_lines(&squareness);
         let machine = machine_file::parse("mine.toml", &text).unwrap();

@@ -176,7 +176,7 @@ fn point(table: &mut Table<'_, '_>, key: &'static str) -> PointMm {
 mod tests {
     use super::*;
 
-    const EXAMPLE: &str = include_str!("../../../examples/piece.toml");
+    const EXAMPLE: &str = include_str!("../../examples/piece.toml");
 
     #[test]
     fn the_example_is_read() {

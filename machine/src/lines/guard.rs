@@ -2,7 +2,7 @@
 
 use husillo_interp::Moves;
 
-use crate::lines::tempo::Tempo;
+use crate::lines::tempo::Pace;
 use crate::{Axis, Config, Segment};
 
 /// Number of steps of each axis that are checked per move. In a longer move its total time keeps
@@ -19,8 +19,9 @@ const WATCHED_STEPS: u8 = 64;
 /// An axis that does not step at every event of a line steps at events that are due for another
 /// axis. With r events to a step, an interval has at least the whole number of events below r. So
 /// it may be shorter by less than the wait of one event, and is longer than half of the interval of
-/// the rate. The guard allows exactly that; the average of any number of intervals is not shorter.
-/// Delaying these steps would stop the other axes at every one of them.
+/// the rate. On a helix two events in a row differ by up to sqrt(2), so it is longer than 1/2.42 of
+/// that interval. The guard allows exactly that; the average of any number of intervals is not
+/// shorter. Delaying these steps would stop the other axes at every one of them.
 ///
 /// The clock has 32 bits. A step nearly 2^32 ticks after the last one of its axis may also wait,
 /// for at most one interval.
@@ -78,14 +79,14 @@ impl<const N: usize> StepGuard<N> {
         segment: &Segment<N>,
         path: &P,
     ) -> u64 {
-        let ticks = self.ticks(&config.tempo(segment, path), 100, path.remaining());
+        let ticks = self.ticks(&config.tempo(segment, path).pace, 100, path.remaining());
         self.watch(path.radius().is_some(), path.remaining(), u8::MAX);
         ticks
     }
 
     /// The ticks of a move of `events` steps, minus the delay that it catches up.
-    pub(crate) fn ticks(&mut self, tempo: &Tempo, percent: u8, events: u32) -> u64 {
-        let programmed = tempo.ticks(percent);
+    pub(crate) fn ticks(&mut self, pace: &Pace, percent: u8, events: u32) -> u64 {
+        let programmed = pace.ticks(percent);
         if events >= u32::from(WATCHED_STEPS) {
             return programmed;
         }

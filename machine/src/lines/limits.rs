@@ -1,10 +1,10 @@
 //! Limits of the axes in the units of the planner.
 
 use husillo_gcode::PathMode;
-use husillo_planner::{Junction, Stretch, Tangent, arc_acceleration, arc_speed, mul_div_q16};
+use husillo_planner::{ArcLimits, Junction, Stretch, Tangent, Upper, mul_div, mul_div_q16};
 
 use crate::Config;
-use crate::lines::tempo::Tempo;
+use crate::lines::tempo::{Round, Tempo};
 
 /// Limits of all axes, with speeds in nm/s.
 #[derive(Copy, Clone, Debug)]
@@ -90,45 +90,95 @@ impl<const N: usize> Limits<N> {
                 u32::try_from(speed).unwrap_or(u32::MAX)
             }
         };
-        let mut ceiling = speed(tempo.least_q16);
-        let (mut start, mut limits) = (self.start, self.acceleration);
-        let along = match &tempo.round {
-            None => *along,
-            Some(round) => {
-                // The direction rotates in the plane, so the slower axis counts, and half of its
-                // limit is used for the change of direction.
-                let [first, second] = round.plane;
-                let share = unrolled(along, first, second);
-                let of = |axis: usize| self.acceleration.get(axis).copied().unwrap_or(u64::MAX);
-                let plane = of(first).min(of(second));
-                let of = |axis: usize| self.start.get(axis).copied().unwrap_or(u32::MAX);
-                let slower = of(first).min(of(second));
-                let mut only_plane = [u32::MAX; N];
-                for (axis, (turning, (start, limit))) in
-                    (0..N).zip(only_plane.iter_mut().zip(start.iter_mut().zip(&mut limits)))
-                {
-                    if axis == first {
-                        *turning = arc_speed(plane, round.radius_nm);
-                        *limit = arc_acceleration(plane);
-                        *start = slower;
-                    }
-                }
-                ceiling = ceiling.min(share.speed_limit(&only_plane));
-                share
-            }
+        let ceiling = speed(tempo.pace.least_q16);
+        // 2^32 - 1 for a rapid.
+        let programmed = speed(tempo.pace.programmed_q16);
+        let is_rapid = tempo.pace.programmed_q16 == 0;
+        let stretch = Stretch {
+            length_nm: tempo.length_nm,
+            top_nm_per_s: programmed,
+            ceiling_nm_per_s: ceiling,
+            obeys_override: !is_rapid,
+            acceleration_nm_per_s2: 0,
+            start_nm_per_s: 0,
+            upper: None,
+            entry_limit_nm_per_s: 0,
+        };
+        let stretch = match &tempo.round {
+            None => Stretch {
+                acceleration_nm_per_s2: along.acceleration_limit(&self.acceleration),
+                start_nm_per_s: along.speed_limit(&self.start),
+                ..stretch
+            },
+            Some(round) => self.round_stretch(&stretch, along, round),
         };
         Stretch {
-            length_nm: tempo.length_nm,
-            top_nm_per_s: if tempo.programmed_q16 == 0 {
-                ceiling
+            top_nm_per_s: if is_rapid {
+                stretch.ceiling_nm_per_s
             } else {
-                speed(tempo.programmed_q16)
+                programmed
             },
+            ..stretch
+        }
+    }
+
+    /// The stretch with the limits of an arc. The direction rotates in the plane, so the slower of
+    /// its axes counts.
+    fn round_stretch(&self, stretch: &Stretch, along: &Tangent<N>, round: &Round) -> Stretch {
+        let [first, second] = round.plane;
+        let share = unrolled(along, first, second);
+        let ArcLimits {
+            speed_nm_per_s: [lower, upper],
+            acceleration_nm_per_s2: accelerations,
+        } = self.arc_limits(&share, round);
+        let ceiling = stretch.ceiling_nm_per_s.min(upper);
+        // An arc that stays below the upper level at the highest override has one level.
+        let highest = stretch.top_nm_per_s.saturating_mul(2);
+        let upper = if highest > lower {
+            Upper::new(ceiling, lower, accelerations)
+        } else {
+            None
+        };
+        let [acceleration_nm_per_s2, _] = accelerations;
+        let mut start = self.start;
+        let other = start.get(second).copied().unwrap_or(u32::MAX);
+        if let Some(start) = start.get_mut(first) {
+            *start = other.min(*start);
+        }
+        Stretch {
             ceiling_nm_per_s: ceiling,
-            obeys_override: tempo.programmed_q16 != 0,
-            acceleration_nm_per_s2: along.acceleration_limit(&limits),
-            start_nm_per_s: along.speed_limit(&start),
-            entry_limit_nm_per_s: 0,
+            acceleration_nm_per_s2,
+            start_nm_per_s: share.speed_limit(&start),
+            upper,
+            ..*stretch
+        }
+    }
+
+    /// The limits of an arc along its path. `share` has the whole plane in its first axis.
+    fn arc_limits(&self, share: &Tangent<N>, round: &Round) -> ArcLimits {
+        let [first, second] = round.plane;
+        let of = |axis: usize| self.acceleration.get(axis).copied().unwrap_or(u64::MAX);
+        let mut plane = of(first).min(of(second));
+        if round.is_spiral() {
+            // At its smaller radius, a spiral is faster than at the mean one in this ratio.
+            plane = mul_div(plane, round.around_nm, round.fastest_nm);
+        }
+        let arc = ArcLimits::new(plane, round.radius_nm);
+        ArcLimits {
+            speed_nm_per_s: arc.speed_nm_per_s.map(|speed| {
+                let mut turning = [u32::MAX; N];
+                if let Some(turning) = turning.get_mut(first) {
+                    *turning = speed;
+                }
+                share.speed_limit(&turning)
+            }),
+            acceleration_nm_per_s2: arc.acceleration_nm_per_s2.map(|acceleration| {
+                let mut limits = self.acceleration;
+                if let Some(limit) = limits.get_mut(first) {
+                    *limit = acceleration;
+                }
+                share.acceleration_limit(&limits)
+            }),
         }
     }
 }

@@ -6,7 +6,7 @@ use husillo_planner::{LookAhead, Stretch, Tangent, share};
 
 use crate::lines::limits::Limits;
 use crate::lines::tangent::tangents;
-use crate::lines::tempo::Tempo;
+use crate::lines::tempo::{Pace, Tempo};
 use crate::{Config, Segment};
 
 /// A move, or a part of an arc between two stops.
@@ -28,7 +28,8 @@ pub(crate) struct Work<const N: usize, P> {
     pub(crate) is_indexed: bool,
     /// Time at the programmed speed in ticks, times 2^16.
     pub(crate) ticks_q16: u64,
-    pub(crate) tempo: Tempo,
+    pub(crate) pace: Pace,
+    pub(crate) is_round: bool,
     /// Tag of [`Machine::push`](crate::Machine::push); 0 for the moves of lines.
     pub(crate) tag: u32,
 }
@@ -41,6 +42,7 @@ const STAND: Stretch = Stretch {
     obeys_override: false,
     acceleration_nm_per_s2: 1,
     start_nm_per_s: 0,
+    upper: None,
     entry_limit_nm_per_s: 0,
 };
 
@@ -70,7 +72,7 @@ struct Parts<const N: usize, P> {
     first: Option<Step>,
     segment: Segment<N>,
     stretch: Stretch,
-    tempo: Tempo,
+    pace: Pace,
     steady: u8,
     ticks_q16: u64,
     total_sweep: u64,
@@ -205,8 +207,8 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
         // A thread of several moves continues without waiting for the index.
         let is_indexed = is_thread && !self.is_thread;
         self.is_thread = is_thread;
-        let ticks_q16 = match tempo.programmed_q16 {
-            0 => tempo.least_q16,
+        let ticks_q16 = match tempo.pace.programmed_q16 {
+            0 => tempo.pace.least_q16,
             programmed => programmed,
         };
         if self.has_ramps() && tempo.length_nm == 0 && ticks_q16 == 0 && counts_q16.is_none() {
@@ -228,7 +230,7 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
                 first: None,
                 segment,
                 stretch,
-                tempo,
+                pace: tempo.pace,
                 steady,
                 ticks_q16,
                 total_sweep: path.total_sweep(),
@@ -249,7 +251,8 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
             counts_q16,
             is_indexed,
             ticks_q16,
-            tempo,
+            pace: tempo.pace,
+            is_round,
             tag: self.tag,
             path: Some(path),
         };
@@ -334,7 +337,8 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
             counts_q16: None,
             is_indexed: false,
             ticks_q16,
-            tempo: arc.tempo,
+            pace: arc.pace,
+            is_round: true,
             tag: self.tag,
         };
         let _ = self.moves.push(stretch, work);

@@ -19,6 +19,12 @@ pub(crate) struct Tempo {
     pub(crate) length_nm: u64,
     /// Length of the part of it in the plane of an arc, and the radius.
     pub(crate) round: Option<Round>,
+    pub(crate) pace: Pace,
+}
+
+/// The time of a move at constant speed.
+#[derive(Copy, Clone, Debug, Default)]
+pub(crate) struct Pace {
     /// Ticks at the programmed feed, times 2^16; 0 for a rapid.
     pub(crate) programmed_q16: u64,
     /// Least ticks allowed by the rates of the axes and the top speeds of the machine, times 2^16.
@@ -47,13 +53,16 @@ impl Tempo {
     /// Limits the speed to the fastest of the planner, 2^32 - 1 nm/s.
     pub(crate) fn limited(mut self, timer_hz: u32) -> Tempo {
         let fastest = mul_div_q16(self.length_nm, timer_hz.into(), u32::MAX.into());
-        self.least_q16 = self.least_q16.max(fastest);
-        if self.programmed_q16 != 0 {
-            self.programmed_q16 = self.programmed_q16.max(fastest);
+        let pace = &mut self.pace;
+        pace.least_q16 = pace.least_q16.max(fastest);
+        if pace.programmed_q16 != 0 {
+            pace.programmed_q16 = pace.programmed_q16.max(fastest);
         }
         self
     }
+}
 
+impl Pace {
     /// Ticks at constant speed, rounded to nearest, at `percent` of the programmed feed.
     pub(crate) fn ticks(&self, percent: u8) -> u64 {
         let programmed_q16 = mul_div(self.programmed_q16, 100, percent.into());
@@ -108,8 +117,10 @@ impl<const N: usize> Config<N> {
         Tempo {
             length_nm,
             round,
-            programmed_q16,
-            least_q16: least_q16.max(at_top),
+            pace: Pace {
+                programmed_q16,
+                least_q16: least_q16.max(at_top),
+            },
         }
     }
 

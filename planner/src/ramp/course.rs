@@ -52,6 +52,11 @@ pub(crate) struct Course {
     pub(crate) path: u64,
     pub(crate) wide: u8,
     pub(crate) slowness: Slowness,
+    /// The level of acceleration that the path does not have now, see [`Course::switch`].
+    pub(crate) other: Slope,
+    pub(crate) is_upper: bool,
+    /// Square of the speed between the levels; `u64::MAX` if there is one level only.
+    pub(crate) knee: u64,
     pub(crate) is_held: bool,
     /// Whether each grain is an event, so that a hold stops the path before it.
     pub(crate) stops_whole: bool,
@@ -69,16 +74,78 @@ pub(crate) struct Course {
     stops: bool,
 }
 
+/// What depends on the acceleration: the fields of [`Course`] with the same names.
+#[derive(Copy, Clone, Debug, Default)]
+pub(crate) struct Slope {
+    pub(crate) path: u64,
+    pub(crate) wide: u8,
+    pub(crate) slowness: Slowness,
+}
+
+/// What a phase has to keep at its level of acceleration.
+struct View {
+    top: u64,
+    exit: u64,
+    /// Grains up to the place where the speed is `exit`.
+    left: u32,
+}
+
 impl Course {
+    /// Takes the acceleration of the upper or of the lower level.
+    pub(crate) fn switch(&mut self, to_upper: bool) {
+        if to_upper == self.is_upper {
+            return;
+        }
+        self.is_upper = to_upper;
+        let now = Slope {
+            path: self.path,
+            wide: self.wide,
+            slowness: self.slowness,
+        };
+        let next = core::mem::replace(&mut self.other, now);
+        self.path = next.path;
+        self.wide = next.wide;
+        self.slowness = next.slowness;
+    }
+
+    /// The limits at the present level, `left` grains before the end of the move. The upper level
+    /// ends where braking at the lower one begins.
+    fn view(&self, left: u32) -> View {
+        let top = if self.is_held { 0 } else { self.top };
+        let exit = self.exit.max(self.floor);
+        if !self.is_upper {
+            let top = top.min(self.knee);
+            return View { top, exit, left };
+        }
+        let brake = match self.knee.checked_sub(exit) {
+            Some(0) | None => 0,
+            // Rounded up, and the grain in which the speed passes the level.
+            Some(change) => divide(change, gain(self.other.path, self.other.wide).max(1))
+                .0
+                .saturating_add(2),
+        };
+        View {
+            top,
+            exit: exit.max(self.knee),
+            left: left.saturating_sub(brake),
+        }
+    }
+
+    /// Chooses the level for the next part. At the speed between them the upper one is taken while
+    /// there are grains before braking.
+    fn choose_level(&mut self) {
+        if self.knee == u64::MAX {
+            return;
+        }
+        self.switch(self.square >= self.knee);
+        if self.square == self.knee && (self.top <= self.knee || self.view(self.left).left == 0) {
+            self.switch(false);
+        }
+    }
     /// Returns the change of the squared speed over a grain, limited to 64 bits.
     #[inline]
     pub(crate) fn gain(&self) -> u64 {
-        match self.wide {
-            0 => self.path,
-            // The path has 62 bits.
-            1 | 2 => self.path.wrapping_shl(self.wide.into()),
-            _ => u64::MAX,
-        }
+        gain(self.path, self.wide)
     }
 
     /// Ends the phase, so that the next part chooses another one.
@@ -137,6 +204,7 @@ impl Course {
             self.set_square(self.floor);
         }
         self.phase = 0;
+        self.choose_level();
         // The rest is below 2^bits and 2^32.
         let share = |whole: u64| {
             let product = u128::from(whole).wrapping_mul(rest.into());
@@ -167,12 +235,16 @@ impl Course {
     /// Chooses the next phase and its number of grains. 0 means that the acceleration changes
     /// within the next grain.
     fn choose(&mut self) {
+        self.choose_level();
         let (square, gain) = (self.square, self.gain());
-        let top = if self.is_held { 0 } else { self.top };
+        let View { top, exit, left } = self.view(self.left);
         let grains = |square: u64| divide(square, gain);
         self.stops = false;
         if square > top {
-            let target = top.max(self.floor);
+            let mut target = top.max(self.floor);
+            if self.is_upper {
+                target = target.max(self.knee);
+            }
             // A hold brakes to the last grain that ends above the start/stop speed.
             let spare = square.saturating_sub(target);
             let spare = spare.saturating_sub(self.is_held.into());
@@ -183,25 +255,22 @@ impl Course {
             // The path stands already.
             return;
         }
-        let exit = self.exit.max(self.floor);
         // Grains that are not needed for braking from the present speed.
         let spare = match square.checked_sub(exit) {
             Some(above) => {
                 let (brake, rest) = grains(above);
-                if self.snaps(exit, brake, rest) || brake >= self.left {
-                    self.begin(Way::Down, self.left);
+                if self.snaps(exit, left, brake, rest) || brake >= left {
+                    self.begin(Way::Down, left);
                     // Only braking that fits exactly ends at rest.
-                    self.stops = exit == 0 && self.square == gain.wrapping_mul(self.left.into());
+                    self.stops = exit == 0 && self.square == gain.wrapping_mul(left.into());
                     return;
                 }
                 let brake = brake.wrapping_add(u32::from(rest != 0));
-                self.left.wrapping_sub(brake)
+                left.wrapping_sub(brake)
             }
-            None => self
-                .left
-                .saturating_add(grains(exit.wrapping_sub(square)).0),
+            None => left.saturating_add(grains(exit.wrapping_sub(square)).0),
         };
-        if square == top {
+        if square == self.top {
             self.begin(Way::Level, spare);
         } else {
             let up = grains(top.wrapping_sub(square)).0;
@@ -211,10 +280,10 @@ impl Course {
 
     /// Whether braking must begin here, apart from the rounding of the gain. If so, the squared
     /// speed is changed by at most one unit per grain, so that braking fits exactly.
-    fn snaps(&mut self, exit: u64, brake: u32, rest: u64) -> bool {
-        let slack = u64::from(self.left);
-        let is_near = brake == self.left && rest <= slack
-            || brake.wrapping_add(1) == self.left && self.gain().wrapping_sub(rest) <= slack;
+    fn snaps(&mut self, exit: u64, left: u32, brake: u32, rest: u64) -> bool {
+        let slack = u64::from(left);
+        let is_near = brake == left && rest <= slack
+            || brake.wrapping_add(1) == left && self.gain().wrapping_sub(rest) <= slack;
         if is_near {
             // The result is near the squared speed, so nothing overflows.
             self.square = exit.wrapping_add(self.gain().wrapping_mul(slack));
@@ -234,12 +303,18 @@ impl Course {
     /// Makes a part over this gain. `left` grains follow it.
     fn corner(&mut self, gain: u64, path: u64, left: u32, grains: u32) -> Part {
         let before = self.square;
-        let top = if self.is_held { 0 } else { self.top };
-        let line = self
-            .gain()
-            .checked_mul(left.into())
-            .and_then(|rise| rise.checked_add(self.exit))
-            .unwrap_or(u64::MAX);
+        let view = self.view(left);
+        let top = view.top;
+        let line = |exit: u64, left: u32| {
+            let rise = self.gain().checked_mul(left.into());
+            rise.and_then(|rise| rise.checked_add(exit))
+                .unwrap_or(u64::MAX)
+        };
+        let line = match view.left {
+            // The grain in which the speed passes the level: braking goes on.
+            0 if self.is_upper => line(self.exit, left).min(view.exit),
+            _ => line(view.exit, view.left),
+        };
         let least = before.saturating_sub(gain);
         let after = before.saturating_add(gain).min(top).min(line).max(least);
         if self.is_held && self.stops_whole && after <= self.floor {
@@ -357,6 +432,16 @@ fn divide(dividend: u64, divisor: u64) -> (u32, u64) {
         rest = rest.wrapping_sub(more.wrapping_mul(divisor));
     }
     (whole.min(u32::MAX.into()) as u32, rest)
+}
+
+/// A change of the square of `path` 2^`wide`; limited to 64 bits, above all squares.
+fn gain(path: u64, wide: u8) -> u64 {
+    match wide {
+        0 => path,
+        // The path has 62 bits.
+        1 | 2 => path.wrapping_shl(wide.into()),
+        _ => u64::MAX,
+    }
 }
 
 #[cfg(test)]

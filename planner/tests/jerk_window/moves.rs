@@ -31,6 +31,7 @@ pub fn line(length_nm: u64, top_nm_per_s: u32, entry_limit_nm_per_s: u32) -> Mov
             obeys_override: true,
             acceleration_nm_per_s2: 1_000_000_000,
             start_nm_per_s: 0,
+            upper: None,
             entry_limit_nm_per_s,
         },
     }

@@ -1,6 +1,6 @@
 //! Directions and corners compared with floating point.
 
-use husillo_planner::{Junction, Tangent, arc_acceleration, arc_speed};
+use husillo_planner::{ArcLimits, Junction, Tangent};
 use proptest::prelude::*;
 
 const UNIT: f64 = (1 << 30) as f64;
@@ -146,10 +146,13 @@ proptest! {
         acceleration in 1_000_u64..1 << 40,
         radius in 1_000_u64..1 << 40,
     ) {
-        let speed = f64::from(arc_speed(acceleration, radius));
-        let centre = speed * speed / radius as f64;
-        let along = arc_acceleration(acceleration) as f64;
-        prop_assert!(centre.hypot(along) <= acceleration as f64);
-        prop_assert!(along >= acceleration as f64 * 0.8659 - 1.0);
+        let limits = ArcLimits::new(acceleration, radius);
+        for (level, least) in [0.8659, 0.1979].into_iter().enumerate() {
+            let speed = f64::from(limits.speed_nm_per_s[level]);
+            let centre = speed * speed / radius as f64;
+            let along = limits.acceleration_nm_per_s2[level] as f64;
+            prop_assert!(centre.hypot(along) <= acceleration as f64);
+            prop_assert!(along >= acceleration as f64 * least - 1.0);
+        }
     }
 }

@@ -4,6 +4,7 @@ mod checker;
 mod circle;
 mod holds;
 mod junctions;
+mod levels;
 mod moves;
 mod promises;
 mod runner;

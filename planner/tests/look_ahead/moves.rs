@@ -64,6 +64,7 @@ pub fn polyline(points: &[([i64; 2], u32)]) -> Vec<Move> {
             obeys_override: true,
             acceleration_nm_per_s2: direction.acceleration_limit(&ACCELERATION),
             start_nm_per_s: 0,
+            upper: None,
             entry_limit_nm_per_s: last.map_or(0, |last| corners.speed(&last, &direction)),
         };
         moves.push(Move {
@@ -127,6 +128,7 @@ pub fn any_moves(longest: usize) -> impl Strategy<Value = Vec<Move>> {
                 obeys_override: true,
                 acceleration_nm_per_s2: 10_f64.powf(acceleration) as u64,
                 start_nm_per_s: 0,
+                upper: None,
                 entry_limit_nm_per_s: entry_limit,
             },
             sweeps,

@@ -3,9 +3,9 @@
 use core::hint::black_box;
 
 use husillo_planner::{
-    AxisTimers, Burst, Bursts, Follower, JerkRamp, JerkWindow, Junction, LookAhead, Piece, Ramp,
-    Recurrence, Replay, SCurve, ServoLine, ServoProfile, Slice, Stretch, SurfaceSpeed, Tangent,
-    Timer, Trapezoid, arc_acceleration, arc_speed, mul_div, mul_div_q16, share, times,
+    ArcLimits, AxisTimers, Burst, Bursts, Follower, JerkRamp, JerkWindow, Junction, LookAhead,
+    Piece, Ramp, Recurrence, Replay, SCurve, ServoLine, ServoProfile, Slice, Stretch, SurfaceSpeed,
+    Tangent, Timer, Trapezoid, Upper, mul_div, mul_div_q16, share, times,
 };
 
 /// Keeps every function in the program.
@@ -71,8 +71,8 @@ fn path() {
         Tangent::<3>::speed_limit as *const (),
         Tangent::<3>::acceleration_limit as *const (),
         Junction::<3>::speed as *const (),
-        arc_speed as *const (),
-        arc_acceleration as *const (),
+        ArcLimits::new as *const (),
+        Upper::new as *const (),
     ]);
 }
 

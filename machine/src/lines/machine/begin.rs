@@ -20,9 +20,8 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Ex
         self.segment = Some(work.segment);
         let heading = work.heading;
         let percent = self.schedule.moves.percent();
-        let ticks = self.guard.ticks(&work.tempo, percent, events);
-        self.guard
-            .watch(work.tempo.round.is_some(), events, work.steady);
+        let ticks = self.guard.ticks(&work.pace, percent, events);
+        self.guard.watch(work.is_round, events, work.steady);
         if self.schedule.has_ramps() && stretch.length_nm != 0 {
             let sweep = work.sweep.max(1);
             let largest_sweep = work.largest_sweep.max(1);

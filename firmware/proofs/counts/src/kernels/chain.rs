@@ -67,9 +67,9 @@ fn machine(count: Count<'_>) {
         ("machine_line_event", b"G1 X12.345 Y6.789 F60".as_slice()),
         ("machine_arc_event", b"G3 X0 Y0 I-0.15 J0 F60"),
     ] {
-        // With a queue of three moves, the machine fits in the RAM of a microbit. An arc is walked
+        // With a queue of two moves, the machine fits in the RAM of a microbit. An arc is walked
         // once before the count, when it begins.
-        let mut machine = Machine::<3, Path<3>, Backlash, 3>::new(config);
+        let mut machine = Machine::<3, Path<3>, Backlash, 2>::new(config);
         let taken = machine.line(text);
         assert!(taken.is_ok(), "the line means a move");
         machine.next_event();
@@ -82,9 +82,9 @@ fn machine(count: Count<'_>) {
 }
 
 /// A machine with an encoder on every motor. The returned machine is copied on the stack, and the
-/// stack of a microbit is small. So the queue has two moves, and no line is read here.
+/// stack of a microbit is small. So the queue has one move, and no line is read here.
 #[inline(never)]
-fn watched(config: Config<3>) -> ClosedLoop<3, Path<3>, Backlash, 2> {
+fn watched(config: Config<3>) -> ClosedLoop<3, Path<3>, Backlash, 1> {
     let encoder = AxisEncoder {
         counts: 2,
         steps: 1,

@@ -20,6 +20,7 @@ const LINE: Stretch = Stretch {
     obeys_override: true,
     acceleration_nm_per_s2: 100_000_000,
     start_nm_per_s: 0,
+    upper: None,
     entry_limit_nm_per_s: 0,
 };
 
@@ -43,6 +44,7 @@ pub fn all(count: Count<'_>) {
     ramp(count, "ramp_swept", &LINE, EVENTS, 10_000, 0);
     let cruise = Stretch {
         start_nm_per_s: 100_000_000,
+        upper: None,
         ..LINE
     };
     ramp(count, "ramp_cruising", &cruise, EVENTS, 1, u64::MAX);
