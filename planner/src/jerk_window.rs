@@ -62,8 +62,9 @@ pub use scale::{JerkLimits, JerkLimitsError};
 ///   This includes holds, resumes and overrides, which act from the next slice on.
 /// - **Ends** are exact: the path stops at the end of the last move.
 /// - **Moves** lose their own acceleration and start speed: [`JerkLimits`] has one acceleration
-///   for all, and a path with limited jerk has no start speed. They stay below their upper level.
-///   A length above 2^40 nm is taken as this, and a top speed below one unit per slice as one unit.
+///   for all, and a path with limited jerk has no start speed. An arc stays below its upper level
+///   of speed, because there is less acceleration in it. A length above 2^40 nm is taken as this,
+///   and a top speed below one unit per slice as one unit.
 /// - **Capacity.** At most 512. To reach a speed v, the queue needs moves for a path of about
 ///   v^2 / 2 a + 1.5 v T.
 /// - **Short moves from stop to stop** take longer than with [`SCurve`](crate::SCurve), which is
