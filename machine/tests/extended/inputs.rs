@@ -149,7 +149,7 @@ fn a_hold_during_the_end_of_a_probing_move_is_kept() {
     let mut mill = ExtendedMachine::new(config(true));
     mill.line(b"G38.2 Z-20 F600").unwrap();
     let mut is_held = false;
-    while let Some(_) = mill.next_event() {
+    while mill.next_event().is_some() {
         let is_touching = mill.position_steps()[2] <= -1234;
         mill.set_probe(is_touching);
         if is_touching && !is_held {
