@@ -3,6 +3,8 @@
 
 #[path = "extended/curves.rs"]
 mod curves;
+#[path = "extended/inputs.rs"]
+mod inputs;
 #[path = "extended/outputs.rs"]
 mod outputs;
 #[path = "extended/probing.rs"]
@@ -32,6 +34,7 @@ const ALL: Equipment = Equipment {
     surface_milli_rpm: Some(6_000_000),
     tapping_overrun_turns: Some(3),
     heaters: true,
+    adaptive_feed: true,
     pallets: true,
 };
 

@@ -166,7 +166,7 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
         &self.limits
     }
 
-    /// Scales the programmed speeds by 10 to 200 percent. Other values count as the nearest of
+    /// Scales the programmed speeds by 1 to 200 percent. Other values count as the nearest of
     /// these.
     ///
     /// Visits every move once. After a lower override the executing move may have to brake to a
@@ -174,7 +174,7 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
     /// and no junction is passed faster than its limit.
     pub fn set_override(&mut self, percent: u8) {
         self.set_percents(Percents {
-            feed: percent.clamp(10, 200),
+            feed: percent.clamp(1, 200),
             ..self.percents
         });
     }

@@ -34,6 +34,8 @@ pub struct Equipment {
     pub tapping_overrun_turns: Option<u8>,
     /// Heaters and fans of a printer: M104 to M109, M140, M141, M190, M191.
     pub heaters: bool,
+    /// An input scales the feed: M52 P1.
+    pub adaptive_feed: bool,
     /// Pallets are changed by hand: M60 waits for the operator.
     pub pallets: bool,
 }
@@ -51,6 +53,7 @@ impl Equipment {
         surface_milli_rpm: None,
         tapping_overrun_turns: None,
         heaters: false,
+        adaptive_feed: false,
         pallets: false,
     };
 
@@ -115,7 +118,7 @@ impl Equipment {
             Command::Switch {
                 what: Switch::AdaptiveFeed,
                 on: true,
-            } => Means::AdaptiveFeed,
+            } if !self.adaptive_feed => Means::AdaptiveFeed,
             _ => return None,
         })
     }

@@ -3,6 +3,7 @@
 mod begin;
 mod direct;
 mod extended;
+mod inputs;
 mod next_event;
 mod tapping;
 
@@ -388,12 +389,21 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Ex
     /// lost. Without ramps it stops at once. After the stop, events end (`None`) until
     /// [`Machine::resume`]. A take-up with ramps is finished first.
     pub fn hold(&mut self) {
+        if let Some(state) = self.extension.state_mut() {
+            state.operator_holds = true;
+        }
         self.ramp.hold();
     }
 
-    /// Ends a hold.
+    /// Ends a hold. An extended machine still stands while an input holds it.
     pub fn resume(&mut self) {
-        self.ramp.resume();
+        match self.extension.state_mut() {
+            Some(state) => {
+                state.operator_holds = false;
+                self.act_on_holds();
+            }
+            None => self.ramp.resume(),
+        }
     }
 
     /// Whether a hold is active.
@@ -409,14 +419,14 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Ex
     /// An extended machine keeps 100 percent while the program does not permit an override (M49,
     /// M50 P0).
     pub fn set_feed_override(&mut self, percent: u8) {
-        let mut allowed = percent;
-        if let Some(state) = self.extension.state_mut() {
-            state.percent = percent;
-            if !state.permits_override {
-                allowed = 100;
+        let percent = percent.clamp(10, 200);
+        match self.extension.state_mut() {
+            Some(state) => {
+                state.percent = percent;
+                self.act_on_override();
             }
+            None => self.schedule.moves.set_override(percent),
         }
-        self.schedule.moves.set_override(allowed);
     }
 
     /// Drops all lines and events that were not yet returned. The outputs, and their modal state,

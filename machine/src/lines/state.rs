@@ -30,6 +30,14 @@ pub struct State<const N: usize> {
     /// Override of the operator, and whether the program permits it.
     pub(crate) percent: u8,
     pub(crate) permits_override: bool,
+    /// The operator holds the path.
+    pub(crate) operator_holds: bool,
+    /// M52: whether an input scales the feed, and its value.
+    pub(crate) adapts: bool,
+    pub(crate) adaptive_percent: u8,
+    /// M53: whether an input may stop the feed, and whether it wants to.
+    pub(crate) permits_stop: bool,
+    pub(crate) is_stop_active: bool,
 }
 
 /// A probing move in progress.
@@ -41,8 +49,6 @@ pub(crate) struct Probing<const N: usize> {
     pub(crate) must: bool,
     /// Steps of the axes at the contact.
     pub(crate) contact: Option<[i32; N]>,
-    /// The operator held the machine before the contact did.
-    pub(crate) was_held: bool,
 }
 
 /// A tap in progress (G33.1).
@@ -106,6 +112,11 @@ impl<const N: usize> State<N> {
             outputs: [const { None }; SYNCHRONISED],
             percent: 100,
             permits_override: true,
+            operator_holds: false,
+            adapts: false,
+            adaptive_percent: 100,
+            permits_stop: false,
+            is_stop_active: false,
         }
     }
 
@@ -118,6 +129,30 @@ impl<const N: usize> State<N> {
         self.tapping = None;
         self.curve = None;
         self.outputs = [const { None }; SYNCHRONISED];
+    }
+
+    /// Whether the operator or an input holds the path.
+    pub(crate) const fn holds(&self) -> bool {
+        self.operator_holds
+            || self.permits_stop && self.is_stop_active
+            || self.adapts && self.adaptive_percent == 0
+    }
+
+    /// The override of the feed, in percent: that of the operator times that of the input.
+    pub(crate) fn effective_percent(&self) -> u8 {
+        let percent = if self.permits_override {
+            self.percent
+        } else {
+            100
+        };
+        let adaptive = if self.adapts {
+            self.adaptive_percent
+        } else {
+            100
+        };
+        // Both are at most 200.
+        let product = u32::from(percent).wrapping_mul(adaptive.into()) / 100;
+        product.min(200) as u8
     }
 
     /// Whether something is in progress that a later line has to wait for.

@@ -121,7 +121,6 @@ fn an_extended_machine_refuses_what_its_equipment_lacks() {
         ("M68 E2 Q1", Means::InputsAndOutputs),
         ("M66 P4 L0", Means::InputsAndOutputs),
         ("M66 E2 L0", Means::InputsAndOutputs),
-        ("M52 P1", Means::AdaptiveFeed),
     ] {
         let refused = Err(Refused::Move(MoveError::Unsupported(means)));
         assert_eq!(machine.line(line.as_bytes()), refused, "{line}");

@@ -70,6 +70,8 @@ pub fn keep() {
         ExtendedMachine::set_feed_override as *const (),
         ExtendedMachine::next_event as *const (),
         ExtendedMachine::abort as *const (),
+        ExtendedMachine::set_adaptive_feed as *const (),
+        ExtendedMachine::set_feed_stop as *const (),
         ExtendedMachine::set_probe as *const (),
         ExtendedMachine::is_probing as *const (),
         ExtendedMachine::needs_probe as *const (),

@@ -39,6 +39,7 @@ pub(super) fn equipment(table: &mut Table<'_, '_>) -> Equipment {
         tapping_overrun_turns: table
             .integer("tapping_overrun_turns", 0..=100)
             .and_then(|turns| u8::try_from(turns).ok()),
+        adaptive_feed: table.flag("adaptive_feed").unwrap_or(false),
         pallets: table.flag("pallets").unwrap_or(false),
         heaters: false,
     }

@@ -167,11 +167,14 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Ex
                 return false;
             }
             Command::Switch { what, on } => {
-                if matches!(what, Switch::Overrides | Switch::FeedOverride) {
-                    state.permits_override = on;
-                    let percent = state.percent;
-                    self.set_feed_override(percent);
+                match what {
+                    Switch::Overrides | Switch::FeedOverride => state.permits_override = on,
+                    Switch::AdaptiveFeed => state.adapts = on,
+                    Switch::FeedHold => state.permits_stop = on,
+                    Switch::SpindleOverride => {}
                 }
+                self.act_on_override();
+                self.act_on_holds();
                 return true;
             }
             Command::Wait {
@@ -229,7 +232,6 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Ex
             is_away,
             must,
             contact: None,
-            was_held: false,
         });
         let has_backlash = self.take_up.stops();
         self.schedule.push(&self.config, &command, has_backlash);
@@ -257,9 +259,7 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Ex
         self.held = None;
         self.take_up.abort();
         self.ramp.stop();
-        if probing.contact.is_some() && !probing.was_held {
-            self.ramp.resume();
-        }
+        self.act_on_holds();
         let here = self.position(&self.load);
         let here = if probing.contact.is_some() {
             here
@@ -355,7 +355,6 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize>
         };
         if probing.contact.is_none() && is_touching != probing.is_away {
             probing.contact = Some(self.load);
-            probing.was_held = self.ramp.is_held();
             self.ramp.hold();
         }
     }
