@@ -9,6 +9,8 @@ mod quadrature;
 mod index;
 
 mod extended;
+#[cfg(feature = "embedded-hal")]
+mod pins;
 mod running;
 mod step_watch;
 
@@ -17,6 +19,8 @@ mod velocity_by_period;
 
 pub use extended::Extended;
 pub use index::{Index, Passage};
+#[cfg(feature = "embedded-hal")]
+pub use pins::{QuadraturePins, SampleError};
 pub use quadrature::{CountDirection, Quadrature, Scale, Skipped, levels};
 pub use running::{Byte, read_running, running_value};
 pub use step_watch::{AxisEncoder, OnLoss, StepWatch};

@@ -175,6 +175,12 @@ impl Quadrature {
         }
     }
 
+    /// Returns the levels of the last sample: bit 0 is A, bit 1 is B.
+    pub const fn levels(&self) -> u8 {
+        // At most 24.
+        (self.row >> 3) as u8
+    }
+
     /// Returns the number of [`Skipped`] samples. It stays at the largest number.
     pub const fn skipped(&self) -> u32 {
         self.skipped
