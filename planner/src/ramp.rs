@@ -118,7 +118,19 @@ struct Table {
     left: u32,
     /// Number of the next event, counted from standstill.
     number: u32,
-    is_start: bool,
+    /// 1 after a start, -1 before a stop.
+    step: i32,
+}
+
+impl Table {
+    /// Takes the next event, but not the last one.
+    #[inline]
+    fn next(&mut self) -> u64 {
+        self.left = self.left.wrapping_sub(1);
+        let interval = self.first.interval(self.number);
+        self.number = self.number.wrapping_add_signed(self.step);
+        interval
+    }
 }
 
 impl Ramp {
@@ -313,8 +325,21 @@ impl Ramp {
                 self.piece.count = count;
                 return Some(self.piece.step(&mut self.owed).into());
             }
+            if self.table.left > 1 {
+                return Some(self.wait_of_table().into());
+            }
         }
         self.wait_with_care(sweep, limits)
+    }
+
+    /// Times an event next to standstill, but not the last one.
+    #[inline(never)]
+    fn wait_of_table(&mut self) -> u32 {
+        let interval = self.table.next();
+        self.late = self.late.wrapping_sub(interval as i64);
+        let time = interval.wrapping_add(self.owed.into());
+        self.owed = time as u32;
+        (time >> 32) as u32
     }
 
     /// Returns up to `most` events of a line, for an interrupt that times them by itself. The
@@ -475,7 +500,7 @@ impl Ramp {
             first,
             left: count,
             number: if is_start { 0 } else { count.wrapping_sub(1) },
-            is_start,
+            step: if is_start { 1 } else { -1 },
         };
         self.late = self.late.wrapping_add(time as i64);
         true
@@ -484,17 +509,11 @@ impl Ramp {
     /// Returns the interval of the next event next to standstill. The last event takes the rest of
     /// the time.
     fn next_of_table(&mut self) -> u64 {
-        let table = &mut self.table;
-        table.left = table.left.wrapping_sub(1);
-        if table.left == 0 {
+        if self.table.left == 1 {
+            self.table.left = 0;
             return self.paid(0);
         }
-        let interval = table.first.interval(table.number);
-        table.number = if table.is_start {
-            table.number.wrapping_add(1)
-        } else {
-            table.number.wrapping_sub(1)
-        };
+        let interval = self.table.next();
         self.late = self.late.wrapping_sub(interval as i64);
         interval
     }
