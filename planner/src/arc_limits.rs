@@ -51,7 +51,8 @@ impl ArcLimits {
             *lower = highest_nm_per_s;
             let [along, _] = &mut limits.acceleration_nm_per_s2;
             let whole = acceleration.saturating_mul(radius_nm);
-            *along = acceleration.wrapping_mul(left(square(highest_nm_per_s), whole)) >> 16;
+            let more = acceleration.wrapping_mul(left(square(highest_nm_per_s), whole)) >> 16;
+            *along = more.max(*along);
         }
         limits
     }
