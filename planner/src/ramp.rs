@@ -72,13 +72,9 @@ use sweeps::{Law, Span};
 /// ```
 #[derive(Clone, Debug)]
 pub struct Ramp {
-    /// Coming events, and the values for their times.
-    piece: Piece,
-    owed: u32,
-    version: u32,
+    events: Events,
     /// Fraction of a tick below 2^-32, carried by the timer.
     owed_low: u32,
-    table: Table,
     span: Span,
     course: Course,
     /// Time by which the given events are too early, in 2^-32 tick.
@@ -111,6 +107,16 @@ pub struct Ramp {
     largest_sweep: u32,
 }
 
+/// The coming events. What each of them needs is together, within the reach of short instructions.
+#[derive(Copy, Clone, Debug, Default)]
+struct Events {
+    piece: Piece,
+    owed: u32,
+    /// Version of the limits for which the events were chosen.
+    version: u32,
+    table: Table,
+}
+
 /// The events next to standstill.
 #[derive(Copy, Clone, Debug, Default)]
 struct Table {
@@ -118,18 +124,27 @@ struct Table {
     left: u32,
     /// Number of the next event, counted from standstill.
     number: u32,
-    is_start: bool,
+    /// 1 after a start, -1 before a stop.
+    step: i32,
+}
+
+impl Table {
+    /// Takes the next event, but not the last one.
+    #[inline]
+    fn next(&mut self) -> u64 {
+        self.left = self.left.wrapping_sub(1);
+        let interval = self.first.interval(self.number);
+        self.number = self.number.wrapping_add_signed(self.step);
+        interval
+    }
 }
 
 impl Ramp {
     /// Creates a ramp at standstill. Waits are in ticks of `timer_hz`.
     pub fn new(timer_hz: u32) -> Ramp {
         Ramp {
-            piece: Piece::default(),
-            owed: 0,
-            version: 0,
+            events: Events::default(),
             owed_low: 0,
-            table: Table::default(),
             span: Span::default(),
             course: Course::default(),
             late: 0,
@@ -308,13 +323,26 @@ impl Ramp {
     /// after [`Ramp::resume`].
     #[inline]
     pub fn wait(&mut self, sweep: u32, limits: &Limits) -> Option<u64> {
-        if limits.version == self.version {
-            if let Some(count) = self.piece.count.checked_sub(1) {
-                self.piece.count = count;
-                return Some(self.piece.step(&mut self.owed).into());
+        if limits.version == self.events.version {
+            if let Some(count) = self.events.piece.count.checked_sub(1) {
+                self.events.piece.count = count;
+                return Some(self.events.piece.step(&mut self.events.owed).into());
+            }
+            if self.events.table.left > 1 {
+                return Some(self.wait_of_table().into());
             }
         }
         self.wait_with_care(sweep, limits)
+    }
+
+    /// Times an event next to standstill, but not the last one.
+    #[inline(never)]
+    fn wait_of_table(&mut self) -> u32 {
+        let interval = self.events.table.next();
+        self.late = self.late.wrapping_sub(interval as i64);
+        let time = interval.wrapping_add(self.events.owed.into());
+        self.events.owed = time as u32;
+        (time >> 32) as u32
     }
 
     /// Returns up to `most` events of a line, for an interrupt that times them by itself. The
@@ -325,11 +353,11 @@ impl Ramp {
     /// change a piece that was returned, so `most` bounds their delay. Moves other than lines need
     /// [`Ramp::wait`].
     pub fn take_piece(&mut self, most: u32, limits: &Limits) -> Option<Piece> {
-        if self.piece.count == 0 || limits.version != self.version {
+        if self.events.piece.count == 0 || limits.version != self.events.version {
             self.follow(limits);
         }
-        if self.piece.count == 0 {
-            let single = if self.table.left != 0 {
+        if self.events.piece.count == 0 {
+            let single = if self.events.table.left != 0 {
                 Some(self.next_of_table())
             } else {
                 self.next_events()?
@@ -342,7 +370,7 @@ impl Ramp {
                 });
             }
         }
-        Some(self.piece.split(most.max(1)))
+        Some(self.events.piece.split(most.max(1)))
     }
 
     /// Times an event that is not in a piece, or that has new limits.
@@ -352,32 +380,32 @@ impl Ramp {
         if !self.is_line {
             return self.wait_swept(sweep);
         }
-        let single = if self.table.left != 0 {
+        let single = if self.events.table.left != 0 {
             Some(self.next_of_table())
-        } else if self.piece.count == 0 {
+        } else if self.events.piece.count == 0 {
             self.next_events()?
         } else {
             None
         };
         if let Some(time) = single {
-            let time = time.wrapping_add(self.owed.into());
-            self.owed = time as u32;
+            let time = time.wrapping_add(self.events.owed.into());
+            self.events.owed = time as u32;
             return Some(time >> 32);
         }
-        self.piece.count = self.piece.count.wrapping_sub(1);
-        Some(self.piece.step(&mut self.owed).into())
+        self.events.piece.count = self.events.piece.count.wrapping_sub(1);
+        Some(self.events.piece.step(&mut self.events.owed).into())
     }
 
     /// Applies the limits if they are new.
     #[inline]
     fn follow(&mut self, limits: &Limits) {
-        if self.is_new || limits.version != self.version {
+        if self.is_new || limits.version != self.events.version {
             self.take_over(limits);
         }
     }
 
     fn take_over(&mut self, limits: &Limits) {
-        self.version = limits.version;
+        self.events.version = limits.version;
         let top = limits
             .top_nm_per_s
             .min(u32::MAX.wrapping_shr(self.fine_bits.into()))
@@ -413,7 +441,7 @@ impl Ramp {
                 if count > 1 && !ends_at_rest {
                     let shape = Shape::new(&from, &self.course.root, gain);
                     let (piece, rest) = by_differences(count, self.paid(time), &shape);
-                    self.piece = piece;
+                    self.events.piece = piece;
                     self.late = self.late.wrapping_add(rest as i64);
                     return Some(None);
                 }
@@ -456,7 +484,7 @@ impl Ramp {
             share.min(interval >> 7).wrapping_neg()
         };
         self.late = rest.wrapping_sub(share.wrapping_mul(count.into()) as i64);
-        self.piece = Piece {
+        self.events.piece = Piece {
             count,
             interval_q32: interval.wrapping_add(share),
             change_q32: 0,
@@ -471,11 +499,11 @@ impl Ramp {
         let Some(first) = First::new(self.course.slowness.time(one.speed)) else {
             return false;
         };
-        self.table = Table {
+        self.events.table = Table {
             first,
             left: count,
             number: if is_start { 0 } else { count.wrapping_sub(1) },
-            is_start,
+            step: if is_start { 1 } else { -1 },
         };
         self.late = self.late.wrapping_add(time as i64);
         true
@@ -484,17 +512,11 @@ impl Ramp {
     /// Returns the interval of the next event next to standstill. The last event takes the rest of
     /// the time.
     fn next_of_table(&mut self) -> u64 {
-        let table = &mut self.table;
-        table.left = table.left.wrapping_sub(1);
-        if table.left == 0 {
+        if self.events.table.left == 1 {
+            self.events.table.left = 0;
             return self.paid(0);
         }
-        let interval = table.first.interval(table.number);
-        table.number = if table.is_start {
-            table.number.wrapping_add(1)
-        } else {
-            table.number.wrapping_sub(1)
-        };
+        let interval = self.events.table.next();
         self.late = self.late.wrapping_sub(interval as i64);
         interval
     }
@@ -623,13 +645,13 @@ impl Ramp {
     }
 
     fn leave_piece(&mut self) {
-        let count = self.piece.count.wrapping_add(self.table.left);
+        let count = self.events.piece.count.wrapping_add(self.events.table.left);
         if count == 0 {
             return;
         }
         let end = self.course.root;
         self.course.set_square(self.square_now());
-        let given = self.piece.time_of(self.piece.count);
+        let given = self.events.piece.time_of(self.events.piece.count);
         let rest = match self.course.way {
             Way::Level => up_to_q32(self.cruise.product(count.into()), self.cruise_bits()),
             _ => self
@@ -639,8 +661,8 @@ impl Ramp {
         };
         self.late = self.late.wrapping_add(given.wrapping_sub(rest) as i64);
         self.course.left = self.course.left.saturating_add(count);
-        self.piece.count = 0;
-        self.table.left = 0;
+        self.events.piece.count = 0;
+        self.events.table.left = 0;
     }
 
     fn leave_span(&mut self) {
@@ -670,7 +692,7 @@ impl Ramp {
     fn square_now(&self) -> u64 {
         let end = self.course.square;
         let gain = if self.is_line {
-            let count = self.piece.count.wrapping_add(self.table.left);
+            let count = self.events.piece.count.wrapping_add(self.events.table.left);
             self.course.gain().wrapping_mul(count.into())
         } else {
             self.span
@@ -727,9 +749,9 @@ impl Ramp {
         } else {
             time.wrapping_shl(64_u32.wrapping_sub(fraction_bits))
         };
-        let owed = u64::from(self.owed) << 32 | u64::from(self.owed_low);
+        let owed = u64::from(self.events.owed) << 32 | u64::from(self.owed_low);
         let (owed, carries) = owed.overflowing_add(fraction);
-        self.owed = (owed >> 32) as u32;
+        self.events.owed = (owed >> 32) as u32;
         self.owed_low = owed as u32;
         time.wrapping_shr(fraction_bits)
             .saturating_add(carries.into())

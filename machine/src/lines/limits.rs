@@ -127,13 +127,14 @@ impl<const N: usize> Limits<N> {
     fn round_stretch(&self, stretch: &Stretch, along: &Tangent<N>, round: &Round) -> Stretch {
         let [first, second] = round.plane;
         let share = unrolled(along, first, second);
+        // At an override of 200 %.
+        let highest = stretch.top_nm_per_s.saturating_mul(2);
+        let highest = highest.min(stretch.ceiling_nm_per_s);
         let ArcLimits {
             speed_nm_per_s: [lower, upper],
             acceleration_nm_per_s2: accelerations,
-        } = self.arc_limits(&share, round);
+        } = self.arc_limits(&share, round, highest);
         let ceiling = stretch.ceiling_nm_per_s.min(upper);
-        // An arc that stays below the upper level at the highest override has one level.
-        let highest = stretch.top_nm_per_s.saturating_mul(2);
         let upper = if highest > lower {
             Upper::new(ceiling, lower, accelerations)
         } else {
@@ -154,8 +155,9 @@ impl<const N: usize> Limits<N> {
         }
     }
 
-    /// The limits of an arc along its path. `share` has the whole plane in its first axis.
-    fn arc_limits(&self, share: &Tangent<N>, round: &Round) -> ArcLimits {
+    /// The limits of an arc along its path, whose highest speed is `highest`. `share` has the whole
+    /// plane in its first axis.
+    fn arc_limits(&self, share: &Tangent<N>, round: &Round, highest: u32) -> ArcLimits {
         let [first, second] = round.plane;
         let of = |axis: usize| self.acceleration.get(axis).copied().unwrap_or(u64::MAX);
         let mut plane = of(first).min(of(second));
@@ -163,7 +165,7 @@ impl<const N: usize> Limits<N> {
             // At its smaller radius, a spiral is faster than at the mean one in this ratio.
             plane = mul_div(plane, round.around_nm, round.fastest_nm);
         }
-        let arc = ArcLimits::new(plane, round.radius_nm);
+        let arc = ArcLimits::new(plane, round.radius_nm, highest);
         ArcLimits {
             speed_nm_per_s: arc.speed_nm_per_s.map(|speed| {
                 let mut turning = [u32::MAX; N];

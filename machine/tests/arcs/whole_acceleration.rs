@@ -163,3 +163,18 @@ fn a_chain_of_arcs_is_as_fast_as_its_axes() {
         "{arcs} {least}"
     );
 }
+
+/// A circle of 50 mm at 60 mm/s needs 0.144 of the acceleration towards its centre, and no more at
+/// any override because 100 mm/s is the limit of the axes: 0.4. So sqrt(1 - 0.4^2) = 0.916 is left
+/// along the path.
+#[test]
+fn a_slow_arc_has_nearly_all_of_it_along_the_path() {
+    let found = seconds("G3 I50 F3600");
+    let ramps = 60.0 / 500.0;
+    let expected = |share: f64| TAU * 50.0 / 60.0 + ramps / share;
+    assert!(
+        found < expected(0.91) && found > expected(0.917),
+        "{found}, not {}",
+        expected(0.916)
+    );
+}

@@ -56,8 +56,9 @@ impl First {
         let ticks = high.wrapping_add(low);
         // The product has 1 bit more (17 - 16), or 3 (19 - 16).
         let more = if index < FINER.wrapping_sub(1) { 1 } else { 3 };
-        let bits = u32::from(self.bits).wrapping_add(more);
-        // From 0 to 31.
-        u64::from(ticks).wrapping_shl(32_u32.wrapping_sub(bits))
+        // From 0 to 31. Two shifts of 32 bits take less than one of 64.
+        let shift = 32_u32.wrapping_sub(u32::from(self.bits).wrapping_add(more));
+        let whole = (ticks >> 1).wrapping_shr(31_u32.wrapping_sub(shift));
+        u64::from(whole) << 32 | u64::from(ticks.wrapping_shl(shift))
     }
 }

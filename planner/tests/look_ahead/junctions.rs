@@ -140,13 +140,26 @@ proptest! {
         prop_assert!(corner.speed(&before, &after.reversed()) == 0);
     }
 
-    /// The two parts of the acceleration on an arc do not exceed the whole.
+    /// The two parts of the acceleration on an arc do not exceed the whole. An arc that is always
+    /// slow has nearly what is left of it at its highest speed.
     #[test]
     fn arcs_stay_within_their_acceleration(
         acceleration in 1_000_u64..1 << 40,
         radius in 1_000_u64..1 << 40,
+        share in 0.0..2.0_f64,
     ) {
-        let limits = ArcLimits::new(acceleration, radius);
+        let lower = (acceleration as f64 / 2.0 * radius as f64).sqrt();
+        let highest = (lower * share) as u32;
+        let limits = ArcLimits::new(acceleration, radius, highest);
+        let lower = lower.floor().min(f64::from(u32::MAX));
+        let expected = lower.min(f64::from(highest));
+        prop_assert!((f64::from(limits.speed_nm_per_s[0]) - expected).abs() <= 1.0);
+        if f64::from(highest) < lower && u128::from(acceleration) * u128::from(radius) < 1 << 64 {
+            let part = f64::from(highest).powi(2) / radius as f64 / acceleration as f64;
+            let left = (1.0 - part * part).sqrt() * acceleration as f64;
+            let along = limits.acceleration_nm_per_s2[0] as f64;
+            prop_assert!(along >= left * (1.0 - 2e-3) - 1.0, "{along} {left}");
+        }
         for (level, least) in [0.8659, 0.1979].into_iter().enumerate() {
             let speed = f64::from(limits.speed_nm_per_s[level]);
             let centre = speed * speed / radius as f64;
