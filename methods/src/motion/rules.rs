@@ -74,6 +74,8 @@ struct Leg {
     /// Accelerations below and above the speed `knee`.
     accelerations: [f64; 2],
     knee: f64,
+    /// Speed that needs no ramp.
+    start: f64,
     radius: f64,
 }
 
@@ -122,8 +124,11 @@ impl<const N: usize> Course<N> {
             let number = *number;
             let leg = leg(&self.moves[number].stretch, turns[number].radius);
             self.pass(&mut profile, &turns, number, speed);
+            // A start speed is reached and left at once.
+            let begin = speed.max(leg.start).min(leg.top);
+            profile.jump = profile.jump.max((begin - speed).abs());
             let exit = (queue.limits().exit_squared as f64).sqrt() * MM;
-            speed = leg.pass(&mut profile.pieces, speed, exit);
+            speed = leg.pass(&mut profile.pieces, begin, exit);
             queue.pop();
         }
     }
@@ -223,6 +228,7 @@ impl<const N: usize> Course<N> {
                     top: top.min(along(&rates, way)),
                     accelerations: [acceleration; 2],
                     knee: f64::INFINITY,
+                    start: 0.0,
                     radius: chords.radius,
                 };
                 let limit = match legs.last() {
@@ -279,6 +285,7 @@ fn leg(stretch: &Stretch, radius: f64) -> Leg {
         top: f64::from(stretch.top_at(100)) * MM,
         accelerations: accelerations.map(|limit| limit as f64 * MM),
         knee: f64::from(knee) * MM,
+        start: f64::from(stretch.start_nm_per_s) * MM,
         radius,
     }
 }
