@@ -304,12 +304,16 @@ fn rules_of_motion() {
 fn motion_needs_a_program_and_ramps() {
     for (arguments, why) in [
         (&["motion"][..], "which program"),
+        (&["motion", "../examples/gear.nc", "-m", "free"], "no ramps"),
         (
-            &["motion", "../examples/gear.nc", "-m", "free"],
-            "no ramps",
-        ),
-        (
-            &["motion", "../examples/gear.nc", "-m", "router", "--window", "0"],
+            &[
+                "motion",
+                "../examples/gear.nc",
+                "-m",
+                "router",
+                "--window",
+                "0",
+            ],
             "not above 0",
         ),
         (&["circle", "../examples/gear.nc"], "only motion takes"),

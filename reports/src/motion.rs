@@ -56,10 +56,10 @@ impl Motion {
 }
 
 /// What the columns mean.
-const MEANING: [&str; 4] = [
+const MEANING: [&str; 5] = [
     "The rules know all moves ahead. They have the accelerations and rates of the machine file.",
     "with arcs: largest acceleration along the path and towards the centre of arcs together.",
-    "corner jump: largest change of the velocity at a junction. dips: junctions at less than half of \
-     the lower programmed speed beside them.",
+    "corner jump: largest change of the velocity at a junction.",
+    "dips: junctions at less than half of the lower programmed speed beside them.",
     "grbl and klipper make chords of arcs, with the default settings of these controllers.",
 ];

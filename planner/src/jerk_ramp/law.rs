@@ -216,8 +216,8 @@ impl Passage {
         u32::try_from(share).map_or(law.time, |share| part(law.time, share))
     }
 
-    /// Passes `count` events, 1 to 1024, of about `event` in a slice with a cubic. Together they have
-    /// this `path`.
+    /// Passes `count` events, 1 to 1024, of about `event` in a slice with a cubic. Together they
+    /// have this `path`.
     pub(crate) fn piece(&mut self, count: u32, event: u64, path: u64, law: &Law) -> Piece {
         let Some(cubic) = &law.cubic else {
             return Piece::default();

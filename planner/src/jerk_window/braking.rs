@@ -56,8 +56,9 @@ impl Braking {
         speed.wrapping_mul(self.wait.level.into()).wrapping_mul(2)
     }
 
-    /// Whether braking to a speed from `end`, the speed after the slice, ends in time. `room` is the
-    /// path to where it would end at the speed 0. `is_low`: the speed to brake to is at most a step.
+    /// Whether braking to a speed from `end`, the speed after the slice, ends in time. `room` is
+    /// the path to where it would end at the speed 0. `is_low`: the speed to brake to is at most a
+    /// step.
     pub(crate) fn fits(&self, end: u32, room: i64, is_low: bool) -> bool {
         let slice = i64::from(self.speed).wrapping_add(end.into());
         self.is_within(end, room.saturating_sub(slice), is_low)
@@ -67,8 +68,8 @@ impl Braking {
     pub(crate) fn is_within(&self, speed: u32, room: i64, is_low: bool) -> bool {
         let left = room.saturating_sub(self.level(speed));
         if is_low && speed < self.step {
-            // One slice is enough. To a speed V, it takes v + V, and at least V of this is reserved:
-            // Y is 2 V - V^2 / a behind the height.
+            // One slice is enough. To a speed V, it takes v + V, and at least V of this is
+            // reserved: Y is 2 V - V^2 / a behind the height.
             return left >= speed.into();
         }
         let Ok(left) = u64::try_from(left.saturating_sub(self.reserve())) else {

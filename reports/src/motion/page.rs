@@ -69,8 +69,8 @@ fn picture(page: &mut String, figures: &Figures, profile: &Profile, largest: &La
     let _ = writeln!(
         page,
         "<section><h2>{name}: {}</h2>\n<svg viewBox=\"0 0 1000 480\" role=\"img\" \
-         aria-labelledby=\"{name}-t\"><title id=\"{name}-t\">Speed, acceleration and jerk along the \
-         path over time by the rule {name}</title>",
+         aria-labelledby=\"{name}-t\"><title id=\"{name}-t\">Speed, acceleration and jerk over \
+         time by the rule {name}</title>",
         duration(figures.seconds)
     );
     let columns = profile.columns(COLUMNS, largest.seconds / COLUMNS as f64);
@@ -101,8 +101,8 @@ fn picture(page: &mut String, figures: &Figures, profile: &Profile, largest: &La
         if number == 2 && figures.jerk.is_none() {
             let _ = writeln!(
                 page,
-                "<text x=\"{LEFT}\" y=\"291\">The acceleration jumps by up to {:.0} mm/s^2: the jerk \
-                 has no limit.</text>",
+                "<text x=\"{LEFT}\" y=\"291\">The acceleration jumps by up to {:.0} mm/s^2: the \
+                 jerk has no limit.</text>",
                 figures.acceleration_jump
             );
             continue;

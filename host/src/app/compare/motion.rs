@@ -25,8 +25,9 @@ pub(super) fn compare(args: &Compare) -> Result<u8, Failure> {
     let mut job = Job::new(file, &args.target, "free")?;
     job.keep_input()?;
     if job.config.axes.iter().all(|axis| axis.ramp.is_none()) {
-        let why = format!("{} has no ramps, so its speed jumps", job.machine.title);
-        return Err(usage(why));
+        return Err(usage(
+            "the machine has no ramps, so its speed jumps".to_owned(),
+        ));
     }
     let window = match args.window {
         Some(window) if window > 0.0 => window / 1000.0,
