@@ -71,7 +71,7 @@ pub use compensation::{Compensated, Compensation};
 pub use error::framing::FramingError;
 pub use error::{Error, ErrorKind};
 pub use modal::Modal;
-pub use modal::commands::Commands;
+pub use modal::commands::{Commands, PendingCommands};
 pub use modal::modes::{Distance, FeedMode, Motion, Units};
 pub use modal::tools::Tool;
 #[cfg(all(feature = "program", feature = "extended"))]

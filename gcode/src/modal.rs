@@ -28,10 +28,12 @@ use crate::codes::letters::first_of;
 use crate::codes::letters::polar_sign;
 use crate::error::{Error, ErrorKind};
 use crate::features::{EXTENDED, ROOMY};
-use crate::modal::commands::Commands;
+use crate::modal::commands::{Changed, Commands, Entry};
 #[cfg(feature = "extended")]
 use crate::modal::modes::Sticky;
 use crate::modal::modes::{FeedMode, Modes, Units, initial};
+#[cfg(feature = "extended")]
+use crate::modal::tools::Tool;
 use crate::modal::tools::Tools;
 use crate::values::nm::{Measure, Nm};
 
@@ -115,9 +117,10 @@ impl<const N: usize> Modal<N> {
     }
 
     /// Does [`Modal::plan`] in place. Nothing is moved. Only the modes (or, for G0 to G3 with axis
-    /// words, `F` and `N`, the values that these change) are backed up, in `commands`. Take all
-    /// commands before the next block, or drop them with [`Commands::clear`]. After an error of the
-    /// block there are no commands, and the state is unchanged.
+    /// words, `F` and `N`, the values that these change) are backed up, in `commands`, so that
+    /// [`Modal::revert`] can take the block back. Take all commands before the next block, or drop
+    /// them with [`Commands::clear`]. After an error of the block there are no commands, and the
+    /// state is unchanged.
     ///
     /// # Errors
     /// Those of [`Modal::plan`], and E0509 if commands have not been taken: they stay, and the
@@ -166,16 +169,21 @@ impl<const N: usize> Modal<N> {
         commands: &mut Commands<N>,
     ) -> Result<(), Fault> {
         // Position and mode change last.
-        let before = self.modes.feed;
+        commands.before.feed = self.modes.feed;
         let done = self
             .check_axes(block)
             .and_then(|()| self.set_feed(block))
             .and_then(|()| match ROOMY || EXTENDED {
                 true => self.moves_on(block, mode, commands),
-                false => self.moves(block, commands),
+                false => {
+                    let motion = self.active(Group::Motion);
+                    commands.before.position = self.modes.position;
+                    commands.note_move(motion);
+                    self.moves(block, commands)
+                }
             });
         if done.is_err() {
-            self.modes.feed = before;
+            self.modes.feed = commands.before.feed;
         }
         done
     }
@@ -184,13 +192,15 @@ impl<const N: usize> Modal<N> {
     #[cfg_attr(not(target_has_atomic = "32"), inline(always))]
     fn apply_any(&mut self, block: &Block, commands: &mut Commands<N>) -> Result<(), Fault> {
         self.modes.write_to(&mut commands.before);
+        commands.entry = Entry::None;
         let done = self.execute(block, commands);
         if done.is_err() {
             commands.before.write_to(&mut self.modes);
             return done;
         }
-        self.store(block, &commands.before.position);
+        self.store(block, commands);
         self.stop(block, commands);
+        commands.note_modes();
         Ok(())
     }
 
@@ -234,16 +244,71 @@ impl<const N: usize> Modal<N> {
 
     /// Stores the position before the block for G28.1, G30.1 and the G54 of the micro mill, once
     /// the block can no longer fail.
-    fn store(&mut self, block: &Block, here: &[Nm; N]) {
+    fn store(&mut self, block: &Block, commands: &mut Commands<N>) {
         let [first, second] = &mut self.homes;
-        match block.code(Group::NonModal) {
-            Some(Code::StoreHome) => *first = *here,
-            Some(Code::StoreSecondHome) => *second = *here,
-            _ => {}
+        let (entry, to) = match block.code(Group::NonModal) {
+            Some(Code::StoreHome) => (Entry::Home, first),
+            Some(Code::StoreSecondHome) => (Entry::SecondHome, second),
+            _ => {
+                let micromill = self.modes.dialect.flavour == Flavour::Micromill;
+                match self.offsets.first_mut() {
+                    Some(offset) if micromill && block.code(Group::System).is_some() => {
+                        (Entry::System(0), offset)
+                    }
+                    _ => return,
+                }
+            }
+        };
+        commands.keep(entry, to);
+        *to = commands.before.position;
+    }
+
+    /// Takes back the block of these commands, for a caller that cannot make all of them. The state
+    /// is then as it was before [`Modal::apply`], and there are no commands.
+    ///
+    /// The commands are those of the last block, taken or not. Without an accepted block, or after
+    /// [`Commands::clear`], nothing changes.
+    pub fn revert(&mut self, commands: &mut Commands<N>) {
+        let (changed, motion) = commands.take_changed();
+        let before = &commands.before;
+        match changed {
+            Changed::Nothing => {}
+            Changed::Move => {
+                (self.modes.position, self.modes.feed) = (before.position, before.feed);
+                self.set_active(Group::Motion, motion.unwrap_or(Code::Foreign));
+            }
+            Changed::Modes => {
+                before.write_to(&mut self.modes);
+                self.restore(commands);
+            }
         }
-        if self.modes.dialect.flavour == Flavour::Micromill && block.code(Group::System).is_some() {
-            if let Some(offset) = self.offsets.first_mut() {
-                *offset = *here;
+    }
+
+    /// Restores the entry of a table that the block changed.
+    fn restore(&mut self, commands: &Commands<N>) {
+        let [first, second] = &mut self.homes;
+        match commands.entry {
+            Entry::None => {}
+            Entry::Home => *first = commands.kept,
+            Entry::SecondHome => *second = commands.kept,
+            Entry::System(system) => {
+                let system = usize::from(system);
+                if let Some(offset) = self.offsets.get_mut(system) {
+                    *offset = commands.kept;
+                }
+                #[cfg(feature = "extended")]
+                if let Some(angle) = self.angles.get_mut(system) {
+                    *angle = commands.kept_angle;
+                }
+            }
+            #[cfg(feature = "extended")]
+            Entry::Tool(place) => {
+                let (number, radius) = commands.kept_tool;
+                let tool = Tool {
+                    offset: commands.kept,
+                    radius,
+                };
+                self.tools.put(usize::from(place), number, tool);
             }
         }
     }

@@ -5,6 +5,8 @@
 //! rewrites the `.commands` files.
 #![cfg(feature = "extended")]
 
+mod in_place;
+
 use husillo_gcode::{Block, Compensation, Dialect, Error, Modal};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -43,7 +45,8 @@ fn run(path: &Path) -> (Vec<String>, Vec<String>) {
     for (index, line) in program.split(|&byte| byte == b'\n').enumerate() {
         let number = index + 1;
         for (offset, text) in dialect.blocks(line) {
-            let planned = Block::parse(text, &dialect).and_then(|block| modal.plan(&block));
+            let planned =
+                Block::parse(text, &dialect).and_then(|block| in_place::plan(&modal, &block));
             // The path of the tool; its errors concern the whole block.
             let compensated = planned.and_then(|(next, made)| {
                 let (after, made) = stage.plan(made).map_err(|kind| Error {

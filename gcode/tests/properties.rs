@@ -1,6 +1,8 @@
 //! Properties of all programs.
 #![cfg(feature = "extended")]
 
+mod in_place;
+
 use fixed::types::{I16F16, I40F24};
 use husillo_gcode::{Block, Command, Decimal, Dialect, Error, Modal, Nm, words};
 use proptest::prelude::*;
@@ -42,7 +44,7 @@ fn run(dialect: Dialect, lines: &[Vec<u8>]) -> (Modal<3>, Vec<Command<3>>) {
         for (offset, text) in dialect.blocks(line) {
             assert!(offset + text.len() <= line.len());
             let before = modal.clone();
-            match Block::parse(text, &dialect).and_then(|block| modal.plan(&block)) {
+            match Block::parse(text, &dialect).and_then(|block| in_place::plan(&modal, &block)) {
                 Ok((next, commands)) => {
                     let least = commands.size_hint().0;
                     let commands: Vec<_> = commands.collect();

@@ -7,6 +7,8 @@ mod curves;
 mod outputs;
 #[path = "extended/probing.rs"]
 mod probing;
+#[path = "extended/refused.rs"]
+mod refused;
 #[path = "extended/stages.rs"]
 mod stages;
 #[path = "extended/tapping.rs"]

@@ -31,6 +31,10 @@ pub struct Commands<const N: usize> {
     spindle: SpindleDirection,
     mist: bool,
     flood: bool,
+    /// What the block changed in the modal state.
+    changed: Changed,
+    /// The motion mode before a block that is only a move.
+    motion_before: Option<Code>,
     tool: u32,
     length_number: u32,
     milli_rpm: u64,
@@ -41,8 +45,16 @@ pub struct Commands<const N: usize> {
     /// measure of the error.
     pub(crate) arc: Arc<N>,
     length: [Nm; N],
-    /// The modes before the block, kept during its execution.
+    /// The values before the block of the modes that it changed.
     pub(crate) before: Modes<N>,
+    /// The entry that the block changed, and its position before the block.
+    pub(crate) entry: Entry,
+    pub(crate) kept: [Nm; N],
+    /// Before the block, the rotation of the work frame; or the number and the radius of the tool.
+    #[cfg(feature = "extended")]
+    pub(crate) kept_angle: u32,
+    #[cfg(feature = "extended")]
+    pub(crate) kept_tool: (u32, Nm),
     /// The intermediate point of G28.
     pub(crate) via: [Nm; N],
     #[cfg(feature = "extended")]
@@ -55,6 +67,31 @@ pub struct Commands<const N: usize> {
     pub(crate) points: [[Nm; 2]; 4],
     #[cfg(feature = "extended")]
     more: More<N>,
+}
+
+/// What a block changed in the modal state.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Changed {
+    /// Nothing that can be taken back.
+    Nothing,
+    /// Position, feed and motion mode.
+    Move,
+    /// Any modes, and one entry.
+    Modes,
+}
+
+/// The entry of a table that a block changed. A block changes at most one.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Entry {
+    None,
+    /// The position of G28, or of G30.
+    Home,
+    SecondHome,
+    /// A work frame, from 0 (G54) on.
+    System(u8),
+    /// A place of the tool table.
+    #[cfg(feature = "extended")]
+    Tool(u8),
 }
 
 /// The commands of the extended codes.
@@ -169,7 +206,15 @@ impl<const N: usize> Commands<N> {
         milli_rpm: 0,
         dwell_micros: 0,
         length: [Nm(0); N],
+        changed: Changed::Nothing,
+        motion_before: None,
         before: Modes::NONE,
+        entry: Entry::None,
+        kept: [Nm(0); N],
+        #[cfg(feature = "extended")]
+        kept_angle: 0,
+        #[cfg(feature = "extended")]
+        kept_tool: (0, Nm(0)),
         via: [Nm(0); N],
         feed: Feed::PerMinute(Nm(0)),
         arc: Arc {
@@ -200,14 +245,54 @@ impl<const N: usize> Commands<N> {
     };
 
     /// Drops the commands that have not been taken, for a program that is interrupted.
-    pub fn clear(&mut self) {
+    pub const fn clear(&mut self) {
         // The contents of the fields are then ignored.
         self.pending = 0;
+        self.changed = Changed::Nothing;
     }
 
     /// Whether all commands have been taken.
     pub const fn is_empty(&self) -> bool {
         self.pending == 0
+    }
+
+    /// The pending commands, without taking them: to check all of them before the first is made.
+    ///
+    /// # Cost
+    /// A copy of the canned cycle, if one is pending.
+    pub fn pending(&self) -> PendingCommands<'_, N> {
+        PendingCommands {
+            commands: self,
+            pending: self.pending,
+            #[cfg(feature = "extended")]
+            cycle: match self.is_in_cycle(self.pending & MOTION) {
+                true => self.more.cycle.clone(),
+                false => None,
+            },
+        }
+    }
+
+    /// Notes a block that is only a move, with the motion mode before it.
+    #[inline(always)]
+    pub(crate) const fn note_move(&mut self, before: Code) {
+        (self.changed, self.motion_before) = (Changed::Move, Some(before));
+    }
+
+    /// Notes a block that may have changed any mode.
+    pub(crate) const fn note_modes(&mut self) {
+        self.changed = Changed::Modes;
+    }
+
+    /// Notes the entry of a table that the block changes, and its position.
+    pub(crate) fn keep(&mut self, entry: Entry, position: &[Nm; N]) {
+        (self.entry, self.kept) = (entry, *position);
+    }
+
+    /// What the block changed, and the motion mode before a move. It can be taken back once.
+    pub(crate) const fn take_changed(&mut self) -> (Changed, Option<Code>) {
+        let changed = (self.changed, self.motion_before);
+        self.clear();
+        changed
     }
 
     pub(crate) fn tool(&mut self, number: u32) {
@@ -324,6 +409,12 @@ impl<const N: usize> Commands<N> {
         }
     }
 
+    /// Whether a canned cycle is the next of these pending commands.
+    #[inline(always)]
+    fn is_in_cycle(&self, pending: u16) -> bool {
+        pending & pending.wrapping_neg() == MOTION && self.motion == Some(Code::DrillCycle)
+    }
+
     fn cycle_command(&mut self) -> Option<Command<N>> {
         let points = &self.points;
         self.more.cycle.as_mut()?.next(points)
@@ -401,31 +492,10 @@ impl<const N: usize> Commands<N> {
             None => Command::Drill,
         }
     }
-}
 
-impl<const N: usize> Default for Commands<N> {
-    fn default() -> Self {
-        Commands::new()
-    }
-}
-
-impl<const N: usize> Iterator for Commands<N> {
-    type Item = Command<N>;
-
-    #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
-    fn next(&mut self) -> Option<Command<N>> {
-        #[cfg_attr(not(feature = "extended"), expect(unused_mut))]
-        let mut lowest = self.pending & self.pending.wrapping_neg();
-        #[cfg(feature = "extended")]
-        if lowest == MOTION && self.motion == Some(Code::DrillCycle) {
-            if let Some(command) = self.cycle_command() {
-                return Some(command);
-            }
-            self.pending &= !MOTION;
-            lowest = self.pending & self.pending.wrapping_neg();
-        }
-        self.pending &= !lowest;
-        Some(match lowest {
+    /// The command of one pending bit, except a canned cycle.
+    fn command(&self, bit: u16) -> Option<Command<N>> {
+        Some(match bit {
             #[cfg(feature = "extended")]
             IO => self.more.io.command(),
             #[cfg(feature = "extended")]
@@ -473,6 +543,60 @@ impl<const N: usize> Iterator for Commands<N> {
             LAST => self.last_command(),
             _ => return None,
         })
+    }
+}
+
+/// The pending commands of a block, none of which is taken. See [`Commands::pending`].
+#[derive(Clone, Debug)]
+pub struct PendingCommands<'a, const N: usize> {
+    commands: &'a Commands<N>,
+    pending: u16,
+    /// The canned cycle, from its next command on.
+    #[cfg(feature = "extended")]
+    cycle: Option<Cycle<N>>,
+}
+
+impl<const N: usize> Iterator for PendingCommands<'_, N> {
+    type Item = Command<N>;
+
+    fn next(&mut self) -> Option<Command<N>> {
+        #[cfg(feature = "extended")]
+        if self.commands.is_in_cycle(self.pending) {
+            let next = self.cycle.as_mut();
+            if let Some(command) = next.and_then(|cycle| cycle.next(&self.commands.points)) {
+                return Some(command);
+            }
+            self.pending &= !MOTION;
+        }
+        let lowest = self.pending & self.pending.wrapping_neg();
+        self.pending &= !lowest;
+        self.commands.command(lowest)
+    }
+}
+
+impl<const N: usize> core::iter::FusedIterator for PendingCommands<'_, N> {}
+
+impl<const N: usize> Default for Commands<N> {
+    fn default() -> Self {
+        Commands::new()
+    }
+}
+
+impl<const N: usize> Iterator for Commands<N> {
+    type Item = Command<N>;
+
+    #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
+    fn next(&mut self) -> Option<Command<N>> {
+        #[cfg(feature = "extended")]
+        if self.is_in_cycle(self.pending) {
+            if let Some(command) = self.cycle_command() {
+                return Some(command);
+            }
+            self.pending &= !MOTION;
+        }
+        let lowest = self.pending & self.pending.wrapping_neg();
+        self.pending &= !lowest;
+        self.command(lowest)
     }
 
     fn size_hint(&self) -> (usize, Option<usize>) {

@@ -9,7 +9,7 @@ use crate::codes::dialect::Flavour;
 use crate::codes::letters::{AXES, axis_letter};
 use crate::features::EXTENDED;
 use crate::modal::Modal;
-use crate::modal::commands::Commands;
+use crate::modal::commands::{Commands, Entry};
 use crate::modal::modes::Units;
 use crate::modal::settings::missing;
 #[cfg(feature = "extended")]
@@ -416,7 +416,7 @@ impl<const N: usize> Modal<N> {
         let terms = match kind {
             #[cfg(feature = "extended")]
             1 | 10 | 11 if self.modes.dialect.flavour != Flavour::Grbl => {
-                return self.write_tool(block, kind, number);
+                return self.write_tool(block, kind, number, commands);
             }
             2 => Terms::NONE,
             20 => Terms::TO_SYSTEM,
@@ -446,19 +446,28 @@ impl<const N: usize> Modal<N> {
         #[cfg(not(feature = "extended"))]
         self.read_axes(block, terms, to)?;
         #[cfg(feature = "extended")]
-        if let (Some(angle), Some(to)) = (angle, self.angles.get_mut(system as usize)) {
-            *to = angle;
+        if let Some(to) = self.angles.get_mut(system as usize) {
+            commands.kept_angle = *to;
+            *to = angle.unwrap_or(*to);
             self.note_rotation();
         }
         if let Some(zero) = self.offsets.get_mut(system as usize) {
-            *zero = *to;
+            // There are at most nine frames.
+            commands.keep(Entry::System(system as u8), zero);
+            *zero = commands.arc.to;
         }
         Ok(())
     }
 
     /// G10 L1, L10, L11: the length and the radius of a tool.
     #[cfg(feature = "extended")]
-    fn write_tool(&mut self, block: &Block, kind: u32, number: u32) -> Result<(), Fault> {
+    fn write_tool(
+        &mut self,
+        block: &Block,
+        kind: u32,
+        number: u32,
+        commands: &mut Commands<N>,
+    ) -> Result<(), Fault> {
         if number == 0 {
             return Err(Fault::at(Reason::OutOfRange, b'P'));
         }
@@ -472,11 +481,14 @@ impl<const N: usize> Modal<N> {
         if let Some(radius) = self.length_of(block, b'R')? {
             tool.radius = radius;
         }
-        if self.tools.set(number, tool) {
-            Ok(())
-        } else {
-            Err(Fault::at(Reason::ToolTableFull, b'P'))
+        let place = self.tools.place(number);
+        let place = place.ok_or(Fault::at(Reason::ToolTableFull, b'P'))?;
+        if let Some((number, before)) = self.tools.put(place, number, tool) {
+            // There are eight places.
+            commands.keep(Entry::Tool(place as u8), &before.offset);
+            commands.kept_tool = (number, before.radius);
         }
+        Ok(())
     }
 
     /// G92: sets the coordinates of the present position to the axis words; on the drill to zero

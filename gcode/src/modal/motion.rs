@@ -42,14 +42,14 @@ impl<const N: usize> Modal<N> {
             self.travel_on(block, mode, commands)?;
         } else if coded && mode.is_arc() {
             self.travel(block, mode, true, commands)?;
+        } else {
+            commands.before.position = self.modes.position;
         }
+        commands.note_move(self.active(Group::Motion));
         if self.modes.dialect.flavour != Flavour::Micromill {
             self.set_active(Group::Motion, mode);
         }
-        #[cfg(feature = "extended")]
-        {
-            self.modes.more.tail = None;
-        }
+        // There is no tail of a spline: the mode after one is not that of a plain move.
         Ok(())
     }
 
@@ -237,6 +237,7 @@ impl<const N: usize> Modal<N> {
                 self.set_feed_of(commands)?;
             }
         }
+        commands.before.position = self.modes.position;
         self.go(mode, commands);
         Ok(())
     }
@@ -386,9 +387,12 @@ impl<const N: usize> Modal<N> {
     #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
     pub(crate) fn check_z_alone(&self, block: &Block) -> Result<(), Fault> {
         const Z: u16 = 0b100;
+        if self.modes.dialect.flavour != Flavour::Micromill {
+            return Ok(());
+        }
         let axes = block.axes();
         let arc = block.code(Group::Motion).is_some_and(Code::is_arc);
-        if self.modes.dialect.flavour == Flavour::Micromill && axes & Z != 0 && (axes != Z || arc) {
+        if axes & Z != 0 && (axes != Z || arc) {
             return Err(Fault::at(Reason::ZNotAlone, b'Z'));
         }
         Ok(())

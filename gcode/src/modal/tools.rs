@@ -47,18 +47,25 @@ impl<const N: usize> Tools<N> {
 
     /// Writes an entry; `false` when there is no room, or the number is 0.
     pub(crate) fn set(&mut self, number: u32, tool: Tool<N>) -> bool {
-        if number == 0 {
-            return false;
-        }
+        let place = self.place(number);
+        place.is_some_and(|place| self.put(place, number, tool).is_some())
+    }
+
+    /// The place for a tool; `None` when there is no room, or the number is 0.
+    pub(crate) fn place(&self, number: u32) -> Option<usize> {
         let there = self.entries.iter().position(|entry| entry.0 == number);
         let free = || self.entries.iter().position(|entry| entry.0 == 0);
-        let place = there.or_else(free);
-        match place.and_then(|place| self.entries.get_mut(place)) {
-            Some(entry) => {
-                *entry = (number, tool);
-                true
-            }
-            None => false,
-        }
+        there.or_else(free).filter(|_| number != 0)
+    }
+
+    /// Writes a place; returns the number and the tool that it had.
+    pub(crate) fn put(
+        &mut self,
+        place: usize,
+        number: u32,
+        tool: Tool<N>,
+    ) -> Option<(u32, Tool<N>)> {
+        let entry = self.entries.get_mut(place)?;
+        Some(core::mem::replace(entry, (number, tool)))
     }
 }

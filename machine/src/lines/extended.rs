@@ -1,6 +1,6 @@
 //! A machine that runs all commands its equipment allows.
 
-use husillo_gcode::{Command, Commands, Compensated, Compensation, ErrorKind, Nm};
+use husillo_gcode::{Block, Command, Commands, Compensated, Compensation, Error, Modal, Nm};
 use husillo_probe::{Tip, UnitVector};
 
 use crate::lines::extension::{Extension, Parts};
@@ -23,7 +23,7 @@ impl<const N: usize> Extension<N> for Extended<N> {}
 
 impl<const N: usize> Parts<N> for Extended<N> {
     type Commands = Compensated<N>;
-    type Stage = Compensation<N>;
+    type Stage = (Compensation<N>, Commands<N>);
     const IS_EXTENDED: bool = true;
 
     fn new() -> Self {
@@ -35,11 +35,44 @@ impl<const N: usize> Parts<N> for Extended<N> {
         }
     }
 
-    fn plan(&self, commands: Commands<N>) -> Result<(Compensation<N>, Compensated<N>), ErrorKind> {
-        self.compensation.plan(commands)
+    fn nothing() -> Compensated<N> {
+        Compensation::new([Nm(0); N]).finish()
     }
 
-    fn set_stage(&mut self, stage: Compensation<N>) {
+    fn apply(
+        &self,
+        block: &Block,
+        modal: &mut Modal<N>,
+        to: &mut Compensated<N>,
+    ) -> Result<Self::Stage, Error> {
+        let mut commands = Commands::new();
+        modal.apply(block, &mut commands)?;
+        match self.compensation.plan(commands.clone()) {
+            Ok((stage, compensated)) => {
+                *to = compensated;
+                Ok((stage, commands))
+            }
+            Err(kind) => {
+                modal.revert(&mut commands);
+                Err(Error {
+                    kind,
+                    at: 0,
+                    end: 0,
+                })
+            }
+        }
+    }
+
+    fn revert((_, mut given): Self::Stage, modal: &mut Modal<N>, commands: &mut Compensated<N>) {
+        modal.revert(&mut given);
+        *commands = Self::nothing();
+    }
+
+    fn pending(commands: &Compensated<N>) -> impl Iterator<Item = Command<N>> {
+        commands.clone()
+    }
+
+    fn set_stage(&mut self, (stage, _): Self::Stage) {
         self.compensation = stage;
     }
 

@@ -2,7 +2,7 @@
 
 use core::fmt::Debug;
 
-use husillo_gcode::{Command, Commands, ErrorKind, Nm};
+use husillo_gcode::{Block, Command, Commands, Error, Modal, Nm};
 
 use crate::lines::state::State;
 
@@ -17,15 +17,27 @@ impl<const N: usize> Extension<N> for () {}
 pub trait Parts<const N: usize>: Clone + Debug {
     /// The commands of one block.
     type Commands: Iterator<Item = Command<N>> + Clone + Debug;
-    /// The stage before the machine.
+    /// The stage before the machine as a block leaves it, and what takes the block back.
     type Stage;
     /// Whether there is a state.
     const IS_EXTENDED: bool;
 
     /// The state of a new machine.
     fn new() -> Self;
-    /// The commands of a block after the stage, and the stage after them.
-    fn plan(&self, commands: Commands<N>) -> Result<(Self::Stage, Self::Commands), ErrorKind>;
+    /// No commands.
+    fn nothing() -> Self::Commands;
+    /// Applies a block to the modal state. Writes its commands after the stage to `to`, where all
+    /// commands have been taken. After an error the modal state is unchanged.
+    fn apply(
+        &self,
+        block: &Block,
+        modal: &mut Modal<N>,
+        to: &mut Self::Commands,
+    ) -> Result<Self::Stage, Error>;
+    /// Takes the block back, of which no command has been taken.
+    fn revert(stage: Self::Stage, modal: &mut Modal<N>, commands: &mut Self::Commands);
+    /// The commands, without taking them.
+    fn pending(commands: &Self::Commands) -> impl Iterator<Item = Command<N>>;
     /// Replaces the stage.
     fn set_stage(&mut self, stage: Self::Stage);
     /// A stage with nothing in it, at a position.
@@ -47,8 +59,27 @@ impl<const N: usize> Parts<N> for () {
 
     fn new() -> Self {}
 
-    fn plan(&self, commands: Commands<N>) -> Result<((), Commands<N>), ErrorKind> {
-        Ok(((), commands))
+    fn nothing() -> Commands<N> {
+        Commands::new()
+    }
+
+    #[inline]
+    fn apply(
+        &self,
+        block: &Block,
+        modal: &mut Modal<N>,
+        to: &mut Commands<N>,
+    ) -> Result<(), Error> {
+        modal.apply(block, to)
+    }
+
+    fn revert((): (), modal: &mut Modal<N>, commands: &mut Commands<N>) {
+        modal.revert(commands);
+    }
+
+    #[inline]
+    fn pending(commands: &Commands<N>) -> impl Iterator<Item = Command<N>> {
+        commands.pending()
     }
 
     fn set_stage(&mut self, (): ()) {}

@@ -7,13 +7,14 @@ mod next_event;
 mod tapping;
 
 use husillo_backlash::{Backlash, BacklashModel, Flank};
-use husillo_gcode::{Block, Command, Commands, Error, Modal, Nm, PathMode};
+use husillo_gcode::{Block, Command, Modal, Nm, PathMode};
 use husillo_interp::{Moves, Path, Step};
 use husillo_planner::{Ramp, Timer};
 
 use crate::lines::extension::Extension;
 use crate::lines::guard::StepGuard;
 use crate::lines::schedule::Schedule;
+use crate::lines::segment::Start;
 use crate::lines::take_up::TakeUp;
 use crate::{Config, Equipment, Event, MoveError, Refused, Segment};
 
@@ -77,7 +78,7 @@ pub struct Machine<
     schedule: Schedule<N, P, QUEUE>,
     modal: Modal<N>,
     /// Remaining commands of the last block.
-    commands: Option<E::Commands>,
+    commands: E::Commands,
     /// Its next command, which waits for room in the queue.
     next: Option<Command<N>>,
     /// A command that acts when all moves before it have been made.
@@ -88,6 +89,8 @@ pub struct Machine<
 /// The state after commands that this machine can make.
 struct Accepted<const N: usize> {
     end: [Nm; N],
+    /// The steps nearest to the end.
+    steps: [i32; N],
     mode: PathMode,
     has_ended: bool,
 }
@@ -130,7 +133,7 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Ex
         Self {
             config,
             modal: Modal::new(config.dialect),
-            commands: None,
+            commands: E::nothing(),
             next: None,
             waiting: None,
             schedule: Schedule::new(&config),
@@ -208,19 +211,19 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Ex
         if !self.has_room() {
             return Err(Refused::Busy);
         }
-        let mut modal = self.modal.clone();
-        let mut commands = Commands::new();
-        modal.apply(block, &mut commands)?;
-        let (stage, commands) = self.extension.plan(commands).map_err(|kind| Error {
-            kind,
-            at: 0,
-            end: 0,
-        })?;
-        let accepted = self.accept(commands.clone())?;
-        self.modal = modal;
-        self.extension.set_stage(stage);
-        self.take(accepted, commands);
-        Ok(())
+        let commands = &mut self.commands;
+        let stage = self.extension.apply(block, &mut self.modal, commands)?;
+        match self.accept(E::pending(&self.commands)) {
+            Ok(accepted) => {
+                self.extension.set_stage(stage);
+                self.take(accepted);
+                Ok(())
+            }
+            Err(error) => {
+                E::revert(stage, &mut self.modal, &mut self.commands);
+                Err(error.into())
+            }
+        }
     }
 
     /// Takes the commands of one block from a stage before the machine, all or none. They begin
@@ -235,10 +238,11 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Ex
         if !self.has_room() {
             return Err(Refused::Busy);
         }
-        let accepted = self.accept(commands.clone())?;
+        let accepted = self.accept(E::pending(&commands))?;
         self.modal.set_position(accepted.end);
         self.extension.restart(accepted.end);
-        self.take(accepted, commands);
+        self.commands = commands;
+        self.take(accepted);
         Ok(())
     }
 
@@ -280,9 +284,10 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Ex
         }
         let mut extension = self.extension.clone();
         if let Some(commands) = extension.finish() {
-            let accepted = self.accept(commands.clone())?;
+            let accepted = self.accept(E::pending(&commands))?;
             self.extension = extension;
-            self.take(accepted, commands);
+            self.commands = commands;
+            self.take(accepted);
         }
         Ok(())
     }
@@ -291,20 +296,30 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Ex
     fn accept(&self, commands: impl Iterator<Item = Command<N>>) -> Result<Accepted<N>, MoveError> {
         let mut accepted = Accepted {
             end: self.schedule.programmed(),
+            steps: self.schedule.lattice(),
             mode: self.mode,
             has_ended: false,
         };
         let mut points = None;
         for command in commands {
-            if E::IS_EXTENDED {
-                self.config.check(&accepted.end, &command)?;
+            let start = Start {
+                at: &accepted.end,
+                steps: Some(accepted.steps),
+            };
+            let steps = if E::IS_EXTENDED {
+                let steps = self.config.check_any(start, &command)?;
                 self.check_nurbs(&mut points, &accepted.end, &command)?;
-            } else if P::HAS_ELLIPSES {
-                self.config.check_moves(&accepted.end, &command)?;
+                steps
             } else {
-                self.config.check_arcs(&accepted.end, &command, |_| true)?;
+                self.config.check_moves::<P>(start, &command)?
+            };
+            if let Some(end) = command.end() {
+                accepted.end = end;
+                accepted.steps = match steps {
+                    Some(steps) => steps,
+                    None => self.config.nearest_steps(&end)?,
+                };
             }
-            accepted.end = command.end().unwrap_or(accepted.end);
             if let Command::Path { mode } = command {
                 accepted.mode = mode;
             }
@@ -313,11 +328,10 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Ex
         Ok(accepted)
     }
 
-    /// Takes commands that were accepted.
-    fn take(&mut self, accepted: Accepted<N>, commands: E::Commands) {
+    /// Takes the commands that were accepted.
+    fn take(&mut self, accepted: Accepted<N>) {
         self.has_ended = accepted.has_ended;
         self.mode = accepted.mode;
-        self.commands = Some(commands);
         self.fill();
     }
 
@@ -337,7 +351,7 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Ex
     fn fill(&mut self) {
         loop {
             if self.next.is_none() {
-                self.next = self.commands.as_mut().and_then(Iterator::next);
+                self.next = self.commands.next();
             }
             let stands = E::IS_EXTENDED && self.stands();
             if self.waiting.is_some() || self.schedule.is_full() || stands {
@@ -351,28 +365,22 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Ex
             if E::IS_EXTENDED && self.push_chord(has_backlash) {
                 continue;
             }
-            let mut next = self.next.take();
             if E::IS_EXTENDED {
-                let Some(command) = next else {
-                    self.commands = None;
-                    return;
-                };
-                next = self.take_extended(command);
-                if next.is_none() {
+                let Some(command) = self.next else { return };
+                if self.take_extended(&command) {
+                    self.next = None;
                     continue;
                 }
             }
-            match next {
-                None => {
-                    self.commands = None;
-                    return;
-                }
-                Some(Command::Path { mode }) => self.schedule.set_mode(mode),
+            match &self.next {
+                None => return,
+                Some(Command::Path { mode }) => self.schedule.set_mode(*mode),
                 Some(command) if command.end().is_some() => {
                     self.schedule.push(&self.config, command, has_backlash);
                 }
-                other => self.waiting = other,
+                other => self.waiting = *other,
             }
+            self.next = None;
         }
     }
 
@@ -419,7 +427,7 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Ex
     /// the hold. The next block starts from the present positions of the axes. The rest of a
     /// take-up is made, or reversed, before that axis moves again.
     pub fn abort(&mut self) {
-        self.commands = None;
+        self.commands = E::nothing();
         self.next = None;
         self.waiting = None;
         self.segment = None;

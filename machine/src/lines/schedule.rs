@@ -130,6 +130,11 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
         self.programmed
     }
 
+    /// The steps of the axes at the end of the last move.
+    pub(crate) const fn lattice(&self) -> [i32; N] {
+        self.lattice
+    }
+
     /// Whether the last move is completely in the queue.
     pub(crate) const fn is_whole(&self) -> bool {
         self.arc.is_none()
@@ -151,7 +156,7 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
     pub(crate) fn push(
         &mut self,
         config: &Config<N>,
-        command: Command<N>,
+        command: &Command<N>,
         has_backlash: [bool; N],
     ) {
         self.push_part_of(None, config, command, has_backlash);
@@ -164,7 +169,7 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
         curve: &Segment<N>,
         tolerance: Option<Nm>,
         config: &Config<N>,
-        chord: Command<N>,
+        chord: &Command<N>,
         has_backlash: [bool; N],
     ) {
         let mode = self.mode;
@@ -180,13 +185,13 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
         &mut self,
         whole: Option<&Segment<N>>,
         config: &Config<N>,
-        command: Command<N>,
+        command: &Command<N>,
         has_backlash: [bool; N],
     ) {
         let Some(to) = command.end() else { return };
         let segment = Segment {
             from: self.programmed,
-            command,
+            command: *command,
         };
         // `Config::check` has verified that every position has a step.
         let end = config.nearest_steps(&to).unwrap_or(self.lattice);

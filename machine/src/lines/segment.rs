@@ -31,6 +31,20 @@ enum OnGrid {
     Ellipse(GridEllipse),
 }
 
+/// Where a command begins.
+#[derive(Copy, Clone)]
+pub(crate) struct Start<'a, const N: usize> {
+    pub(crate) at: &'a [Nm; N],
+    /// The steps nearest to this position, where they are known.
+    pub(crate) steps: Option<[i32; N]>,
+}
+
+impl<'a, const N: usize> Start<'a, N> {
+    const fn of(at: &'a [Nm; N]) -> Self {
+        Start { at, steps: None }
+    }
+}
+
 /// Distance of the chords from a curve whose extent is computed.
 const EXTENT_TOLERANCE: Nm = Nm(100);
 
@@ -106,28 +120,45 @@ impl<const N: usize> Config<N> {
     /// # Errors
     /// See [`MoveError`].
     pub fn check(&self, from: &[Nm; N], command: &Command<N>) -> Result<(), MoveError> {
-        self.check_moves(from, command)?;
+        self.check_any(Start::of(from), command).map(drop)
+    }
+
+    /// Does [`Config::check`]. Returns the steps nearest to the end of a plain move.
+    pub(crate) fn check_any(
+        &self,
+        from: Start<'_, N>,
+        command: &Command<N>,
+    ) -> Result<Option<[i32; N]>, MoveError> {
+        let steps = self.check_grid::<true, _>(from, command, |_| true)?;
         match command {
-            Command::Spline { spline, feed } => self.check_curve(self.curve(*from, spline, *feed)),
+            Command::Spline { spline, feed } => {
+                self.check_curve(self.curve(*from.at, spline, *feed))?;
+            }
             Command::Tap { bottom, to, lead } => {
                 let turns = self.equipment.tapping_overrun_turns.unwrap_or(0);
                 let [below, above] = self.beyond(to, bottom, *lead, turns);
                 self.check_point(&below)?;
                 self.check_point(&above)?;
-                self.check_length(&below, &above).map(|_| ())
+                self.check_length(&below, &above)?;
             }
-            _ => Ok(()),
+            _ => {}
         }
+        Ok(steps)
     }
 
-    /// Does [`Config::check`] for a machine without curves and taps.
+    /// Does [`Config::check`] for a machine without curves and taps. Returns the steps nearest to
+    /// the end of a move.
     #[inline]
-    pub(crate) fn check_moves(
+    pub(crate) fn check_moves<P: Moves<N>>(
         &self,
-        from: &[Nm; N],
+        from: Start<'_, N>,
         command: &Command<N>,
-    ) -> Result<(), MoveError> {
-        self.check_grid::<true, _>(from, command, |_| true)
+    ) -> Result<Option<[i32; N]>, MoveError> {
+        if P::HAS_ELLIPSES {
+            self.check_grid::<true, _>(from, command, |_| true)
+        } else {
+            self.check_grid::<false, _>(from, command, |_| true)
+        }
     }
 
     /// Does [`Config::check`] for methods that cannot make every arc.
@@ -142,7 +173,8 @@ impl<const N: usize> Config<N> {
         command: &Command<N>,
         fits: F,
     ) -> Result<(), MoveError> {
-        self.check_grid::<false, _>(from, command, fits)
+        self.check_grid::<false, _>(Start::of(from), command, fits)
+            .map(drop)
     }
 
     /// `ELLIPSES`: arcs in planes of unequal steps are possible. Firmware without them does not
@@ -150,68 +182,69 @@ impl<const N: usize> Config<N> {
     #[inline]
     fn check_grid<const ELLIPSES: bool, F: Fn(&ArcMove) -> bool>(
         &self,
-        from: &[Nm; N],
+        from: Start<'_, N>,
         command: &Command<N>,
         fits: F,
-    ) -> Result<(), MoveError> {
+    ) -> Result<Option<[i32; N]>, MoveError> {
         if let Some(means) = self
             .equipment
             .missing(command, self.spindle_counts.is_some())
         {
             return Err(MoveError::Unsupported(means));
         }
-        match command {
+        let to = match command {
             Command::Rapid { to }
             | Command::Linear { to, .. }
             | Command::Thread { to, .. }
-            | Command::Probe { to, .. } => {
-                self.check_point(to)?;
-                self.check_length(from, to).map(|_| ())
+            | Command::Probe { to, .. } => to,
+            Command::Arc { arc, .. } => &arc.to,
+            _ => return Ok(None),
+        };
+        let end = self.check_point(to)?;
+        let start = match from.steps {
+            Some(start) => start,
+            None => self.nearest_steps(from.at)?,
+        };
+        let longest = longest(&start, &end)?;
+        if let Command::Arc { arc, .. } = command {
+            let plane = arc.plane.axes();
+            let mut flat = in_plane(from.at, arc);
+            if ELLIPSES {
+                flat = self.made_arc(&flat, arc)?.unwrap_or(flat);
             }
-            Command::Arc { arc, .. } => {
-                self.check_point(&arc.to)?;
-                let longest = self.check_length(from, &arc.to)?;
-                let plane = arc.plane.axes();
-                let mut flat = in_plane(from, arc);
-                if ELLIPSES {
-                    flat = self.made_arc(&flat, arc)?.unwrap_or(flat);
-                }
-                for (number, [low, high]) in plane.into_iter().zip(flat.extent()) {
-                    self.check_travel(number, Nm(low))?;
-                    self.check_travel(number, Nm(high))?;
-                }
-                let mismatch = arc.mismatch;
-                match self.arc_tolerance {
-                    Some(tolerance) if mismatch.0 > tolerance.0 => {
-                        return Err(MoveError::ArcTolerance {
-                            mismatch,
-                            tolerance,
-                        });
-                    }
-                    _ => {}
-                }
-                let [start, end] = [self.nearest_steps(from)?, self.nearest_steps(&arc.to)?];
-                // A turn has fewer than 6 (r + 4) events; a helix has in addition as many as its
-                // longest axis has steps.
-                let radius_steps = match self.grid_arc::<ELLIPSES>(from, arc, start, end)? {
-                    OnGrid::Circle(grid) if !fits(&grid.arc) => return Err(MoveError::ArcTooLarge),
-                    OnGrid::Circle(grid) => Some(grid.radius_steps),
-                    OnGrid::Ellipse(grid) => Some(grid.radius_steps()),
-                    OnGrid::Line => None,
-                };
-                let events = radius_steps.map_or(0, |radius_steps| {
-                    u64::from(radius_steps)
-                        .saturating_add(4)
-                        .saturating_mul(6)
-                        .saturating_mul(u64::from(arc.turns).saturating_add(1))
-                });
-                if events.saturating_add(longest) > MAX_EVENTS {
-                    return Err(MoveError::ArcTooLarge);
-                }
-                Ok(())
+            for (number, [low, high]) in plane.into_iter().zip(flat.extent()) {
+                self.check_travel(number, Nm(low))?;
+                self.check_travel(number, Nm(high))?;
             }
-            _ => Ok(()),
+            let mismatch = arc.mismatch;
+            match self.arc_tolerance {
+                Some(tolerance) if mismatch.0 > tolerance.0 => {
+                    return Err(MoveError::ArcTolerance {
+                        mismatch,
+                        tolerance,
+                    });
+                }
+                _ => {}
+            }
+            // A turn has fewer than 6 (r + 4) events; a helix has in addition as many as its
+            // longest axis has steps.
+            let radius_steps = match self.grid_arc::<ELLIPSES>(from.at, arc, start, end)? {
+                OnGrid::Circle(grid) if !fits(&grid.arc) => return Err(MoveError::ArcTooLarge),
+                OnGrid::Circle(grid) => Some(grid.radius_steps),
+                OnGrid::Ellipse(grid) => Some(grid.radius_steps()),
+                OnGrid::Line => None,
+            };
+            let events = radius_steps.map_or(0, |radius_steps| {
+                u64::from(radius_steps)
+                    .saturating_add(4)
+                    .saturating_mul(6)
+                    .saturating_mul(u64::from(arc.turns).saturating_add(1))
+            });
+            if events.saturating_add(longest) > MAX_EVENTS {
+                return Err(MoveError::ArcTooLarge);
+            }
         }
+        Ok(Some(end))
     }
 
     /// The positions this number of turns beyond the bottom and beyond the top of a tap.
@@ -247,23 +280,16 @@ impl<const N: usize> Config<N> {
 
     /// The largest number of steps of one axis.
     pub(crate) fn check_length(&self, from: &[Nm; N], to: &[Nm; N]) -> Result<u64, MoveError> {
-        let mut longest = 0;
-        let ends = self
-            .nearest_steps(from)?
-            .into_iter()
-            .zip(self.nearest_steps(to)?);
-        for (axis, (start, end)) in (0..N).zip(ends) {
-            let steps = end.checked_sub(start).ok_or(MoveError::Reach { axis })?;
-            longest = u64::from(steps.unsigned_abs()).max(longest);
-        }
-        Ok(longest)
+        longest(&self.nearest_steps(from)?, &self.nearest_steps(to)?)
     }
 
-    pub(crate) fn check_point(&self, to: &[Nm; N]) -> Result<(), MoveError> {
-        self.nearest_steps(to)?;
-        to.iter()
-            .enumerate()
-            .try_for_each(|(number, at)| self.check_travel(number, *at))
+    /// Checks the travel of all axes at a position. Returns the steps nearest to it.
+    pub(crate) fn check_point(&self, to: &[Nm; N]) -> Result<[i32; N], MoveError> {
+        let steps = self.nearest_steps(to)?;
+        for (number, at) in (0..N).zip(to) {
+            self.check_travel(number, *at)?;
+        }
+        Ok(steps)
     }
 
     /// Checks that a position of an axis is within its travel in the machine frame. An axis without
@@ -275,27 +301,23 @@ impl<const N: usize> Config<N> {
         let Some([low, high]) = self.axes.get(number).and_then(|axis| axis.travel) else {
             return Ok(());
         };
+        if low <= position && position <= high {
+            return Ok(());
+        }
         // Half a step, because rounding can move an arc that touches the limit.
         let slack = self.axes.get(number).map_or(0, |axis| {
             let step = axis.scale.nm().div_ceil(axis.scale.steps().max(1));
             i64::from(step.div_ceil(2))
         });
-        let axis = number;
-        if position.0 < low.0.saturating_sub(slack) {
-            return Err(MoveError::Travel {
-                axis,
-                position,
-                limit: low,
-            });
+        let limit = if position < low { low } else { high };
+        if position.0.abs_diff(limit.0) <= slack.unsigned_abs() {
+            return Ok(());
         }
-        if position.0 > high.0.saturating_add(slack) {
-            return Err(MoveError::Travel {
-                axis,
-                position,
-                limit: high,
-            });
-        }
-        Ok(())
+        Err(MoveError::Travel {
+            axis: number,
+            position,
+            limit,
+        })
     }
 
     /// The arc on the grid.
@@ -370,4 +392,14 @@ impl<const N: usize> Config<N> {
         // there is no other reason: the radius, the events and the plane were verified.
         P::line(delta)
     }
+}
+
+/// The largest number of steps of one axis between two positions.
+fn longest<const N: usize>(start: &[i32; N], end: &[i32; N]) -> Result<u64, MoveError> {
+    let mut longest = 0;
+    for (axis, (start, end)) in (0..N).zip(start.iter().zip(end)) {
+        let steps = end.checked_sub(*start).ok_or(MoveError::Reach { axis })?;
+        longest = u64::from(steps.unsigned_abs()).max(longest);
+    }
+    Ok(longest)
 }

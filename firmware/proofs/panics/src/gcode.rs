@@ -8,8 +8,8 @@ use husillo_gcode::parameters::{Fault, NoMachine, Program, System, Value, needs_
 use husillo_gcode::{
     Arc, Axes, Block, Blocks, Command, Commands, Compensated, Compensation, Decimal, Dialect,
     Direction, Error, ErrorKind, Formatted, LineReader, LineTooLong, Measure, Modal,
-    OrientDirection, Plane, Receiver, SpindleDirection, Tokens, Tool, Translator, Word, WordReader,
-    Words, formatted, tokens, words,
+    OrientDirection, PendingCommands, Plane, Receiver, SpindleDirection, Tokens, Tool, Translator,
+    Word, WordReader, Words, formatted, tokens, words,
 };
 
 /// Keeps every function in the program.
@@ -43,7 +43,10 @@ pub fn keep() {
         Arc::<3>::around as *const (),
         Arc::<3>::in_plane as *const (),
         Modal::<3>::apply as *const (),
+        Modal::<3>::revert as *const (),
         Commands::<3>::new as *const (),
+        Commands::<3>::pending as *const (),
+        <PendingCommands<'_, 3> as Iterator>::next as *const (),
         Commands::<3>::clear as *const (),
         Commands::<3>::is_empty as *const (),
         Measure::of as *const (),

@@ -23,7 +23,7 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize> Machi
         }
         self.schedule.set_tag(tag);
         self.schedule
-            .push(&self.config, command, self.take_up.stops());
+            .push(&self.config, &command, self.take_up.stops());
         Ok(())
     }
 

@@ -66,47 +66,41 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Ex
         }
     }
 
-    /// Takes a command of the queue that a plain machine does not have. Returns it if it is one
-    /// that has to wait, or a plain move.
-    pub(super) fn take_extended(&mut self, command: Command<N>) -> Option<Command<N>> {
+    /// Takes a command that a plain machine does not have. Returns `false` for one that has to
+    /// wait, and for a plain move.
+    pub(super) fn take_extended(&mut self, command: &Command<N>) -> bool {
         let moves = self.schedule.moves.len();
         let from = self.schedule.programmed();
         let Some(state) = self.extension.state_mut() else {
-            return Some(command);
+            return false;
         };
-        match command {
+        match *command {
             Command::Spline { spline, feed } => {
                 state.curve = Some(self.config.curve(from, &spline, feed));
-                None
+                true
             }
             Command::NurbsBegin { .. } | Command::NurbsPoint { .. } | Command::NurbsEnd { .. } => {
                 // `accept` has checked it.
-                if let Ok(Some(curve)) = state.points.take(&self.config, &from, &command) {
+                if let Ok(Some(curve)) = state.points.take(&self.config, &from, command) {
                     state.curve = Some(curve);
                 }
-                None
+                true
             }
             Command::Probe { .. } | Command::Tap { .. } => {
-                self.waiting = Some(command);
-                None
+                self.waiting = Some(*command);
+                true
             }
             Command::Output {
                 number,
                 on: is_on,
                 with_motion: true,
-            } => {
-                let is_added = state.add(Output::Digital { number, is_on }, moves);
-                (!is_added).then_some(command)
-            }
+            } => state.add(Output::Digital { number, is_on }, moves),
             Command::Analog {
                 number,
                 micro,
                 with_motion: true,
-            } => {
-                let is_added = state.add(Output::Analog { number, micro }, moves);
-                (!is_added).then_some(command)
-            }
-            other => Some(other),
+            } => state.add(Output::Analog { number, micro }, moves),
+            _ => false,
         }
     }
 
@@ -125,7 +119,7 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Ex
             Some((to, feed)) => {
                 let chord = Command::Linear { to, feed };
                 self.schedule
-                    .push_chord(&curve.segment, inner, &self.config, chord, has_backlash);
+                    .push_chord(&curve.segment, inner, &self.config, &chord, has_backlash);
             }
         }
         true
@@ -238,7 +232,7 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Ex
             was_held: false,
         });
         let has_backlash = self.take_up.stops();
-        self.schedule.push(&self.config, command, has_backlash);
+        self.schedule.push(&self.config, &command, has_backlash);
     }
 
     /// Ends a probing move that has stopped after the contact, or at its end. Returns whether there

@@ -72,7 +72,7 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Ex
     fn follow_to(&mut self, to: [Nm; N], lead: Nm) {
         let has_backlash = self.take_up.stops();
         let command = Command::Thread { to, lead };
-        self.schedule.push(&self.config, command, has_backlash);
+        self.schedule.push(&self.config, &command, has_backlash);
     }
 
     /// Whether a tap is in progress.
@@ -151,7 +151,7 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize>
             self.extension.state.tapping = None;
             let has_backlash = self.take_up.stops();
             let command = Command::Rapid { to: top };
-            self.schedule.push(&self.config, command, has_backlash);
+            self.schedule.push(&self.config, &command, has_backlash);
             self.fill();
         }
     }
