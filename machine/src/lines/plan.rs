@@ -89,7 +89,8 @@ impl<const N: usize, P: Moves<N>> Plan<N, P> {
         match command {
             Command::Path { mode } => self.schedule.set_mode(mode),
             command if command.end().is_some() => {
-                self.schedule.push(&self.config, command, self.has_backlash);
+                self.schedule
+                    .push(&self.config, &command, self.has_backlash);
             }
             _ => {
                 self.schedule.end_thread();
