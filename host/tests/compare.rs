@@ -277,3 +277,48 @@ fn methods_by_name() {
         .assert()
         .success();
 }
+
+/// The rules of motion on a program of chords: limited jerk takes little more time, and only its
+/// acceleration does not jump.
+#[test]
+fn rules_of_motion() {
+    let output = husillo()
+        .args(["compare", "motion", "../examples/spirograph.nc"])
+        .args(["-m", "router", "--window", "10", "--format", "json"])
+        .output()
+        .expect("it runs");
+    let compared: Value = serde_json::from_slice(&output.stdout).expect("an object");
+    let rules = compared["rules"].as_array().expect("a list of objects");
+    let names: Vec<_> = rules.iter().map(|rule| rule["rule"].as_str()).collect();
+    let names: Vec<_> = names.into_iter().flatten().collect();
+    assert_eq!(names, ["trapezoid", "jerk", "grbl", "klipper"]);
+    let [trapezoid, jerk] = [&rules[0], &rules[1]];
+    assert!(trapezoid["jerk"].is_null() && number(trapezoid, "acceleration_jump") > 0.0);
+    let limit = number(jerk, "acceleration") / 0.01;
+    assert!(number(jerk, "jerk") <= limit * 1.000_001, "{jerk}");
+    let ratio = number(jerk, "seconds") / number(trapezoid, "seconds");
+    assert!((0.999..1.04).contains(&ratio), "{ratio}");
+}
+
+#[test]
+fn motion_needs_a_program_and_ramps() {
+    for (arguments, why) in [
+        (&["motion"][..], "which program"),
+        (&["motion", "../examples/gear.nc", "-m", "free"], "no ramps"),
+        (
+            &[
+                "motion",
+                "../examples/gear.nc",
+                "-m",
+                "router",
+                "--window",
+                "0",
+            ],
+            "not above 0",
+        ),
+        (&["circle", "../examples/gear.nc"], "only motion takes"),
+    ] {
+        let run = husillo().arg("compare").args(arguments).assert();
+        run.code(2).stderr(contains(why));
+    }
+}

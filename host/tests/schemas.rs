@@ -7,7 +7,7 @@ use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Commands that together print everything that the schemas have.
-const COMMANDS: [&str; 79] = [
+const COMMANDS: [&str; 80] = [
     "check tests/data/errors.nc",
     "check ../examples/circles.nc -m micromill",
     "check ../examples/thread.nc ../examples/gear.nc -m lathe",
@@ -25,6 +25,7 @@ const COMMANDS: [&str; 79] = [
     "compare circle --radius 30",
     "compare line --to 100,40,3",
     "compare ../examples/gear.nc -m micromill",
+    "compare motion ../examples/spirograph.nc -m router",
     "holes ../examples/board.drl",
     "holes tests/data/drill/rout.drl",
     "holes tests/data/drill/faults.drl",

@@ -18,6 +18,7 @@ mod extension;
 mod state;
 
 mod limits;
+mod plan;
 mod schedule;
 mod take_up;
 
@@ -39,6 +40,7 @@ pub use extension::Extension;
 pub use guard::StepGuard;
 pub use husillo_encoder::{AxisEncoder, OnLoss};
 pub use machine::{Machine, Origin};
+pub use plan::{Plan, PlannedMove};
 pub use refused::{Means, MoveError, Refused};
 pub use segment::{Segment, extent};
 pub use state::Probed;

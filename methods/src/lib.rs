@@ -6,6 +6,7 @@ mod comparison;
 mod curve;
 mod decision;
 pub mod method;
+pub mod motion;
 pub mod programmed;
 pub mod trial;
 mod walk;

@@ -114,6 +114,13 @@ impl Stretch {
         scaled.min(self.ceiling_nm_per_s.into()).max(1) as u32
     }
 
+    /// Accelerations along the path below and in the upper level, and the speed at which this level
+    /// begins; `u32::MAX` and twice the same acceleration without an upper level.
+    pub fn levels(&self) -> ([u64; 2], u32) {
+        let doubles = [self.double_acceleration(), self.double_upper()];
+        (doubles.map(|double| double >> 1), self.knee())
+    }
+
     /// Top speed under the overrides, below the upper level.
     pub(crate) fn lower_top(&self, percents: Percents) -> u32 {
         self.top_under(percents).min(self.knee())

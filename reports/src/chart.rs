@@ -58,7 +58,13 @@ impl Panel {
 
     /// Draws a line through the bands of all columns. A band that is wider than the line is drawn
     /// as a vertical stroke.
-    fn trace(&self, page: &mut String, class: &str, width: f64, bands: impl Iterator<Item = Band>) {
+    pub(crate) fn trace(
+        &self,
+        page: &mut String,
+        class: &str,
+        width: f64,
+        bands: impl Iterator<Item = Band>,
+    ) {
         let mut path = String::new();
         // End of the line so far, and the value at which it may continue.
         let mut pen: Option<(f64, f64)> = None;

@@ -7,6 +7,7 @@ pub mod board;
 pub mod chart;
 pub mod frame;
 pub mod methods;
+pub mod motion;
 pub mod originals;
 pub mod routine;
 pub mod run;

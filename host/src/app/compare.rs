@@ -1,5 +1,7 @@
 //! `husillo compare`.
 
+mod motion;
+
 use super::job::Job;
 use super::reporting::{verdict, with_findings};
 use super::{ERRORS, Failure, OK, count};
@@ -18,6 +20,13 @@ use std::io::{self, Write};
 
 /// Compares the interpolation methods for one move, or for all moves of a program.
 pub fn compare(args: &Compare) -> Result<u8, Failure> {
+    if args.job == "motion" {
+        return motion::compare(args);
+    }
+    if let Some(file) = &args.file {
+        let why = format!("`{file}` after `{}`: only motion takes a program", args.job);
+        return Err(Failure::Usage(why));
+    }
     let weights = Weights::parse(&args.weights).ok_or_else(|| {
         format!(
             "--weights: `{}` is not four numbers from 0 up, one of them above 0",

@@ -5,7 +5,7 @@ use crate::console;
 use std::io::Write;
 
 /// The schemas and their names.
-const SCHEMAS: [(&str, &str); 29] = [
+const SCHEMAS: [(&str, &str); 30] = [
     (
         "calibrate.axis",
         include_str!("../../schemas/calibrate.axis.json"),
@@ -29,6 +29,10 @@ const SCHEMAS: [(&str, &str); 29] = [
         include_str!("../../schemas/commands.records.json"),
     ),
     ("compare", include_str!("../../schemas/compare.json")),
+    (
+        "compare.motion",
+        include_str!("../../schemas/compare.motion.json"),
+    ),
     ("compile", include_str!("../../schemas/compile.json")),
     ("emulate", include_str!("../../schemas/emulate.json")),
     ("error", include_str!("../../schemas/error.json")),

@@ -7,9 +7,12 @@ use clap::Args;
 /// `husillo compare`.
 #[derive(Debug, Args)]
 pub struct Compare {
-    /// circle, arc, line, or a program
-    #[arg(value_name = "circle|arc|line|FILE")]
+    /// circle, arc, line, or a program; motion compares rules of motion
+    #[arg(value_name = "circle|arc|line|motion|FILE")]
     pub job: String,
+    /// Program for motion
+    #[arg(value_name = "FILE")]
+    pub file: Option<String>,
     /// Machine and language.
     #[command(flatten)]
     pub target: Target,
@@ -39,6 +42,10 @@ pub struct Compare {
         allow_hyphen_values = true
     )]
     pub weights: String,
+    /// Window of limited jerk in ms, for motion: acceleration / jerk [default: that of the machine
+    /// file, or 20]
+    #[arg(long, value_name = "MS")]
+    pub window: Option<f64>,
     /// How to print the results [default: by the name of the output, or text]
     #[arg(long, value_enum)]
     pub format: Option<Page>,
@@ -87,7 +94,18 @@ motion of helices across their plane. Iterations are sums, errors and ripples th
 moves counts them. Methods other than direct-search have whole-step centres only: their centres are
 rounded, and arcs that one of them cannot make at all are left out and counted.
 
+Motion:
+  husillo compare motion FILE makes the whole program under four rules and compares time, speed,
+  acceleration, jerk and corners. The rules know all moves ahead:
+  trapezoid       the rule of husillo: limited acceleration, also towards the centre of arcs
+  jerk            planner::JerkWindow: limited jerk as well, with the least acceleration of
+                  all moves
+  grbl            Grbl: arcs as chords of 0.002 mm tolerance, corners by 0.01 mm deviation
+  klipper         Klipper: arcs as chords of 1 mm, corners by 5 mm/s square corner velocity
+  The machine needs axes with ramps. Stops for take-ups count for the first two rules.
+
 Examples:
+  husillo compare motion examples/gear.nc -m micromill -o motion.html
   husillo compare circle --radius 30
   husillo compare circle --radius 1000 --only dda,direct-search -o circle.html
   husillo compare line --to 1000,500 --format json

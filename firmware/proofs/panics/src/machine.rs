@@ -7,12 +7,13 @@ use husillo_gcode::Command;
 use husillo_interp::{ArcMove, Path};
 use husillo_machine::{
     Axis, Checker, ClosedLoop as AnyClosedLoop, Config, Extended, Machine as AnyMachine, Means,
-    ServoAxis as AnyServoAxis, StepGuard, extent,
+    Plan as AnyPlan, ServoAxis as AnyServoAxis, StepGuard, extent,
 };
 
 type ServoAxis = AnyServoAxis;
 type Machine = AnyMachine<3, Path<3>, Backlash>;
 type ExtendedMachine = AnyMachine<3, Path<3>, Backlash, 16, Extended<3>>;
+type Plan = AnyPlan<3, Path<3>>;
 type ClosedLoop = AnyClosedLoop<3, Path<3>, Backlash>;
 
 /// Keeps every function in the program.
@@ -34,6 +35,9 @@ pub fn keep() {
         StepGuard::<3>::stepped_aside as *const (),
         extent::<3> as *const (),
         Means::name as *const (),
+        Plan::new as *const (),
+        Plan::push as *const (),
+        Plan::next_move as *const (),
         Machine::new as *const (),
         Machine::place as *const (),
         Machine::with_backlash as *const (),

@@ -41,6 +41,7 @@ fn durations() {
 fn path() {
     black_box([
         Stretch::top_at as *const (),
+        Stretch::levels as *const (),
         LookAhead::<u32, 16>::new as *const (),
         LookAhead::<u32, 16>::push as *const (),
         LookAhead::<u32, 16>::pop as *const (),
