@@ -359,7 +359,7 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Ex
             }
             let has_backlash = self.take_up.stops();
             if !self.schedule.is_whole() {
-                self.schedule.push_part(None, has_backlash);
+                self.schedule.push_part(true, has_backlash);
                 continue;
             }
             if E::IS_EXTENDED && self.push_chord(has_backlash) {

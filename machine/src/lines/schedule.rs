@@ -9,12 +9,14 @@ use crate::lines::tangent::tangents;
 use crate::lines::tempo::{Pace, Tempo};
 use crate::{Config, Segment};
 
-/// A move, or a part of an arc between two stops.
+/// A move, or a part of an arc between two stops. Its path is made when it begins.
 #[derive(Clone, Debug)]
-pub(crate) struct Work<const N: usize, P> {
+pub(crate) struct Work<const N: usize> {
     pub(crate) segment: Segment<N>,
-    /// Path of the move; `None` continues the path of the previous part.
-    pub(crate) path: Option<P>,
+    /// Steps of the axes at its end.
+    pub(crate) end: [i32; N],
+    /// Whether it continues the path of the previous part.
+    pub(crate) is_continued: bool,
     /// Step direction of each axis over the whole of a straight move.
     pub(crate) heading: [i8; N],
     /// Axes for the guard of the steps, see [`StepGuard`](crate::StepGuard).
@@ -49,7 +51,7 @@ const STAND: Stretch = Stretch {
 /// The queue of a machine, and the state at its end.
 #[derive(Clone, Debug)]
 pub(crate) struct Schedule<const N: usize, P, const QUEUE: usize> {
-    pub(crate) moves: LookAhead<Work<N, P>, QUEUE>,
+    pub(crate) moves: LookAhead<Work<N>, QUEUE>,
     limits: Option<Limits<N>>,
     mode: PathMode,
     programmed: [Nm; N],
@@ -71,6 +73,7 @@ struct Parts<const N: usize, P> {
     /// First step of the next part.
     first: Option<Step>,
     segment: Segment<N>,
+    end: [i32; N],
     stretch: Stretch,
     pace: Pace,
     steady: u8,
@@ -231,16 +234,17 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
         let is_round = tempo.round.is_some();
         if is_round && counts_q16.is_none() && self.has_ramps() && has_backlash.contains(&true) {
             self.arc = Some(Parts {
-                dry: path.clone(),
+                total_sweep: path.total_sweep(),
+                dry: path,
                 first: None,
                 segment,
+                end,
                 stretch,
                 pace: tempo.pace,
                 steady,
                 ticks_q16,
-                total_sweep: path.total_sweep(),
             });
-            self.push_part(Some(path), has_backlash);
+            self.push_part(false, has_backlash);
             return;
         }
         if !is_round && self.turns(ways, has_backlash) {
@@ -248,6 +252,8 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
         }
         let work = Work {
             segment: whole.copied().unwrap_or(segment),
+            end,
+            is_continued: false,
             heading: if is_round { [0; N] } else { ways },
             steady,
             events: path.remaining(),
@@ -259,7 +265,6 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
             pace: tempo.pace,
             is_round,
             tag: self.tag,
-            path: Some(path),
         };
         // The caller has checked that there is room.
         let _ = self.moves.push(stretch, work);
@@ -299,13 +304,13 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
     }
 
     /// Appends the next part of an arc, up to where an axis with backlash reverses. The queue has
-    /// room.
-    pub(crate) fn push_part(&mut self, path: Option<P>, has_backlash: [bool; N]) {
+    /// room. `is_continued` is whether there is a part before it.
+    pub(crate) fn push_part(&mut self, is_continued: bool, has_backlash: [bool; N]) {
         let Some(mut arc) = self.arc.take() else {
             return;
         };
         let (mut events, mut sweep, mut largest_sweep) = (0_u32, 0_u64, 0_u32);
-        let mut is_stop = path.is_none();
+        let mut is_stop = is_continued;
         while let Some(step) = arc.first.take().or_else(|| arc.dry.next()) {
             let ways: [i8; N] = step.deltas();
             let axes = ways.iter().zip(&self.heading).zip(has_backlash);
@@ -333,7 +338,8 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
         let ticks_q16 = share(arc.ticks_q16, sweep, arc.total_sweep);
         let work = Work {
             segment: arc.segment,
-            path,
+            end: arc.end,
+            is_continued,
             heading: [0; N],
             steady: arc.steady,
             events,

@@ -40,8 +40,9 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Ex
             counts => counts,
         };
         let is_indexed = work.is_indexed;
-        self.run = work.path.clone().map(|path| Run {
-            path,
+        // All moves before it have been made, so it begins where the load is.
+        self.run = Some(Run {
+            path: self.config.path(&work.segment, self.load, work.end),
             timer: timed.map(|whole| Timer::new(whole, work.sweep, work.largest_sweep)),
             left: events,
             next: None,

@@ -303,7 +303,7 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Ex
         }
         self.fill();
         let goes_on = match self.schedule.moves.front() {
-            Some((stretch, work)) if work.path.is_none() => Some((*stretch, work)),
+            Some((stretch, work)) if work.is_continued => Some((*stretch, work)),
             _ => None,
         };
         match (goes_on, &mut self.run) {
