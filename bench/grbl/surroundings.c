@@ -44,10 +44,12 @@ uint8_t jog_execute(plan_line_data_t *data, parser_block_t *block) {
     return STATUS_INVALID_JOG_COMMAND;
 }
 
+#ifndef PLANNED
 /* Returns at once in check mode. */
 void spindle_sync(uint8_t state, float rpm) { (void)state, (void)rpm; }
 void coolant_sync(uint8_t mode) { (void)mode; }
 void protocol_buffer_synchronize() {}
+#endif
 
 /* Messages to the sender; the test harness counts the codes. */
 void report_status_message(uint8_t code) { (void)code; }
@@ -76,6 +78,16 @@ uint8_t mc_probe_cycle(float *target, plan_line_data_t *data, uint8_t flags) {
 #else
 /* Outside check mode only, called by motion_control.c. */
 void limits_soft_check(float *target) { (void)target; }
+void probe_configure_invert_mask(uint8_t is_probe_away) { (void)is_probe_away; }
+uint8_t probe_get_state() { return false; }
+void report_probe_parameters() {}
+void st_reset() {}
+void system_set_exec_alarm(uint8_t code) { sys_rt_exec_alarm = code; }
+#ifdef PLANNED
+/* Called by planner.c. */
+void st_update_plan_block_parameters() {}
+uint8_t get_direction_pin_mask(uint8_t axis) { return 1 << axis; }
+#else
 void plan_reset() {}
 void plan_sync_position() {}
 uint8_t plan_check_full_buffer() { return false; }
@@ -83,10 +95,6 @@ uint8_t plan_buffer_line(float *target, plan_line_data_t *data) {
     (void)target, (void)data;
     return PLAN_OK;
 }
-void probe_configure_invert_mask(uint8_t is_probe_away) { (void)is_probe_away; }
-uint8_t probe_get_state() { return false; }
 void protocol_auto_cycle_start() {}
-void report_probe_parameters() {}
-void st_reset() {}
-void system_set_exec_alarm(uint8_t code) { sys_rt_exec_alarm = code; }
+#endif
 #endif

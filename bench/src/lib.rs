@@ -2,6 +2,8 @@
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
 
+mod least_time;
 mod programs;
 
+pub use least_time::{Limits, least_seconds};
 pub use programs::{arcs, mixed, segments};

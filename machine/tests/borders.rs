@@ -114,8 +114,8 @@ impl Watch {
                     Kind::Line if after.is_steady => least,
                     // At 45 degrees two steps share the length of the diagonal.
                     Kind::Arc if number < 2 => least * if is_first { 1.0 } else { 0.7 },
-                    // Two events of a helix in a row differ by up to sqrt(2), and both together have
-                    // more than the interval.
+                    // Two events of a helix in a row differ by up to sqrt(2), and both together
+                    // have more than the interval.
                     Kind::Arc => least / 2.42,
                     // Steps at events of another axis: at least the whole number of events below
                     // their ratio.

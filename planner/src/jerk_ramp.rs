@@ -2,7 +2,7 @@
 
 mod law;
 
-use crate::{JerkWindow, Piece, Stretch, Timer, quotient::quotient};
+use crate::{JerkWindow, Piece, Stretch, Timer};
 
 use law::{Law, Passage};
 
@@ -61,6 +61,8 @@ pub struct JerkRamp {
     is_pending: bool,
     is_line: bool,
     timer_hz: u32,
+    /// Time of a slice in 2^-32 tick.
+    slice_time: u64,
     /// The present slice.
     law: Law,
     passage: Passage,
@@ -88,6 +90,7 @@ impl JerkRamp {
             is_pending: false,
             is_line: true,
             timer_hz,
+            slice_time: 0,
             law: Law::default(),
             passage: Passage::default(),
             target: 0,
@@ -115,6 +118,7 @@ impl JerkRamp {
         window: &JerkWindow<M, CAPACITY>,
     ) {
         let total = total_sweep.max(1);
+        self.slice_time = window.slice_ticks_q32(self.timer_hz);
         let length = window.units(stretch.length_nm);
         self.is_line = largest_sweep <= 1;
         // The longest wait is below 2^59.
@@ -166,7 +170,7 @@ impl JerkRamp {
             self.is_pending = slice.is_none();
             self.passage = Passage::default();
             self.law = match slice {
-                Some(slice) => Law::new(&slice, window.slice_ticks_q32(self.timer_hz)),
+                Some(slice) => Law::new(&slice, self.slice_time),
                 None => Law::default(),
             };
             if self.is_pending {
@@ -191,13 +195,15 @@ impl JerkRamp {
             return;
         }
         let room = self.law.length.wrapping_sub(self.passage.passed);
-        let count = quotient(room, self.longest).min(self.left).min(MOST.into()) as u32;
+        let count = self.law.count(room, self.longest, MOST);
+        let count = count.min(self.left.min(MOST.into()) as u32);
         if count < 4 {
             return;
         }
         let path = self.path.wait(count);
         self.left = self.left.wrapping_sub(count.into());
-        self.piece = self.passage.piece(count, path, &self.law);
+        let event = u64::from(self.longest).saturating_sub(1);
+        self.piece = self.passage.piece(count, event, path, &self.law);
     }
 
     /// Forgets the rest of the path, after [`JerkWindow::clear`]. The next event starts from rest.

@@ -1,9 +1,9 @@
 //! Look-ahead with limited jerk: one path over all moves, averaged over a window.
 //!
 //! A path with limited acceleration is planned ahead. The made path is its mean over the last
-//! T = a / j. So its acceleration is the change of the planned speed over T, divided by T; it is at most
-//! a. Its jerk is the change of the planned acceleration over T, divided by T. It is at most j if
-//! these two accelerations are never opposite. The position along the path is averaged, not the
+//! T = a / j. So its acceleration is the change of the planned speed over T, divided by T; it is at
+//! most a. Its jerk is the change of the planned acceleration over T, divided by T. It is at most j
+//! if these two accelerations are never opposite. The position along the path is averaged, not the
 //! axes, so the path itself is exact.
 //!
 //! The window has 16 slices, in which the planned acceleration is constant. Four rules keep the
@@ -62,8 +62,9 @@ pub use scale::{JerkLimits, JerkLimitsError};
 ///   This includes holds, resumes and overrides, which act from the next slice on.
 /// - **Ends** are exact: the path stops at the end of the last move.
 /// - **Moves** lose their own acceleration and start speed: [`JerkLimits`] has one acceleration
-///   for all, and a path with limited jerk has no start speed. They stay below their upper level.
-///   A length above 2^40 nm is taken as this, and a top speed below one unit per slice as one unit.
+///   for all, and a path with limited jerk has no start speed. An arc stays below its upper level
+///   of speed, because there is less acceleration in it. A length above 2^40 nm is taken as this,
+///   and a top speed below one unit per slice as one unit.
 /// - **Capacity.** At most 512. To reach a speed v, the queue needs moves for a path of about
 ///   v^2 / 2 a + 1.5 v T.
 /// - **Short moves from stop to stop** take longer than with [`SCurve`](crate::SCurve), which is
@@ -117,6 +118,8 @@ pub struct JerkWindow<M, const CAPACITY: usize> {
     candidates: Ring<u32, CAPACITY>,
     held: Option<Held>,
     filter: Filter,
+    /// Path left in the move in which the made path is, in units of [`Slice`].
+    left: i64,
     scale: Scale,
     percents: Percents,
     is_held: bool,
@@ -176,6 +179,7 @@ impl<M, const CAPACITY: usize> JerkWindow<M, CAPACITY> {
             candidates: Ring::new(),
             held: None,
             filter: Filter::at_rest(0),
+            left: 0,
             scale: Scale::new(limits)?,
             percents: Percents::FULL,
             is_held: false,
@@ -193,7 +197,13 @@ impl<M, const CAPACITY: usize> JerkWindow<M, CAPACITY> {
         if self.slots.is_full() {
             return Err((stretch, payload));
         }
-        let start = self.slots.back().map_or(self.filter.at, |last| last.end);
+        let start = match self.slots.back() {
+            Some(last) => last.end,
+            None => {
+                self.left = self.units(stretch.length_nm) as i64;
+                self.filter.lead.at
+            }
+        };
         self.slots.push_back(Slot {
             stretch,
             payload,
@@ -211,8 +221,10 @@ impl<M, const CAPACITY: usize> JerkWindow<M, CAPACITY> {
             if self.made == self.open {
                 self.open = self.open.wrapping_add(1);
                 self.filter = Filter::at_rest(slot.end);
+                self.left = 0;
             }
-            self.enter_next();
+            let next = self.slots.front().map(|slot| slot.stretch.length_nm);
+            self.enter_next(next);
         }
         self.front = self.front.wrapping_add(1);
         Some((slot.stretch, slot.payload))
@@ -248,7 +260,7 @@ impl<M, const CAPACITY: usize> JerkWindow<M, CAPACITY> {
     /// override is kept.
     pub fn clear(&mut self) {
         self.slots.clear();
-        self.filter = Filter::at_rest(self.filter.at);
+        self.filter = Filter::at_rest(0);
         self.made = self.front;
         self.open = self.front;
         self.forget();
@@ -301,6 +313,8 @@ impl<M, const CAPACITY: usize> JerkWindow<M, CAPACITY> {
             return None;
         }
         let slice = self.filter.pass(step);
+        // Below 2^38.
+        self.left = self.left.wrapping_sub_unsigned(slice.length());
         self.pass_corners();
         Some(slice)
     }
@@ -359,11 +373,8 @@ impl<M, const CAPACITY: usize> JerkWindow<M, CAPACITY> {
     /// Returns the highest speed up to `wanted` at the end of the slice from which the path can
     /// brake for everything that comes.
     fn limited(&self, wanted: u32, is_rise: bool) -> Choice {
-        let braking = Braking {
-            step: self.scale.step,
-            speed: self.filter.lead.speed,
-            wait: self.filter.wait_after(is_rise),
-        };
+        let wait = self.filter.wait_after(is_rise);
+        let braking = Braking::after(&self.scale, self.filter.lead.speed, wait);
         let mut choice = Choice {
             speed: wanted,
             count: 0,
@@ -371,11 +382,12 @@ impl<M, const CAPACITY: usize> JerkWindow<M, CAPACITY> {
         };
         while let Some((number, corner)) = self.candidate(choice.count) {
             let room = Braking::room(&self.filter.lead, corner.height);
-            if braking.fits(choice.speed, room) {
+            let is_low = corner.speed <= self.scale.step;
+            if braking.fits(choice.speed, room, is_low) {
                 break;
             }
             if choice.speed > corner.speed {
-                let highest = braking.highest(room).max(corner.speed);
+                let highest = braking.highest(room, is_low).max(corner.speed);
                 choice.speed = choice.speed.min(highest);
                 if choice.speed > corner.speed {
                     break;
@@ -389,8 +401,8 @@ impl<M, const CAPACITY: usize> JerkWindow<M, CAPACITY> {
         }
         if let Some(last) = self.slot(self.open) {
             let room = Braking::room(&self.filter.lead, last.end);
-            if !braking.stops(choice.speed, room) {
-                choice.speed = choice.speed.min(braking.highest_to_stop(room));
+            if !braking.fits(choice.speed, room, true) {
+                choice.speed = choice.speed.min(braking.highest(room, true));
             }
         }
         choice
@@ -447,8 +459,9 @@ impl<M, const CAPACITY: usize> JerkWindow<M, CAPACITY> {
     /// Whether rules 1 and 3 hold for a corner at `place` from now on.
     fn is_safe(&self, place: u64, corner: &Corner) -> bool {
         let lead = &self.filter.lead;
-        let braking = Braking::now(self.scale.step, self.filter.wait());
-        if braking.is_within(lead.speed, Braking::room(lead, corner.height)) {
+        let braking = Braking::now(&self.scale, self.filter.wait());
+        let is_low = corner.speed <= self.scale.step;
+        if braking.is_within(lead.speed, Braking::room(lead, corner.height), is_low) {
             return true;
         }
         if lead.speed > corner.speed {
@@ -490,19 +503,18 @@ impl<M, const CAPACITY: usize> JerkWindow<M, CAPACITY> {
 
     /// Passes the corners that are behind the made path.
     fn pass_corners(&mut self) {
-        while self.made != self.open {
-            let Some(slot) = self.slot(self.made) else {
-                return;
-            };
-            if (self.filter.at.wrapping_sub(slot.end) as i64) < 0 {
-                return;
-            }
-            self.enter_next();
+        while self.left <= 0 && self.made != self.open {
+            let next = self.slot(self.made.wrapping_add(1));
+            let length_nm = next.map(|slot| slot.stretch.length_nm);
+            self.enter_next(length_nm);
         }
     }
 
-    /// Goes on to the next move. The corner before it no longer binds nor hides others.
-    fn enter_next(&mut self) {
+    /// Goes on to the next move, which has this length. The corner before it no longer binds nor
+    /// hides others.
+    fn enter_next(&mut self, length_nm: Option<u64>) {
+        let length = length_nm.map_or(0, |length_nm| self.units(length_nm));
+        self.left = self.left.wrapping_add_unsigned(length);
         self.made = self.made.wrapping_add(1);
         if self.lows.front() == Some(&self.made) {
             self.lows.pop_front();
@@ -639,13 +651,13 @@ impl<M, const CAPACITY: usize> JerkWindow<M, CAPACITY> {
     /// The first open move at whose end the path can still stop.
     fn last_within_braking(&self) -> u32 {
         let lead = &self.filter.lead;
-        let braking = Braking::now(self.scale.step, self.filter.wait());
+        let braking = Braking::now(&self.scale, self.filter.wait());
         let mut number = self.made;
         while number != self.open {
             let Some(slot) = self.slot(number) else {
                 break;
             };
-            if braking.stops(lead.speed, Braking::room(lead, slot.end)) {
+            if braking.is_within(lead.speed, Braking::room(lead, slot.end), true) {
                 break;
             }
             number = number.wrapping_add(1);

@@ -26,6 +26,8 @@ enum Due {
     Step,
     /// The end of the pulse of that step.
     Fall,
+    /// The end of the pulse of that step, after which no wait may begin.
+    LastFall,
     /// There is no wait, and none may begin.
     Held,
 }
@@ -148,11 +150,15 @@ impl<D: Copy, const PLACES: usize, const PULSED: Pins> Steps<D, PLACES, PULSED> 
     fn go_on(&mut self, section: CriticalSection<'_>) {
         match self.due {
             Due::Rest => self.next(section),
-            Due::Fall => {
+            Due::Fall | Due::LastFall => {
                 let levels = self.place(self.made).levels & !PULSED;
                 crate::write(levels ^ self.inverted);
                 self.made = self.made.wrapping_add(1);
-                self.next(section);
+                if self.due == Due::Fall {
+                    return self.next(section);
+                }
+                self.due = Due::Held;
+                crate::stop();
             }
             _ => crate::stop(),
         }
@@ -169,20 +175,32 @@ impl<D: Copy, const PLACES: usize, const PULSED: Pins> Steps<D, PLACES, PULSED> 
         }
     }
 
-    /// Holds the steps until [`release`](Steps::release) or [`stop`](Steps::stop). An interrupt may
-    /// call this.
+    /// Holds the steps until [`release`](Steps::release) or [`stop`](Steps::stop). A pulse that has
+    /// begun still ends. An interrupt may call this.
     #[inline]
     pub fn hold(&mut self) {
-        crate::stop();
-        self.due = Due::Held;
+        if self.is_pulsing() {
+            self.due = Due::LastFall;
+        } else {
+            crate::stop();
+            self.due = Due::Held;
+        }
+    }
+
+    /// Whether a pulse has begun and not ended, so that its step is not yet counted.
+    #[inline]
+    pub fn is_pulsing(&self) -> bool {
+        PULSED != 0 && matches!(self.due, Due::Fall | Due::LastFall)
     }
 
     /// Resumes the steps. The next step comes its wait after the previous step, or at once if that
     /// time has passed.
     #[inline]
     pub fn release(&mut self, section: CriticalSection<'_>) {
-        if self.due == Due::Held {
-            self.next(section);
+        match self.due {
+            Due::Held => self.next(section),
+            Due::LastFall => self.due = Due::Fall,
+            _ => {}
         }
     }
 
@@ -205,7 +223,8 @@ impl<D: Copy, const PLACES: usize, const PULSED: Pins> Steps<D, PLACES, PULSED> 
         self.made
     }
 
-    /// Drops all queued steps and returns them, the last one first.
+    /// Drops all queued steps and returns them, the last one first. No pulse may have begun: see
+    /// [`is_pulsing`](Steps::is_pulsing).
     pub fn stop(&mut self) -> impl Iterator<Item = Step<D>> {
         crate::stop();
         self.due = Due::Nothing;

@@ -178,6 +178,8 @@ fn halt<P: Product, const PLACES: usize, const PULSED: Pins>(
     reported: &mut u8,
     interrupts: &Shared<Interrupts<P, PLACES, PULSED>>,
 ) {
+    // The step of a pulse that has begun is made.
+    while interrupts.with(|now| now.steps.is_pulsing()) {}
     let made = interrupts.with(|now| {
         now.steps.stop().for_each(|step| product.undo(step.delta));
         now.steps.made()

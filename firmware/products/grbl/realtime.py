@@ -16,6 +16,7 @@ from products.grbl.link import Edges, Grbl
 
 STEPS_PER_MM = 250
 MOVING_S = 0.5
+PULSE_US = 255
 
 
 def place(report: str) -> list[float]:
@@ -32,6 +33,8 @@ def check(board: Board) -> None:
         trace = (*registers.ACCESSES, "-D", str(log))
         with Grbl("grbl", board, *trace, in_wall_time=True) as grbl:
             grbl.start()
+            # Long pulses, so that the reset comes in the middle of one on most runs.
+            grbl.ask(f"$0={PULSE_US}")
             grbl.ask("$120=100")
             grbl.say("G1 X8 F240\n")
             grbl.reports("Run")
@@ -43,7 +46,7 @@ def check(board: Board) -> None:
             same(f"{board}: moved in the hold", place(grbl.status())[0], held[0])
             grbl.say("~")
             same(f"{board}: end after a hold", place(grbl.reports("Idle"))[0], 8)
-            grbl.say("G1 Y30 F240\n")
+            grbl.say("G1 Y30 F600\n")
             time.sleep(MOVING_S)
             grbl.reports("Run")
             grbl.say("\x18")

@@ -59,9 +59,11 @@ pub(crate) fn rest(letter: u8, number: u16) -> Option<Rest> {
 }
 
 /// The letter and the whole number of the code at the start of a text, without digits after a
-/// blank: `M117 100 %` is M117. `None` for a number with a point, except those of M862.
+/// blank: `M117 100 %` is M117. Blanks before the number do not count, as in Marlin. `None` for a
+/// number with a point, except those of M862.
 pub(crate) fn code_at(text: &[u8]) -> Option<(u8, u16)> {
     let (letter, rest) = text.split_first()?;
+    let rest = rest.trim_ascii_start();
     let digits = rest.iter().take_while(|byte| byte.is_ascii_digit());
     // Zeros may precede the number. One above 16 bits is no code.
     let number = digits.fold(0_u16, |number, digit| {
@@ -85,6 +87,7 @@ mod tests {
             ("M117 100 % done", Some(Rest::Ignored)),
             ("m862.3 P \"MK3S\"", Some(Rest::Ignored)),
             ("G28 W", Some(Rest::Home)),
+            ("G 29 V4", Some(Rest::Ignored)),
             ("M84 X Y E", Some(Rest::MotorsOff)),
             ("M600", Some(Rest::Pause)),
             ("M1170", None),

@@ -15,8 +15,8 @@ const WINDOW_S: f64 = 0.008;
 const ERROR_NM: f64 = 125.0;
 const BOUND: f64 = 1.036;
 
-/// The largest acceleration of each axis as a part of its limit. On equal axes all directions in the
-/// plane of the arcs have the same limit, so the largest of them is counted for its axes.
+/// The largest acceleration of each axis as a part of its limit. On equal axes every direction in
+/// the plane of the arcs has the same limit, so the largest of them is counted for its axes.
 fn shares(axes: usize, program: &str, acts: &[(usize, Act)]) -> [f64; 3] {
     let (limits, scales) = AXES[axes];
     let trace = trace(fine(limits, scales), program, acts);

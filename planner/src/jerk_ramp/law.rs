@@ -61,6 +61,18 @@ impl Law {
         (path.wrapping_mul(self.inverse.into()) >> 31).min(u32::MAX.into()) as u32
     }
 
+    /// Returns how many events of at most `event` fit in a path of the slice; up to one too few.
+    pub(crate) fn count(&self, path: u64, event: u32, most: u32) -> u32 {
+        // The shares are rounded down, by less than 2.
+        let share = self.share(event.into()).saturating_add(2);
+        let count = self.share(path).checked_div(share).unwrap_or(0).min(most);
+        if u64::from(count).wrapping_mul(event.into()) > path {
+            count.saturating_sub(1)
+        } else {
+            count
+        }
+    }
+
     /// Solves for the time, from a time before it. In units of 2^-32 slice.
     fn solve(&self, path: u64, before: u64) -> u64 {
         let (mut low, mut high) = (before, ONE);
@@ -141,6 +153,30 @@ impl Cubic {
     }
 }
 
+impl Cubic {
+    /// The time between two parts of the path that are `event` apart. `linear` is the time if the
+    /// speed were the mean one.
+    fn mean(&self, linear: u64, first: u32, event: u32, second: u64) -> u64 {
+        // The sum of both parts in units of 2^-31, and first^2 + first second + second^2 in units
+        // of 2^-30.
+        let sum = u64::from(first).wrapping_add(second) >> 1;
+        let product = u64::from(first).wrapping_mul(second) >> 32;
+        let squared = u64::from(event).wrapping_mul(event.into()) >> 32;
+        let squares = product.wrapping_mul(3).wrapping_add(squared) >> 2;
+        let square = i64::from(self.square).wrapping_mul(sum as i64) >> 31;
+        let cube = i64::from(self.cube).wrapping_mul(squares as i64) >> 30;
+        let mean = i64::from(self.linear)
+            .wrapping_sub(square)
+            .wrapping_add(cube) as u64;
+        // In units of 2^-31, about 1. The time is below 2^55.
+        let low = (linear & 0xffff_ffff).wrapping_mul(mean) >> 31;
+        (linear >> 32)
+            .wrapping_mul(mean)
+            .wrapping_mul(2)
+            .wrapping_add(low)
+    }
+}
+
 /// How much of a slice has passed.
 #[derive(Copy, Clone, Debug, Default)]
 pub(crate) struct Passage {
@@ -180,38 +216,47 @@ impl Passage {
         u32::try_from(share).map_or(law.time, |share| part(law.time, share))
     }
 
-    /// Passes `path` in `count` equal events, 4 to 1024. All are in a slice with a cubic.
-    pub(crate) fn piece(&mut self, count: u32, path: u64, law: &Law) -> Piece {
-        let first = law.share(self.passed);
-        let start = self.given;
-        let time = self.pass(self.passed.wrapping_add(path), law);
+    /// Passes `count` events, 1 to 1024, of about `event` in a slice with a cubic. Together they
+    /// have this `path`.
+    pub(crate) fn piece(&mut self, count: u32, event: u64, path: u64, law: &Law) -> Piece {
         let Some(cubic) = &law.cubic else {
             return Piece::default();
         };
-        // The part of the path of an event, and the time of the slice times its square and cube.
-        let event = u32::try_from(quotient(law.share(path).into(), count)).unwrap_or(0);
-        let square = part(part(law.time, event), event);
+        let first = law.share(self.passed);
+        self.passed = self.passed.wrapping_add(path);
+        let event = law.share(event);
+        // The time of the slice times the part of the path of an event, its square and its cube.
+        let linear = part(law.time, event);
+        let square = part(linear, event);
         let cube = part(square, event);
         // Coefficients in units of 2^-28, below 8.
         let [two, six] = [
             i64::from(cubic.square) >> 2,
             i64::from(cubic.cube).wrapping_mul(3) >> 2,
         ];
-        let bend = product(cube, six);
-        let middle = i64::from(first).wrapping_add(event.into());
-        let slope = (six.wrapping_mul(middle) >> 32).wrapping_sub(two);
-        let mut piece = Piece {
+        let second = u64::from(first).wrapping_add(event.into());
+        let slope = (six.wrapping_mul(second as i64) >> 32).wrapping_sub(two);
+        let piece = Piece {
             count,
-            interval_q32: 0,
+            interval_q32: cubic.mean(linear, first, event, second),
             change_q32: product(square, slope),
-            bend_q32: bend,
+            bend_q32: product(cube, six),
         };
-        // The intervals add up to the time, except for a rest below `count`.
-        let left = time.wrapping_sub(piece.time_of(count));
-        piece.interval_q32 = quotient(left, count);
-        self.given = start.wrapping_add(piece.time_of(count));
+        self.given = self.given.wrapping_add(time_of(&piece));
         piece
     }
+}
+
+/// The time of all events of a piece of at most 1024.
+fn time_of(piece: &Piece) -> u64 {
+    let count = piece.count.min(1024);
+    // Below 2^20 and 2^30.
+    let pairs = count.wrapping_mul(count.saturating_sub(1)) >> 1;
+    let triples = pairs.wrapping_mul(count.saturating_sub(2)) / 3;
+    u64::from(count)
+        .wrapping_mul(piece.interval_q32)
+        .wrapping_add(u64::from(pairs).wrapping_mul(piece.change_q32))
+        .wrapping_add(u64::from(triples).wrapping_mul(piece.bend_q32))
 }
 
 /// `value` times `share` / 2^28, in two's complement.

@@ -8,13 +8,18 @@
 //! level. Before the first of these slices there are `free` slices. So the speed in the level
 //! slices is v - `free` a, or 0 if this is negative.
 
-use crate::jerk_window::filter::{Point, Wait};
+use crate::jerk_window::{
+    filter::{Point, Wait},
+    scale::Scale,
+};
 
 /// Braking after a slice that begins with a given state.
 #[derive(Copy, Clone, Debug)]
 pub(crate) struct Braking {
     /// Full change of speed in a slice, at most 2^25.
     pub(crate) step: u32,
+    /// Longer paths are taken as this; the path of any braking is shorter.
+    pub(crate) reach: u64,
     /// Speed at the start of the slice, at most 2^30.
     pub(crate) speed: u32,
     /// Wait for braking after the slice.
@@ -23,10 +28,16 @@ pub(crate) struct Braking {
 
 impl Braking {
     /// Braking from a state, without a slice before it.
-    pub(crate) fn now(step: u32, wait: Wait) -> Braking {
+    pub(crate) fn now(scale: &Scale, wait: Wait) -> Braking {
+        Braking::after(scale, 0, wait)
+    }
+
+    /// Braking after a slice that begins with this speed.
+    pub(crate) fn after(scale: &Scale, speed: u32, wait: Wait) -> Braking {
         Braking {
-            step,
-            speed: 0,
+            step: scale.step,
+            reach: scale.reach,
+            speed,
             wait,
         }
     }
@@ -45,39 +56,42 @@ impl Braking {
         speed.wrapping_mul(self.wait.level.into()).wrapping_mul(2)
     }
 
-    /// Whether braking from `end`, the speed after the slice, ends at the latest at `room`, which
-    /// is where it would end at the speed 0.
-    pub(crate) fn fits(&self, end: u32, room: i64) -> bool {
+    /// Whether braking to a speed from `end`, the speed after the slice, ends in time. `room` is
+    /// the path to where it would end at the speed 0. `is_low`: the speed to brake to is at most a
+    /// step.
+    pub(crate) fn fits(&self, end: u32, room: i64, is_low: bool) -> bool {
         let slice = i64::from(self.speed).wrapping_add(end.into());
-        self.is_within(end, room.saturating_sub(slice))
+        self.is_within(end, room.saturating_sub(slice), is_low)
     }
 
     /// Whether braking from a speed fits in a room.
-    pub(crate) fn is_within(&self, speed: u32, room: i64) -> bool {
-        let left = room
-            .saturating_sub(self.level(speed))
-            .saturating_sub(self.reserve());
-        let Ok(left) = u64::try_from(left) else {
+    pub(crate) fn is_within(&self, speed: u32, room: i64, is_low: bool) -> bool {
+        let left = room.saturating_sub(self.level(speed));
+        if is_low && speed < self.step {
+            // One slice is enough. To a speed V, it takes v + V, and at least V of this is
+            // reserved: Y is 2 V - V^2 / a behind the height.
+            return left >= speed.into();
+        }
+        let Ok(left) = u64::try_from(left.saturating_sub(self.reserve())) else {
             return false;
         };
         // At most 2^60.
         let squared = u64::from(speed).wrapping_mul(speed.into());
-        squared <= left.saturating_mul(self.step.into())
-    }
-
-    /// Whether braking to a stop exactly at the end of the room is possible.
-    pub(crate) fn stops(&self, end: u32, room: i64) -> bool {
-        if end >= self.step {
-            return self.fits(end, room);
-        }
-        // Below a full step, one slice is enough to stop.
-        let slices = i64::from(self.speed).wrapping_add(i64::from(end).wrapping_mul(2));
-        slices.saturating_add(self.level(end)) <= room
+        squared <= left.min(self.reach).wrapping_mul(self.step.into())
     }
 
     /// The highest speed that [`fits`](Braking::fits). The room is too short for some speed below
     /// 2^30, so that all values fit.
-    pub(crate) fn highest(&self, room: i64) -> u32 {
+    pub(crate) fn highest(&self, room: i64, is_low: bool) -> u32 {
+        let speed = self.highest_of_ramp(room);
+        if is_low && speed < self.step {
+            self.highest_of_slice(room)
+        } else {
+            speed
+        }
+    }
+
+    fn highest_of_ramp(&self, room: i64) -> u32 {
         let left = room
             .saturating_sub(self.speed.into())
             .saturating_sub(self.reserve());
@@ -85,7 +99,7 @@ impl Braking {
             return 0;
         };
         // Below 2^62, or no speed would be too high.
-        let product = left.saturating_mul(self.step.into()).min(1 << 62);
+        let product = left.min(self.reach).wrapping_mul(self.step.into());
         let step = u64::from(self.step);
         let without = highest_of(step, product);
         let free = self.wait.free.wrapping_mul(self.step);
@@ -98,12 +112,8 @@ impl Braking {
         highest_of(step.wrapping_add(level), product.wrapping_add(given_back)).max(free)
     }
 
-    /// The highest speed that [`stops`](Braking::stops).
-    pub(crate) fn highest_to_stop(&self, room: i64) -> u32 {
-        let speed = self.highest(room);
-        if speed >= self.step {
-            return speed;
-        }
+    /// The highest speed below a step.
+    fn highest_of_slice(&self, room: i64) -> u32 {
         let slices = match self.wait.free {
             0 => self.wait.level.wrapping_add(1),
             _ => 1,

@@ -93,9 +93,6 @@ pub(crate) struct Filter {
     /// The planned path, and the same one window earlier.
     pub(crate) lead: Point,
     trail: Point,
-    /// The made path in half units, and the rest in parts of [`PARTS`].
-    pub(crate) at: u64,
-    rest: u32,
 }
 
 impl Filter {
@@ -107,8 +104,6 @@ impl Filter {
             rises: 0,
             lead: point,
             trail: point,
-            at,
-            rest: 0,
         }
     }
 
@@ -183,10 +178,6 @@ impl Filter {
         self.oldest = self.oldest.wrapping_add(1) & (SLICES as u8).wrapping_sub(1);
         self.lead.pass(step);
         self.trail.pass(leaving);
-        let parts = slice.length().wrapping_add(self.rest.into());
-        let whole = crate::quotient::quotient(parts, PARTS);
-        self.at = self.at.wrapping_add(whole);
-        self.rest = parts.wrapping_sub(whole.wrapping_mul(PARTS.into())) as u32;
         slice
     }
 }

@@ -66,6 +66,8 @@ pub(crate) struct Scale {
     pub(crate) fraction_bits: u8,
     /// Largest change of speed in a slice, in units per slice.
     pub(crate) step: u32,
+    /// The longest path whose product with the step has 62 bits.
+    pub(crate) reach: u64,
     highest_nm_per_s: u32,
 }
 
@@ -103,6 +105,8 @@ impl Scale {
                 slice,
                 fraction_bits: fraction_bits as u8,
                 step: step as u32,
+                // Below 2^(62 - k) with a step below 2^k.
+                reach: u64::MAX.wrapping_shr(bits(step as u64).wrapping_add(2)),
                 highest_nm_per_s,
             });
         }

@@ -124,3 +124,21 @@ fn single_moves_are_near_the_optimum() {
         assert!((0.999..most).contains(&ratio), "{length}: {ratio}");
     }
 }
+
+/// A slow move at the end does not make the one before it slow, even if a slice is long enough for
+/// more than the whole path.
+#[test]
+fn a_slow_end_is_reached_at_full_speed() {
+    let limits = JerkLimits {
+        acceleration_nm_per_s2: 77_000_000_000,
+        jerk_nm_per_s3: 385_000_000_000, // a window of 200 ms
+        highest_nm_per_s: 31_622_776,
+    };
+    let moves = [
+        line(859_337, 859_337, 0),
+        line(0, 100, u32::MAX),
+        line(10, 100, u32::MAX),
+    ];
+    let seconds = seconds(&moves, limits);
+    assert!(seconds < 1.6, "{seconds}");
+}

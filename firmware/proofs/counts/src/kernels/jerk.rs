@@ -6,11 +6,15 @@ use husillo_planner::{JerkLimits, JerkRamp, JerkWindow, Stretch};
 
 use crate::Count;
 
-/// A window of 16 ms, which is 1 ms a slice.
+/// A window of 50 ms, and one of 10 ms.
 const LIMITS: JerkLimits = JerkLimits {
     acceleration_nm_per_s2: 1_000_000_000,
-    jerk_nm_per_s3: 62_500_000_000,
+    jerk_nm_per_s3: 20_000_000_000,
     highest_nm_per_s: 200_000_000,
+};
+const SHORT: JerkLimits = JerkLimits {
+    jerk_nm_per_s3: 100_000_000_000,
+    ..LIMITS
 };
 
 const EVENTS: u32 = 4000;
@@ -31,11 +35,12 @@ type Window = JerkWindow<u32, 16>;
 
 #[inline(never)]
 pub fn all(count: Count<'_>) {
-    let Ok(window) = Window::new(&LIMITS) else {
+    let (Ok(window), Ok(short)) = (Window::new(&LIMITS), Window::new(&SHORT)) else {
         return;
     };
-    // A slice in which nothing changes has 100 events.
+    // A slice has 52 events, and 12.
     events(count, "jerk_event", &window, 1);
+    events(count, "jerk_event_10_ms", &short, 1);
     events(count, "jerk_event_swept", &window, 10_000);
     slices(count, "jerk_slice", &window, 1);
     slices(count, "jerk_slice_of_corners", &window, 15);
