@@ -17,6 +17,7 @@ mod extended;
 mod extension;
 mod state;
 
+mod kept;
 mod limits;
 mod plan;
 mod schedule;

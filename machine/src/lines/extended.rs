@@ -3,6 +3,7 @@
 use husillo_gcode::{Block, Command, Commands, Compensated, Compensation, Error, Modal, Nm};
 use husillo_probe::{Tip, UnitVector};
 
+use crate::Segment;
 use crate::lines::extension::{Extension, Parts};
 use crate::lines::state::State;
 
@@ -24,6 +25,7 @@ impl<const N: usize> Extension<N> for Extended<N> {}
 impl<const N: usize> Parts<N> for Extended<N> {
     type Commands = Compensated<N>;
     type Stage = (Compensation<N>, Commands<N>);
+    type Kept = Segment<N>;
     const IS_EXTENDED: bool = true;
 
     fn new() -> Self {

@@ -4,6 +4,7 @@ use core::fmt::Debug;
 
 use husillo_gcode::{Block, Command, Commands, Error, Modal, Nm};
 
+use crate::lines::kept::{Compact, Kept};
 use crate::lines::state::State;
 
 /// Whether a machine runs the commands that need [`Equipment`](crate::Equipment) and cutter
@@ -19,6 +20,8 @@ pub trait Parts<const N: usize>: Clone + Debug {
     type Commands: Iterator<Item = Command<N>> + Clone + Debug;
     /// The stage before the machine as a block leaves it, and what takes the block back.
     type Stage;
+    /// A move as its place in the queue keeps it.
+    type Kept: Kept<N>;
     /// Whether there is a state.
     const IS_EXTENDED: bool;
 
@@ -55,6 +58,7 @@ pub trait Parts<const N: usize>: Clone + Debug {
 impl<const N: usize> Parts<N> for () {
     type Commands = Commands<N>;
     type Stage = ();
+    type Kept = Compact<N>;
     const IS_EXTENDED: bool = false;
 
     fn new() -> Self {}

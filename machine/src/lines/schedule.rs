@@ -4,17 +4,20 @@ use husillo_gcode::{Command, Nm, PathMode};
 use husillo_interp::{Moves, Step};
 use husillo_planner::{LookAhead, Stretch, Tangent, share};
 
+use crate::lines::kept::Kept;
 use crate::lines::limits::Limits;
 use crate::lines::tangent::tangents;
 use crate::lines::tempo::{Pace, Tempo};
 use crate::{Config, Segment};
 
-/// A move, or a part of an arc between two stops.
+/// A move, or a part of an arc between two stops. Its path is made when it begins.
 #[derive(Clone, Debug)]
-pub(crate) struct Work<const N: usize, P> {
-    pub(crate) segment: Segment<N>,
-    /// Path of the move; `None` continues the path of the previous part.
-    pub(crate) path: Option<P>,
+pub(crate) struct Work<const N: usize, K> {
+    pub(crate) kept: K,
+    /// Steps of the axes at its end.
+    pub(crate) end: [i32; N],
+    /// Whether it continues the path of the previous part.
+    pub(crate) is_continued: bool,
     /// Step direction of each axis over the whole of a straight move.
     pub(crate) heading: [i8; N],
     /// Axes for the guard of the steps, see [`StepGuard`](crate::StepGuard).
@@ -22,12 +25,12 @@ pub(crate) struct Work<const N: usize, P> {
     pub(crate) events: u32,
     pub(crate) sweep: u64,
     pub(crate) largest_sweep: u32,
-    /// Encoder counts, times 2^16, of a move that follows the spindle, and whether its first step
-    /// waits for the index.
-    pub(crate) counts_q16: Option<u64>,
+    /// Whether it follows the spindle, and whether its first step then waits for the index.
+    pub(crate) follows: bool,
     pub(crate) is_indexed: bool,
-    /// Time at the programmed speed in ticks, times 2^16.
-    pub(crate) ticks_q16: u64,
+    /// Time at the programmed speed in ticks, times 2^16; encoder counts, times 2^16, if it follows
+    /// the spindle.
+    pub(crate) time_q16: u64,
     pub(crate) pace: Pace,
     pub(crate) is_round: bool,
     /// Tag of [`Machine::push`](crate::Machine::push); 0 for the moves of lines.
@@ -48,29 +51,32 @@ const STAND: Stretch = Stretch {
 
 /// The queue of a machine, and the state at its end.
 #[derive(Clone, Debug)]
-pub(crate) struct Schedule<const N: usize, P, const QUEUE: usize> {
-    pub(crate) moves: LookAhead<Work<N, P>, QUEUE>,
+pub(crate) struct Schedule<const N: usize, P, K, const QUEUE: usize> {
+    pub(crate) moves: LookAhead<Work<N, K>, QUEUE>,
     limits: Option<Limits<N>>,
     mode: PathMode,
     programmed: [Nm; N],
+    /// Start position of the first move in the queue.
+    start: [Nm; N],
     lattice: [i32; N],
     direction: Option<Tangent<N>>,
     /// Whether the last move belongs to a thread.
     is_thread: bool,
     /// Direction of the last step of each axis; 0 where it is unknown.
     heading: [i8; N],
-    arc: Option<Parts<N, P>>,
+    arc: Option<Parts<N, P, K>>,
     /// Tag of the following moves.
     tag: u32,
 }
 
 /// The parts, not yet in the queue, of an arc that is split where an axis with backlash reverses.
 #[derive(Clone, Debug)]
-struct Parts<const N: usize, P> {
+struct Parts<const N: usize, P, K> {
     dry: P,
     /// First step of the next part.
     first: Option<Step>,
-    segment: Segment<N>,
+    kept: K,
+    end: [i32; N],
     stretch: Stretch,
     pace: Pace,
     steady: u8,
@@ -78,13 +84,14 @@ struct Parts<const N: usize, P> {
     total_sweep: u64,
 }
 
-impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
+impl<const N: usize, P: Moves<N>, K: Kept<N>, const QUEUE: usize> Schedule<N, P, K, QUEUE> {
     pub(crate) fn new(config: &Config<N>) -> Self {
         Schedule {
             moves: LookAhead::new(),
             limits: Limits::of(config),
             mode: PathMode::default(),
             programmed: [Nm(0); N],
+            start: [Nm(0); N],
             lattice: [0; N],
             direction: None,
             is_thread: false,
@@ -148,7 +155,18 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
         self.is_thread = false;
         self.heading = [0; N];
         self.programmed = programmed;
+        self.start = programmed;
         self.lattice = lattice;
+    }
+
+    /// Start position of the first move in the queue.
+    pub(crate) const fn start(&self) -> [Nm; N] {
+        self.start
+    }
+
+    /// The first move has ended at this position.
+    pub(crate) const fn set_start(&mut self, end: [Nm; N]) {
+        self.start = end;
     }
 
     /// Plans a move and appends it; the queue has room. `has_backlash` marks the axes that must not
@@ -231,35 +249,37 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
         let is_round = tempo.round.is_some();
         if is_round && counts_q16.is_none() && self.has_ramps() && has_backlash.contains(&true) {
             self.arc = Some(Parts {
-                dry: path.clone(),
+                total_sweep: path.total_sweep(),
+                dry: path,
                 first: None,
-                segment,
+                kept: K::of(&segment, whole),
+                end,
                 stretch,
                 pace: tempo.pace,
                 steady,
                 ticks_q16,
-                total_sweep: path.total_sweep(),
             });
-            self.push_part(Some(path), has_backlash);
+            self.push_part(false, has_backlash);
             return;
         }
         if !is_round && self.turns(ways, has_backlash) {
             stretch.entry_limit_nm_per_s = 0;
         }
         let work = Work {
-            segment: whole.copied().unwrap_or(segment),
+            kept: K::of(&segment, whole),
+            end,
+            is_continued: false,
             heading: if is_round { [0; N] } else { ways },
             steady,
             events: path.remaining(),
             sweep: path.total_sweep(),
             largest_sweep: path.largest_sweep(),
-            counts_q16,
+            follows: counts_q16.is_some(),
             is_indexed,
-            ticks_q16,
+            time_q16: counts_q16.unwrap_or(ticks_q16),
             pace: tempo.pace,
             is_round,
             tag: self.tag,
-            path: Some(path),
         };
         // The caller has checked that there is room.
         let _ = self.moves.push(stretch, work);
@@ -299,13 +319,13 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
     }
 
     /// Appends the next part of an arc, up to where an axis with backlash reverses. The queue has
-    /// room.
-    pub(crate) fn push_part(&mut self, path: Option<P>, has_backlash: [bool; N]) {
+    /// room. `is_continued` is whether there is a part before it.
+    pub(crate) fn push_part(&mut self, is_continued: bool, has_backlash: [bool; N]) {
         let Some(mut arc) = self.arc.take() else {
             return;
         };
         let (mut events, mut sweep, mut largest_sweep) = (0_u32, 0_u64, 0_u32);
-        let mut is_stop = path.is_none();
+        let mut is_stop = is_continued;
         while let Some(step) = arc.first.take().or_else(|| arc.dry.next()) {
             let ways: [i8; N] = step.deltas();
             let axes = ways.iter().zip(&self.heading).zip(has_backlash);
@@ -332,16 +352,17 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize> Schedule<N, P, QUEUE> {
         }
         let ticks_q16 = share(arc.ticks_q16, sweep, arc.total_sweep);
         let work = Work {
-            segment: arc.segment,
-            path,
+            kept: arc.kept.clone(),
+            end: arc.end,
+            is_continued,
             heading: [0; N],
             steady: arc.steady,
             events,
             sweep,
             largest_sweep,
-            counts_q16: None,
+            follows: false,
             is_indexed: false,
-            ticks_q16,
+            time_q16: ticks_q16,
             pace: arc.pace,
             is_round: true,
             tag: self.tag,

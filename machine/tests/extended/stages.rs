@@ -180,6 +180,61 @@ fn an_error_of_the_stage_changes_nothing() {
     );
 }
 
+/// Moves of every kind that a plain machine makes.
+const MOVES: [&str; 18] = [
+    "G0 X1 Y1 Z0.5",
+    "G1 X2 F600.5",
+    "G2 X3 Y0 J-1 P2",
+    "G3 X3 Y2 R1",
+    "G2 X3 Y0.002 R1",
+    "G3 X2 Y1 Z1 R-1.5",
+    "G2 I0.5",
+    "G18 G3 X3 Z0 R1",
+    "G17 G20 G2 X0.1 Y0.05 R0.5",
+    "G21 G91 G3 X0.001 R0.002",
+    "G19 G2 Y0.5 Z0.5 R0.5",
+    "G90 G17 G93 G1 X2 Y2 F30",
+    "G2 X1 Y1 R2 F60",
+    "G94 G1 Y1 F200",
+    "M3 S60 G95 G1 X1.1 F0.5",
+    "G2 X1.3 R0.1 F0.25",
+    "G33 Z0.2 K0.1",
+    "X1.5 Z0.1 K0.2",
+];
+
+/// A plain machine keeps less of a move in its queue. It reports the same moves with its events.
+#[test]
+fn a_plain_machine_reports_the_same_moves() {
+    for has_ramps in [false, true] {
+        let mut config = config(has_ramps);
+        config.spindle_counts = Some(400);
+        for (axis, backlash_steps) in config.axes.iter_mut().zip([7, 5, 0]) {
+            axis.backlash_steps = backlash_steps;
+            axis.travel = None;
+        }
+        let mut plain: Machine<3> = Machine::new(config);
+        let mut extended = ExtendedMachine::new(config);
+        let (mut moves, mut last) = (0, None);
+        let mut next = |plain: &mut Machine<3>, extended: &mut ExtendedMachine| {
+            let event = plain.next_event();
+            assert_eq!(event, extended.next_event());
+            assert_eq!(plain.executing(), extended.executing());
+            moves += usize::from(last != plain.executing().copied());
+            last = plain.executing().copied();
+            event
+        };
+        for line in MOVES {
+            while !plain.has_room() {
+                next(&mut plain, &mut extended);
+            }
+            plain.line(line.as_bytes()).expect(line);
+            extended.line(line.as_bytes()).expect(line);
+        }
+        while next(&mut plain, &mut extended).is_some() {}
+        assert!(moves > 15, "{moves}");
+    }
+}
+
 proptest! {
     /// An extended machine makes of plain moves exactly the events of a plain one.
     #[test]

@@ -1,5 +1,7 @@
 //! The highest speeds at the junctions of a queue, at one or two levels of acceleration.
 
+use core::num::NonZeroU32;
+
 use crate::ring::Ring;
 use crate::stretch::{Percents, Stretch, square};
 
@@ -24,11 +26,17 @@ struct Plan<const CAPACITY: usize> {
     end: u128,
 }
 
+/// Set in the numbers of candidates: as they are not 0, a free place takes no byte of its own.
+const MARK: NonZeroU32 = match NonZeroU32::new(1 << 31) {
+    Some(mark) => mark,
+    None => NonZeroU32::MIN,
+};
+
 /// A junction with a bound below those of all junctions after it.
 #[derive(Copy, Clone, Debug)]
 struct Candidate {
-    /// Sequence number of the move after the junction.
-    number: u32,
+    /// Sequence number of the move after the junction, in 31 bits. There are fewer moves.
+    number: NonZeroU32,
     height_and_limit: u128,
 }
 
@@ -162,7 +170,7 @@ impl<const CAPACITY: usize> Plan<CAPACITY> {
             self.candidates.pop_back();
         }
         self.candidates.push_back(Candidate {
-            number,
+            number: MARK | number,
             height_and_limit,
         });
         self.end = self.end.wrapping_add(gain);
@@ -170,7 +178,7 @@ impl<const CAPACITY: usize> Plan<CAPACITY> {
 
     fn advance(&mut self, number: u32, gain: u128) {
         if let Some(candidate) = self.candidates.front() {
-            if candidate.number == number {
+            if candidate.number == MARK | number {
                 self.candidates.pop_front();
             }
         }

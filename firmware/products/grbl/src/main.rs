@@ -19,7 +19,7 @@ use pins::{MIST, Outputs, STEPS, motors};
 use static_cell::StaticCell;
 use switches::Switches;
 
-/// Moves of look-ahead. A move takes some 600 bytes of RAM.
+/// Moves of look-ahead. A move takes 248 bytes of RAM.
 const LOOK_AHEAD: usize = 24;
 
 type Grbl = husillo_controllers::Grbl<LOOK_AHEAD>;

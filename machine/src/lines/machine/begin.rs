@@ -7,6 +7,7 @@ use husillo_planner::Timer;
 
 use super::{Machine, Run};
 use crate::lines::extension::Extension;
+use crate::lines::kept::Kept;
 use crate::{Event, MAX_WAIT_TICKS, Output, Pause, Segment};
 
 impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Extension<N>>
@@ -17,7 +18,8 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Ex
     pub(super) fn begin_move(&mut self) -> Option<()> {
         let (stretch, work) = self.schedule.moves.front()?;
         let (stretch, events) = (*stretch, work.events);
-        self.segment = Some(work.segment);
+        let segment = work.kept.segment(self.schedule.start());
+        self.segment = Some(segment);
         let heading = work.heading;
         let percent = self.schedule.moves.percent();
         let ticks = self.guard.ticks(&work.pace, percent, events);
@@ -26,7 +28,7 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Ex
             let sweep = work.sweep.max(1);
             let largest_sweep = work.largest_sweep.max(1);
             self.ramp
-                .begin(&stretch, sweep, largest_sweep, work.ticks_q16);
+                .begin(&stretch, sweep, largest_sweep, work.time_q16);
             if events == 0 {
                 let wait = self.ramp.wait(1, self.schedule.moves.limits())?;
                 self.carried_ticks = self.carried_ticks.saturating_add(wait);
@@ -35,17 +37,18 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Ex
             self.ramp.stop();
             self.carried_ticks = self.carried_ticks.saturating_add(ticks);
         }
-        let timed = match work.counts_q16 {
-            None => (!self.schedule.has_ramps()).then_some(ticks),
-            counts => counts,
+        let timed = match work.follows {
+            true => Some(work.time_q16),
+            false => (!self.schedule.has_ramps()).then_some(ticks),
         };
         let is_indexed = work.is_indexed;
-        self.run = work.path.clone().map(|path| Run {
-            path,
+        // All moves before it have been made, so it begins where the load is.
+        self.run = Some(Run {
+            path: self.config.path(&segment, self.load, work.end),
             timer: timed.map(|whole| Timer::new(whole, work.sweep, work.largest_sweep)),
             left: events,
             next: None,
-            follows: work.counts_q16.is_some(),
+            follows: work.follows,
         });
         if self.is_following() {
             self.signal([is_indexed.then_some(Event::Index), None]);

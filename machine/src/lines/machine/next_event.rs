@@ -7,6 +7,7 @@ use husillo_interp::{Moves, Step};
 use super::{Machine, Origin, Run};
 use crate::lines::extension::Extension;
 use crate::lines::guard::bits;
+use crate::lines::kept::Kept;
 use crate::lines::take_up::Followed;
 use crate::{Event, FollowEvent, MAX_WAIT_TICKS, Segment, StepEvent};
 
@@ -289,10 +290,7 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Ex
     /// Whether the next move belongs to the thread in progress.
     fn goes_on_threading(&self) -> bool {
         let next = self.schedule.moves.front();
-        next.is_some_and(|(_, work)| {
-            let is_thread = matches!(work.segment.command, Command::Thread { .. });
-            is_thread && !work.is_indexed
-        })
+        next.is_some_and(|(_, work)| work.kept.is_thread() && !work.is_indexed)
     }
 
     /// The move, or the part of an arc, has ended: frees its entry in the queue.
@@ -303,16 +301,21 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Ex
         }
         self.fill();
         let goes_on = match self.schedule.moves.front() {
-            Some((stretch, work)) if work.path.is_none() => Some((*stretch, work)),
+            Some((stretch, work)) if work.is_continued => Some((*stretch, work)),
             _ => None,
         };
         match (goes_on, &mut self.run) {
             (Some((stretch, work)), Some(run)) => {
                 run.left = work.events;
                 self.ramp
-                    .begin(&stretch, work.sweep, work.largest_sweep, work.ticks_q16);
+                    .begin(&stretch, work.sweep, work.largest_sweep, work.time_q16);
             }
-            _ => self.run = None,
+            _ => {
+                self.run = None;
+                if let Some(end) = self.segment.and_then(|segment| segment.command.end()) {
+                    self.schedule.set_start(end);
+                }
+            }
         }
     }
 }

@@ -4,38 +4,22 @@ use core::hint::black_box;
 
 use husillo_backlash::Backlash;
 use husillo_controllers::ServoModule;
-use husillo_gcode::{Block, Dialect, Modal};
+use husillo_gcode::{Dialect, Nm};
 use husillo_interp::Path;
 use husillo_machine::{
-    Axis, AxisEncoder, ClosedLoop, Config, Equipment, Event, Followed, Machine, OnLoss, Scale,
-    ServoInputs,
+    Axis, AxisEncoder, AxisRamp, ClosedLoop, Config, Equipment, Event, Followed, Machine, OnLoss,
+    Scale, ServoInputs,
 };
 use husillo_transports::nmc::{Command, Gains, Mode, Stop, StopMode, Trajectory};
 
 use crate::Count;
 
-const LINES: u32 = 50;
 const EVENTS: u32 = 1000;
 
 pub fn all(count: Count<'_>) {
-    text(count);
     machine(count);
     closed_loop(count);
     servo_module(count);
-}
-
-#[inline(never)]
-fn text(count: Count<'_>) {
-    let dialect = Dialect::RS274;
-    let modal = Modal::<3>::new(dialect);
-    count("parse_and_plan", LINES, &mut || {
-        for _ in 0..LINES {
-            let Ok(block) = Block::parse(black_box(b"G1 X12.345 Y-6.789 F600"), &dialect) else {
-                return;
-            };
-            let _ = black_box(black_box(&modal).plan(&block));
-        }
-    });
 }
 
 fn config() -> Option<Config<3>> {
@@ -79,6 +63,43 @@ fn machine(count: Count<'_>) {
             }
         });
     }
+}
+
+/// Counts short lines of a machine with ramps from their text to their places in the queue: read,
+/// checked, planned and joined to the moves before. An event is a line.
+#[inline(never)]
+pub fn planned(count: Count<'_>) {
+    const TEXTS: [&[u8]; 7] = [
+        b"X12.365 Y-6.781",
+        b"X12.384 Y-6.772",
+        b"X12.402 Y-6.763",
+        b"X12.421 Y-6.755",
+        b"X12.441 Y-6.749",
+        b"X12.460 Y-6.745",
+        b"X12.480 Y-6.742",
+    ];
+    let Some(mut config) = config() else { return };
+    for axis in &mut config.axes {
+        axis.travel = Some([Nm(-100_000_000), Nm(100_000_000)]);
+        axis.max_rate_hz = 100_000;
+        axis.backlash_steps = 0;
+        axis.ramp = Some(AxisRamp {
+            start_rate_hz: 10,
+            acceleration_hz_per_s: 1_000_000,
+            jerk_hz_per_s2: None,
+            junction_hz: None,
+        });
+    }
+    config.corner_deviation = Some(Nm(10_000));
+    let mut machine = Machine::<3, Path<3>, Backlash, 8>::new(config);
+    let mut take = |text: &[u8]| {
+        let taken = machine.line(black_box(text));
+        assert!(taken.is_ok(), "the line means a move");
+    };
+    take(b"G1 X12.345 Y-6.789 F600");
+    count("machine_line", TEXTS.len() as u32, &mut || {
+        TEXTS.into_iter().for_each(&mut take);
+    });
 }
 
 /// A machine with an encoder on every motor. The returned machine is copied on the stack, and the

@@ -3,8 +3,8 @@
 //! A stream is moved into a local variable and iterated to its end: `for step in stream {
 //! black_box(masks) }`. So a count includes the loop, the test for the end of the move, and work
 //! that is not done at every event. It does not include the set-up. The same kernels run on
-//! emulated microcontrollers (the programs `counts` and `counts-text`) and on the host
-//! (`husillo-bench`).
+//! emulated microcontrollers (the programs `counts`, `counts-text` and `counts-line`) and on the
+//! host (`husillo-bench`).
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -33,6 +33,7 @@ pub type Count<'a> = &'a mut dyn FnMut(&str, u32, &mut dyn FnMut());
 pub fn all(count: Count<'_>) {
     methods(count);
     text(count);
+    line(count);
 }
 
 /// Interpolation, planning and the stages after them. The groups are not inlined: otherwise the
@@ -56,6 +57,12 @@ pub fn text(count: Count<'_>) {
     words::line(count);
     chain::all(count);
     transports::all(count);
+}
+
+/// From a line to its place in the queue of a machine with ramps. The queue fills the RAM of a
+/// microbit.
+pub fn line(count: Count<'_>) {
+    chain::planned(count);
 }
 
 /// Counts a move from its first event to its end.

@@ -1,0 +1,12 @@
+//! Counts a line of a machine from its text to its place in the queue. `firmware/check counts` runs
+//! this program.
+#![no_std]
+#![no_main]
+
+mod report;
+
+#[cfg_attr(target_arch = "arm", cortex_m_rt::entry)]
+#[cfg_attr(target_arch = "riscv32", riscv_rt::entry)]
+fn main() -> ! {
+    report::report(kernels::line)
+}
