@@ -61,8 +61,8 @@ impl ArcLimits {
 /// The part of the acceleration that is left along the path, in 2^-16, where the part c = `squared`
 /// / `whole` of it goes to the centre. c is at most 1/2.
 ///
-/// sqrt(1 - c^2) is at least 1 - c^2 / 2 - c^4 / 6 up to c = 1/2: 1 - c^2 / 2 - c^4 / 8 is the start
-/// of its series, and the other terms are below c^4 / 24.
+/// sqrt(1 - c^2) is at least 1 - c^2 / 2 - c^4 / 6 up to c = 1/2: 1 - c^2 / 2 - c^4 / 8 is the
+/// start of its series, and the other terms are below c^4 / 24.
 fn left(squared: u64, whole: u64) -> u64 {
     // Rounded up, and a half for the smallest circles. At most 2^15 and 1.
     let c = squared.checked_div(whole >> 16).unwrap_or(1 << 15);

@@ -64,7 +64,7 @@ pub struct Plan<const N: usize, P = Path<N>> {
     has_backlash: [bool; N],
     /// Whether the path stops before the next move, for a command that is not a move.
     stops: bool,
-    schedule: Schedule<N, P, 1>,
+    schedule: Schedule<N, P, Segment<N>, 1>,
 }
 
 impl<const N: usize, P: Moves<N>> Plan<N, P> {
@@ -102,7 +102,7 @@ impl<const N: usize, P: Moves<N>> Plan<N, P> {
     /// Returns the next move of the last command.
     pub fn next_move(&mut self) -> Option<PlannedMove<N>> {
         if self.schedule.moves.is_empty() && !self.schedule.is_whole() {
-            self.schedule.push_part(None, self.has_backlash);
+            self.schedule.push_part(true, self.has_backlash);
         }
         let (mut stretch, work) = self.schedule.moves.pop()?;
         if self.stops {
@@ -111,7 +111,7 @@ impl<const N: usize, P: Moves<N>> Plan<N, P> {
         }
         Some(PlannedMove {
             stretch,
-            segment: work.segment,
+            segment: work.kept,
         })
     }
 }
