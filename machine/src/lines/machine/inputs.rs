@@ -4,6 +4,7 @@ use husillo_backlash::BacklashModel;
 use husillo_interp::Moves;
 
 use super::Machine;
+#[cfg(feature = "extended")]
 use crate::Extended;
 use crate::lines::extension::Extension;
 
@@ -37,6 +38,7 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Ex
     }
 }
 
+#[cfg(feature = "extended")]
 impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize>
     Machine<N, P, L, QUEUE, Extended<N>>
 {
