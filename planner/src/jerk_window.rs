@@ -566,26 +566,20 @@ impl<M, const CAPACITY: usize> JerkWindow<M, CAPACITY> {
         self.held = None;
     }
 
-    /// Scales the programmed speeds by 10 to 200 percent. Other values count as the nearest of
+    /// Scales the programmed speeds by 1 to 200 percent. Other values count as the nearest of
     /// these.
     ///
     /// Visits every open move. The path speeds up or brakes from the next slice on. After a lower
     /// override, it passes moves that are nearer than its braking distance faster than the new
     /// override, but within their ceilings.
     pub fn set_override(&mut self, percent: u8) {
-        self.set_percents(Percents {
-            feed: percent.clamp(10, 200),
-            ..self.percents
-        });
+        self.set_percents(self.percents.with_feed(percent));
     }
 
     /// Scales the speeds of rapids, which do not obey the other override, by 1 to 100 percent.
     /// Other values count as the nearest of these.
     pub fn set_rapid_override(&mut self, percent: u8) {
-        self.set_percents(Percents {
-            rapid: percent.clamp(1, 100),
-            ..self.percents
-        });
+        self.set_percents(self.percents.with_rapid(percent));
     }
 
     fn set_percents(&mut self, percents: Percents) {

@@ -173,19 +173,13 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
     /// speed that it cannot reach in time. [`Ramp`](crate::Ramp) then brakes as hard as allowed,
     /// and no junction is passed faster than its limit.
     pub fn set_override(&mut self, percent: u8) {
-        self.set_percents(Percents {
-            feed: percent.clamp(1, 200),
-            ..self.percents
-        });
+        self.set_percents(self.percents.with_feed(percent));
     }
 
     /// Scales the speeds of rapids, which do not obey the other override, by 1 to 100 percent.
     /// Other values count as the nearest of these.
     pub fn set_rapid_override(&mut self, percent: u8) {
-        self.set_percents(Percents {
-            rapid: percent.clamp(1, 100),
-            ..self.percents
-        });
+        self.set_percents(self.percents.with_rapid(percent));
     }
 
     fn set_percents(&mut self, percents: Percents) {

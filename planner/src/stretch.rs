@@ -86,6 +86,22 @@ impl Percents {
         feed: 100,
         rapid: 100,
     };
+
+    /// With this override of the feed, or the nearest one that is possible.
+    pub(crate) fn with_feed(self, percent: u8) -> Percents {
+        Percents {
+            feed: percent.clamp(1, 200),
+            ..self
+        }
+    }
+
+    /// With this override of the rapids, or the nearest one that is possible.
+    pub(crate) fn with_rapid(self, percent: u8) -> Percents {
+        Percents {
+            rapid: percent.clamp(1, 100),
+            ..self
+        }
+    }
 }
 
 impl Stretch {

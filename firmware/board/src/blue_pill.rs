@@ -21,16 +21,18 @@ mod stm32f1;
 #[cfg(feature = "flash")]
 mod stm32f1_flash;
 mod systick;
+mod tim3;
 #[cfg(not(feature = "usb"))]
 mod usart2;
 #[cfg(feature = "usb")]
 mod usb_serial;
 
-pub use lines::{counts, drive, inputs, start, switch, write};
+pub use lines::{counts, inputs, start, switch, write};
 pub use link::{baud, is_sent, send};
 #[cfg(feature = "flash")]
 pub use stm32f1_flash::{SECTOR_BYTES, UNIT_BYTES, flash_erase, flash_read, flash_write};
 pub use systick::{CLOCKS_PER_US, LONGEST_US, clock, stop, wait};
+pub use tim3::drive;
 
 use crate::nvic::{Vector, vectors};
 use pill as table;

@@ -47,7 +47,7 @@ mod flash;
 #[cfg(target_arch = "arm")]
 pub mod nvic;
 mod panic;
-mod registers;
+pub mod registers;
 mod shared;
 mod steps;
 

@@ -3,7 +3,7 @@
 //! The file of the board has `table`, the pins of each line; `chip`, the registers of its chip; and
 //! `link`.
 
-use super::chip::{drive_low, drive_pwm, is_low, pull_up, set_port, start_chip};
+use super::chip::{drive_low, is_low, pull_up, set_port, start_chip};
 use super::table::{INPUTS, MOTORS, OUTPUTS, PWM};
 use super::{link, systick};
 use crate::Pins;
@@ -50,11 +50,6 @@ pub fn write(levels: Pins) {
 /// Sets the other outputs.
 pub fn switch(outputs: u8) {
     set_pins(&OUTPUTS, outputs);
-}
-
-/// Sets the PWM of the spindle, 1.9 kHz. It begins with the first call.
-pub fn drive(duty: u8) {
-    drive_pwm(PWM, duty);
 }
 
 /// This board has no counter for an encoder.

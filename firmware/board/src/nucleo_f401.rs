@@ -21,12 +21,14 @@ mod stm32f4;
 #[cfg(feature = "flash")]
 mod stm32f4_flash;
 mod systick;
+mod tim3;
 mod usart2;
 
-pub use lines::{counts, drive, inputs, start, switch, write};
+pub use lines::{counts, inputs, start, switch, write};
 #[cfg(feature = "flash")]
 pub use stm32f4_flash::{SECTOR_BYTES, UNIT_BYTES, flash_erase, flash_read, flash_write};
 pub use systick::{CLOCKS_PER_US, LONGEST_US, clock, stop, wait};
+pub use tim3::drive;
 pub use usart2::{baud, is_sent, send};
 
 use crate::nvic::{Vector, vectors};

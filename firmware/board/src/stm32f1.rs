@@ -1,11 +1,11 @@
-//! The chip of a Blue Pill, an STM32F103 at 72 MHz: clocks, pins, PWM.
+//! The chip of a Blue Pill, an STM32F103 at 72 MHz: clocks and pins.
 //!
 //! Source: reference manual RM0008.
 
 #[cfg(feature = "usb")]
 use super::CORE_MHZ;
 use super::lines::Pin;
-use crate::registers::{read, set};
+use crate::registers::{is_ready, read, set};
 
 const RCC_CR: usize = 0x4002_1000;
 const RCC_CFGR: usize = 0x4002_1004;
@@ -22,22 +22,11 @@ const BSRR: usize = 0x10;
 const DRIVEN: u32 = 0b0001;
 const GIVEN: u32 = 0b1001;
 const PULLED: u32 = 0b1000;
-const TIM3: usize = 0x4000_0400;
-const TIM_CR1: usize = 0x00;
-const TIM_EGR: usize = 0x14;
-const TIM_CCMR1: usize = 0x18;
-const TIM_CCER: usize = 0x20;
-const TIM_PSC: usize = 0x28;
-const TIM_ARR: usize = 0x2c;
-const TIM_CCR2: usize = 0x38;
 /// The clock of USART2, Hz.
 #[cfg(not(feature = "usb"))]
 pub const USART_HZ: u32 = 36_000_000;
-/// A clock that has not started after this many readings does not start.
-const READINGS: u32 = 100_000;
-/// The PWM: 72 MHz / 149 / 255 is 1.9 kHz.
-const PWM_PRESCALER: u32 = 148;
-const PWM_TOP: u32 = 254;
+/// The clock of TIM3, Hz.
+pub const TIM3_HZ: u32 = 72_000_000;
 
 /// The register of the port of a pin.
 const fn register(pin: Pin, offset: usize) -> usize {
@@ -72,11 +61,6 @@ pub fn is_low(pin: Pin) -> bool {
 #[inline]
 pub fn set_port(port: usize, high: u32, low: u32) {
     set(register(Pin(port, 0), BSRR), high | low << 16);
-}
-
-/// Waits until a bit of a register is high. Returns whether it is.
-fn is_ready(register: usize, bit: u32) -> bool {
-    (0..READINGS).any(|_| read(register) >> bit & 1 != 0)
 }
 
 /// Starts the clocks, also those of pins and PWM.
@@ -129,18 +113,7 @@ pub fn start_usb() {
     set(RCC_APB1ENR, read(RCC_APB1ENR) | 1 << 23);
 }
 
-/// Sets the PWM at channel 2 of TIM3, which begins with the first call. `pin` is its pin.
-pub fn drive_pwm(pin: Pin, duty: u8) {
-    set(TIM3 + TIM_CCR2, duty.into());
-    if read(TIM3 + TIM_CR1) & 1 != 0 {
-        return;
-    }
-    set(TIM3 + TIM_PSC, PWM_PRESCALER);
-    set(TIM3 + TIM_ARR, PWM_TOP);
-    // High below the duty. A new duty is taken at the next pulse.
-    set(TIM3 + TIM_CCMR1, 0b110 << 12 | 1 << 11);
-    set(TIM3 + TIM_CCER, 1 << 4);
-    set(TIM3 + TIM_EGR, 1);
-    set(TIM3 + TIM_CR1, 1);
+/// Gives a pin to TIM3.
+pub fn give_to_tim3(pin: Pin) {
     set_up(pin, GIVEN);
 }

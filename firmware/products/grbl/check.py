@@ -28,7 +28,8 @@ PULSE_US = 37
 # Few steps per mm, because QEMU logs every access to a register. Rates and ramps of a small mill.
 SETTINGS = [(100, 25), (101, 25), (102, 25), (110, 3000), (111, 3000), (112, 2000)]
 SETTINGS += [(120, 500), (121, 500), (122, 500)]
-BOARDS = (MPS2, VIRT, NUCLEO_F446)
+# The Nucleo is checked only if it is named: at times its firmware is silent in QEMU.
+BOARDS = (MPS2, VIRT)
 # The last line of a program waits until everything has been made.
 WAIT = "G4 P0.01"
 
