@@ -7,7 +7,7 @@ import { CanvasRenderer } from "husillo/viewer/canvas.js";
 import { button, element, fitCanvas } from "husillo/viewer/element.js";
 import { lookOf } from "husillo/viewer/look.js";
 import { overlay } from "husillo/viewer/overlay.js";
-import { placeAt } from "husillo/viewer/path.js";
+import { ends, placeAt } from "husillo/viewer/path.js";
 import { nearest } from "husillo/viewer/pick.js";
 import { length } from "husillo/viewer/quantity.js";
 import { Box, boxOf, levelFor, levelsOf, segmentsOf } from "husillo/viewer/segments.js";
@@ -304,8 +304,25 @@ export class PathView {
         if (!wasClick || event.type !== "pointerup") return;
         const [x, y] = this.where(event);
         const found = nearest(this.whole, this.centre, this.camera, x, y, NEAR);
-        if (this.isMeasuring) this.mark(found?.at ?? this.camera.under(x, y));
+        if (this.isMeasuring)
+            this.mark(found ? this.held(found, x, y) : this.camera.under(x, y));
         else if (found) this.model.selectMove(found.move);
+    }
+
+    /**
+     * The end of a move, if it is near to the pointer, else the point on the move.
+     *
+     * @param {import("husillo/viewer/pick.js").Found} found
+     * @param {number} x
+     * @param {number} y
+     */
+    held(found, x, y) {
+        const far = (/** @type {number[]} */ at) => {
+            const [u, v] = this.camera.project(at);
+            return Math.hypot(u - x, v - y);
+        };
+        const [near] = ends(this.model.scene, found.move).sort((a, b) => far(a) - far(b));
+        return far(near) <= NEAR ? near : found.at;
     }
 
     /** @param {number[]} at */

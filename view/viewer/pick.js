@@ -8,7 +8,7 @@
 /**
  * @typedef {object} Found
  * @property {number} move
- * @property {number[]} at the point of the machine: an end of the segment, if it is near
+ * @property {number[]} at the point of the machine on the segment
  * @property {number} distance pixels
  */
 
@@ -47,7 +47,7 @@ export function nearest(segments, centre, camera, x, y, within) {
     if (best < 0) return undefined;
     return {
         move: segments.moves[best],
-        at: place(segments, best, snapped(segments, best, share, camera, within), centre),
+        at: place(segments, best, share, centre),
         distance: Math.sqrt(least),
     };
 }
@@ -63,21 +63,4 @@ function place({ ends }, index, part, centre) {
         const [from, to] = [ends[index * 6 + axis], ends[index * 6 + 3 + axis]];
         return middle + from + (to - from) * part;
     });
-}
-
-/**
- * The part of a segment, moved to its end if that is near.
- *
- * @param {Segments} segments
- * @param {number} index
- * @param {number} part
- * @param {Camera} camera
- * @param {number} within
- */
-function snapped(segments, index, part, camera, within) {
-    const zero = [0, 0, 0];
-    const [from, to] = [0, 1].map((end) => camera.project(place(segments, index, end, zero)));
-    const pixels = Math.hypot(to[0] - from[0], to[1] - from[1]);
-    const end = part < 0.5 ? 0 : 1;
-    return Math.abs(part - end) * pixels <= within ? end : part;
 }
