@@ -1,5 +1,6 @@
 //! Grbl 1.1 on the motion engine of `husillo-machine`.
 
+mod accidents;
 mod block;
 mod dollar;
 mod door;
@@ -30,6 +31,7 @@ pub use event::{GrblEvent, GrblInputs, GrblStops};
 pub use memory::GrblMemory;
 pub use options::GrblOptions;
 
+use accidents::Accidents;
 use door::DoorStep;
 use homing::Homing;
 use lines::{Origin, Task};
@@ -122,7 +124,7 @@ pub struct Grbl<const QUEUE: usize = 15> {
     inputs: GrblInputs,
     /// Steps that were made.
     steps: [i32; 3],
-    /// The event that was returned and is not made yet: its wait and its steps.
+    /// The event that was returned and is not made yet: its wait, and the steps that it counts.
     pending: Option<(u32, [i8; 3])>,
     /// The rest of a long wait, and the step after it.
     rest: Option<(u32, [i8; 3])>,
@@ -148,6 +150,7 @@ pub struct Grbl<const QUEUE: usize = 15> {
     homing: Homing,
     /// Microseconds until braking begins.
     brake_us: u32,
+    accidents: Accidents,
     /// Microseconds during which further requests for a report are ignored.
     merge_us: u32,
     /// Whether a jog is being cancelled.
@@ -198,6 +201,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             contact: None,
             homing: Homing::default(),
             brake_us: 0,
+            accidents: Accidents::default(),
             merge_us: 0,
             is_cancelling: false,
         };

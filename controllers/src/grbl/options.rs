@@ -15,9 +15,11 @@ pub struct GrblOptions {
     pub has_door: bool,
     /// Whether status reports contain the line number of the present block.
     pub reports_lines: bool,
-    /// Microseconds from a hold, a cancelled jog or a probe contact until braking begins. Grbl
-    /// first makes the segments that it has already prepared.
-    pub brakes_after_us: u32,
+    /// Whether accidents of Grbl's implementation are imitated. After a hold, a cancelled jog or a
+    /// probe contact, Grbl first makes the segments that it has already prepared: motion goes on
+    /// for 40 to 50 ms. Equal override bytes that arrive together count once. An axis that waits
+    /// for the others at its switch counts their steps until homing ends.
+    pub has_accidents: bool,
     /// Whether the controller gives waits while nothing happens, so that its inputs are read.
     /// Without this, an input that changes while the machine is at rest is read only at the next
     /// byte or move.
@@ -27,7 +29,7 @@ pub struct GrblOptions {
 }
 
 impl GrblOptions {
-    /// Grbl as it is distributed, with the same delay of braking.
+    /// Grbl as it is distributed, with its accidents.
     pub const STOCK: GrblOptions = GrblOptions {
         banner: b"Grbl 1.1h",
         version: b"1.1h.20190830",
@@ -35,7 +37,7 @@ impl GrblOptions {
         homes_axes: false,
         has_door: false,
         reports_lines: false,
-        brakes_after_us: 48_000,
+        has_accidents: true,
         reads_inputs: false,
         most_steps_per_s: None,
     };
@@ -46,7 +48,7 @@ impl GrblOptions {
         homes_axes: true,
         has_door: true,
         reports_lines: true,
-        brakes_after_us: 0,
+        has_accidents: false,
         most_steps_per_s: None,
         ..GrblOptions::STOCK
     };

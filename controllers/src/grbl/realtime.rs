@@ -26,6 +26,12 @@ pub(super) struct Flags {
 impl<const QUEUE: usize> Grbl<QUEUE> {
     /// Takes a real-time byte. Returns whether the motors must stop immediately.
     pub(super) fn take_realtime(&mut self, realtime: Realtime) -> bool {
+        if self.options.has_accidents
+            && matches!(realtime, Realtime::Feed(_) | Realtime::Spindle(_))
+            && !self.accidents.counts(realtime.byte())
+        {
+            return false;
+        }
         let flags = &mut self.flags;
         let [feed, rapid, spindle] = &mut self.overrides;
         let before = [*feed, *rapid, *spindle];

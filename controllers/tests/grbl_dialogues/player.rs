@@ -67,7 +67,6 @@ fn options(build: &str) -> GrblOptions {
             homes_axes: true,
             has_door: true,
             reports_lines: true,
-            brakes_after_us: 48_000,
             most_steps_per_s: Some(30_000),
             ..GrblOptions::STOCK
         },
