@@ -141,6 +141,12 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
 
     /// Handles the end of a motion: the engine has no further step.
     fn stopped(&mut self) {
+        #[cfg(feature = "grblhal")]
+        if self.is_hal() && self.flags.reset && self.phase != Phase::Home {
+            // The reset follows.
+            self.phase = Phase::Idle;
+            return;
+        }
         match self.phase {
             Phase::Home => self.homing_stopped(),
             Phase::Door(_) => self.door_stopped(),
@@ -160,6 +166,10 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             self.is_cancelling = false;
         }
         self.phase = Phase::Idle;
+        #[cfg(feature = "grblhal")]
+        if self.hal.is_changing_by_hand() && self.machine.queued() == 0 {
+            self.phase = Phase::Tool;
+        }
         self.rest_motors();
         self.drive_laser();
         if self.flags.door {
@@ -194,6 +204,24 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             dwell,
             start,
         ];
+        #[cfg(feature = "grblhal")]
+        let waits = {
+            let [
+                first,
+                second,
+                third,
+                fourth,
+                fifth,
+                sixth,
+                seventh,
+                eighth,
+                ninth,
+            ] = waits;
+            let report = self.hal_wait_us();
+            [
+                first, second, third, fourth, fifth, sixth, seventh, eighth, ninth, report,
+            ]
+        };
         let idle = self.options.reads_inputs.then_some(LONGEST_WAIT_US);
         let waits = waits.into_iter().chain([idle]).flatten();
         let least = waits.filter(|wait| *wait > 0).min()?;
@@ -221,6 +249,10 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         self.merge_us = self.merge_us.saturating_sub(us);
         if self.options.has_accidents {
             self.pass_accidents(us);
+        }
+        #[cfg(feature = "grblhal")]
+        if self.is_hal() {
+            self.hal_pass(us);
         }
         if self.task == Task::Dwell && self.phase != Phase::Hold(false) {
             self.dwell_us = self.dwell_us.saturating_sub(us.into());

@@ -1,8 +1,23 @@
 //! The options of a Grbl controller.
 
+use husillo_gcode::Dialect;
+
+/// The protocol that a controller speaks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Protocol {
+    /// That of Grbl 1.1.
+    #[default]
+    Grbl,
+    /// That of grblHAL: reports with more fields, settings that describe themselves, tools.
+    #[cfg(feature = "grblhal")]
+    GrblHal,
+}
+
 /// Options that Grbl fixes when it is compiled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GrblOptions {
+    /// The protocol.
+    pub protocol: Protocol,
     /// Name and version in the banner.
     pub banner: &'static [u8],
     /// Version in the answer to `$I`.
@@ -31,6 +46,7 @@ pub struct GrblOptions {
 impl GrblOptions {
     /// Grbl as it is distributed, with its accidents.
     pub const STOCK: GrblOptions = GrblOptions {
+        protocol: Protocol::Grbl,
         banner: b"Grbl 1.1h",
         version: b"1.1h.20190830",
         has_mist: false,
@@ -52,6 +68,33 @@ impl GrblOptions {
         most_steps_per_s: None,
         ..GrblOptions::STOCK
     };
+
+    /// Every option, with the protocol of grblHAL.
+    #[cfg(feature = "grblhal")]
+    pub const HAL: GrblOptions = GrblOptions {
+        protocol: Protocol::GrblHal,
+        banner: b"GrblHAL 1.1f",
+        version: b"1.1f.20260101",
+        ..GrblOptions::FULL
+    };
+
+    /// Returns the dialect of the lines.
+    pub(super) const fn dialect(&self) -> Dialect {
+        match self.protocol {
+            Protocol::Grbl => Dialect::GRBL,
+            #[cfg(feature = "grblhal")]
+            Protocol::GrblHal => Dialect::RS274,
+        }
+    }
+
+    /// Whether a reset brakes the axes. Otherwise it stops them immediately.
+    pub(super) const fn brakes_at_reset(&self) -> bool {
+        match self.protocol {
+            Protocol::Grbl => false,
+            #[cfg(feature = "grblhal")]
+            Protocol::GrblHal => true,
+        }
+    }
 
     /// Returns the letters of `[OPT:`.
     pub(super) fn letters(&self) -> ([u8; 5], usize) {
