@@ -3,7 +3,7 @@ import { readFileSync, statSync } from "node:fs";
 import { test } from "node:test";
 import { pathToFileURL } from "node:url";
 import { open, picture, violations } from "husillo/tests/browser.js";
-import { PART, example, reportOf } from "husillo/tests/reports.js";
+import { PART, example, reliefProgram, reportOf } from "husillo/tests/reports.js";
 
 const PAGES = {
     circles: reportOf("circles", example("circles.nc")),
@@ -292,4 +292,22 @@ test("on paper there are the pictures and tables, not the controls", async (t) =
         })
     );
     assert.deepEqual(shown, ["none", "block"]);
+});
+
+test("a program of 200,000 lines has a report of at most 8 MB, with every move", async (t) => {
+    const path = reportOf("relief", reliefProgram(200_000), "-m", "router");
+    assert.ok(statSync(path).size < 8_000_000, `${statSync(path).size} bytes`);
+    const page = await open(t, { address: pathToFileURL(path).href, offline: true });
+    await page.waitForSelector('.stage[data-drawn="whole"]');
+    const counts = await page.evaluate(() => {
+        const { path, model } = Reflect.get(window, "husillo");
+        path.drawMoving();
+        const rows = document.querySelectorAll(".program [role=option]").length;
+        return { moves: model.scene.count, moving: path.renderer.work, rows };
+    });
+    assert.ok(counts.moves > 199_990 && counts.moves <= 200_003, `${counts.moves}`);
+    assert.ok(counts.moving > 1000 && counts.moving <= 12_000, `${counts.moving}`);
+    assert.ok(counts.rows < 60, `${counts.rows}`);
+    await page.evaluate(() => Reflect.get(window, "husillo").model.selectLine(150_000));
+    await page.waitForSelector('[data-line="150000"][aria-selected="true"]');
 });

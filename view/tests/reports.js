@@ -69,3 +69,22 @@ G0 X0 Y0
 M5
 M2
 `;
+
+/**
+ * A relief in passes over 75 x 80 mm.
+ *
+ * @param {number} lines
+ */
+export function reliefProgram(lines) {
+    const [passes, perPass] = [400, lines / 400];
+    const text = ["G21 G90 G17 G94", "M3 S12000", "G0 X0 Y0 Z5", "G1 Z0 F600"];
+    for (let line = 0; line < lines; line++) {
+        const pass = Math.floor(line / perPass);
+        const step = line % perPass;
+        const x = ((pass % 2 ? perPass - 1 - step : step) * 75) / perPass;
+        const y = (pass * 80) / passes;
+        const z = -1 + 0.8 * Math.sin(x / 4) * Math.cos(y / 5) + 0.01 * Math.sin(line * 1.3);
+        text.push(`N${line} G1 X${x.toFixed(3)} Y${y.toFixed(3)} Z${z.toFixed(3)} F1500`);
+    }
+    return [...text, "G0 Z5", "M5", "M2", ""].join("\n");
+}

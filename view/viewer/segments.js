@@ -260,7 +260,7 @@ export function levelsOf(whole, size, most) {
     while (levels[0].segments.count > most && cell < size) {
         const segments = thinned(levels[0].segments, cell);
         if (segments.count < 0.7 * levels[0].segments.count) levels.unshift({ cell, segments });
-        cell *= 2;
+        cell *= Math.SQRT2;
     }
     return levels;
 }
