@@ -19,11 +19,11 @@ macro_rules! modules {
 /// The modules of the viewer.
 pub const VIEWER: &[Module] = modules![
     "viewer/camera.js" "viewer/canvas.js" "viewer/charts.js" "viewer/container.js"
-    "viewer/element.js" "viewer/look.js" "viewer/modal.js" "viewer/model.js" "viewer/overlay.js"
-    "viewer/path.js" "viewer/pathview.js" "viewer/pick.js" "viewer/program.js"
-    "viewer/quantity.js" "viewer/report.js" "viewer/rulers.js" "viewer/scene.js"
-    "viewer/segments.js" "viewer/timeline.js" "viewer/values.js" "viewer/viewer.js"
-    "viewer/webgl.js" "viewer/words.js"
+    "viewer/element.js" "viewer/look.js" "viewer/material.js" "viewer/modal.js"
+    "viewer/model.js" "viewer/overlay.js" "viewer/path.js" "viewer/pathview.js" "viewer/pick.js"
+    "viewer/program.js" "viewer/quantity.js" "viewer/report.js" "viewer/rulers.js"
+    "viewer/scene.js" "viewer/segments.js" "viewer/stock.js" "viewer/timeline.js"
+    "viewer/values.js" "viewer/viewer.js" "viewer/webgl.js" "viewer/words.js"
 ];
 
 /// The colours of all pages, light and dark.

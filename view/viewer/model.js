@@ -2,7 +2,7 @@
  * What the parts of the viewer share: the scene, the time, and the selected line.
  */
 
-import { event } from "husillo/viewer/path.js";
+import { event, placeAt } from "husillo/viewer/path.js";
 
 /** @typedef {import("husillo/viewer/scene.js").Scene} Scene */
 
@@ -40,6 +40,15 @@ export class Model {
 
     changed() {
         for (const listener of this.listeners) listener();
+    }
+
+    /**
+     * Where the tool is now: exact to the step if `steps` knows it.
+     *
+     * @returns {import("husillo/viewer/path.js").Place}
+     */
+    get place() {
+        return { ...placeAt(this.scene, this.seconds), ...this.steps?.at(this.seconds) };
     }
 
     /**

@@ -7,7 +7,7 @@ import { CanvasRenderer } from "husillo/viewer/canvas.js";
 import { button, element, fitCanvas } from "husillo/viewer/element.js";
 import { lookOf } from "husillo/viewer/look.js";
 import { overlay } from "husillo/viewer/overlay.js";
-import { ends, placeAt } from "husillo/viewer/path.js";
+import { ends } from "husillo/viewer/path.js";
 import { nearest } from "husillo/viewer/pick.js";
 import { length } from "husillo/viewer/quantity.js";
 import { Box, boxOf, levelFor, levelsOf, segmentsOf } from "husillo/viewer/segments.js";
@@ -201,10 +201,10 @@ export class PathView {
     drawOver() {
         const context = this.over.getContext("2d");
         if (!context || this.camera.width === 1) return;
-        const { scene, seconds, moves } = this.model;
+        const { scene, moves } = this.model;
         const ratio = this.over.width / this.camera.width;
         context.setTransform(ratio, 0, 0, ratio, 0, 0);
-        const { commanded, real } = placeAt(scene, seconds);
+        const { commanded, real } = this.model.place;
         overlay(context, scene, this.camera, lookOf(this.stage), {
             selected: moves,
             commanded,

@@ -4,7 +4,6 @@
 
 import { element } from "husillo/viewer/element.js";
 import { Modal } from "husillo/viewer/modal.js";
-import { placeAt } from "husillo/viewer/path.js";
 import { length, millimetres, trimmed } from "husillo/viewer/quantity.js";
 import { KINDS } from "husillo/viewer/scene.js";
 import { kindName } from "husillo/viewer/words.js";
@@ -53,10 +52,8 @@ export class Values {
     }
 
     show() {
-        const { scene, seconds, line } = this.model;
-        const { commanded, real, move } = this.model.steps?.at(seconds)
-            ? { ...placeAt(scene, seconds), ...this.model.steps.at(seconds) }
-            : placeAt(scene, seconds);
+        const { scene, seconds, line, place } = this.model;
+        const { commanded, real, move } = place;
         this.rows.replaceChildren(
             ...scene.axes.map((axis, index) => {
                 const isRotary = ROTARY.includes(axis.letter);

@@ -5,6 +5,7 @@
 import { Charts } from "husillo/viewer/charts.js";
 import { element } from "husillo/viewer/element.js";
 import { lookOf } from "husillo/viewer/look.js";
+import { Material } from "husillo/viewer/material.js";
 import { Model } from "husillo/viewer/model.js";
 import { PathView } from "husillo/viewer/pathview.js";
 import { ProgramList } from "husillo/viewer/program.js";
@@ -62,6 +63,7 @@ export function mount(place, scene, options = {}) {
             )
         ),
         charts.root,
+        new Material(model, words).root,
         live
     );
     place.hidden = false;

@@ -69,8 +69,11 @@ const ENGLISH = {
     sampled: "between samples of",
     cutting: "Material",
     diameter: "Tool diameter",
-    tip: "Tip angle",
     stock: "Show material",
+    removed: "Removed",
+    gouge: "too deep",
+    uncut: "left",
+    crossed: "cut in a rapid",
 };
 
 /** @type {typeof ENGLISH} */
@@ -141,8 +144,11 @@ const SPANISH = {
     sampled: "entre muestras cada",
     cutting: "Material",
     diameter: "Diámetro de la herramienta",
-    tip: "Ángulo de la punta",
     stock: "Mostrar material",
+    removed: "Arrancado",
+    gouge: "demasiado hondo",
+    uncut: "sin cortar",
+    crossed: "cortado en rápido",
 };
 
 /** @typedef {typeof ENGLISH} Words */
