@@ -206,6 +206,22 @@ impl JerkRamp {
         self.piece = self.passage.piece(count, event, path, &self.law);
     }
 
+    /// Whether the path stands: all slices have been passed, and a hold or the end of the queue has
+    /// stopped the path.
+    pub fn is_at_rest<M, const CAPACITY: usize>(&self, window: &JerkWindow<M, CAPACITY>) -> bool {
+        let is_passed = self.piece.count == 0 && self.passage.passed >= self.law.length;
+        is_passed && window.is_at_rest()
+    }
+
+    /// Path speed in nm/s after the last event, or after the last of the events of a line that are
+    /// timed together.
+    pub fn speed_nm_per_s<M, const CAPACITY: usize>(
+        &self,
+        window: &JerkWindow<M, CAPACITY>,
+    ) -> u32 {
+        window.nm_per_s(self.passage.speed(&self.law))
+    }
+
     /// Forgets the rest of the path, after [`JerkWindow::clear`]. The next event starts from rest.
     pub fn stop(&mut self) {
         self.piece.count = 0;

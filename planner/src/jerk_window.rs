@@ -62,7 +62,9 @@ pub use scale::{JerkLimits, JerkLimitsError};
 ///   This includes holds, resumes and overrides, which act from the next slice on.
 /// - **Ends** are exact: the path stops at the end of the last move.
 /// - **Moves** lose their own acceleration and start speed: [`JerkLimits`] has one acceleration
-///   for all, and a path with limited jerk has no start speed. An arc stays below its upper level
+///   for all, and a path with limited jerk has no start speed. A move with a lower acceleration A
+///   is limited to the speed A T, which is in the ceiling of the move that the queue returns. All
+///   speeds of a window then differ by at most that, so its acceleration is at most A. An arc stays below its upper level
 ///   of speed, because there is less acceleration in it. A length above 2^40 nm is taken as this,
 ///   and a top speed below one unit per slice as one unit.
 /// - **Capacity.** At most 512. To reach a speed v, the queue needs moves for a path of about
@@ -193,10 +195,12 @@ impl<M, const CAPACITY: usize> JerkWindow<M, CAPACITY> {
     ///
     /// # Cost
     /// Constant time.
-    pub fn push(&mut self, stretch: Stretch, payload: M) -> Result<(), (Stretch, M)> {
+    pub fn push(&mut self, mut stretch: Stretch, payload: M) -> Result<(), (Stretch, M)> {
         if self.slots.is_full() {
             return Err((stretch, payload));
         }
+        let most = self.scale.most_at(stretch.acceleration_nm_per_s2);
+        stretch.ceiling_nm_per_s = stretch.ceiling_nm_per_s.min(most);
         let start = match self.slots.back() {
             Some(last) => last.end,
             None => {
@@ -301,6 +305,16 @@ impl<M, const CAPACITY: usize> JerkWindow<M, CAPACITY> {
     pub(crate) fn units(&self, length_nm: u64) -> u64 {
         let half_units = self.scale.half_units(length_nm);
         half_units.wrapping_mul(PARTS.into())
+    }
+
+    /// Whether the path stands, after the last slice.
+    pub fn is_at_rest(&self) -> bool {
+        self.filter.is_at_rest()
+    }
+
+    /// Converts units of [`Slice`] per slice to nm/s.
+    pub(crate) fn nm_per_s(&self, speed: u64) -> u32 {
+        self.scale.nm_per_s(speed)
     }
 
     /// Returns the path of the next slice. Returns `None` at rest: at the end of the queue, or when

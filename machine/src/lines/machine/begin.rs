@@ -8,13 +8,19 @@ use husillo_planner::Timer;
 use super::{Machine, Run};
 use crate::lines::extension::Extension;
 use crate::lines::kept::Kept;
+use crate::lines::path_ramp::{MoveQueue, PathRamp};
 use crate::{Event, MAX_WAIT_TICKS, Output, Pause, Segment};
 
-impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Extension<N>>
-    Machine<N, P, L, QUEUE, E>
+impl<
+    const N: usize,
+    P: Moves<N>,
+    L: BacklashModel<N>,
+    const QUEUE: usize,
+    E: Extension<N>,
+    R: PathRamp,
+> Machine<N, P, L, QUEUE, E, R>
 {
-    /// Begins the first move of the queue. Returns `None` under a hold, if the move is too short
-    /// for a step.
+    /// Begins the first move of the queue, if there is one.
     pub(super) fn begin_move(&mut self) -> Option<()> {
         let (stretch, work) = self.schedule.moves.front()?;
         let (stretch, events) = (*stretch, work.events);
@@ -24,15 +30,13 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Ex
         let percent = self.schedule.moves.percent();
         let ticks = self.guard.ticks(&work.pace, percent, events);
         self.guard.watch(work.is_round, events, work.steady);
+        let mut is_short = false;
         if self.schedule.has_ramps() && stretch.length_nm != 0 {
-            let sweep = work.sweep.max(1);
-            let largest_sweep = work.largest_sweep.max(1);
+            let sweeps = [work.sweep.max(1), work.largest_sweep.max(1).into()];
+            let time_q16 = work.time_q16;
             self.ramp
-                .begin(&stretch, sweep, largest_sweep, work.time_q16);
-            if events == 0 {
-                let wait = self.ramp.wait(1, self.schedule.moves.limits())?;
-                self.carried_ticks = self.carried_ticks.saturating_add(wait);
-            }
+                .begin(&stretch, sweeps, time_q16, &self.schedule.moves);
+            is_short = events == 0;
         } else if events == 0 {
             self.ramp.stop();
             self.carried_ticks = self.carried_ticks.saturating_add(ticks);
@@ -48,6 +52,7 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Ex
             timer: timed.map(|whole| Timer::new(whole, work.sweep, work.largest_sweep)),
             left: events,
             next: None,
+            is_short,
             follows: work.follows,
         });
         if self.is_following() {

@@ -1,0 +1,7 @@
+//! Machines that limit the jerk along the path: an independent checker integrates their events.
+
+mod checker;
+mod limits;
+mod machines;
+mod stops;
+mod times;
