@@ -265,11 +265,7 @@ impl<
             None => run.path.next(),
         };
         let Some(step) = step else {
-            if run.is_short {
-                let wait = self.ramp.wait(1, &mut self.schedule.moves)?;
-                self.carried_ticks = self.carried_ticks.saturating_add(wait);
-                run.is_short = false;
-            }
+            self.carry_short_move()?;
             self.end_move();
             return Some(None);
         };
@@ -292,6 +288,19 @@ impl<
         let wait = wait.saturating_add(self.carried_ticks);
         self.carried_ticks = 0;
         Some(Some(self.path_step(step, wait)))
+    }
+
+    /// Carries the time of a move without a step to the next move. Returns `None` under a hold.
+    #[cold]
+    #[inline(never)]
+    fn carry_short_move(&mut self) -> Option<()> {
+        let Some(run) = self.run.as_mut().filter(|run| run.is_short) else {
+            return Some(());
+        };
+        let wait = self.ramp.wait(1, &mut self.schedule.moves)?;
+        run.is_short = false;
+        self.carried_ticks = self.carried_ticks.saturating_add(wait);
+        Some(())
     }
 
     /// Whether the executing move follows the spindle.
