@@ -61,8 +61,6 @@ pub struct JerkRamp {
     is_pending: bool,
     is_line: bool,
     timer_hz: u32,
-    /// Time of a slice in 2^-32 tick.
-    slice_time: u64,
     /// The present slice.
     law: Law,
     passage: Passage,
@@ -90,7 +88,6 @@ impl JerkRamp {
             is_pending: false,
             is_line: true,
             timer_hz,
-            slice_time: 0,
             law: Law::default(),
             passage: Passage::default(),
             target: 0,
@@ -118,7 +115,6 @@ impl JerkRamp {
         window: &JerkWindow<M, CAPACITY>,
     ) {
         let total = total_sweep.max(1);
-        self.slice_time = window.slice_ticks_q32(self.timer_hz);
         let length = window.units(stretch.length_nm);
         self.is_line = largest_sweep <= 1;
         // The longest wait is below 2^59.
@@ -170,7 +166,7 @@ impl JerkRamp {
             self.is_pending = slice.is_none();
             self.passage = Passage::default();
             self.law = match slice {
-                Some(slice) => Law::new(&slice, self.slice_time),
+                Some(slice) => Law::new(&slice, window.slice_ticks_q32(self.timer_hz)),
                 None => Law::default(),
             };
             if self.is_pending {

@@ -111,8 +111,6 @@ struct Run<P> {
     left: u32,
     /// A step that was not made because of a hold.
     next: Option<Step>,
-    /// Whether it is too short for a step, and its time was not yet carried to the next move.
-    is_short: bool,
     /// Whether the timer counts the rotation of the spindle instead of time.
     follows: bool,
 }
@@ -392,7 +390,10 @@ impl<
                 Some(command) if command.end().is_some() => {
                     self.schedule.push(&self.config, command, has_backlash);
                 }
-                other => self.waiting = *other,
+                other => {
+                    self.waiting = *other;
+                    self.schedule.moves.finish();
+                }
             }
             self.next = None;
         }

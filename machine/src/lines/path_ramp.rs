@@ -58,6 +58,8 @@ pub trait MoveQueue<M>: Clone + Debug {
     fn new(limits: Option<&JerkLimits>) -> Self;
     /// Appends a move; returns whether there was room.
     fn push(&mut self, stretch: Stretch, payload: M) -> bool;
+    /// The path stops after the last move, whatever follows.
+    fn finish(&mut self) {}
     /// Removes the first move, after its last event.
     fn pop(&mut self) -> Option<(Stretch, M)>;
     /// The first move.

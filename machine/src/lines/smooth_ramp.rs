@@ -129,6 +129,12 @@ impl<M: Clone + Debug, const QUEUE: usize> MoveQueue<M> for SmoothQueue<M, QUEUE
         }
     }
 
+    fn finish(&mut self) {
+        if let SmoothQueue::Jerk(window) = self {
+            window.finish();
+        }
+    }
+
     fn pop(&mut self) -> Option<(Stretch, M)> {
         match self {
             SmoothQueue::Acceleration(moves) => moves.pop(),

@@ -23,6 +23,8 @@ pub struct Checker {
     within: f64,
     /// Time in s and path in nm of each event.
     points: Vec<(f64, f64)>,
+    /// The axes in nm at each event.
+    axes: Vec<[f64; 3]>,
 }
 
 impl Checker {
@@ -41,6 +43,7 @@ impl Checker {
             before: 0.0,
             within: 0.0,
             points: vec![(0.0, 0.0)],
+            axes: vec![[0.0; 3]],
         }
     }
 
@@ -65,6 +68,7 @@ impl Checker {
         self.within = self.place(segment);
         let place = self.before + self.within;
         self.points.push((self.seconds(), place));
+        self.axes.push(self.load.map(|steps| steps as f64 * STEP));
     }
 
     /// Path since the start of the move, of the point nearest to the load.
@@ -103,8 +107,30 @@ impl Checker {
         self.points.push((self.seconds() + 1.0, place));
     }
 
-    /// Path at a time.
-    fn at(&self, time: f64) -> f64 {
+    /// Times of the steps of the path in s.
+    pub fn times(&self) -> impl Iterator<Item = f64> + Clone {
+        // The last point is not a step.
+        let count = self.axes.len() - 1;
+        self.points
+            .iter()
+            .skip(1)
+            .take(count)
+            .map(|(time, _)| *time)
+    }
+
+    /// The axes at a time in nm.
+    pub fn axes_at(&self, time: f64) -> [f64; 3] {
+        let after = self.points.partition_point(|(at, _)| *at <= time);
+        let last = self.axes.len() - 1;
+        let [from, to] = [after.max(1) - 1, after].map(|place| self.axes[place.min(last)]);
+        let start = self.points[after.max(1) - 1].0;
+        let end = self.points.get(after).map_or(start + 1.0, |point| point.0);
+        let part = (time - start) / (end - start);
+        std::array::from_fn(|axis| from[axis] + (to[axis] - from[axis]) * part)
+    }
+
+    /// Path at a time in nm.
+    pub fn place_at(&self, time: f64) -> f64 {
         let after = self.points.partition_point(|(at, _)| *at <= time);
         let Some((end, to)) = self.points.get(after) else {
             return self.before + self.within;
@@ -124,9 +150,9 @@ impl Checker {
         let mut ratios = [0.0_f64; 3];
         for sample in 0..count {
             let time = sample as f64 * span / 3.0;
-            let [a, b, c, d] = [0.0, 1.0, 2.0, 3.0].map(|part| self.at(time + part * span));
+            let [a, b, c, d] = [0.0, 1.0, 2.0, 3.0].map(|part| self.place_at(time + part * span));
             let differences = [
-                (b - a) / (top * span),
+                (b - a - 2.0 * STEP) / (top * span),
                 ((c - 2.0 * b + a).abs() - 4.0 * STEP) / (self.acceleration * span.powi(2)),
                 ((d - 3.0 * c + 3.0 * b - a).abs() - 8.0 * STEP) / (self.jerk * span.powi(3)),
             ];

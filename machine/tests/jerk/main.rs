@@ -3,5 +3,6 @@
 mod checker;
 mod limits;
 mod machines;
+mod published;
 mod stops;
 mod times;

@@ -171,8 +171,6 @@ impl<const N: usize> Course<N> {
         let limits = self.jerk_limits(window);
         let mut queue = Box::new(JerkWindow::<usize, QUEUE>::new(&limits)?);
         let unit = MM / f64::from(queue.units_per_nm());
-        // A timer of 1 GHz.
-        let seconds = queue.slice_ticks_q32(1_000_000_000) as f64 / 2_f64.powi(32) / 1e9;
         let turns = self.turns();
         let mut profile = Profile::default();
         // The move in which the path is, and the rest of its path in units.
@@ -190,6 +188,8 @@ impl<const N: usize> Course<N> {
             let Some(slice) = queue.next_slice() else {
                 return Ok(profile);
             };
+            // A timer of 1 GHz.
+            let seconds = queue.slice_ticks_q32(1_000_000_000) as f64 / 2_f64.powi(32) / 1e9;
             let piece = Piece {
                 seconds,
                 speed: slice.speed as f64 * unit / seconds,

@@ -70,7 +70,7 @@ pub(crate) struct Scale {
     /// The longest path whose product with the step has 62 bits.
     pub(crate) reach: u64,
     highest_nm_per_s: u32,
-    acceleration: u64,
+    pub(crate) acceleration: u64,
 }
 
 impl Scale {
@@ -120,6 +120,41 @@ impl Scale {
     pub(crate) fn speed(&self, nm_per_s: u32) -> u32 {
         let nm_per_s = nm_per_s.min(self.highest_nm_per_s);
         (u64::from(self.slice).wrapping_mul(nm_per_s.into()) >> 32) as u32
+    }
+
+    /// Whether a run from stop to stop uses the whole window: it is at least 2 a T^2 long.
+    pub(crate) fn fills_window(&self, half_units: u64) -> bool {
+        // With T in slices, a T^2 is 256 steps.
+        half_units >= u64::from(self.step) << 10
+    }
+
+    /// The window of a run that does not fill this one. Its jerk is the same, and its acceleration
+    /// is that of the jerk after a quarter of the time of the run: L = 2 j T^3.
+    pub(crate) fn shortened(&self, half_units: u64) -> Scale {
+        // The next speeds are whole steps, so that a run ends a slice later if its step is too
+        // small. Below 2^25.
+        let step = (half_units >> 10).saturating_add(half_units >> 16);
+        let step = step.clamp(64, self.step.into());
+        let cube = |slice: u32| {
+            u128::from(u64::from(slice).wrapping_mul(slice.into())).wrapping_mul(slice.into())
+        };
+        // 96 and 25 bits.
+        let least = cube(self.slice).wrapping_mul(step.into());
+        let is_enough = |slice: u32| cube(slice).wrapping_mul(self.step.into()) >= least;
+        // The least slice that keeps the jerk.
+        let mut slice = self.slice;
+        for bit in (0..32).rev() {
+            let less = slice.saturating_sub(1_u32.wrapping_shl(bit));
+            if is_enough(less) {
+                slice = less;
+            }
+        }
+        Scale {
+            slice,
+            step: step as u32,
+            reach: u64::MAX.wrapping_shr(bits(step).wrapping_add(2)),
+            ..*self
+        }
     }
 
     /// Converts a path of slices per slice to nm/s, rounded down.

@@ -30,13 +30,11 @@ impl<
         let percent = self.schedule.moves.percent();
         let ticks = self.guard.ticks(&work.pace, percent, events);
         self.guard.watch(work.is_round, events, work.steady);
-        let mut is_short = false;
         if self.schedule.has_ramps() && stretch.length_nm != 0 {
             let sweeps = [work.sweep.max(1), work.largest_sweep.max(1).into()];
             let time_q16 = work.time_q16;
             self.ramp
                 .begin(&stretch, sweeps, time_q16, &self.schedule.moves);
-            is_short = events == 0;
         } else if events == 0 {
             self.ramp.stop();
             self.carried_ticks = self.carried_ticks.saturating_add(ticks);
@@ -52,7 +50,6 @@ impl<
             timer: timed.map(|whole| Timer::new(whole, work.sweep, work.largest_sweep)),
             left: events,
             next: None,
-            is_short,
             follows: work.follows,
         });
         if self.is_following() {

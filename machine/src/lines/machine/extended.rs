@@ -242,6 +242,7 @@ impl<
         });
         let has_backlash = self.take_up.stops();
         self.schedule.push(&self.config, &command, has_backlash);
+        self.schedule.moves.finish();
     }
 
     /// Ends a probing move that has stopped after the contact, or at its end. Returns whether there

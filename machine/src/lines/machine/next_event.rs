@@ -294,12 +294,13 @@ impl<
     #[cold]
     #[inline(never)]
     fn carry_short_move(&mut self) -> Option<()> {
-        let Some(run) = self.run.as_mut().filter(|run| run.is_short) else {
-            return Some(());
-        };
-        let wait = self.ramp.wait(1, &mut self.schedule.moves)?;
-        run.is_short = false;
-        self.carried_ticks = self.carried_ticks.saturating_add(wait);
+        let front = self.schedule.moves.front();
+        let is_short =
+            front.is_some_and(|(stretch, work)| stretch.length_nm != 0 && work.events == 0);
+        if is_short && self.schedule.has_ramps() {
+            let wait = self.ramp.wait(1, &mut self.schedule.moves)?;
+            self.carried_ticks = self.carried_ticks.saturating_add(wait);
+        }
         Some(())
     }
 
