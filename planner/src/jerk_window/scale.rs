@@ -134,7 +134,7 @@ impl Scale {
         // The next speeds are whole steps, so that a run ends a slice later if its step is too
         // small. Below 2^25.
         let step = (half_units >> 10).saturating_add(half_units >> 16);
-        let step = step.clamp(64, self.step.into());
+        let step = step.min(self.step.into()).max(64);
         let cube = |slice: u32| {
             u128::from(u64::from(slice).wrapping_mul(slice.into())).wrapping_mul(slice.into())
         };
