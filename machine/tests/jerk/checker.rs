@@ -118,6 +118,12 @@ impl Checker {
             .map(|(time, _)| *time)
     }
 
+    /// Time at which the path is at a place in nm.
+    pub fn time_of(&self, place: f64) -> f64 {
+        let after = self.points.partition_point(|(_, at)| *at < place);
+        self.points[after].0
+    }
+
     /// The axes at a time in nm.
     pub fn axes_at(&self, time: f64) -> [f64; 3] {
         let after = self.points.partition_point(|(at, _)| *at <= time);

@@ -124,7 +124,14 @@ pub fn limited() {
 pub fn single_moves() {
     println!("| one move, 1 m/s^2, 20 m/s^3 | husillo `JerkWindow`, s | rsruckig, s | ratio |");
     println!("| --- | --- | --- | --- |");
-    for length in [200_000_000, 50_000_000, 10_000_000, 1_000_000, 100_000, 10_000] {
+    for length in [
+        200_000_000,
+        50_000_000,
+        10_000_000,
+        1_000_000,
+        100_000,
+        10_000,
+    ] {
         let (own, theirs) = (window_seconds(length), optimum_seconds(length));
         let mm = length as f64 / 1e6;
         println!("| {mm} mm | {own:.6} | {theirs:.6} | {:.4} |", own / theirs);
