@@ -191,8 +191,8 @@ impl<const N: usize> Config<N> {
     /// The limits along the path of a machine with [`SmoothRamp`](crate::SmoothRamp); `None` if no
     /// axis has a jerk.
     ///
-    /// - **Acceleration**: 0.866 of the least one of the axes. It is safe in every direction, and on
-    ///   an arc it leaves half of the limit for the acceleration towards the centre.
+    /// - **Acceleration**: 0.866 of the least one of the axes. It is safe in every direction, and
+    ///   on an arc it leaves half of the limit for the acceleration towards the centre.
     /// - **Jerk**: the least one of the axes that have one.
     ///
     /// Limits that [`JerkWindow`](husillo_planner::JerkWindow) refuses, a window below about 0.1 ms

@@ -50,8 +50,8 @@ pub enum Origin {
 /// `E` is `()` for a machine of axes, spindle and coolant. [`Extended`](crate::Extended) adds
 /// cutter compensation and the commands that need [`Equipment`].
 ///
-/// `R` is [`Ramp`] for limited acceleration. [`SmoothRamp`](crate::SmoothRamp) limits the jerk along
-/// the path as well.
+/// `R` is [`Ramp`] for limited acceleration. [`SmoothRamp`](crate::SmoothRamp) limits the jerk
+/// along the path as well.
 ///
 /// The fields that each event uses come first: short instructions reach 1 kB from the address.
 #[derive(Clone, Debug)]
