@@ -6,14 +6,14 @@ use crate::app::reporting::{verdict, with_findings};
 use crate::app::{ERRORS, Failure, OK};
 use crate::cli::{Compare, Page};
 use crate::console;
-use crate::diagnostics::Findings;
 use crate::output::Outputs;
-use crate::programs::program::{self, Meaning};
-use crate::text::json::write_line;
 use husillo_machine::Config;
 use husillo_methods::motion::{Course, Figures, Settings, compare as compared};
 use husillo_reports::motion::{self, Motion};
 use husillo_sim::observers::AXES;
+use husillo_simulator::diagnostics::Findings;
+use husillo_simulator::programs::program::{self, Meaning};
+use husillo_simulator::text::json::write_line;
 use serde_json::json;
 use std::io::{self, Write};
 
