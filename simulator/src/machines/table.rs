@@ -190,14 +190,19 @@ impl<'a, 'f> Table<'a, 'f> {
                 .ok_or_else(|| format!("`{text}` is out of range"))
         };
         Ok(match (quantity::parse(text)?, self.is_rotary) {
-            (Quantity::Length(_) | Quantity::Speed(_) | Quantity::AxisAcceleration(_), true) => {
-                return Err("a rotary axis has degrees".to_owned());
-            }
+            (
+                Quantity::Length(_)
+                | Quantity::Speed(_)
+                | Quantity::AxisAcceleration(_)
+                | Quantity::AxisJerk(_),
+                true,
+            ) => return Err("a rotary axis has degrees".to_owned()),
             (Quantity::Angle(value), true) => Quantity::Length(scaled(value)?),
             (Quantity::RotarySpeed(value), true) => Quantity::Speed(scaled(value)?),
             (Quantity::RotaryAcceleration(value), true) => {
                 Quantity::AxisAcceleration(scaled(value)?)
             }
+            (Quantity::RotaryJerk(value), true) => Quantity::AxisJerk(scaled(value)?),
             (quantity, _) => quantity,
         })
     }

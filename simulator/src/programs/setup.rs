@@ -4,7 +4,10 @@ use crate::machines::machine_file::{AxisFile, Driver, Idle, MachineFile, StepMod
 use husillo_backlash::{BacklashMap, Flank, MappedBacklash};
 use husillo_gcode::{Dialect, Nm};
 use husillo_interp::Path;
-use husillo_machine::{Axis, AxisEncoder, AxisRamp, ClosedLoop, Config, Extended, Machine, Scale};
+use husillo_machine::planner::JerkWindow;
+use husillo_machine::{
+    Axis, AxisEncoder, AxisRamp, ClosedLoop, Config, Extended, Machine, Scale, SmoothRamp,
+};
 use husillo_metrology::calibration::backlash::Map;
 use husillo_probe::{PreTravel, Tip, UnitVector};
 use husillo_sim::observers::AXES;
@@ -16,11 +19,11 @@ use std::sync::Arc;
 /// The backlash of an axis. A single value is a map with one position.
 pub type Screw = MappedBacklash<Arc<[i32]>, Arc<[u32]>>;
 /// The engine with all commands, and with the backlash model `L`.
-pub type Engine<L> = Machine<AXES, Path<AXES>, L, 16, Extended<AXES>>;
+pub type Engine<L> = Machine<AXES, Path<AXES>, L, 16, Extended<AXES>, SmoothRamp>;
 /// The engine with backlash maps.
 pub type MappedEngine = Engine<Screw>;
 /// The engine with backlash maps and encoders.
-pub type ClosedEngine = ClosedLoop<AXES, Path<AXES>, Screw, 16, Extended<AXES>>;
+pub type ClosedEngine = ClosedLoop<AXES, Path<AXES>, Screw, 16, Extended<AXES>, SmoothRamp>;
 
 /// The backlash that the controller takes up: the maps of the file, or one value for an axis
 /// without a map.
@@ -155,13 +158,13 @@ const fn absent() -> Axis {
 ///
 /// # Errors
 ///
-/// A step is not a ratio of 32-bit numbers.
+/// A step is not a ratio of 32-bit numbers, or the jerk does not suit the accelerations.
 pub fn config(file: &MachineFile, dialect: Dialect) -> Result<Config<AXES>, String> {
     let mut axes = [absent(); AXES];
     for (axis, own) in axes.iter_mut().zip(&file.axes) {
         *axis = axis_of(file, own)?;
     }
-    Ok(Config {
+    let config = Config {
         axes,
         timer_hz: file.timer_hz,
         dialect: on_axes(dialect, file),
@@ -171,7 +174,14 @@ pub fn config(file: &MachineFile, dialect: Dialect) -> Result<Config<AXES>, Stri
         corner_deviation: file.corner_deviation.map(Nm),
         spindle_counts: file.spindle_counts,
         equipment: file.equipment,
-    })
+    };
+    let window = config
+        .jerk_limits()
+        .map(|limits| JerkWindow::<(), 1>::new(&limits));
+    match window {
+        Some(Err(why)) => Err(format!("{}: {why}", file.path)),
+        _ => Ok(config),
+    }
 }
 
 /// The tip of the probe, if reported positions are corrected for it.

@@ -127,12 +127,15 @@ impl AxisFile {
             max_rate: rates.max,
             pull_out_rate: rates.pull_out,
             acceleration,
-            jerk: table.quantity("jerk", "steps/s^3 as in \"5000 Hz/s^2\"", |quantity| {
-                match quantity {
+            jerk: table.quantity(
+                "jerk",
+                "as in \"5000 mm/s^3\", \"5000 deg/s^3\" or, in steps/s^3, \"5000 Hz/s^2\"",
+                |quantity| match quantity {
                     Quantity::Jerk(value) => positive(value.rounded()),
+                    Quantity::AxisJerk(nm_per_s3) => nm_per_s3.over(step).and_then(positive),
                     _ => None,
-                }
-            }),
+                },
+            ),
             junction: rates.junction,
             driver,
             pulse,
