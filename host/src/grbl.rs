@@ -5,11 +5,11 @@ use crate::cli::{Emulate, Jog};
 use crate::console::reporter::Reporter;
 use crate::console::sharing::share;
 use crate::console::stop::stop_requests;
-use crate::machines::machine_file::MachineFile;
-use crate::programs::setup;
 use husillo_clients::grbl::{Action, BAUD, Hand, open};
 use husillo_gcode::Dialect;
 use husillo_sim::device::grbl::Device;
+use husillo_simulator::machines::machine_file::MachineFile;
+use husillo_simulator::programs::setup;
 use husillo_transports::grbl::Settings;
 use std::io;
 
