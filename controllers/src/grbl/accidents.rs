@@ -4,8 +4,8 @@
 const SEGMENT_US: u32 = 10_000;
 /// Segments that are made after a request to brake: the present one and the prepared ones.
 const PREPARED: u32 = 5;
-/// Time that Grbl needs to handle an override, in microseconds. Bytes that arrive meanwhile are bits
-/// of one set, so equal ones count once.
+/// Time that Grbl needs to handle an override, in microseconds. Bytes that arrive meanwhile are
+/// bits of one set, so equal ones count once.
 const OVERRIDE_US: u32 = 200;
 
 /// State of the accidents.

@@ -12,8 +12,8 @@ pub enum LoadError {
     Findings(Vec<Finding>),
 }
 
-/// Reads the text of a machine file with `read`. `kind` says what kind of machine it is for, and `built_in`
-/// lists the built-in machines of that kind. Both are for the message.
+/// Reads the text of a machine file with `read`. `kind` says what kind of machine it is for, and
+/// `built_in` lists the built-in machines of that kind. Both are for the message.
 ///
 /// # Errors
 ///
