@@ -1,9 +1,12 @@
 //! Grbl 1.1 on the motion engine of `husillo-machine`.
 
+mod accidents;
 mod block;
 mod dollar;
 mod door;
 mod event;
+#[cfg(feature = "grblhal")]
+mod hal;
 mod homing;
 mod lines;
 mod memory;
@@ -28,9 +31,12 @@ use crate::ring::Ring;
 
 pub use event::{GrblEvent, GrblInputs, GrblStops};
 pub use memory::GrblMemory;
-pub use options::GrblOptions;
+pub use options::{GrblOptions, Protocol};
 
+use accidents::Accidents;
 use door::DoorStep;
+#[cfg(feature = "grblhal")]
+use hal::Hal;
 use homing::Homing;
 use lines::{Origin, Task};
 use memory::StoredLine;
@@ -64,7 +70,16 @@ enum Phase {
     Check,
     Home,
     Sleep,
+    /// The operator changes the tool.
+    #[cfg(feature = "grblhal")]
+    Tool,
 }
+
+/// Characters of the present line.
+#[cfg(feature = "grblhal")]
+const LINE: usize = hal::LINE;
+#[cfg(not(feature = "grblhal"))]
+const LINE: usize = husillo_transports::grbl::LINE_CHARACTERS;
 
 /// A Grbl 1.1 controller of three axes, with `QUEUE` moves of look-ahead.
 ///
@@ -107,7 +122,7 @@ pub struct Grbl<const QUEUE: usize = 15> {
     next: Option<Command<3>>,
     receiver: Receiver<256>,
     reader: LineReader,
-    line: StoredLine,
+    line: StoredLine<LINE>,
     origin: Origin,
     /// Tag of the moves of the present line.
     tag: Tag,
@@ -122,7 +137,7 @@ pub struct Grbl<const QUEUE: usize = 15> {
     inputs: GrblInputs,
     /// Steps that were made.
     steps: [i32; 3],
-    /// The event that was returned and is not made yet: its wait and its steps.
+    /// The event that was returned and is not made yet: its wait, and the steps that it counts.
     pending: Option<(u32, [i8; 3])>,
     /// The rest of a long wait, and the step after it.
     rest: Option<(u32, [i8; 3])>,
@@ -141,6 +156,8 @@ pub struct Grbl<const QUEUE: usize = 15> {
     driven: Driven,
     /// T word of the last block.
     tool: u8,
+    #[cfg(feature = "grblhal")]
+    hal: Hal,
     /// Position of the last contact, and whether the last probe move found a contact.
     probe: ([i64; 3], bool),
     /// Position in steps at the contact of the present probe move.
@@ -148,6 +165,7 @@ pub struct Grbl<const QUEUE: usize = 15> {
     homing: Homing,
     /// Microseconds until braking begins.
     brake_us: u32,
+    accidents: Accidents,
     /// Microseconds during which further requests for a report are ignored.
     merge_us: u32,
     /// Whether a jog is being cancelled.
@@ -165,7 +183,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             memory: kept,
             is_blank: memory.is_none(),
             machine: Machine::new(config(&kept.settings)),
-            modal: Modal::new(Dialect::GRBL),
+            modal: Modal::new(options.dialect()),
             commands: Commands::new(),
             next: None,
             receiver: Receiver::new(),
@@ -194,10 +212,13 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             outputs: Outputs::OFF,
             driven: Driven::default(),
             tool: 0,
+            #[cfg(feature = "grblhal")]
+            hal: Hal::new(),
             probe: ([0; 3], false),
             contact: None,
             homing: Homing::default(),
             brake_us: 0,
+            accidents: Accidents::default(),
             merge_us: 0,
             is_cancelling: false,
         };
@@ -285,18 +306,27 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         }
     }
 
+    /// Whether no line is executed in the present state.
+    fn is_suspended(&self) -> bool {
+        #[cfg(feature = "grblhal")]
+        if self.phase == Phase::Tool && !self.hal.is_acknowledged() {
+            return true;
+        }
+        matches!(self.phase, Phase::Hold(_) | Phase::Door(_) | Phase::Sleep)
+    }
+
     fn take_turn(&mut self) -> bool {
         if self.recover() {
             return true;
         }
-        if self.recovery != Recovery::None || self.room() < ROOM_FOR_REPORT {
+        let is_stopping = self.flags.reset;
+        if is_stopping || self.recovery != Recovery::None || self.room() < ROOM_FOR_REPORT {
             return false;
         }
         if self.take_flags() {
             return true;
         }
-        let is_suspended = matches!(self.phase, Phase::Hold(_) | Phase::Door(_) | Phase::Sleep);
-        !is_suspended && self.room() >= ROOM_FOR_LINE && self.continue_line()
+        !self.is_suspended() && self.room() >= ROOM_FOR_LINE && self.continue_line()
     }
 }
 
@@ -347,6 +377,10 @@ impl<const QUEUE: usize> Controller for Grbl<QUEUE> {
     type Stops = GrblStops;
 
     fn receive(&mut self, byte: u8) -> bool {
+        #[cfg(feature = "grblhal")]
+        if self.is_hal() && self.hal_takes(byte) {
+            return false;
+        }
         match self.receiver.push(byte) {
             Some(realtime) => self.take_realtime(realtime),
             None => {
@@ -361,7 +395,7 @@ impl<const QUEUE: usize> Controller for Grbl<QUEUE> {
     }
 
     fn stops(&self) -> GrblStops {
-        GrblStops(self.pending.is_some())
+        GrblStops(self.pending.is_some() && !self.options.brakes_at_reset())
     }
 
     fn halted(&mut self) {

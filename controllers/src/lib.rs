@@ -16,7 +16,7 @@ pub use controller::{Controller, StopBytes, Timed};
 pub use drill::{
     Drill, DrillConfig, DrillEvent, DrillFault, DrillInputs, DrillLights, DrillReport,
 };
-pub use grbl::{Grbl, GrblEvent, GrblInputs, GrblMemory, GrblOptions, GrblStops};
+pub use grbl::{Grbl, GrblEvent, GrblInputs, GrblMemory, GrblOptions, GrblStops, Protocol};
 pub use husillo_transports::microfactory::Report as MicrofactoryReport;
 pub use husillo_transports::micromill::Stops as MicromillStops;
 pub use microfactory::{

@@ -592,7 +592,7 @@ fn any_line() -> impl Strategy<Value = Vec<String>> {
         )]),
         (at(), 5..=14_u8)
             .prop_map(|(z, feed)| vec![format!("G01{}F{feed:02};", word('Z', z / 100))]),
-        // Half a turn, a whole turn, and any other arc from a known position.
+        // A whole turn, a half, a quarter, and any other arc from a known position.
         (
             100_000..400_000_i32,
             100_000..400_000_i32,
@@ -607,7 +607,7 @@ fn any_line() -> impl Strategy<Value = Vec<String>> {
                     0 => (x, y),
                     1 => (x + 2 * i, y + 2 * j),
                     2 => (x + i + j, y + j - i),
-                    _ => (x + i, y),
+                    _ => (x + i, y + j + f64::from(i).hypot(j.into()).round() as i32),
                 };
                 let arc = format!(
                     "{code}{}{}{}{}F10;",
@@ -688,6 +688,34 @@ proptest! {
             prop_assert_eq!(differs, None, "{}", line);
         }
         prop_assert_eq!(bench.loads, peer.0.position_steps());
+    }
+
+    /// An arc whose ends have different radii is a spiral. It ends where it is told, and no axis is
+    /// faster than its rate, except that the steps nearest to a circle are uneven: at 45 degrees by
+    /// the root of 2, and on small circles a little more.
+    #[test]
+    fn no_axis_is_too_fast_on_a_spiral(
+        i in -3_000..3_000_i32,
+        j in -3_000..3_000_i32,
+        clockwise: bool,
+    ) {
+        let mut bench = Bench::homed();
+        bench.hear();
+        bench.does("G00X01000.00Y01000.00;");
+        let (before, code) = (bench.steps.len(), if clockwise { "G02" } else { "G03" });
+        let (x, y) = (100_000 + i, 100_000);
+        let arc = format!(
+            "{code}{}{}{}{}F1000;", word('X', x), word('Y', y), word('I', x), word('J', y + j)
+        );
+        let is_taken = bench.does(&arc).last() == Some(&0x8f);
+        let end = if is_taken { x } else { 100_000 };
+        prop_assert_eq!(bench.loads, [(end + 7) / 14, 7143, 0]);
+        for axis in 0..2 {
+            let steps = bench.steps[before..].iter().filter(|(_, delta)| delta[axis] != 0);
+            let times: Vec<u64> = steps.map(|(ticks, _)| *ticks).collect();
+            let least = times.windows(2).map(|pair| pair[1] - pair[0]).min().unwrap_or(9999);
+            prop_assert!(least * 170 * 3 >= 1_000_000 * 2, "{axis}: {least} ticks");
+        }
     }
 
     /// A controller that is stopped anywhere, with any zero and backlash, reports all that its next

@@ -32,17 +32,17 @@ use crate::console;
 use crate::console::reporter::Reporter;
 use crate::drill;
 use crate::input;
-use crate::machines::machine_file::MachineFile;
 use crate::measuring::{self, Stopped};
 use crate::methods::interpolate;
 use crate::microfactory;
 use crate::micromill;
 use crate::output::Outputs;
-use crate::programs::setup;
-use crate::text::json::write_line;
 use crate::tuning;
 use husillo_clients::microfactory::Settings;
 use husillo_gcode::Dialect;
+use husillo_simulator::machines::machine_file::MachineFile;
+use husillo_simulator::programs::setup;
+use husillo_simulator::text::json::write_line;
 use serde_json::json;
 use std::io::{self, Write};
 
@@ -284,7 +284,7 @@ fn emulate_into(args: &Emulate, outputs: &mut Outputs, out: &mut dyn Write) -> R
         let microfactory = microfactory(&args.machine)?;
         match (&microfactory, args.machine.as_str()) {
             (Some(_), _) => args.expect_microfactory()?,
-            (None, "micromill" | "grbl") => args.expect_micromill()?,
+            (None, "micromill" | "grbl" | "grblhal") => args.expect_micromill()?,
             (None, "drill") => args.expect_drill()?,
             _ => args.expect_network()?,
         }
@@ -295,7 +295,7 @@ fn emulate_into(args: &Emulate, outputs: &mut Outputs, out: &mut dyn Write) -> R
         let served = match (&microfactory, args.machine.as_str()) {
             (Some(settings), _) => microfactory::emulate(args, settings, made, out),
             (None, "micromill") => micromill::emulate(args, made, out),
-            (None, "grbl") => {
+            (None, "grbl" | "grblhal") => {
                 let settings = match &args.mechanics {
                     Some(name) => crate::grbl::settings(&load(name)?)?,
                     None => husillo_transports::grbl::Settings::DEFAULT,

@@ -13,7 +13,6 @@ mod stop;
 mod tune;
 mod zero;
 
-use crate::diagnostics::Format;
 pub use calibrate::{AxisArgs, BacklashArgs, Calibrate, CirclesArgs, SquarenessArgs, What};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use compare::COMPARE_HELP;
@@ -24,6 +23,7 @@ pub use drilling::{
 };
 pub use emulate::Emulate;
 pub use exit_status::command;
+use husillo_simulator::diagnostics::Format;
 pub use interpolate::{ArcShape, Interpolate, LineShape, Shape};
 pub use jog::Jog;
 pub use measure::{Measure, words};
@@ -322,7 +322,7 @@ pub struct Run {
     pub symmetry: Option<f64>,
     /// Push a motor by STEPS before a step event, as an overload does; may be repeated
     #[arg(long, value_name = "AXIS:EVENT:STEPS")]
-    pub lose: Vec<crate::machines::encoder_file::Push>,
+    pub lose: Vec<husillo_simulator::machines::encoder_file::Push>,
     /// Print no more than this many findings
     #[arg(long, value_name = "N", default_value_t = 50)]
     pub limit: u64,
@@ -336,6 +336,28 @@ pub enum CuttingOrder {
     /// As two halves from the same start point, so that both sides are cut on the same flank of the
     /// other axis' screw
     Mirrored,
+}
+
+/// The form in which `check` prints its findings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum CheckFormat {
+    /// Drawn under the line of the program.
+    Text,
+    /// `file:line:column: error[E0301]: message`, for editors and screen readers.
+    Short,
+    /// One JSON object for each program, with its findings.
+    Json,
+}
+
+impl CheckFormat {
+    /// The form of each finding; `None`: it is in the object of its program.
+    pub const fn of_finding(self) -> Option<Format> {
+        match self {
+            Self::Text => Some(Format::Text),
+            Self::Short => Some(Format::Short),
+            Self::Json => None,
+        }
+    }
 }
 
 /// `husillo check`.
@@ -352,7 +374,7 @@ pub struct Check {
     pub place: Place,
     /// How to print findings
     #[arg(long, value_enum, default_value = "text")]
-    pub format: Format,
+    pub format: CheckFormat,
     /// Print no more than this many findings of a file
     #[arg(long, value_name = "N", default_value_t = 50)]
     pub limit: u64,

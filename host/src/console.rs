@@ -10,8 +10,10 @@ pub mod sharing;
 pub mod stop;
 pub mod typed;
 
-use crate::text::name;
+use husillo_simulator::text::shown::push;
 use std::io::{self, IsTerminal, StderrLock, StdoutLock, Write};
+
+pub use husillo_simulator::text::shown::{cut, is_obeyed, shown};
 
 /// [`std::eprintln`] through [`message`]: every module of the program prints its messages with it.
 macro_rules! eprintln {
@@ -135,50 +137,6 @@ pub fn message(text: std::fmt::Arguments<'_>) {
     let lines = text.split('\n').map(|line| format!("{}\n", cut(line)));
     // Standard error itself has failed, so nothing can be reported.
     let _ = stderr().write_all(lines.collect::<String>().as_bytes());
-}
-
-/// Longest line of a message, characters.
-const LONGEST: usize = 1000;
-
-/// The beginning of a text that is too long for a message. It quotes a line of a file, or a name.
-pub fn cut(text: &str) -> std::borrow::Cow<'_, str> {
-    match text.char_indices().nth(LONGEST) {
-        None => text.into(),
-        Some((end, _)) => {
-            let left_out = text.chars().count() - LONGEST;
-            let begin = text.get(..end).unwrap_or_default();
-            format!("{begin}... ({left_out} characters left out)").into()
-        }
-    }
-}
-
-/// A text as [`Shown`] writes it.
-pub fn shown(text: &str) -> String {
-    let mut all = String::with_capacity(text.len());
-    for one in text.chars() {
-        push(&mut all, one);
-    }
-    all
-}
-
-fn push(all: &mut String, one: char) {
-    if let Some(byte) = name::byte(one) {
-        all.push_str(&format!("\\x{byte:02x}"));
-    } else if is_obeyed(one) {
-        all.push_str(&format!("\\u{:04x}", u32::from(one)));
-    } else {
-        all.push(one);
-    }
-}
-
-/// Whether a terminal acts on a character, other than by a new line or a tab stop.
-pub const fn is_obeyed(one: char) -> bool {
-    match one {
-        '\n' | '\t' => false,
-        '\u{200e}' | '\u{200f}' | '\u{61c}' => true,
-        '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' => true,
-        _ => one.is_ascii_control() || matches!(one, '\u{80}'..='\u{9f}'),
-    }
 }
 
 impl<W: Write> Shown<W> {

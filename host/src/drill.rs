@@ -23,11 +23,11 @@ use crate::console::sharing::share;
 use crate::console::stop::stop_requests;
 use crate::holes;
 use crate::output::Outputs;
-use crate::text::name;
 use husillo_clients::drill::{
     Action, BAUD, Client, ClientError, End, Hand, Operator, Part, Place, Sender, sentence,
 };
 use husillo_sim::device::drill::Device;
+use husillo_simulator::text::name;
 use husillo_transports::drill::Failure as LinkFailure;
 use std::io::{self, Write};
 

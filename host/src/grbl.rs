@@ -5,11 +5,11 @@ use crate::cli::{Emulate, Jog};
 use crate::console::reporter::Reporter;
 use crate::console::sharing::share;
 use crate::console::stop::stop_requests;
-use crate::machines::machine_file::MachineFile;
-use crate::programs::setup;
 use husillo_clients::grbl::{Action, BAUD, Hand, open};
 use husillo_gcode::Dialect;
 use husillo_sim::device::grbl::Device;
+use husillo_simulator::machines::machine_file::MachineFile;
+use husillo_simulator::programs::setup;
 use husillo_transports::grbl::Settings;
 use std::io;
 
@@ -26,11 +26,16 @@ pub fn emulate(
     out: &mut dyn io::Write,
 ) -> io::Result<()> {
     let baud = args.baud.unwrap_or(BAUD);
-    let mut device = Device::new(baud, settings);
+    let is_hal = args.machine == "grblhal";
+    let mut device = match is_hal {
+        true => Device::grblhal(baud, settings),
+        false => Device::new(baud, settings),
+    };
     if steps.is_some() {
         device = device.with_rows();
     }
-    let name = format!("Grbl 1.1, {baud} baud,");
+    let protocol = if is_hal { "grblHAL" } else { "Grbl 1.1" };
+    let name = format!("{protocol}, {baud} baud,");
     let hint = "any sender of Grbl, at {port}";
     let panel = Device::panel();
     crate::emulate::terminal::serve(&mut device, args, steps, out, [&name, hint, &panel])

@@ -1,37 +1,23 @@
 //! Drill files: options, findings and lists of what `husillo_holes` reads.
 
 pub mod drill_records;
-mod explain;
 pub mod listing;
 pub mod made;
 mod options;
 
-use crate::diagnostics::{Finding, Findings, Severity};
-use crate::machines::machine_file::{MachineFile, Travel};
 use husillo_excellon::Slot;
 use husillo_gcode::Nm;
 use husillo_holes::{Board, Fit, SlotError};
 use husillo_sim::text::counted;
+use husillo_simulator::diagnostics::{Finding, Findings, Severity};
+use husillo_simulator::machines::machine_file::{MachineFile, Travel};
 
+pub use husillo_simulator::holes::is_drill_file;
 pub use options::{Options, length, work};
-
-/// Ends of the names of drill files.
-const ENDS: [&str; 6] = [".drl", ".xln", ".exc", ".drd", ".ncd", ".drill"];
-
-/// Whether a file is a drill file, by the options or by its name.
-pub fn is_drill_file(dialect: Option<&str>, file: &str) -> bool {
-    let lower = file.to_ascii_lowercase();
-    match dialect {
-        Some(dialect) => dialect == "excellon",
-        None => ENDS.iter().any(|end| lower.ends_with(end)),
-    }
-}
 
 /// Reads a drill file; `findings` gets all errors, warnings and reasons.
 pub fn read(text: &[u8], file: &str, options: &Options, findings: &mut Findings) -> Board {
-    husillo_holes::read(text, &options.setup, |remark| {
-        findings.add(explain::finding(&remark, file));
-    })
+    husillo_simulator::holes::read(text, file, &options.setup, findings)
 }
 
 /// Keeps the requested tools, and places the board. Returns the fit to the measured holes.

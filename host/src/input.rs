@@ -1,17 +1,20 @@
 //! Files that a command reads. They are remembered, so that no output replaces one of them.
 
 pub mod columns;
+mod folders;
+mod programs;
 
-use crate::text::name;
+use husillo_simulator::text::name;
 use std::fs::{File, Metadata};
-use std::io::{self, Read};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 #[cfg(unix)]
 use std::time::SystemTime;
 
-/// Some editors write these bytes before a text in UTF-8. They are not part of the program.
-pub const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+pub use folders::folders;
+pub use husillo_simulator::input::{bounded, bounded_by, to_end};
+pub use programs::{open_bytes, program};
 
 /// The identity of a file, which does not depend on its name.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -96,44 +99,8 @@ pub fn advised(error: io::Error, advice: &[(io::ErrorKind, &str)]) -> io::Error 
     }
 }
 
-/// Most bytes of a program or a drill file that is read as a whole, or that comes from a pipe. A
-/// device such as `/dev/zero` has no end.
-const MOST_BYTES: u64 = 512 << 20;
 /// Most bytes of any other text: machine files, manifests, routines, figures, readings.
 const MOST_TEXT: u64 = 64 << 20;
-
-/// A reader that fails after a number of bytes.
-#[derive(Debug)]
-pub struct Bounded<R> {
-    inner: R,
-    left: u64,
-    most: u64,
-}
-
-/// A reader that fails after 512 MiB.
-pub const fn bounded<R>(inner: R) -> Bounded<R> {
-    bounded_by(inner, MOST_BYTES)
-}
-
-const fn bounded_by<R>(inner: R, most: u64) -> Bounded<R> {
-    Bounded {
-        inner,
-        left: most,
-        most,
-    }
-}
-
-impl<R: Read> Read for Bounded<R> {
-    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
-        let count = self.inner.read(bytes)?;
-        self.left = self.left.checked_sub(count as u64).ok_or_else(|| {
-            let mib = self.most >> 20;
-            let why = format!("more than {mib} MiB, the most of such a file that is read");
-            io::Error::new(io::ErrorKind::FileTooLarge, why)
-        })?;
-        Ok(count)
-    }
-}
 
 /// Reads the bytes of a program or a drill file.
 ///
@@ -144,44 +111,13 @@ pub fn read(path: impl AsRef<Path>) -> io::Result<Vec<u8>> {
     to_end(bounded(open(path)?))
 }
 
-/// Reads to the end of an input that has one.
-///
-/// # Errors
-///
-/// Reading fails, or it is text in UTF-16.
-pub fn to_end<R: Read>(mut input: Bounded<R>) -> io::Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    input.read_to_end(&mut bytes)?;
-    expect_bytes_of_text(&bytes)?;
-    Ok(bytes)
-}
-
-/// Checks that a text does not begin as one in UTF-16 does.
-///
-/// # Errors
-///
-/// It does.
-pub fn expect_bytes_of_text(begin: &[u8]) -> io::Result<()> {
-    // An editor begins such a text with this mark, in one of both orders. Without a mark each
-    // second byte of a letter or a digit is zero.
-    let is_plain = |byte: &u8| byte.is_ascii_graphic() || byte.is_ascii_whitespace();
-    match begin {
-        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => {}
-        [a, 0, b, 0, ..] | [0, a, 0, b, ..] if is_plain(a) && is_plain(b) => {}
-        _ => return Ok(()),
-    }
-    let kind = io::ErrorKind::InvalidData;
-    Err(io::Error::new(kind, "text in UTF-16: save it as UTF-8"))
-}
-
 /// Reads the text of a file other than a program; `-` is standard input.
 ///
 /// # Errors
 ///
 /// The file cannot be read, is larger than 64 MiB, or is not text in UTF-8.
-pub fn read_to_string(path: impl AsRef<Path>) -> io::Result<String> {
-    let path = path.as_ref();
-    let bytes = match path.as_os_str() == "-" {
+pub fn read_to_string(path: &str) -> io::Result<String> {
+    let bytes = match path == "-" {
         true => to_end(bounded_by(stdin(), MOST_TEXT))?,
         false => to_end(bounded_by(open(path)?, MOST_TEXT))?,
     };
@@ -219,27 +155,4 @@ pub fn name_of(identity: &Identity) -> Option<PathBuf> {
     let read = READ.lock().unwrap_or_else(PoisonError::into_inner);
     let known = read.iter().find(|(known, _)| known == identity);
     known.map(|(_, path)| path.clone())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The bound is the last number of bytes that is read, whether there are more or not.
-    #[test]
-    fn an_input_ends_at_its_bound() {
-        let bytes = |count: u64| io::repeat(b' ').take(count);
-        let most = 1 << 20;
-        assert_eq!(
-            to_end(bounded_by(bytes(most), most)).unwrap().len() as u64,
-            most
-        );
-        for error in [
-            to_end(bounded_by(bytes(most + 1), most)).unwrap_err(),
-            to_end(bounded_by(io::repeat(b' '), most)).unwrap_err(),
-        ] {
-            let why = "more than 1 MiB, the most of such a file that is read";
-            assert_eq!(error.to_string(), why);
-        }
-    }
 }

@@ -3,18 +3,16 @@
 //! | folder | content |
 //! | --- | --- |
 //! | `cli`, `app` | the options, and the command that each starts |
-//! | `programs` | G-code: read, checked, explained, written back |
-//! | `simulation` | a program on the simulated machine |
 //! | `methods` | interpolation methods: options, texts and pages |
 //! | `holes` | drill files: options, findings and lists |
-//! | `machines` | machine files, and what follows from them |
 //! | `measuring` | the measuring machine and its errors |
 //! | `backlash`, `tuning` | backlash by position; servo axes |
 //! | `reproducing` | the measured tables of the original machines |
 //! | `micromill`, `drill`, `microfactory` | programs and commands for these machines |
 //! | `console` | the terminal: what is shown, typed lines, Ctrl-C |
 //! | `emulate` | simulated controllers behind a port |
-//! | `text` | formats of values |
+//!
+//! The crate `husillo_simulator` reads programs and machine files, checks them, and simulates.
 #![forbid(unsafe_code)]
 
 #[macro_use]
@@ -24,26 +22,22 @@ mod app;
 mod backlash;
 mod by_hand;
 mod cli;
-mod diagnostics;
 mod drill;
 mod emulate;
 #[cfg(unix)]
 mod grbl;
 mod holes;
 mod input;
-mod machines;
 mod measuring;
 mod methods;
 mod microfactory;
 mod micromill;
 mod output;
-mod programs;
 mod reproducing;
-mod simulation;
-mod text;
 mod tuning;
 
 use clap::FromArgMatches;
+use husillo_simulator::text::json::write_line;
 use std::ffi::OsString;
 use std::io::{self, Write as _};
 use std::process::ExitCode;
@@ -67,7 +61,7 @@ fn main() -> ExitCode {
             if wants_json() {
                 let body = serde_json::json!({"message": message});
                 // The message follows, whatever becomes of this one.
-                let _ = text::json::print("husillo.error/1", &body);
+                let _ = write_line("husillo.error/1", &body, &mut console::stdout());
             }
             eprintln!("error: {message}");
             ExitCode::from(2)

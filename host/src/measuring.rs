@@ -28,14 +28,14 @@ pub use halt::halt;
 
 use crate::cli::{Emulate, Measure, Results};
 use crate::console::stop::INTERRUPTED;
-use crate::machines::machine_file::LoadError;
-use crate::text::json::write_line;
 use action::Action;
 use husillo_metrology::Error;
 use husillo_metrology::calibration::Calibrated;
 use husillo_metrology::heads::{Head, Machine, Prober as _, Stylus};
 use husillo_metrology::simulated::{IO_PANEL, Mounted, NetworkModule, PANEL, SimulatedNetwork};
 use husillo_sim::text::counted;
+use husillo_simulator::machines::machine_file::LoadError;
+use husillo_simulator::text::json::write_line;
 use interrupt::{Interrupt, User};
 use result_row::{CSV_HEAD, ResultRow};
 use routine::{Ending, Routine};

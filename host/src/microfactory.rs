@@ -14,12 +14,12 @@ use crate::cli::Jog;
 use crate::console::reporter::{Reporter, action as action_object, report};
 use crate::console::sharing::share;
 use crate::console::stop::stop_requests;
-use crate::machines::machine_file::MachineFile;
 use husillo_clients::microfactory::crew::{self, What};
 use husillo_clients::microfactory::{Action, BAUD, LEASE, Links, Settings, shares};
 use husillo_controllers::MicrofactoryConfig;
 use husillo_sim::device::microfactory::Device;
 use husillo_sim::text::counted;
+use husillo_simulator::machines::machine_file::MachineFile;
 use std::io::{self, Write};
 
 /// The figure of a device without another one: the original's square with its diagonal, 1000 steps

@@ -16,7 +16,7 @@ mod replacing;
 use crate::console;
 use crate::console::stop::{INTERRUPTED, on_request};
 use crate::input::{self, Identity};
-use crate::text::name::path;
+use husillo_simulator::text::name::path;
 use std::fs::{File, Metadata, OpenOptions};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};

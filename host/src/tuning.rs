@@ -8,7 +8,6 @@ use crate::measuring::machine_file;
 use crate::measuring::memory_file;
 use crate::measuring::port::NetworkPort;
 use crate::measuring::{Stopped, error_text};
-use crate::text::json::write_line;
 use husillo_metrology::Error;
 use husillo_metrology::heads::{AxisSettings, Line, Machine, Port};
 use husillo_metrology::simulated::{SimulatedNetwork, SimulatedPort};
@@ -18,6 +17,7 @@ use husillo_metrology::tuning::{
 use husillo_pid::tuning::Rule;
 use husillo_reports::tuning;
 use husillo_sim::text::counted;
+use husillo_simulator::text::json::write_line;
 use husillo_transports::nmc::Gains;
 use std::io::Write;
 

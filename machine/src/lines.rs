@@ -19,8 +19,10 @@ mod state;
 
 mod kept;
 mod limits;
+mod path_ramp;
 mod plan;
 mod schedule;
+mod smooth_ramp;
 mod take_up;
 
 mod machine;
@@ -41,7 +43,9 @@ pub use extension::Extension;
 pub use guard::StepGuard;
 pub use husillo_encoder::{AxisEncoder, OnLoss};
 pub use machine::{Machine, Origin};
+pub use path_ramp::PathRamp;
 pub use plan::{Plan, PlannedMove};
 pub use refused::{Means, MoveError, Refused};
 pub use segment::{Segment, extent};
+pub use smooth_ramp::SmoothRamp;
 pub use state::Probed;

@@ -1,7 +1,10 @@
 //! Rules of motion on small programs whose figures are known.
 
 use husillo_gcode::{Block, Dialect, Modal, Nm};
-use husillo_machine::{Axis, AxisRamp, Config, Equipment, Event, Machine, Scale};
+use husillo_machine::{
+    Axis, AxisRamp, Config, Equipment, Event, Machine, Scale, SmoothRamp, backlash::Backlash,
+    interp::Path,
+};
 use husillo_methods::motion::{Course, Figures, Profile, Rule, Settings};
 
 const ACCELERATION: f64 = 500.0;
@@ -34,7 +37,11 @@ fn config() -> Config<3> {
 }
 
 fn course(lines: &[&str]) -> Course<3> {
-    let mut course = Course::new(config(), [Nm(0); 3]).unwrap();
+    course_of(config(), lines)
+}
+
+fn course_of(config: Config<3>, lines: &[&str]) -> Course<3> {
+    let mut course = Course::new(config, [Nm(0); 3]).unwrap();
     let mut modal = Modal::<3>::new(Dialect::GRBL);
     for line in lines {
         let block = Block::parse(line.as_bytes(), &Dialect::GRBL).unwrap();
@@ -124,7 +131,7 @@ fn our_rules_keep_the_limits() {
     let (jerk, _) = figures(&PART, Rule::Jerk);
     assert!(jerk.whole_acceleration < limit, "{jerk:?}");
     // The least acceleration is that along an arc, 0.866 of the whole.
-    let most = 0.8661 * ACCELERATION / Settings::default().window;
+    let most = 0.8661 * ACCELERATION / Settings::default().window.unwrap();
     assert!(jerk.jerk.is_some_and(|jerk| jerk < most), "{jerk:?} {most}");
     assert!(
         jerk.seconds < 1.3 * trapezoid.seconds,
@@ -161,4 +168,43 @@ fn corners_follow_the_published_formulas() {
         "{klipper:?}"
     );
     assert_eq!((klipper.junctions, klipper.dips, klipper.stops), (1, 1, 0));
+}
+
+/// The figure of limited jerk is what a machine with this jerk makes of the program.
+#[test]
+fn the_jerk_is_that_of_the_machine() {
+    let mut config = config();
+    for axis in &mut config.axes {
+        axis.ramp.as_mut().unwrap().jerk_hz_per_s2 = Some(8_660_000); // a window of 20 ms
+    }
+    let mut machine: Machine<3, Path<3>, Backlash, 16, (), SmoothRamp> = Machine::new(config);
+    for line in PART {
+        machine.line(line.as_bytes()).unwrap();
+    }
+    let events = std::iter::from_fn(|| machine.next_event());
+    let ticks: u64 = events
+        .map(|event| match event {
+            Event::Step(step) => u64::from(step.wait_ticks),
+            _ => 0,
+        })
+        .sum();
+    let own = Settings {
+        window: None,
+        ..Settings::default()
+    };
+    let profile = course_of(config, &PART).profile(Rule::Jerk, &own).unwrap();
+    let seconds = ticks as f64 / 1e6;
+    let ratio = profile.seconds() / seconds;
+    assert!(
+        (ratio - 1.0).abs() < 1e-5,
+        "{} {seconds}",
+        profile.seconds()
+    );
+    // The same window, given in place of the jerk.
+    let (given, _) = figures(&PART, Rule::Jerk);
+    assert!(
+        (given.seconds / seconds - 1.0).abs() < 1e-5,
+        "{}",
+        given.seconds
+    );
 }

@@ -16,6 +16,8 @@ pub enum Quantity {
     AxisAcceleration(Fraction),
     /// A jerk in steps/s^3.
     Jerk(Fraction),
+    /// A jerk of an axis in nanometres/s^3.
+    AxisJerk(Fraction),
     /// A path speed in nanometres per minute.
     Speed(Fraction),
     /// A time in microseconds.
@@ -28,6 +30,8 @@ pub enum Quantity {
     RotarySpeed(Fraction),
     /// A rotary acceleration in degrees/s^2.
     RotaryAcceleration(Fraction),
+    /// A rotary jerk in degrees/s^3.
+    RotaryJerk(Fraction),
 }
 
 /// A reduced fraction; `den` is at least 1.
@@ -101,7 +105,8 @@ pub fn parse(text: &str) -> Result<Quantity, String> {
         "kHz" => Quantity::Rate(scaled(1_000, 1)?),
         "Hz/s" | "counts/s^2" => Quantity::Acceleration(scaled(1, 1)?),
         "mm/s^2" => Quantity::AxisAcceleration(scaled(1_000_000, 1)?),
-        "Hz/s^2" => Quantity::Jerk(scaled(1, 1)?),
+        "Hz/s^2" | "counts/s^3" => Quantity::Jerk(scaled(1, 1)?),
+        "mm/s^3" => Quantity::AxisJerk(scaled(1_000_000, 1)?),
         "mm/min" => Quantity::Speed(scaled(1_000_000, 1)?),
         "mm/s" => Quantity::Speed(scaled(60_000_000, 1)?),
         "in/min" => Quantity::Speed(scaled(25_400_000, 1)?),
@@ -112,6 +117,7 @@ pub fn parse(text: &str) -> Result<Quantity, String> {
         "deg/s" => Quantity::RotarySpeed(scaled(60, 1)?),
         "rpm" => Quantity::RotarySpeed(scaled(360, 1)?),
         "deg/s^2" => Quantity::RotaryAcceleration(scaled(1, 1)?),
+        "deg/s^3" => Quantity::RotaryJerk(scaled(1, 1)?),
         "ms" => Quantity::Time(scaled(1_000, 1)?),
         "us" | "\u{b5}s" | "\u{3bc}s" => Quantity::Time(scaled(1, 1)?),
         "ns" => Quantity::Time(scaled(1, 1000)?),

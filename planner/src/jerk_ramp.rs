@@ -61,8 +61,6 @@ pub struct JerkRamp {
     is_pending: bool,
     is_line: bool,
     timer_hz: u32,
-    /// Time of a slice in 2^-32 tick.
-    slice_time: u64,
     /// The present slice.
     law: Law,
     passage: Passage,
@@ -90,7 +88,6 @@ impl JerkRamp {
             is_pending: false,
             is_line: true,
             timer_hz,
-            slice_time: 0,
             law: Law::default(),
             passage: Passage::default(),
             target: 0,
@@ -118,7 +115,6 @@ impl JerkRamp {
         window: &JerkWindow<M, CAPACITY>,
     ) {
         let total = total_sweep.max(1);
-        self.slice_time = window.slice_ticks_q32(self.timer_hz);
         let length = window.units(stretch.length_nm);
         self.is_line = largest_sweep <= 1;
         // The longest wait is below 2^59.
@@ -170,7 +166,7 @@ impl JerkRamp {
             self.is_pending = slice.is_none();
             self.passage = Passage::default();
             self.law = match slice {
-                Some(slice) => Law::new(&slice, self.slice_time),
+                Some(slice) => Law::new(&slice, window.slice_ticks_q32(self.timer_hz)),
                 None => Law::default(),
             };
             if self.is_pending {
@@ -204,6 +200,22 @@ impl JerkRamp {
         self.left = self.left.wrapping_sub(count.into());
         let event = u64::from(self.longest).saturating_sub(1);
         self.piece = self.passage.piece(count, event, path, &self.law);
+    }
+
+    /// Whether the path stands: all slices have been passed, and a hold or the end of the queue has
+    /// stopped the path.
+    pub fn is_at_rest<M, const CAPACITY: usize>(&self, window: &JerkWindow<M, CAPACITY>) -> bool {
+        let is_passed = self.piece.count == 0 && self.passage.passed >= self.law.length;
+        is_passed && window.is_at_rest()
+    }
+
+    /// Path speed in nm/s after the last event, or after the last of the events of a line that are
+    /// timed together.
+    pub fn speed_nm_per_s<M, const CAPACITY: usize>(
+        &self,
+        window: &JerkWindow<M, CAPACITY>,
+    ) -> u32 {
+        window.nm_per_s(self.passage.speed(&self.law))
     }
 
     /// Forgets the rest of the path, after [`JerkWindow::clear`]. The next event starts from rest.

@@ -62,13 +62,17 @@ pub use scale::{JerkLimits, JerkLimitsError};
 ///   This includes holds, resumes and overrides, which act from the next slice on.
 /// - **Ends** are exact: the path stops at the end of the last move.
 /// - **Moves** lose their own acceleration and start speed: [`JerkLimits`] has one acceleration
-///   for all, and a path with limited jerk has no start speed. An arc stays below its upper level
+///   for all, and a path with limited jerk has no start speed. A move with a lower acceleration A
+///   is limited to the speed A T, which is in the ceiling of the move that the queue returns. All
+///   speeds of a window then differ by at most that, so its acceleration is at most A. An arc stays below its upper level
 ///   of speed, because there is less acceleration in it. A length above 2^40 nm is taken as this,
 ///   and a top speed below one unit per slice as one unit.
 /// - **Capacity.** At most 512. To reach a speed v, the queue needs moves for a path of about
 ///   v^2 / 2 a + 1.5 v T.
-/// - **Short moves from stop to stop** take longer than with [`SCurve`](crate::SCurve), which is
-///   optimal: 1.2 times as long at a path of 0.4 a T^2, 1.01 times at 4 a T^2.
+/// - **Short runs from stop to stop**, below 2 a T^2, get a shorter window with the same jerk, as
+///   the seven phases of the optimal profile have it. The stop has to be known when the path leaves
+///   the one before it: a move with an entry limit of 0 follows, or
+///   [`finish`](JerkWindow::finish) was called.
 ///
 /// # Cost
 /// A slice takes additions at constant speed and on ramps. It takes one or two square roots where
@@ -95,6 +99,7 @@ pub use scale::{JerkLimits, JerkLimitsError};
 /// };
 /// let mut moves = JerkWindow::<(), 8>::new(&limits)?;
 /// moves.push(stretch, ()).unwrap();
+/// moves.finish();
 /// let slices: Vec<_> = std::iter::from_fn(|| moves.next_slice()).collect();
 /// // 10 mm at 50 mm/s take 200 ms, the ramps 50 ms more, the window 20 ms more: 216 slices of
 /// // 1.25 ms. One more is needed because speeds change in whole slices.
@@ -120,7 +125,11 @@ pub struct JerkWindow<M, const CAPACITY: usize> {
     filter: Filter,
     /// Path left in the move in which the made path is, in units of [`Slice`].
     left: i64,
+    /// The units of the present run, and those of the whole window.
     scale: Scale,
+    whole: Scale,
+    /// Whether no more moves follow the last one without a stop.
+    is_finished: bool,
     percents: Percents,
     is_held: bool,
 }
@@ -170,6 +179,7 @@ impl<M, const CAPACITY: usize> JerkWindow<M, CAPACITY> {
     /// # Errors
     /// Returns the limit that is 0, or why the window does not suit the arithmetic.
     pub fn new(limits: &JerkLimits) -> Result<Self, JerkLimitsError> {
+        let scale = Scale::new(limits)?;
         Ok(Self {
             slots: Ring::new(),
             lows: Ring::new(),
@@ -180,7 +190,9 @@ impl<M, const CAPACITY: usize> JerkWindow<M, CAPACITY> {
             held: None,
             filter: Filter::at_rest(0),
             left: 0,
-            scale: Scale::new(limits)?,
+            scale,
+            whole: scale,
+            is_finished: false,
             percents: Percents::FULL,
             is_held: false,
         })
@@ -193,10 +205,13 @@ impl<M, const CAPACITY: usize> JerkWindow<M, CAPACITY> {
     ///
     /// # Cost
     /// Constant time.
-    pub fn push(&mut self, stretch: Stretch, payload: M) -> Result<(), (Stretch, M)> {
+    pub fn push(&mut self, mut stretch: Stretch, payload: M) -> Result<(), (Stretch, M)> {
         if self.slots.is_full() {
             return Err((stretch, payload));
         }
+        let most = self.whole.most_at(stretch.acceleration_nm_per_s2);
+        stretch.ceiling_nm_per_s = stretch.ceiling_nm_per_s.min(most);
+        self.is_finished = false;
         let start = match self.slots.back() {
             Some(last) => last.end,
             None => {
@@ -228,6 +243,12 @@ impl<M, const CAPACITY: usize> JerkWindow<M, CAPACITY> {
         }
         self.front = self.front.wrapping_add(1);
         Some((slot.stretch, slot.payload))
+    }
+
+    /// Tells that the path stops after the last move, whatever follows. A short run of moves up to
+    /// there is then faster. The next push ends this.
+    pub fn finish(&mut self) {
+        self.is_finished = true;
     }
 
     /// The first move.
@@ -292,7 +313,8 @@ impl<M, const CAPACITY: usize> JerkWindow<M, CAPACITY> {
         PARTS.wrapping_mul(2).wrapping_shl(bits)
     }
 
-    /// Duration of a slice in ticks of a timer, times 2^32.
+    /// Duration of the last slice in ticks of a timer, times 2^32. It changes only where the path
+    /// stands: a short run of moves between two stops has a shorter window.
     pub fn slice_ticks_q32(&self, timer_hz: u32) -> u64 {
         self.scale.ticks_q32(timer_hz)
     }
@@ -303,9 +325,20 @@ impl<M, const CAPACITY: usize> JerkWindow<M, CAPACITY> {
         half_units.wrapping_mul(PARTS.into())
     }
 
+    /// Whether the path stands, after the last slice.
+    pub fn is_at_rest(&self) -> bool {
+        self.filter.is_at_rest()
+    }
+
+    /// Converts units of [`Slice`] per slice to nm/s.
+    pub(crate) fn nm_per_s(&self, speed: u64) -> u32 {
+        self.scale.nm_per_s(speed)
+    }
+
     /// Returns the path of the next slice. Returns `None` at rest: at the end of the queue, or when
     /// a hold has stopped the path.
     pub fn next_slice(&mut self) -> Option<Slice> {
+        self.choose_window();
         self.open_corners();
         self.pass_corners();
         let step = self.choose();
@@ -317,6 +350,58 @@ impl<M, const CAPACITY: usize> JerkWindow<M, CAPACITY> {
         self.left = self.left.wrapping_sub_unsigned(slice.length());
         self.pass_corners();
         Some(slice)
+    }
+
+    /// Chooses the window of a run from stop to stop before it begins.
+    fn choose_window(&mut self) {
+        if !self.filter.is_at_rest() || self.made != self.open {
+            return;
+        }
+        let Some(slot) = self.slot(self.open) else {
+            return;
+        };
+        let at = self.filter.lead.at;
+        let first = if slot.end == at {
+            self.open.wrapping_add(1)
+        } else {
+            self.open
+        };
+        if self.slot(first).is_none() || slot.end != at && !self.is_at_start() {
+            return;
+        }
+        self.scale = match self.length_of_run(first) {
+            Some(length) => self.whole.shortened(length),
+            None => self.whole,
+        };
+    }
+
+    /// Whether the made path is at the start of its move.
+    fn is_at_start(&self) -> bool {
+        let length = self.slot(self.made).map(|slot| slot.stretch.length_nm);
+        length.map(|length_nm| self.units(length_nm)) == u64::try_from(self.left).ok()
+    }
+
+    /// Length of the moves up to the next stop in half units, from rest before the move `first`.
+    /// `None` if it is too long for a shorter window, if the stop is not known, or if a move has
+    /// less acceleration than the whole window.
+    fn length_of_run(&self, first: u32) -> Option<u64> {
+        let mut number = first;
+        let mut length = 0;
+        loop {
+            let Some(slot) = self.slot(number) else {
+                return self.is_finished.then_some(length);
+            };
+            if number != first && slot.stretch.entry_limit_nm_per_s == 0 {
+                return Some(length);
+            }
+            length = slot.end.wrapping_sub(self.filter.lead.at);
+            if self.whole.fills_window(length)
+                || slot.stretch.acceleration_nm_per_s2 < self.whole.acceleration
+            {
+                return None;
+            }
+            number = number.wrapping_add(1);
+        }
     }
 
     fn slot(&self, number: u32) -> Option<&Slot<M>> {

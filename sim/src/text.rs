@@ -1,4 +1,12 @@
-//! Counts as readable text, for panels, messages and reports.
+//! Values as readable text, for panels, messages and reports.
+
+mod duration;
+mod length;
+mod number;
+
+pub use duration::duration;
+pub use length::{length, millimetres};
+pub use number::shortest;
 
 use std::fmt::Display;
 

@@ -20,6 +20,9 @@ pub(super) fn motion_code(modal: &Modal<3>) -> u16 {
             (true, true) => 384,
             (true, false) => 385,
         },
+        #[cfg(feature = "grblhal")]
+        other => super::hal::extra_motion(other),
+        #[cfg(not(feature = "grblhal"))]
         _ => 800,
     }
 }
@@ -33,7 +36,7 @@ pub(super) fn plane_code(modal: &Modal<3>) -> u16 {
     }
 }
 
-fn modes(modal: &Modal<3>) -> Modes {
+pub(super) fn modes(modal: &Modal<3>) -> Modes {
     Modes {
         is_inverse: modal.feed_mode() == FeedMode::InverseTime,
         has_feed: modal.feed().is_some_and(|feed| feed.0 > 0),
@@ -85,7 +88,9 @@ fn rest(line: &[u8], given: &Given, first: Option<u16>) -> Text {
             b'N' => {}
             // Codes that are always in effect. M1 has no effect, because there is no switch for it.
             b'G' if matches!(code, 200 | 210 | 400 | 610 | 911) || Some(code) == first => {}
-            b'M' if code == 10 => {}
+            b'M' if code == 10 && !given.is_hal() => {}
+            #[cfg(feature = "grblhal")]
+            b'M' if super::hal::Extra::hides_m(code) => {}
             b'G' if code == 490 => text.put(b"G49"),
             b'G' | b'M' => put_code(&mut text, word.letter, code),
             b'P' if given.non_modal == Some(100) => {
@@ -120,7 +125,7 @@ fn put_value(text: &mut Text, number: &[u8]) {
     }
 }
 
-fn put_code(text: &mut Text, letter: u8, tenths: u16) {
+pub(super) fn put_code(text: &mut Text, letter: u8, tenths: u16) {
     text.put(&[letter]);
     match tenths % 10 {
         0 => text.put_decimal((tenths / 10).into(), 0),
@@ -134,8 +139,9 @@ fn apply_text(
     commands: &mut Commands<3>,
 ) -> Result<(), ErrorCode> {
     let mut block = Block::new();
+    let dialect: Dialect = *modal.dialect();
     block
-        .read(text, &Dialect::GRBL)
+        .read(text, &dialect)
         .and_then(|()| modal.apply(&block, commands))
         .map_err(|error: Error| code_of(error.kind))
 }

@@ -1,6 +1,6 @@
 //! `$` commands.
 
-use husillo_transports::grbl::{ErrorCode, Feedback, Message, key_and_value};
+use husillo_transports::grbl::{ErrorCode, Feedback, Message, Settings, key_and_value};
 
 use super::event::GrblEvent;
 use super::lines::{Origin, Outcome, Task};
@@ -67,7 +67,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
     }
 
     /// Executes commands that are permitted only in Idle or Alarm.
-    fn dollar_at_rest(&mut self, text: &[u8]) -> Result<Outcome, ErrorCode> {
+    pub(super) fn dollar_at_rest(&mut self, text: &[u8]) -> Result<Outcome, ErrorCode> {
         match text {
             b"#" => self.list_places(),
             b"I" => self.report_version(),
@@ -143,17 +143,23 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
                 return Err(ErrorCode::StepRate);
             }
         }
-        if settings != *self.settings() {
-            self.memory.settings = settings;
-            self.store();
-            self.configure();
-            self.outputs.is_laser = settings.is_set(32);
-            self.refresh_motors();
-            self.drive();
-            if number == 13 {
-                self.report_work_zero();
-            }
-        }
+        self.take_settings(settings, number.into());
         Ok(())
+    }
+
+    /// Takes settings into use after the write of one of them.
+    pub(super) fn take_settings(&mut self, settings: Settings, number: u16) {
+        if settings == *self.settings() {
+            return;
+        }
+        self.memory.settings = settings;
+        self.store();
+        self.configure();
+        self.outputs.is_laser = settings.is_set(32);
+        self.refresh_motors();
+        self.drive();
+        if number == 13 {
+            self.report_work_zero();
+        }
     }
 }

@@ -48,6 +48,8 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             }
             Phase::Hold(true) => self.phase = Phase::Door(DoorStep::Braking),
             Phase::Door(DoorStep::Braking) => {}
+            #[cfg(feature = "grblhal")]
+            Phase::Tool => return,
             Phase::Idle | Phase::Hold(false) | Phase::Door(_) => self.door_stopped(),
         }
         self.send(&Message::Feedback(Feedback::CheckDoor));
@@ -62,7 +64,18 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         self.outputs.is_stopped = true;
         self.outputs.is_coolant_stopped = true;
         self.report_overrides();
+        #[cfg(feature = "grblhal")]
+        self.hal_show_accessories();
         self.drive();
+    }
+
+    /// Returns the times that spindle and coolant need, in microseconds.
+    fn delays_us(&self) -> [u32; 2] {
+        #[cfg(feature = "grblhal")]
+        if self.is_hal() {
+            return self.hal_delays_us();
+        }
+        [SPINDLE_US, COOLANT_US]
     }
 
     /// Restores the outputs when the door is closed and the operator resumes.
@@ -70,7 +83,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         self.phase = Phase::Door(DoorStep::Spindle(0));
         self.outputs.is_stopped = false;
         if self.outputs.is_on() {
-            self.phase = Phase::Door(DoorStep::Spindle(SPINDLE_US));
+            self.phase = Phase::Door(DoorStep::Spindle(self.delays_us()[0]));
             self.report_overrides();
             self.drive();
         } else {
@@ -81,7 +94,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
     fn restore_coolant(&mut self) {
         self.outputs.is_coolant_stopped = false;
         if self.outputs.flood || self.outputs.mist {
-            self.phase = Phase::Door(DoorStep::Coolant(COOLANT_US));
+            self.phase = Phase::Door(DoorStep::Coolant(self.delays_us()[1]));
             self.report_overrides();
             self.drive();
         } else {

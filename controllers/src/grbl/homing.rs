@@ -93,9 +93,9 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         }
         let [first, second] = match axes {
             [] => CYCLES,
-            b"X" if self.options.homes_axes => [0b001, 0],
-            b"Y" if self.options.homes_axes => [0b010, 0],
-            b"Z" if self.options.homes_axes => [0b100, 0],
+            b"X" if self.homes_axes() => [0b001, 0],
+            b"Y" if self.homes_axes() => [0b010, 0],
+            b"Z" if self.homes_axes() => [0b100, 0],
             _ => return Err(ErrorCode::InvalidStatement),
         };
         self.homing = Homing {
@@ -106,7 +106,20 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         self.phase = Phase::Home;
         self.task = Task::Home;
         self.begin_pass();
+        #[cfg(feature = "grblhal")]
+        if self.is_hal() {
+            self.hal_homes(false);
+        }
         Ok(Outcome::Waits)
+    }
+
+    /// Whether `$HX` homes one axis.
+    fn homes_axes(&self) -> bool {
+        #[cfg(feature = "grblhal")]
+        if self.is_hal() {
+            return self.hal_homing_has(1);
+        }
+        self.options.homes_axes
     }
 
     /// Begins a pass from the present position.
@@ -217,6 +230,10 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             self.report_status();
         }
         self.phase = Phase::Idle;
+        #[cfg(feature = "grblhal")]
+        if self.is_hal() {
+            self.hal_homes(true);
+        }
         self.rest_motors();
         self.homing.step = Step::Startup;
         self.task = Task::Startup(0);

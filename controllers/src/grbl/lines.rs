@@ -4,10 +4,14 @@ use husillo_gcode::{Command, Commands, Feed, Nm, SpindleDirection};
 use husillo_machine::MoveError;
 use husillo_transports::grbl::{ErrorCode, Feedback, Line, Message, Text};
 
+#[cfg(feature = "grblhal")]
+use super::block::modes;
 use super::block::{apply, motion_code};
+#[cfg(feature = "grblhal")]
+use super::hal::{Listing, RawLine};
 use super::memory::StoredLine;
 use super::motion::{START_US, Tag};
-use super::words::{Given, WordReader, bit};
+use super::words::{CodeSet, Given, WordReader, bit};
 use super::{Grbl, Phase};
 
 /// The origin of a line.
@@ -45,6 +49,12 @@ pub(super) enum Task {
     Home,
     /// The start of the controller, which executes the stored line with this number.
     Startup(u8),
+    /// A list, whose line with this number is the next.
+    #[cfg(feature = "grblhal")]
+    List(Listing, u16),
+    /// The change of a tool.
+    #[cfg(feature = "grblhal")]
+    Change,
 }
 
 /// Result of a line that was accepted.
@@ -96,11 +106,19 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             }
             Task::Startup(number) => self.run_stored(number),
             Task::Home => self.continue_homing(),
+            #[cfg(feature = "grblhal")]
+            Task::List(listing, index) => self.hal_list(listing, index),
+            #[cfg(feature = "grblhal")]
+            Task::Change => self.hal_continue_change(),
             Task::Pause | Task::Probe { .. } => false,
         }
     }
 
     fn take_byte(&mut self) -> bool {
+        #[cfg(feature = "grblhal")]
+        if self.is_hal() {
+            return self.take_raw_byte();
+        }
         let Some(byte) = self.receiver.take() else {
             return false;
         };
@@ -119,7 +137,36 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         true
     }
 
+    /// Takes a byte of a line of grblHAL.
+    #[cfg(feature = "grblhal")]
+    fn take_raw_byte(&mut self) -> bool {
+        if self.hal_is_waiting() {
+            return self.hal_holds();
+        }
+        let Some(byte) = self.receiver.take() else {
+            return false;
+        };
+        let line = match self.hal.reader.push(byte) {
+            None => return true,
+            Some(RawLine::TooLong) => {
+                self.send(&Message::Error(ErrorCode::LineTooLong));
+                return true;
+            }
+            Some(RawLine::Text(text)) => StoredLine::new(text),
+        };
+        self.line = line;
+        self.origin = Origin::Host;
+        self.hal_say(line.bytes());
+        let result = self.execute(line.bytes());
+        self.end_line(result);
+        true
+    }
+
     fn execute(&mut self, line: &[u8]) -> Result<Outcome, ErrorCode> {
+        #[cfg(feature = "grblhal")]
+        if self.is_hal() {
+            return self.hal_execute(line);
+        }
         match line {
             [] => Ok(Outcome::Done),
             [b'$', text @ ..] => self.dollar(text),
@@ -142,10 +189,10 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             }
             return true;
         }
-        self.line = line;
+        self.line = StoredLine::new(line.bytes());
         self.origin = Origin::Startup(number);
         let result = match line.bytes() {
-            [] if self.is_blank => Err(ErrorCode::StoreRead),
+            [] if self.is_blank && !self.options.brakes_at_reset() => Err(ErrorCode::StoreRead),
             [] => {
                 self.task = Task::Startup(number.wrapping_add(1));
                 return true;
@@ -172,12 +219,16 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             Origin::Store(number) if result.is_ok() => {
                 let line = self.line;
                 if let Some(slot) = self.memory.lines.get_mut(usize::from(number)) {
-                    *slot = line;
+                    *slot = StoredLine::new(line.bytes());
                 }
                 self.store();
                 self.send(&answer);
             }
             _ => self.send(&answer),
+        }
+        #[cfg(feature = "grblhal")]
+        if self.is_hal() {
+            self.hal_end_line(result);
         }
         match result {
             Ok(Outcome::Reset) => {
@@ -200,8 +251,13 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
     /// # Errors
     /// Fails with the error that answers the line. Nothing has changed in this case.
     pub(super) fn block(&mut self, text: &[u8]) -> Result<Outcome, ErrorCode> {
-        let given = Given::read(text, self.options.has_mist)?;
+        let given = Given::read(text, self.codes())?;
         let (mut modal, mut commands) = (self.modal.clone(), Commands::new());
+        #[cfg(feature = "grblhal")]
+        if self.is_hal() {
+            given.check(motion_code(&modal), &modes(&modal))?;
+            self.hal_check(&given)?;
+        }
         apply(text, &given, &mut modal, &mut commands)?;
         self.check_moves(&commands, false)?;
         let is_checking = self.phase == Phase::Check;
@@ -233,6 +289,10 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         self.commands = commands;
         self.next = None;
         self.keep_places();
+        #[cfg(feature = "grblhal")]
+        if self.is_hal() {
+            self.hal_take_modes(&given);
+        }
         let work_zero = self.work_zero_now();
         if work_zero != self.work_zero || moves_zero {
             self.work_zero = work_zero;
@@ -258,6 +318,10 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             Some(_) => mist || flood,
             None => false,
         };
+        #[cfg(feature = "grblhal")]
+        if given.extra.waits() {
+            return true;
+        }
         changes_coolant
             || self.moves_zero(given)
             || matches!(given.non_modal, Some(40 | 100 | 281 | 301))
@@ -267,9 +331,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
     /// Whether a block selects or shifts the work zero. G10 is not included.
     fn moves_zero(&self, given: &Given) -> bool {
         let frame = u16::from(self.modal.work_system());
-        let changes_frame = given
-            .frame
-            .is_some_and(|code| code.saturating_sub(540) / 10 != frame);
+        let changes_frame = given.frame.is_some_and(|code| frame_of(code) != frame);
         let shifts = matches!(given.non_modal, Some(920 | 921));
         changes_frame || shifts || given.length.is_some()
     }
@@ -336,6 +398,8 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
                 self.phase = Phase::Hold(false);
             }
             Command::End { .. } => self.end_program(),
+            #[cfg(feature = "grblhal")]
+            other if self.is_hal() => self.hal_command(&other),
             _ => {}
         }
         true
@@ -349,11 +413,31 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         }
     }
 
+    /// Whether the end of a program resets the overrides.
+    fn resets_overrides(&self) -> bool {
+        #[cfg(feature = "grblhal")]
+        if self.is_hal() {
+            return self.hal_restores_overrides();
+        }
+        true
+    }
+
+    /// Returns the codes of this controller.
+    fn codes(&self) -> CodeSet {
+        CodeSet {
+            has_mist: self.options.has_mist,
+            #[cfg(feature = "grblhal")]
+            is_hal: self.is_hal(),
+        }
+    }
+
     fn end_program(&mut self) {
-        self.overrides = [100; 3];
-        self.machine.set_feed_override(100);
-        self.machine.set_rapid_override(100);
-        self.report_overrides();
+        if self.resets_overrides() {
+            self.overrides = [100; 3];
+            self.machine.set_feed_override(100);
+            self.machine.set_rapid_override(100);
+            self.report_overrides();
+        }
         self.report_work_zero();
         if self.phase != Phase::Check {
             self.switch_outputs_off();
@@ -424,7 +508,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
 
     /// Executes a jog, `$J=`.
     pub(super) fn jog(&mut self, text: &[u8]) -> Result<Outcome, ErrorCode> {
-        let given = Given::read(text, self.options.has_mist)?;
+        let given = Given::read(text, self.codes())?;
         if matches!(given.motion, Some(20 | 30)) {
             // Errors of arc words precede the error of a jog.
             apply(text, &given, &mut self.modal.clone(), &mut Commands::new())?;
@@ -459,12 +543,16 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             line.put(&[word.letter]);
             line.put(word.number);
         }
-        let given = Given::read(line.bytes(), false)?;
+        let given = Given::read(line.bytes(), self.codes())?;
         let (mut modal, mut commands) = (self.modal.clone(), Commands::new());
         apply(line.bytes(), &given, &mut modal, &mut commands)?;
         if !given.has_axes() {
             return Ok(Outcome::Done);
         }
+        #[cfg(feature = "grblhal")]
+        let first = self.hal_clipped(&mut commands, &mut modal);
+        #[cfg(not(feature = "grblhal"))]
+        let first = None;
         self.check_moves(&commands, true)?;
         let position: [Nm; 3] = modal.position();
         self.modal.set_position(position);
@@ -473,9 +561,15 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             ..Tag::default()
         };
         self.commands = commands;
-        self.next = None;
+        self.next = first;
         self.phase = Phase::Jog;
         self.task = Task::Block;
         Ok(Outcome::Waits)
     }
+}
+
+/// Returns the number of the work frame of a code in tenths: 0 for G54.
+const fn frame_of(code: u16) -> u16 {
+    let (tens, tenth) = (code.saturating_sub(540) / 10, code % 10);
+    tens.wrapping_add(tenth) // at most 8
 }

@@ -2,25 +2,28 @@
 
 use husillo_transports::grbl::{LINE_CHARACTERS, Settings};
 
+#[cfg(feature = "grblhal")]
+use super::hal::HalMemory;
+
 /// A stored line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct StoredLine {
-    text: [u8; LINE_CHARACTERS],
+pub(super) struct StoredLine<const N: usize = LINE_CHARACTERS> {
+    text: [u8; N],
     length: u8,
 }
 
-impl StoredLine {
-    pub(super) const EMPTY: StoredLine = StoredLine {
-        text: [0; LINE_CHARACTERS],
+impl<const N: usize> StoredLine<N> {
+    pub(super) const EMPTY: Self = StoredLine {
+        text: [0; N],
         length: 0,
     };
 
     /// Stores a text. A line of the link always fits.
     pub(super) fn new(text: &[u8]) -> Self {
-        let mut line = StoredLine::EMPTY;
+        let mut line = Self::EMPTY;
         for (slot, byte) in line.text.iter_mut().zip(text) {
             *slot = *byte;
-            line.length = line.length.wrapping_add(1); // at most 79
+            line.length = line.length.wrapping_add(1); // at most 255
         }
         line
     }
@@ -45,14 +48,21 @@ pub struct GrblMemory {
     pub(super) places: [[i64; 3]; 8],
     /// The lines of `$N0` and `$N1`, and the text of `$I`.
     pub(super) lines: [StoredLine; 3],
+    #[cfg(feature = "grblhal")]
+    pub(super) hal: HalMemory,
 }
 
 const PLACES_BYTES: usize = 8 * 3 * 8;
 const LINE_BYTES: usize = LINE_CHARACTERS + 1;
+/// Bytes of the data that only the protocol of grblHAL needs.
+#[cfg(feature = "grblhal")]
+const HAL_BYTES: usize = HalMemory::BYTES;
+#[cfg(not(feature = "grblhal"))]
+const HAL_BYTES: usize = 0;
 
 impl GrblMemory {
     /// Number of bytes of the stored form.
-    pub const BYTES: usize = 1 + Settings::BYTES + PLACES_BYTES + 3 * LINE_BYTES;
+    pub const BYTES: usize = 1 + Settings::BYTES + PLACES_BYTES + 3 * LINE_BYTES + HAL_BYTES;
     /// First byte of the stored form: its version.
     const FORM: u8 = 1;
 
@@ -61,6 +71,8 @@ impl GrblMemory {
         settings: Settings::DEFAULT,
         places: [[0; 3]; 8],
         lines: [StoredLine::EMPTY; 3],
+        #[cfg(feature = "grblhal")]
+        hal: HalMemory::FACTORY,
     };
 
     /// Returns this memory with other settings.
@@ -85,6 +97,8 @@ impl GrblMemory {
             .chain(settings)
             .chain(places)
             .chain(lines);
+        #[cfg(feature = "grblhal")]
+        let all = all.chain(self.hal.bytes());
         for (slot, byte) in bytes.iter_mut().zip(all) {
             *slot = byte;
         }
@@ -95,7 +109,7 @@ impl GrblMemory {
     pub fn from_bytes(bytes: &[u8]) -> Option<GrblMemory> {
         let (form, rest) = bytes.split_first()?;
         let (settings, rest) = rest.split_first_chunk()?;
-        if *form != Self::FORM || rest.len() != PLACES_BYTES + 3 * LINE_BYTES {
+        if *form != Self::FORM || rest.len() != PLACES_BYTES + 3 * LINE_BYTES + HAL_BYTES {
             return None;
         }
         let mut memory = GrblMemory {
@@ -114,6 +128,10 @@ impl GrblMemory {
             let (length, text) = bytes.split_first()?;
             *slot = StoredLine::new(text.get(..usize::from(*length))?);
             rest = others;
+        }
+        #[cfg(feature = "grblhal")]
+        {
+            memory.hal = HalMemory::from_bytes(rest)?;
         }
         Some(memory)
     }

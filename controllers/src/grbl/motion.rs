@@ -51,10 +51,11 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         self.machine.queued() > 0 && self.start_us <= UNDERWAY_US
     }
 
-    /// Brakes immediately, or after the delay that the options define.
+    /// Brakes immediately, or when the segments that Grbl has prepared are made.
     pub(super) fn brake(&mut self) {
-        self.brake_us = self.options.brakes_after_us;
-        if self.brake_us == 0 {
+        if self.options.has_accidents {
+            self.brake_us = self.accidents.brakes_after_us(self.machine.executing_tag());
+        } else {
             self.machine.hold();
         }
     }
@@ -101,8 +102,12 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             self.rest = Some((wait.wrapping_sub(LONGEST_WAIT_US), delta));
             return Next::Event(self.made_later(LONGEST_WAIT_US, [0; 3]));
         }
-        let delta = self.homing.kept(delta);
-        Next::Event(self.made_later(wait, delta))
+        let kept = self.homing.kept(delta);
+        let event = self.made_later(wait, kept);
+        if self.options.has_accidents {
+            self.pending = Some((wait, delta));
+        }
+        Next::Event(event)
     }
 
     /// Returns the next step of the engine. Outputs of the engine are not used.
@@ -136,6 +141,12 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
 
     /// Handles the end of a motion: the engine has no further step.
     fn stopped(&mut self) {
+        #[cfg(feature = "grblhal")]
+        if self.is_hal() && self.flags.reset && self.phase != Phase::Home {
+            // The reset follows.
+            self.phase = Phase::Idle;
+            return;
+        }
         match self.phase {
             Phase::Home => self.homing_stopped(),
             Phase::Door(_) => self.door_stopped(),
@@ -155,6 +166,10 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             self.is_cancelling = false;
         }
         self.phase = Phase::Idle;
+        #[cfg(feature = "grblhal")]
+        if self.hal.is_changing_by_hand() && self.machine.queued() == 0 {
+            self.phase = Phase::Tool;
+        }
         self.rest_motors();
         self.drive_laser();
         if self.flags.door {
@@ -185,13 +200,44 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             self.idle_us,
             Some(self.brake_us),
             Some(self.merge_us),
+            Some(self.accidents.wait_us()),
             dwell,
             start,
         ];
+        #[cfg(feature = "grblhal")]
+        let waits = {
+            let [
+                first,
+                second,
+                third,
+                fourth,
+                fifth,
+                sixth,
+                seventh,
+                eighth,
+                ninth,
+            ] = waits;
+            let report = self.hal_wait_us();
+            [
+                first, second, third, fourth, fifth, sixth, seventh, eighth, ninth, report,
+            ]
+        };
         let idle = self.options.reads_inputs.then_some(LONGEST_WAIT_US);
         let waits = waits.into_iter().chain([idle]).flatten();
         let least = waits.filter(|wait| *wait > 0).min()?;
         Some(least.min(LONGEST_WAIT_US))
+    }
+
+    /// Advances the times of Grbl's accidents.
+    fn pass_accidents(&mut self, us: u32) {
+        let tag = self.machine.executing_tag().filter(|_| self.moves());
+        self.accidents.pass(us, tag);
+        if self.brake_us > 0 {
+            self.brake_us = self.brake_us.saturating_sub(us);
+            if self.brake_us == 0 && self.moves() {
+                self.machine.hold();
+            }
+        }
     }
 
     /// Advances all times by `us`.
@@ -201,11 +247,12 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         self.pass_door(us);
         self.start_us = self.start_us.saturating_sub(us);
         self.merge_us = self.merge_us.saturating_sub(us);
-        if self.brake_us > 0 {
-            self.brake_us = self.brake_us.saturating_sub(us);
-            if self.brake_us == 0 && self.moves() {
-                self.machine.hold();
-            }
+        if self.options.has_accidents {
+            self.pass_accidents(us);
+        }
+        #[cfg(feature = "grblhal")]
+        if self.is_hal() {
+            self.hal_pass(us);
         }
         if self.task == Task::Dwell && self.phase != Phase::Hold(false) {
             self.dwell_us = self.dwell_us.saturating_sub(us.into());

@@ -84,7 +84,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
     }
 
     fn drive_duty(&mut self, milli_rpm: u64) {
-        let (duty, milli_rpm) = duty(milli_rpm, self.overrides[2], self.settings());
+        let (duty, milli_rpm) = duty(milli_rpm, self.effective_overrides()[2], self.settings());
         self.driven.milli_rpm = milli_rpm;
         if duty != self.driven.duty {
             self.driven.duty = duty;

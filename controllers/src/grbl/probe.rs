@@ -43,10 +43,18 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         self.drop_moves();
         self.phase = Phase::Idle;
         self.rest_motors();
+        #[cfg(feature = "grblhal")]
+        if self.hal.change.is_measuring() {
+            return self.hal_takes_contact();
+        }
         match self.contact {
             Some(steps) => self.probe = (self.position_of(steps).map(|nm| nm.0), true),
             None if must => {
                 self.probe.1 = false;
+                #[cfg(feature = "grblhal")]
+                if self.is_hal() {
+                    self.probe.0 = self.position().map(|nm| nm.0);
+                }
                 self.task = Task::ProbeFailed { has_moved: true };
                 return self.alarm(Alarm::ProbeContact, After::GoOn);
             }

@@ -1,6 +1,6 @@
 //! Real-time bytes and buttons.
 
-use husillo_gcode::{Block, Dialect};
+use husillo_gcode::Block;
 use husillo_transports::grbl::{Feedback, Message, Realtime};
 
 use super::door::DoorStep;
@@ -26,13 +26,19 @@ pub(super) struct Flags {
 impl<const QUEUE: usize> Grbl<QUEUE> {
     /// Takes a real-time byte. Returns whether the motors must stop immediately.
     pub(super) fn take_realtime(&mut self, realtime: Realtime) -> bool {
+        if self.options.has_accidents
+            && matches!(realtime, Realtime::Feed(_) | Realtime::Spindle(_))
+            && !self.accidents.counts(realtime.byte())
+        {
+            return false;
+        }
         let flags = &mut self.flags;
         let [feed, rapid, spindle] = &mut self.overrides;
         let before = [*feed, *rapid, *spindle];
         match realtime {
             Realtime::Reset => {
                 flags.reset = true;
-                return true;
+                return !self.options.brakes_at_reset();
             }
             // Several requests in quick succession get one report.
             Realtime::Status => flags.status |= self.merge_us == 0,
@@ -56,11 +62,20 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
 
     /// Applies the overrides and reports them.
     pub(super) fn apply_overrides(&mut self) {
-        let [feed, rapid, _] = self.overrides;
+        let [feed, rapid, _] = self.effective_overrides();
         self.machine.set_feed_override(feed);
         self.machine.set_rapid_override(rapid);
         self.report_overrides();
         self.drive();
+    }
+
+    /// Returns the overrides that take effect, in percent.
+    pub(super) fn effective_overrides(&self) -> [u8; 3] {
+        #[cfg(feature = "grblhal")]
+        if self.is_hal() {
+            return self.hal_overrides();
+        }
+        self.overrides
     }
 
     /// Takes the levels of the inputs.
@@ -103,6 +118,10 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             self.flags.status = false;
             self.merge_us = MERGE_US;
             self.report_status();
+            return true;
+        }
+        #[cfg(feature = "grblhal")]
+        if self.is_hal() && self.phase != Phase::Home && self.hal_take_flags() {
             return true;
         }
         let flags = self.flags;
@@ -171,12 +190,18 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
                     }
                 }
                 self.resume_moves();
+                #[cfg(feature = "grblhal")]
+                if self.is_hal() {
+                    self.send(&Message::Feedback(Feedback::Other(b"")));
+                }
                 if self.task == Task::Pause {
                     self.task = Task::Block;
                 }
             }
             Phase::Door(DoorStep::Stands) if !self.is_door_open() => self.restore(),
             Phase::Idle => self.start_us = 0,
+            #[cfg(feature = "grblhal")]
+            Phase::Tool => self.hal_resume_change(),
             _ => {}
         }
     }
@@ -216,9 +241,9 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
     }
 
     /// Changes the modal state by a block that gives no commands.
-    fn change_modes(&mut self, text: &[u8]) {
+    pub(super) fn change_modes(&mut self, text: &[u8]) {
         let mut block = Block::new();
-        if block.read(text, &Dialect::GRBL).is_ok() {
+        if block.read(text, self.modal.dialect()).is_ok() {
             if let Ok((modal, _)) = self.modal.plan(&block) {
                 self.modal = modal;
             }

@@ -1,6 +1,6 @@
 //! Alarms, resets and the start.
 
-use husillo_gcode::{Dialect, Modal, Nm};
+use husillo_gcode::{Modal, Nm};
 use husillo_transports::grbl::{Alarm, ErrorCode, Feedback, Message};
 
 use super::lines::{Origin, Task};
@@ -9,6 +9,9 @@ use super::{Grbl, Phase};
 
 /// Time after an alarm during which no line is executed, in microseconds.
 const DEAF_US: u32 = 500_000;
+/// The same for grblHAL.
+#[cfg(feature = "grblhal")]
+const HAL_DEAF_US: u32 = 100_000;
 
 /// States in which no line is executed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,13 +57,21 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         self.recovery != Recovery::None
     }
 
+    fn deaf_us(&self) -> u32 {
+        #[cfg(feature = "grblhal")]
+        if self.is_hal() {
+            return HAL_DEAF_US;
+        }
+        DEAF_US
+    }
+
     /// Reports an alarm and enters the state Alarm.
     pub(super) fn alarm(&mut self, alarm: Alarm, then: After) {
         self.send(&Message::Alarm(alarm));
         self.phase = Phase::Alarm;
         self.homing.end();
         self.rest_motors();
-        self.recovery = Recovery::Deaf(DEAF_US, then);
+        self.recovery = Recovery::Deaf(self.deaf_us(), then);
     }
 
     /// Handles a limit switch that has closed during motion.
@@ -84,6 +95,10 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             Recovery::Boot(_) | Recovery::Deaf(_, After::Boot)
         );
         if self.flags.reset && !is_booting {
+            #[cfg(feature = "grblhal")]
+            if self.is_hal() && self.hal_brakes() {
+                return false;
+            }
             self.flags.reset = false;
             self.interrupt();
             return true;
@@ -127,7 +142,8 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
 
     /// Answers the present line, and resets the controller.
     pub(super) fn boot(&mut self) {
-        let is_of_host = matches!(self.origin, Origin::Host | Origin::Store(_));
+        let is_of_host = matches!(self.origin, Origin::Host | Origin::Store(_))
+            && !self.options.brakes_at_reset();
         if self.task != Task::None && is_of_host {
             self.origin = Origin::Host;
             self.send(&Message::Ok);
@@ -139,11 +155,13 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         // Bytes that arrive from now on are kept.
         self.receiver.clear();
         self.reader.clear();
+        #[cfg(feature = "grblhal")]
+        self.hal.reader.clear();
         self.flags = Flags::default();
         self.drop_moves();
         self.switch_outputs_off();
         let delay_ms = self.settings().whole(1);
-        let delay_us = if delay_ms == 255 {
+        let delay_us = if delay_ms == 255 || self.options.brakes_at_reset() {
             0
         } else {
             delay_ms.wrapping_mul(1000)
@@ -155,9 +173,11 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
     pub(super) fn power_on(&mut self) {
         if self.is_blank {
             self.send(&Message::Error(ErrorCode::StoreRead));
-            self.list_settings();
+            if !self.options.brakes_at_reset() {
+                self.list_settings();
+            }
         }
-        if self.settings().is_set(22) {
+        if self.settings().is_set(22) && !self.options.brakes_at_reset() {
             self.phase = Phase::Alarm;
         }
         self.driven_at_start();
@@ -178,9 +198,13 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         self.probe = ([0; 3], false);
         self.contact = None;
         self.is_cancelling = false;
-        self.modal = Modal::new(Dialect::GRBL);
+        self.modal = Modal::new(self.options.dialect());
         self.load_places();
         self.drop_moves();
+        #[cfg(feature = "grblhal")]
+        if self.is_hal() {
+            self.hal_start();
+        }
         self.work_zero = self.work_zero_now();
         self.switch_outputs_off();
         self.send(&Message::Blank);
@@ -193,13 +217,22 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         }
         if matches!(self.phase, Phase::Alarm | Phase::Sleep) {
             self.phase = Phase::Alarm;
-            self.send(&Message::Feedback(Feedback::Unlock));
+            self.tell_lock();
             return;
         }
         self.phase = Phase::Idle;
         self.flags.door = self.is_door_open();
         self.origin = Origin::Startup(0);
         self.task = Task::Startup(0);
+    }
+
+    /// Tells that motion is locked.
+    fn tell_lock(&mut self) {
+        #[cfg(feature = "grblhal")]
+        if self.is_hal() {
+            return self.hal_tell_lock();
+        }
+        self.send(&Message::Feedback(Feedback::Unlock));
     }
 
     /// Copies the stored coordinate data to the modal state.

@@ -36,7 +36,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         self.reports[0] = 0;
     }
 
-    fn state(&self) -> State {
+    pub(super) fn state(&self) -> State {
         match self.phase {
             Phase::Idle => State::Idle,
             Phase::Run => State::Run,
@@ -49,11 +49,17 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             Phase::Check => State::Check,
             Phase::Home => State::Home,
             Phase::Sleep => State::Sleep,
+            #[cfg(feature = "grblhal")]
+            Phase::Tool => State::Tool,
         }
     }
 
     /// Sends a status report.
     pub(super) fn report_status(&mut self) {
+        #[cfg(feature = "grblhal")]
+        if self.is_hal() {
+            return self.hal_report(false);
+        }
         let mask = self.settings().whole(10);
         let position = self.position().map(|nm| nm.0);
         let mut work = position;
@@ -120,8 +126,12 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         status.accessories = Accessories(turns | flood | flows(mist, Accessories::MIST));
     }
 
-    fn pins(&self) -> Pins {
+    pub(super) fn pins(&self) -> Pins {
         let mut pins = 0;
+        #[cfg(feature = "grblhal")]
+        if self.is_hal() {
+            pins = self.hal_pins();
+        }
         let mut set = |is_closed: bool, bit: u16| {
             if is_closed {
                 pins |= bit;
@@ -141,6 +151,10 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
 
     /// Sends the modal state, `$G`.
     pub(super) fn report_modal(&mut self) {
+        #[cfg(feature = "grblhal")]
+        if self.is_hal() {
+            return self.hal_modal();
+        }
         let modal = &self.modal;
         let (direction, milli_rpm) = modal.spindle();
         let (mist, flood) = modal.coolant();
@@ -176,13 +190,19 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         }
     }
 
-    /// Sends all coordinate data, `$#`.
-    pub(super) fn list_places(&mut self) {
+    /// Returns the shift of G92 in nanometres.
+    pub(super) fn shift(&self) -> [i64; 3] {
         let frame = self.modal.work_zero(self.modal.work_system());
         let mut shift = self.modal.work_offset().map(|nm| nm.0);
         for (shift, zero) in shift.iter_mut().zip(frame.unwrap_or_default()) {
             *shift = shift.saturating_sub(zero.0);
         }
+        shift
+    }
+
+    /// Sends all coordinate data, `$#`.
+    pub(super) fn list_places(&mut self) {
+        let shift = self.shift();
         for parameter in Parameter::ALL {
             let nm = match parameter {
                 Parameter::Frame(number) => self.modal.work_zero(number).unwrap_or_default(),

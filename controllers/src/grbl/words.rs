@@ -2,6 +2,9 @@
 
 use husillo_transports::grbl::{ErrorCode, decimal};
 
+#[cfg(feature = "grblhal")]
+use super::hal::{Extra, extra_code, extra_m};
+
 /// One word: its letter and the text of its number.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Word<'a> {
@@ -67,10 +70,26 @@ pub(super) struct Given {
     pub(super) tool: u8,
     /// The code that uses the axis words.
     axis_user: Option<AxisUser>,
+    /// Whole part of H, and codes that Grbl does not have.
+    #[cfg(feature = "grblhal")]
+    pub(super) h: u32,
+    #[cfg(feature = "grblhal")]
+    pub(super) extra: Extra,
+    #[cfg(feature = "grblhal")]
+    is_hal: bool,
+}
+
+/// The codes that a controller has.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CodeSet {
+    /// M7.
+    pub(super) has_mist: bool,
+    #[cfg(feature = "grblhal")]
+    pub(super) is_hal: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum AxisUser {
+pub(super) enum AxisUser {
     Motion,
     NonModal,
     Length,
@@ -100,17 +119,33 @@ impl Given {
     ///
     /// # Errors
     /// Fails with the first error that Grbl finds in the words.
-    pub(super) fn read(line: &[u8], has_mist: bool) -> Result<Given, ErrorCode> {
+    pub(super) fn read(line: &[u8], codes: CodeSet) -> Result<Given, ErrorCode> {
         let mut given = Given::default();
+        #[cfg(feature = "grblhal")]
+        {
+            given.is_hal = codes.is_hal;
+        }
         for word in WordReader(line) {
             let word = word?;
             match word.letter {
                 b'G' => given.take_g(&word)?,
-                b'M' => given.take_m(&word, has_mist)?,
+                b'M' => given.take_m(&word, codes.has_mist)?,
                 _ => given.take_parameter(&word)?,
             }
         }
         Ok(given)
+    }
+
+    /// Whether the codes are those of grblHAL.
+    #[cfg(feature = "grblhal")]
+    pub(super) const fn is_hal(&self) -> bool {
+        self.is_hal
+    }
+
+    /// Whether the codes are those of grblHAL.
+    #[cfg(not(feature = "grblhal"))]
+    pub(super) const fn is_hal(&self) -> bool {
+        false
     }
 
     pub(super) const fn has(&self, letter: u8) -> bool {
@@ -122,6 +157,12 @@ impl Given {
     }
 
     fn take_g(&mut self, word: &Word) -> Result<(), ErrorCode> {
+        #[cfg(feature = "grblhal")]
+        if self.is_hal {
+            if let Some(result) = extra_code(self, word) {
+                return result;
+            }
+        }
         let code = u16::try_from(word.tenths).map_err(|_| ErrorCode::Unsupported)?;
         let (number, tenth) = (code / 10, code % 10);
         let slot = match number {
@@ -182,6 +223,12 @@ impl Given {
     }
 
     fn take_m(&mut self, word: &Word, has_mist: bool) -> Result<(), ErrorCode> {
+        #[cfg(feature = "grblhal")]
+        if self.is_hal {
+            if let Some(result) = extra_m(self, word) {
+                return result;
+            }
+        }
         if has_decimals(word) {
             return Err(ErrorCode::NotWhole);
         }
@@ -198,7 +245,7 @@ impl Given {
 
     fn take_parameter(&mut self, word: &Word) -> Result<(), ErrorCode> {
         let bit = bit(word.letter);
-        if bit & PARAMETERS == 0 {
+        if bit & PARAMETERS == 0 && !self.is_hal() {
             return Err(ErrorCode::Unsupported);
         }
         if self.letters & bit != 0 {
@@ -214,13 +261,21 @@ impl Given {
             b'P' => self.p = whole,
             b'L' => self.l = whole,
             b'N' => self.line = u32::try_from(whole).unwrap_or(u32::MAX),
-            b'T' => self.tool = u8::try_from(whole).map_err(|_| ErrorCode::ToolNumber)?,
+            #[cfg(feature = "grblhal")]
+            b'H' => self.h = u32::try_from(whole).map_err(|_| ErrorCode::Negative)?,
+            b'T' => {
+                self.tool = match u8::try_from(whole) {
+                    Ok(tool) => tool,
+                    Err(_) if self.is_hal() => 0,
+                    Err(_) => return Err(ErrorCode::ToolNumber),
+                }
+            }
             _ => {}
         }
         Ok(())
     }
 
-    fn use_axes(&mut self, user: AxisUser) -> Result<(), ErrorCode> {
+    pub(super) fn use_axes(&mut self, user: AxisUser) -> Result<(), ErrorCode> {
         if self.axis_user.is_some() {
             return Err(ErrorCode::AxisConflict);
         }
@@ -254,7 +309,7 @@ impl Given {
         if self.non_modal == Some(40) && !self.has(b'P') {
             return Err(ErrorCode::MissingValue);
         }
-        if self.length == Some(431) && self.letters & AXES != bit(b'Z') {
+        if self.length == Some(431) && self.letters & AXES != bit(b'Z') && !self.is_hal() {
             return Err(ErrorCode::ToolLengthAxis);
         }
         self.check_non_modal(motion)?;
@@ -289,6 +344,8 @@ impl Given {
 
     fn check_non_modal(&self, motion: u16) -> Result<(), ErrorCode> {
         match self.non_modal {
+            #[cfg(feature = "grblhal")]
+            Some(100) if self.is_hal => self.check_data(),
             Some(100) => {
                 if !self.has_axes() {
                     return Err(ErrorCode::NoAxisWords);
@@ -311,8 +368,28 @@ impl Given {
         }
     }
 
+    /// Checks G10 of grblHAL.
+    #[cfg(feature = "grblhal")]
+    fn check_data(&self) -> Result<(), ErrorCode> {
+        if !matches!(self.l, 1 | 2 | 10 | 11 | 20) {
+            return Err(ErrorCode::Unsupported);
+        }
+        if !self.has_axes() && !self.has(b'R') {
+            return Err(ErrorCode::NoAxisWords);
+        }
+        if !self.has(b'P') {
+            return Err(ErrorCode::MissingValue);
+        }
+        if matches!(self.l, 2 | 20) && self.p > 9 {
+            return Err(ErrorCode::WorkFrame);
+        }
+        Ok(())
+    }
+
     fn check_arc(&self, state: &Modes) -> Result<(), ErrorCode> {
-        if !self.has_axes() {
+        // A centre alone is a full circle for grblHAL.
+        let is_circle = self.is_hal() && self.letters & CENTRE != 0;
+        if !self.has_axes() && !is_circle {
             return Err(ErrorCode::NoAxisWords);
         }
         let (axes, centre) = match self.plane.unwrap_or(state.plane) {
@@ -320,7 +397,7 @@ impl Given {
             180 => (bit(b'X') | bit(b'Z'), bit(b'I') | bit(b'K')),
             _ => (bit(b'Y') | bit(b'Z'), bit(b'J') | bit(b'K')),
         };
-        if self.letters & axes == 0 {
+        if self.letters & axes == 0 && !is_circle {
             return Err(ErrorCode::NoPlaneWords);
         }
         if !self.has(b'R') && self.letters & centre == 0 {
@@ -334,8 +411,15 @@ impl Given {
         let mut used = used | AXES | bit(b'F') | bit(b'N') | bit(b'S') | bit(b'T');
         match self.non_modal {
             Some(40) => used |= bit(b'P'),
+            Some(100) if self.is_hal() => used |= bit(b'P') | bit(b'L') | bit(b'R'),
             Some(100) => used |= bit(b'P') | bit(b'L'),
             _ => {}
+        }
+        #[cfg(feature = "grblhal")]
+        {
+            let motion = self.motion.unwrap_or(800);
+            let letters = self.extra.letters(motion, self.length);
+            used |= letters.iter().fold(0, |bits, letter| bits | bit(*letter));
         }
         if self.letters & !used != 0 {
             return Err(ErrorCode::Unused);
@@ -366,7 +450,7 @@ fn is_not_zero(byte: &u8) -> bool {
 }
 
 /// Whether the number of a code has decimals other than zero.
-fn has_decimals(word: &Word) -> bool {
+pub(super) fn has_decimals(word: &Word) -> bool {
     let mut parts = word.number.splitn(2, |byte| *byte == b'.');
     parts
         .nth(1)

@@ -45,7 +45,7 @@ fn end(records: &[Value]) -> &Value {
 }
 
 /// Highest speed of the recording, mm/s.
-fn peak(records: &[Value]) -> f64 {
+pub fn peak(records: &[Value]) -> f64 {
     let rates = end(records)["peak_rate_steps_per_s_over_8_steps"].as_array();
     let rates = rates.into_iter().flatten().filter_map(Value::as_f64);
     rates.fold(0.0, f64::max) / 250.0
@@ -137,7 +137,7 @@ fn is_same(wanted: &str, line: &str, [is_loose, varies]: [bool; 2], peak: f64) -
     }
 }
 
-fn is_near(first: &[i64], second: &[i64], peak: f64) -> bool {
+pub fn is_near(first: &[i64], second: &[i64], peak: f64) -> bool {
     let most = peak * TIME_OF_MOTION_S * 1e6 + 4000.0;
     let mut pairs = first.iter().zip(second);
     first.len() == second.len()

@@ -50,6 +50,8 @@ pub struct Player {
     last_us: u64,
     recent: [VecDeque<u64>; 3],
     played: Played,
+    /// A toggled input is closed.
+    toggled: bool,
 }
 
 fn number(record: &Value, key: &str) -> f64 {
@@ -67,10 +69,10 @@ fn options(build: &str) -> GrblOptions {
             homes_axes: true,
             has_door: true,
             reports_lines: true,
-            brakes_after_us: 48_000,
             most_steps_per_s: Some(30_000),
             ..GrblOptions::STOCK
         },
+        "grblHAL" => GrblOptions::HAL,
         _ => GrblOptions::STOCK,
     }
 }
@@ -83,7 +85,7 @@ fn bytes(text: &str) -> Vec<u8> {
 impl Player {
     pub fn play(records: &[Value]) -> Played {
         let header = &records[0];
-        let options = options(header["build"].as_str().unwrap());
+        let options = options(header["build"].as_str().unwrap_or("grblHAL"));
         let memory = (header["start"] == "factory").then_some(GrblMemory::FACTORY);
         let mut player = Player {
             emulated: Emulated::new(Grbl::new(options, memory.as_ref()), vec![GrblRig::new()]),
@@ -97,11 +99,14 @@ impl Player {
             last_us: 0,
             recent: Default::default(),
             played: Played::default(),
+            toggled: false,
         };
         let mut is_on = false;
         let mut done_us = 0;
         let mut asked_us = None;
-        for record in &records[1..] {
+        let mut last_ms = 0.0;
+        for (last, record) in records.iter().zip(&records[1..]) {
+            last_ms = last["t_ms"].as_f64().unwrap_or(last_ms);
             if record["power"] == "on" {
                 if is_on {
                     player.cycle_power();
@@ -153,6 +158,14 @@ impl Player {
                 let pin = player.pin(name);
                 let is_high = record["level"] == 1;
                 player.rig().set_level(pin, is_high);
+                player.run_until(player.now_us + 1);
+                done_us = player.now_us;
+            } else if let Some(name) = record["pin_toggled"].as_str() {
+                player.run_until(player.now_us + us(number(record, "t_ms") - last_ms));
+                let pin = player.pin(name);
+                let closed = player.toggled;
+                player.toggled = !closed;
+                player.rig().set_level(pin, closed);
                 player.run_until(player.now_us + 1);
                 done_us = player.now_us;
             } else if let Some(name) = record["switch"].as_str() {

@@ -78,15 +78,17 @@ def settle(
 ) -> int:
     """Compares figures with a golden file, or writes the file. Returns the status of the check.
 
-    Only those figures of the file for which `is_meant` is true are compared. Figures of another
-    compiler are not compared.
+    Only those figures of the file for which `is_meant` is true are compared or replaced. Figures of
+    another compiler are not compared, and not kept.
     """
     version, where = compiler(), path.relative_to(FIRMWARE)
+    first, _, text = path.read_text().partition("\n") if path.exists() else ("", "", "")
     if is_written:
-        path.write_text(f"{version}\n{form.text(figures)}")
+        others = form.figures(text).items() if first == version else ()
+        kept = {name: value for name, value in others if not is_meant(name)}
+        path.write_text(f"{version}\n{form.text(figures | kept)}")
         print(f"{where} written")
         return 0
-    first, _, text = path.read_text().partition("\n")
     if first != version:
         print(f"not compared: {where} has the figures of {first}")
         return 0

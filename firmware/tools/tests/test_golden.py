@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import tempfile
 import unittest
+from pathlib import Path
 
-from husillo_firmware.golden import Columns, Lines, differences
+from husillo_firmware.build import FIRMWARE, compiler
+from husillo_firmware.golden import Columns, Lines, differences, settle
 
 
 class Differences(unittest.TestCase):
@@ -44,6 +47,17 @@ class Forms(unittest.TestCase):
         text = Columns.text(figures)
         self.assertEqual(text.splitlines()[2].split(), ["line", "-", "25.00"])
         self.assertEqual(Columns.figures(text), figures)
+
+
+class Writing(unittest.TestCase):
+    """The file is renewed for what was measured."""
+
+    def test_figures_of_boards_that_were_not_measured_stay(self) -> None:
+        with tempfile.TemporaryDirectory(dir=FIRMWARE) as folder:
+            path = Path(folder) / "golden.txt"
+            path.write_text(f"{compiler()}\nvirt flash 10\nnucleo flash 20\n")
+            settle(path, Lines, {"virt flash": 11}, True, lambda row: row.startswith("virt"))
+            self.assertEqual(path.read_text(), f"{compiler()}\nvirt flash 11\nnucleo flash 20\n")
 
 
 if __name__ == "__main__":

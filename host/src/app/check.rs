@@ -6,9 +6,9 @@ use super::{ERRORS, Failure, OK};
 use crate::cli::Check;
 use crate::console;
 use crate::console::shown;
-use crate::diagnostics::{Findings, Format};
 use crate::holes;
-use crate::text::json::write_found;
+use husillo_simulator::diagnostics::{Findings, Format};
+use husillo_simulator::text::json::write_found;
 use serde_json::json;
 use std::io::{self, BufWriter, Write};
 
@@ -47,17 +47,17 @@ fn check_file(args: &Check, file: &str, findings: &mut Findings) -> Result<(), F
 fn print_checked(args: &Check, file: &str, findings: &Findings, is_whole: bool) -> io::Result<()> {
     let stdout = io::stdout();
     let is_coloured = console::is_coloured(&stdout);
-    if args.format == Format::Json {
+    let Some(format) = args.format.of_finding() else {
         let body = json!({
             "file": displayed(file),
             "errors": findings.errors,
             "warnings": findings.warnings,
         });
         return write_found("husillo.check/1", &body, findings, &mut console::stdout());
-    }
+    };
     let mut out = BufWriter::new(stdout.lock());
-    findings.print(args.format, is_coloured, &mut out)?;
-    if is_whole && args.format == Format::Text {
+    findings.print(format, is_coloured, &mut out)?;
+    if is_whole && format == Format::Text {
         if let Some(left_out) = left_out(findings) {
             writeln!(out, "{left_out}\n")?;
         }

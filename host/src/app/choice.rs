@@ -3,9 +3,9 @@
 use super::Failure;
 use super::job::Job;
 use crate::cli::{Target, Zero};
-use crate::diagnostics::Findings;
-use crate::machines::machine_file::MachineFile;
-use crate::programs::check::Facts;
+use husillo_simulator::diagnostics::Findings;
+use husillo_simulator::machines::machine_file::MachineFile;
+use husillo_simulator::programs::check::Facts;
 
 /// The machines that are tried in this order.
 const TRIED: [&str; 5] = ["micromill", "router", "lathe", "router4", "printer"];

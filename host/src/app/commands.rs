@@ -5,8 +5,8 @@ use super::reporting::with_some_findings;
 use super::{ERRORS, Failure, OK, drilling};
 use crate::cli::{Commands, Listing, Output};
 use crate::console;
-use crate::programs::commands;
-use crate::text::json::write_found;
+use husillo_simulator::programs::commands;
+use husillo_simulator::text::json::write_found;
 use serde_json::json;
 use std::io::{BufWriter, Write};
 

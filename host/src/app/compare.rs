@@ -7,14 +7,14 @@ use super::reporting::{verdict, with_findings};
 use super::{ERRORS, Failure, OK, count};
 use crate::cli::{Compare, Page};
 use crate::console;
-use crate::diagnostics::Findings;
 use crate::methods::one_move::one_move;
 use crate::output::Outputs;
-use crate::programs::program::{self, Meaning};
-use crate::text::json::write_line;
 use husillo_methods::{Comparer, Comparison, Weights, programmed};
 use husillo_reports::methods;
 use husillo_sim::observers::AXES;
+use husillo_simulator::diagnostics::Findings;
+use husillo_simulator::programs::program::{self, Meaning};
+use husillo_simulator::text::json::write_line;
 use serde_json::json;
 use std::io::{self, Write};
 

@@ -9,15 +9,15 @@ use crate::console::reporter::Reporter;
 use crate::drill::{self, Translation};
 use crate::holes;
 use crate::holes::drill_records::{Compiler, Refusal};
+use crate::input;
 use crate::output::Outputs;
-use crate::programs::setup;
-use crate::programs::source::Source;
-use crate::text::json::{Millimetres, write_line};
 use husillo_clients::drill::{Part, lean, millimetres, seconds, spoken, travel_steps};
 use husillo_gcode::{Dialect, Nm};
 use husillo_holes::{Metric, ToolRecords};
 use husillo_reports::board::{self, Board};
 use husillo_sim::device::drill::STROKE_STEPS;
+use husillo_simulator::programs::setup;
+use husillo_simulator::text::json::{Millimetres, write_line};
 use husillo_transports::drill::{Record, STEPS_PER_MM, Table};
 use serde::Serialize;
 use serde_json::json;
@@ -82,7 +82,7 @@ pub(super) fn load(
         home_height,
     };
     let mut source =
-        Source::open(file).map_err(|error| Failure::Usage(format!("{file}: {error}")))?;
+        input::program(file).map_err(|error| Failure::Usage(format!("{file}: {error}")))?;
     let (parts, findings) = with_some_findings(MOST_PRINTED, out.format(), |findings| {
         Ok(translation.read(&mut source, name, findings)?)
     })?;

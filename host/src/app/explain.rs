@@ -3,8 +3,8 @@
 use super::{Failure, OK};
 use crate::cli::{Explain, Output};
 use crate::console;
-use crate::diagnostics::page::FINDINGS;
-use crate::text::json::write_line;
+use husillo_simulator::diagnostics::page::FINDINGS;
+use husillo_simulator::text::json::write_line;
 use std::collections::BTreeMap;
 use std::io::Write;
 
@@ -119,10 +119,10 @@ fn plain(cell: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnostics::Findings;
-    use crate::programs::program;
-    use crate::programs::source::Source;
     use husillo_gcode::{Axes, Block, Dialect};
+    use husillo_simulator::diagnostics::Findings;
+    use husillo_simulator::programs::program;
+    use husillo_simulator::programs::source::Source;
 
     #[test]
     fn names_as_they_are_typed() {

@@ -5,15 +5,14 @@ use super::reporting::{MOST_PRINTED, verdict, with_some_findings};
 use super::{ERRORS, Failure, OK, own_output};
 use crate::cli::{FormatArgs, Output, TargetDialect};
 use crate::console;
-use crate::diagnostics::Findings;
+use crate::input;
 use crate::output::Outputs;
-use crate::programs::format;
-use crate::programs::library::Folders;
-use crate::programs::setup;
-use crate::programs::source::{self, Source};
-use crate::programs::translate;
-use crate::text::json::write_found;
 use husillo_gcode::Dialect;
+use husillo_simulator::diagnostics::Findings;
+use husillo_simulator::programs::format;
+use husillo_simulator::programs::setup;
+use husillo_simulator::programs::translate;
+use husillo_simulator::text::json::write_found;
 use serde_json::json;
 use std::io::{self, Write};
 
@@ -48,7 +47,7 @@ fn format_file(args: &FormatArgs, file: &str) -> Result<bool, Failure> {
     };
     let name = displayed(file);
     let usage = |error| Failure::Usage(format!("{name}: {error}"));
-    let mut reader = source::open(file).map_err(usage)?;
+    let mut reader = input::open_bytes(file).map_err(usage)?;
     let (changed, findings) = with_some_findings(MOST_PRINTED, args.format, |findings| {
         let mut write =
             |out: &mut dyn Write| format::write(&mut *reader, name, &form, findings, out);
@@ -107,8 +106,8 @@ fn translate_file(args: &FormatArgs, file: &str, to: TargetDialect) -> Result<u8
     };
     let name = displayed(file);
     let usage = |error| Failure::Usage(format!("{name}: {error}"));
-    let source = Source::open(file).map_err(usage)?;
-    let mut source = source.with_folders(Folders::of(file, &args.include));
+    let source = input::program(file).map_err(usage)?;
+    let mut source = source.with_subroutines(input::folders(file, &args.include));
     let ((), findings) = with_some_findings(MOST_PRINTED, args.format, |findings| {
         let mut outputs = Outputs::rewriting();
         let mut out = outputs.create(args.output.as_deref().unwrap_or("-"))?;

@@ -4,22 +4,21 @@ use super::Failure;
 use super::reporting::{self, count};
 use crate::cli::Target;
 use crate::cli::{LETTERS, Zero};
-use crate::diagnostics::Findings;
 use crate::input;
-use crate::machines::machine_file::{LoadError, MachineFile};
 use crate::microfactory;
-use crate::programs::check::{self, Facts};
-use crate::programs::language;
-use crate::programs::library::Folders;
-use crate::programs::program::Start;
-use crate::programs::setup::{self, MappedEngine};
-use crate::programs::source::Source;
-use crate::programs::zero::{self, Lie, Placing};
-use crate::simulation::work_piece::WorkPiece;
-use crate::text::name;
 use husillo_gcode::Nm;
 use husillo_machine::Config;
 use husillo_sim::observers::AXES;
+use husillo_simulator::diagnostics::Findings;
+use husillo_simulator::machines::machine_file::{LoadError, MachineFile};
+use husillo_simulator::programs::check::{self, Facts};
+use husillo_simulator::programs::language;
+use husillo_simulator::programs::program::Start;
+use husillo_simulator::programs::setup::{self, MappedEngine};
+use husillo_simulator::programs::source::Source;
+use husillo_simulator::programs::zero::{self, Lie, Placing};
+use husillo_simulator::simulation::work_piece::WorkPiece;
+use husillo_simulator::text::name;
 use std::io::{self, Read};
 use std::path::Path;
 
@@ -200,10 +199,10 @@ impl Job {
         self.opened.set(self.opened.get() + 1);
         let source = match &self.input {
             Some(input) => Source::from_reader(Box::new(io::Cursor::new(input.clone()))),
-            None => Source::open(&self.file)
+            None => input::program(&self.file)
                 .map_err(|error| Failure::Usage(format!("{}: {error}", self.file)))?,
         };
-        Ok(source.with_folders(Folders::of(&self.file, &self.include)))
+        Ok(source.with_subroutines(input::folders(&self.file, &self.include)))
     }
 
     /// Name of the file in messages.
@@ -340,7 +339,7 @@ pub fn whole(file: &str) -> Result<Vec<u8>, Failure> {
 }
 
 pub fn load(machine: &str) -> Result<MachineFile, Failure> {
-    match MachineFile::load(machine) {
+    match MachineFile::load(machine, input::read_to_string) {
         Ok(machine) => Ok(machine),
         Err(error) => Err(not_loaded(machine, error)?),
     }

@@ -12,23 +12,26 @@ use crate::console::reporter::{Reporter, report};
 use crate::console::sharing::share;
 use crate::console::stop::{INTERRUPTED, stop_requests, stops_asked};
 use crate::console::typed::typed_line;
-use crate::diagnostics::Findings;
-use crate::machines::machine_file::MachineFile;
+use crate::input;
 use crate::micromill;
-use crate::programs::program;
-use crate::programs::setup;
 use comparison::compared;
 use husillo_clients::micromill::{self as client, Sender, Translated, Translator};
 use husillo_controllers::MicromillConfig;
 use husillo_machine::Config;
 use husillo_sim::text::{counted, grouped};
+use husillo_simulator::diagnostics::Findings;
+use husillo_simulator::machines::machine_file::MachineFile;
+use husillo_simulator::programs::program;
+use husillo_simulator::programs::setup;
 use husillo_transports::micromill::{Line, State};
 use serde_json::json;
 
 /// Whether a machine is the micro mill, or the file of one, whose motors may make other steps. Such
 /// a file has the same `name`.
 pub(super) fn is_mill(machine: &str) -> bool {
-    let is_named = || MachineFile::load(machine).is_ok_and(|file| file.name == "micromill");
+    let is_named = || {
+        MachineFile::load(machine, input::read_to_string).is_ok_and(|file| file.name == "micromill")
+    };
     machine == "micromill" || (!MachineFile::is_built_in(machine) && is_named())
 }
 

@@ -3,8 +3,8 @@
 use super::Failure;
 use crate::cli::Output;
 use crate::console::is_coloured;
-use crate::diagnostics::{Finding, Findings, Format};
 use husillo_sim::text::counted;
+use husillo_simulator::diagnostics::{Finding, Findings, Format};
 use std::io;
 
 /// Number of findings of a file that are printed, without an option.

@@ -5,8 +5,8 @@ use crate::cli::{Page, Reproduce};
 use crate::console;
 use crate::output::Outputs;
 use crate::reproducing;
-use crate::text::json::write_line;
 use husillo_reports::originals;
+use husillo_simulator::text::json::write_line;
 use std::io::Write;
 
 /// Prints the tables of an original, or writes them.

@@ -6,8 +6,8 @@ use super::{ERRORS, Failure, OK, choice, count, own_output};
 use crate::cli::{Output, Steps};
 use crate::console;
 use crate::output::Outputs;
-use crate::programs::{setup, steps};
-use crate::text::json::write_found;
+use husillo_simulator::programs::{setup, steps};
+use husillo_simulator::text::json::write_found;
 use serde_json::json;
 use std::io::Write;
 

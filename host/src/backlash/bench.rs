@@ -1,13 +1,13 @@
 //! A machine that drives simulated screws, one block at a time.
 
-use crate::machines::machine_file::MachineFile;
-use crate::programs::setup::{self, MappedEngine};
 use husillo_gcode::Dialect;
 use husillo_machine::{Event, Origin};
 use husillo_metrology::calibration::backlash::{self, Map, Moment};
 use husillo_metrology::originals::micromill::{Screws, Settings, TRUE_STEP};
 use husillo_sim::observers::AXES;
 use husillo_sim::{BacklashField, Rig};
+use husillo_simulator::machines::machine_file::MachineFile;
+use husillo_simulator::programs::setup::{self, MappedEngine};
 use husillo_stepper::{Drive, Motors};
 use std::sync::Arc;
 

@@ -4,9 +4,6 @@ use super::bench::SimulatedBench;
 use super::readings;
 use crate::cli::BacklashArgs;
 use crate::console::reporter::Reporter;
-use crate::machines::backlash_file::section;
-use crate::machines::machine_file::{MachineFile, Travel};
-use crate::programs::setup;
 use husillo_metrology::calibration::backlash::{
     BacklashTable, Field, Leftover, LinePair, Map, RUN_UP_MM, WHOLE_RUN_UP_MM, backlash_table,
     cut_all, survey,
@@ -15,6 +12,9 @@ use husillo_metrology::quantity::{self, Quantity};
 use husillo_reports::backlash::{self, Panel};
 use husillo_sim::observers::AXES;
 use husillo_sim::text::counted;
+use husillo_simulator::machines::backlash_file::section;
+use husillo_simulator::machines::machine_file::{MachineFile, Travel};
+use husillo_simulator::programs::setup;
 use serde_json::json;
 
 /// The files that a calibration writes.
@@ -108,7 +108,7 @@ pub fn calibrate_backlash(
         .collect();
     Ok(Calibrated {
         page: backlash::html(&file.title, readings.len(), args.file.is_none(), &panels),
-        machine: with_sections(&file.text()?, &sections),
+        machine: with_sections(&file.text, &sections),
     })
 }
 

@@ -4,9 +4,9 @@
 use super::bench::SimulatedBench;
 use crate::cli::CirclesArgs;
 use crate::console::reporter::Reporter;
-use crate::machines::machine_file::{MachineFile, Travel};
-use crate::programs::setup;
 use husillo_metrology::calibration::backlash::{CIRCLE_ENDS, left_at_ends};
+use husillo_simulator::machines::machine_file::{MachineFile, Travel};
+use husillo_simulator::programs::setup;
 use serde_json::json;
 
 /// Radius in mm, and the values measured at the ends of such a circle on the original, um, in the

@@ -98,8 +98,8 @@ Motion:
   husillo compare motion FILE makes the whole program under four rules and compares time, speed,
   acceleration, jerk and corners. The rules know all moves ahead:
   trapezoid       the rule of husillo: limited acceleration, also towards the centre of arcs
-  jerk            planner::JerkWindow: limited jerk as well, with the least acceleration of
-                  all moves
+  jerk            that of a machine with jerk: limited jerk as well, with 0.866 of the least
+                  acceleration of all axes
   grbl            Grbl: arcs as chords of 0.002 mm tolerance, corners by 0.01 mm deviation
   klipper         Klipper: arcs as chords of 1 mm, corners by 5 mm/s square corner velocity
   The machine needs axes with ramps. Stops for take-ups count for the first two rules.

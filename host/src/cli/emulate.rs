@@ -7,11 +7,11 @@ use clap::Args;
 /// `husillo emulate`.
 #[derive(Debug, Args)]
 pub struct Emulate {
-    /// Machine: micromill, drill, microfactory, grbl, cmm, cmm3, or a TOML file of a measuring
-    /// machine
+    /// Machine: micromill, drill, microfactory, grbl, grblhal, cmm, cmm3, or a TOML file of a
+    /// measuring machine
     pub machine: String,
-    /// Machine whose steps, rates, ramps and travel the settings of grbl take: a name or a TOML
-    /// file
+    /// Machine whose steps, rates, ramps and travel the settings of grbl or grblhal take: a name
+    /// or a TOML file
     #[arg(short = 'm', long = "machine", value_name = "MACHINE")]
     pub mechanics: Option<String>,
     /// Figure of a microfactory: a G-code program of straight moves in X and Z, or a list of them

@@ -1,8 +1,8 @@
 //! `husillo measure`: its arguments.
 
 use super::Results;
-use crate::text::name;
 use clap::Args;
+use husillo_simulator::text::name;
 use std::ffi::OsString;
 
 /// `husillo measure`.

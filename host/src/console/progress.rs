@@ -1,11 +1,20 @@
 //! A line on the terminal that shows the progress of a long command.
 
 use super::is_smart;
+use husillo_simulator::programs::watch::Watch;
 use indicatif::{ProgressBar, ProgressStyle};
+use std::cell::RefCell;
 use std::io;
 
 /// Units of work between two updates.
-const UPDATE: u64 = 1 << 20;
+const UPDATE: u64 = Watch::UPDATE;
+
+/// Shows the progress while a program is read.
+pub fn reading() -> Watch {
+    let template = "Reading {human_pos} blocks and commands; Ctrl-C ends";
+    let progress = RefCell::new(Progress::new(template, None));
+    Watch::new(move || progress.borrow_mut().update())
+}
 
 /// The progress of a command. It is shown from the first update on.
 #[derive(Clone, Debug)]

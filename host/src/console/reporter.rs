@@ -2,8 +2,8 @@
 //! programs.
 
 use crate::cli::Output;
-use crate::diagnostics::Findings;
-use crate::text::json::{write_found, write_line};
+use husillo_simulator::diagnostics::Findings;
+use husillo_simulator::text::json::{write_found, write_line};
 use serde_json::{Value, json};
 use std::fmt::Display;
 use std::io::{self, Write};

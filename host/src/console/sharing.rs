@@ -1,11 +1,11 @@
 //! The ports of this program, shared with other programs for one purpose: a stop.
 
 #[cfg(unix)]
-use crate::machines::machine_file::MachineFile;
-#[cfg(unix)]
-use crate::text;
-#[cfg(unix)]
 use husillo_clients::holder::{Holder, Listening, Urgency, folder};
+#[cfg(unix)]
+use husillo_simulator::machines::machine_file::MachineFile;
+#[cfg(unix)]
+use husillo_simulator::text;
 #[cfg(unix)]
 use std::path::Path;
 #[cfg(unix)]

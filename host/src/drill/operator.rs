@@ -4,9 +4,9 @@ use crate::console::is_smart;
 use crate::console::reporter::{Reporter, report};
 use crate::console::stop::stops_asked;
 use crate::console::typed::typed_line;
-use crate::text::json::Millimetres;
 use husillo_clients::drill::{Operator, left};
 use husillo_gcode::Nm;
+use husillo_simulator::text::json::Millimetres;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 

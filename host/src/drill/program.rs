@@ -1,12 +1,12 @@
 //! A program as records of the drill: in its own language, or with depths in RS-274.
 
-use crate::diagnostics::{Finding, Findings};
-use crate::programs::program;
-use crate::programs::source::Source;
 use husillo_clients::drill::{Part, millimetres};
 use husillo_gcode::{Axes, Command, Dialect, Nm};
 use husillo_sim::device::drill::STROKE_STEPS;
 use husillo_sim::observers::AXES;
+use husillo_simulator::diagnostics::{Finding, Findings};
+use husillo_simulator::programs::program;
+use husillo_simulator::programs::source::Source;
 use husillo_transports::drill::{Record, STEPS_PER_MM, Table};
 use std::fmt::Write as _;
 use std::io;

@@ -1,11 +1,11 @@
 //! Drill files on the simulated drill.
 
-use crate::diagnostics::Findings;
 use crate::holes;
 use husillo_clients::drill::{Client, End, Operator, Part, Sender, lean};
 use husillo_clients::{StopRequests, Wire};
 use husillo_gcode::Nm;
 use husillo_sim::device::drill::Device;
+use husillo_simulator::diagnostics::Findings;
 use husillo_transports::drill::Table;
 
 /// Says nothing and changes no tool.

@@ -1,11 +1,11 @@
 //! A board as the records of the circuit-board drill: options, errors, and what is printed.
 
 use crate::cli::Layout;
-use crate::diagnostics::{Finding, Severity};
-use crate::text::json::{self, Millimetres};
 use husillo_gcode::Nm;
 use husillo_holes::{Board, RecordsError, SlotError, SlotHandling, ToolRecords, records};
 use husillo_sim::text::counted;
+use husillo_simulator::diagnostics::{Finding, Severity};
+use husillo_simulator::text::json::{self, Millimetres};
 use husillo_transports::drill::{OffTable, Record, Table, record_bytes};
 use serde::Serialize;
 use std::io::{self, Write};

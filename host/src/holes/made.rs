@@ -3,8 +3,8 @@
 use super::drill_records::{Compiler, Refusal};
 use super::{listing, uncut, work};
 use crate::cli::{DrillOutput, Holes, Output};
-use crate::diagnostics::Findings;
 use husillo_holes::{Board, Work};
+use husillo_simulator::diagnostics::Findings;
 
 /// Makes a list, G-code or records of the drill.
 pub struct Maker<'a> {

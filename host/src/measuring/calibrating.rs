@@ -7,10 +7,10 @@ use crate::app::count;
 use crate::cli::{AxisArgs, SquarenessArgs};
 use crate::console::reporter::Reporter;
 use crate::input::columns::{Columns, Row};
-use crate::text::json::Millimetres;
 use husillo_backlash::Flank;
 use husillo_metrology::calibration::{AxisFit, Ends, Reading, SquareFit};
 use husillo_metrology::heads::Machine;
+use husillo_simulator::text::json::Millimetres;
 use serde_json::json;
 
 /// `husillo calibrate axis`: writes the lines for the machine file to `out`.

@@ -1,9 +1,9 @@
 //! Reads and writes `[axis.x.calibration]` and `[squareness]` of a machine file.
 
-use crate::machines::table::Table;
 use husillo_backlash::{ErrorTable, Knot, Squareness};
 use husillo_metrology::Scale;
 use husillo_metrology::quantity::{self, Quantity};
+use husillo_simulator::machines::table::Table;
 use std::fmt::Write;
 
 const RATIO: &str = "as in \"50 um/m\", at most 10000 um/m";

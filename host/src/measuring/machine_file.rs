@@ -1,9 +1,6 @@
 //! Machine files of measuring machines.
 
 use super::{calibration_file, motor_file};
-use crate::diagnostics::Finding;
-use crate::machines::machine_file::{LoadError, MEASURING, read_text};
-use crate::machines::table::{Table, document};
 use husillo_metrology::Scale;
 use husillo_metrology::heads::{
     AxisSettings, End, Errors, Machine, PRE_TRAVEL_ENTRIES, ProbeSettings, Switches, Wiring,
@@ -12,6 +9,9 @@ use husillo_metrology::heads::{
 use husillo_metrology::quantity::{self, Quantity};
 use husillo_probe::{PreTravel, Tip, UnitVector};
 use husillo_sim::text::counted;
+use husillo_simulator::diagnostics::Finding;
+use husillo_simulator::machines::machine_file::{LoadError, MEASURING, read_text};
+use husillo_simulator::machines::table::{Table, document};
 use husillo_transports::nmc::{Baud, Gains, LAST_ADDRESS};
 use toml::de::DeValue;
 
@@ -23,7 +23,15 @@ use toml::de::DeValue;
 pub fn load(name: &str) -> Result<Machine, LoadError> {
     match MEASURING.iter().find(|(known, ..)| *known == name) {
         Some((_, path, text)) => parse(path, text),
-        None => parse(name, &read_text(name, "measuring machine", "cmm and cmm3")?),
+        None => parse(
+            name,
+            &read_text(
+                name,
+                "measuring machine",
+                "cmm and cmm3",
+                crate::input::read_to_string,
+            )?,
+        ),
     }
     .map_err(LoadError::Findings)
 }

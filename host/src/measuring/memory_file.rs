@@ -2,9 +2,9 @@
 //! and positions of the axes.
 
 use crate::cli::Measure;
-use crate::machines::machine_file::MachineFile;
 use husillo_backlash::Flank;
 use husillo_metrology::heads::{AxisMemory, End, Machine, Memory};
+use husillo_simulator::machines::machine_file::MachineFile;
 use husillo_transports::nmc::Baud;
 use serde::{Deserialize, Serialize};
 use std::fs;
@@ -193,7 +193,7 @@ fn place(port: &str) -> Option<(PathBuf, String)> {
 
 /// Resolves a path and its links. A name that is not a file stays.
 fn absolute(name: &str) -> String {
-    let path = fs::canonicalize(crate::text::name::path(Path::new(name)));
+    let path = fs::canonicalize(husillo_simulator::text::name::path(Path::new(name)));
     path.map_or_else(|_| name.to_owned(), |path| path.display().to_string())
 }
 

@@ -1,7 +1,7 @@
 //! The simulated motor of an axis in the machine file of a measuring machine.
 
-use crate::machines::table::Table;
 use husillo_metrology::simulated::DcMotorModel;
+use husillo_simulator::machines::table::Table;
 use std::ops::RangeInclusive;
 
 /// Reads `[axis.x.motor]`. Missing keys have the values of the prototype.

@@ -1,11 +1,11 @@
 //! Files of simulated work pieces and of the probe that touches them.
 
-use crate::diagnostics::Finding;
-use crate::machines::machine_file::LoadError;
-use crate::machines::table::{Table, document};
 use husillo_metrology::quantity::{self, Quantity};
 use husillo_metrology::simulated::Piece;
 use husillo_sim::{Bore, Place, PointMm, Shape, Solid, TouchProbe, TouchProbeModel, WorkPiece};
+use husillo_simulator::diagnostics::Finding;
+use husillo_simulator::machines::machine_file::LoadError;
+use husillo_simulator::machines::table::{Table, document};
 
 const LENGTH: &str = "a length as in \"8 mm\" or \"2 um\"";
 const ANGLE: &str = "an angle as in \"3 deg\"";

@@ -15,7 +15,7 @@ use std::io::{self, Write};
 pub fn print(walk: &Walk, format: Output) -> io::Result<()> {
     let mut out = crate::console::stdout();
     if format == Output::Json {
-        return crate::text::json::write_line("husillo.interpolate/1", walk, &mut out);
+        return husillo_simulator::text::json::write_line("husillo.interpolate/1", walk, &mut out);
     }
     let end: Vec<String> = walk.end.iter().map(i64::to_string).collect();
     writeln!(out, "iterations     {}", walk.iterations)?;

@@ -1,11 +1,11 @@
 //! Reads a figure from a file: a list of moves, or a G-code program.
 
-use crate::diagnostics::Findings;
-use crate::programs::program;
-use crate::programs::source::Source;
+use crate::input;
 use husillo_clients::microfactory::{Figure, Settings, listed};
 use husillo_gcode::{Axes, Command, Dialect, Nm};
 use husillo_sim::observers::AXES;
+use husillo_simulator::diagnostics::Findings;
+use husillo_simulator::programs::program;
 
 /// End of the name of a list of moves: one move per line, X and Z in steps; `;` begins a comment.
 const LIST: &str = ".fig";
@@ -69,7 +69,7 @@ pub fn is_list(file: &str) -> bool {
 ///
 /// The program's first error; a move that is not straight in X and Z, or too long.
 fn programmed(file: &str, settings: &Settings) -> Result<Vec<[i16; 2]>, String> {
-    let mut source = Source::open(file).map_err(|error| format!("{file}: {error}"))?;
+    let mut source = input::program(file).map_err(|error| format!("{file}: {error}"))?;
     let mut findings = Findings::new(1);
     let mut moves = Vec::new();
     let mut at = [0_i64; 2];
@@ -134,11 +134,11 @@ fn straight(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::machines::machine_file::MachineFile;
     use crate::microfactory::settings_of;
+    use husillo_simulator::machines::machine_file::MachineFile;
 
     fn settings() -> Settings {
-        settings_of(&MachineFile::load("microfactory").unwrap()).unwrap()
+        settings_of(&MachineFile::built_in("microfactory").unwrap()).unwrap()
     }
 
     fn from(text: &str) -> Result<Vec<[i16; 2]>, String> {

@@ -2,12 +2,12 @@
 
 use super::wanted;
 use crate::backlash::SimulatedBench;
-use crate::machines::machine_file::MachineFile;
 use husillo_metrology::originals::micromill::{
     Screws, Settings, Shop, circles, interpolators, lines, marks, part, power_chips, sequences,
     squares, supply,
 };
 use husillo_reports::originals::{Picture, Rebuilt};
+use husillo_simulator::machines::machine_file::MachineFile;
 
 /// Numbers of its tables.
 const NUMBERS: [&str; 13] = [
@@ -17,7 +17,7 @@ const NUMBERS: [&str; 13] = [
 /// Rebuilds the tables.
 pub fn rebuild(table: Option<&str>) -> Result<Rebuilt, String> {
     let build = |settings: &Settings, screws: &Screws| {
-        let file = MachineFile::load("micromill").map_err(|_| "micromill: its file is wrong")?;
+        let file = MachineFile::built_in("micromill").ok_or("micromill: its file is wrong")?;
         let bench = SimulatedBench::of_original(file, settings, screws)?;
         Ok(Box::new(bench) as Box<_>)
     };

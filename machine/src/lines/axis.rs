@@ -27,8 +27,8 @@ pub struct AxisRamp {
     pub acceleration_hz_per_s: u32,
     /// Start/stop rate in steps/s; 0 where the axis has to ramp up from standstill.
     pub start_rate_hz: u32,
-    /// Jerk of a take-up in steps/s^3; `None` for no limit. Along the path the acceleration is not
-    /// limited in jerk.
+    /// Jerk of a take-up in steps/s^3, and of the path in a machine with
+    /// [`SmoothRamp`](crate::SmoothRamp); `None` for no limit.
     pub jerk_hz_per_s2: Option<u32>,
     /// Largest jump of the step rate at a corner in steps/s; `None` if only
     /// [`Config::corner_deviation`] limits corners.

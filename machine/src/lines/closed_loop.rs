@@ -2,9 +2,10 @@
 
 use husillo_backlash::{Backlash, BacklashModel};
 use husillo_interp::{Moves, Path};
-use husillo_planner::Timer;
+use husillo_planner::{Ramp, Timer};
 
 use crate::lines::extension::Extension;
+use crate::lines::path_ramp::PathRamp;
 use husillo_encoder::StepWatch;
 
 use crate::{AxisEncoder, Event, MAX_WAIT_TICKS, Machine, OnLoss, StepEvent};
@@ -79,6 +80,7 @@ pub struct ClosedLoop<
     L: BacklashModel<N> = Backlash,
     const QUEUE: usize = 16,
     E: Extension<N> = (),
+    R: PathRamp = Ramp,
 > {
     axes: [Option<StepWatch>; N],
     state: State,
@@ -91,15 +93,21 @@ pub struct ClosedLoop<
     /// Steps to re-emit: the first leg, then the return leg.
     legs: [i32; 2],
     timer: Timer,
-    machine: Machine<N, P, L, QUEUE, E>,
+    machine: Machine<N, P, L, QUEUE, E, R>,
 }
 
-impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Extension<N>>
-    ClosedLoop<N, P, L, QUEUE, E>
+impl<
+    const N: usize,
+    P: Moves<N>,
+    L: BacklashModel<N>,
+    const QUEUE: usize,
+    E: Extension<N>,
+    R: PathRamp,
+> ClosedLoop<N, P, L, QUEUE, E, R>
 {
     /// Wraps a machine at standstill with the encoders of its axes. The encoder positions at the
     /// first event are the expected ones.
-    pub fn new(machine: Machine<N, P, L, QUEUE, E>, encoders: [Option<AxisEncoder>; N]) -> Self {
+    pub fn new(machine: Machine<N, P, L, QUEUE, E, R>, encoders: [Option<AxisEncoder>; N]) -> Self {
         Self {
             machine,
             axes: encoders.map(|encoder| encoder.map(StepWatch::new)),
@@ -113,13 +121,13 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Ex
     }
 
     /// The machine, for its state.
-    pub const fn machine(&self) -> &Machine<N, P, L, QUEUE, E> {
+    pub const fn machine(&self) -> &Machine<N, P, L, QUEUE, E, R> {
         &self.machine
     }
 
     /// The machine, for lines and overrides. For hold, resume and abort use the methods of this
     /// type.
-    pub const fn machine_mut(&mut self) -> &mut Machine<N, P, L, QUEUE, E> {
+    pub const fn machine_mut(&mut self) -> &mut Machine<N, P, L, QUEUE, E, R> {
         &mut self.machine
     }
 

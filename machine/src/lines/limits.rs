@@ -1,10 +1,12 @@
 //! Limits of the axes in the units of the planner.
 
 use husillo_gcode::PathMode;
-use husillo_planner::{ArcLimits, Junction, Stretch, Tangent, Upper, mul_div, mul_div_q16};
+use husillo_planner::{
+    ArcLimits, JerkLimits, Junction, Stretch, Tangent, Upper, mul_div, mul_div_q16,
+};
 
-use crate::Config;
 use crate::lines::tempo::{Round, Tempo};
+use crate::{Axis, Config};
 
 /// Limits of all axes, with speeds in nm/s.
 #[derive(Copy, Clone, Debug)]
@@ -182,6 +184,40 @@ impl<const N: usize> Limits<N> {
                 share.acceleration_limit(&limits)
             }),
         }
+    }
+}
+
+impl<const N: usize> Config<N> {
+    /// The limits along the path of a machine with [`SmoothRamp`](crate::SmoothRamp); `None` if no
+    /// axis has a jerk.
+    ///
+    /// - **Acceleration**: 0.866 of the least one of the axes. It is safe in every direction, and
+    ///   on an arc it leaves half of the limit for the acceleration towards the centre.
+    /// - **Jerk**: the least one of the axes that have one.
+    ///
+    /// Limits that [`JerkWindow`](husillo_planner::JerkWindow) refuses, a window below about 0.1 ms
+    /// or of seconds, are not kept: such a machine limits the acceleration only.
+    pub fn jerk_limits(&self) -> Option<JerkLimits> {
+        let ramps = || self.axes.iter().filter_map(|axis| Some((axis, axis.ramp?)));
+        let of_axis = |(axis, rate): (&Axis, u32)| axis.nm_per_s(rate);
+        let jerk = ramps()
+            .filter_map(|(axis, ramp)| Some((axis, ramp.jerk_hz_per_s2?)))
+            .map(of_axis)
+            .min()?;
+        let accelerations = ramps().map(|(axis, ramp)| (axis, ramp.acceleration_hz_per_s));
+        let acceleration = accelerations.map(of_axis).min()?;
+        // At most 2^40, as on arcs.
+        let acceleration = acceleration.min(1 << 40).wrapping_mul(866) / 1000;
+        let squared = self.axes.iter().fold(0_u64, |sum, axis| {
+            let speed = axis.nm_per_s(axis.max_rate_hz).min(u32::MAX.into());
+            sum.saturating_add(speed.wrapping_mul(speed))
+        });
+        Some(JerkLimits {
+            acceleration_nm_per_s2: acceleration.max(1),
+            jerk_nm_per_s3: jerk.max(1),
+            // Rounded up; of 32 bits.
+            highest_nm_per_s: squared.isqrt().saturating_add(1).min(u32::MAX.into()) as u32,
+        })
     }
 }
 

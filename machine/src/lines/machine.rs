@@ -14,6 +14,7 @@ use husillo_planner::{Ramp, Timer};
 
 use crate::lines::extension::Extension;
 use crate::lines::guard::StepGuard;
+use crate::lines::path_ramp::{MoveQueue, PathRamp};
 use crate::lines::schedule::Schedule;
 use crate::lines::segment::Start;
 use crate::lines::take_up::TakeUp;
@@ -49,6 +50,9 @@ pub enum Origin {
 /// `E` is `()` for a machine of axes, spindle and coolant. [`Extended`](crate::Extended) adds
 /// cutter compensation and the commands that need [`Equipment`].
 ///
+/// `R` is [`Ramp`] for limited acceleration. [`SmoothRamp`](crate::SmoothRamp) limits the jerk
+/// along the path as well.
+///
 /// The fields that each event uses come first: short instructions reach 1 kB from the address.
 #[derive(Clone, Debug)]
 #[repr(C)]
@@ -58,6 +62,7 @@ pub struct Machine<
     L: BacklashModel<N> = Backlash,
     const QUEUE: usize = 16,
     E: Extension<N> = (),
+    R: PathRamp = Ramp,
 > {
     run: Option<Run<P>>,
     take_up: TakeUp<N, L>,
@@ -69,14 +74,14 @@ pub struct Machine<
     load: [i32; N],
     origin: Origin,
     segment: Option<Segment<N>>,
-    ramp: Ramp,
+    ramp: R,
     config: Config<N>,
     /// Outputs and pauses of the command begun last.
     signals: [Option<Event<N>>; 4],
     /// Path mode after the last line.
     mode: PathMode,
     has_ended: bool,
-    schedule: Schedule<N, P, E::Kept, QUEUE>,
+    schedule: Schedule<N, P, E::Kept, R, QUEUE>,
     modal: Modal<N>,
     /// Remaining commands of the last block.
     commands: E::Commands,
@@ -110,8 +115,8 @@ struct Run<P> {
     follows: bool,
 }
 
-impl<const N: usize, P: Moves<N>, const QUEUE: usize, E: Extension<N>>
-    Machine<N, P, Backlash, QUEUE, E>
+impl<const N: usize, P: Moves<N>, const QUEUE: usize, E: Extension<N>, R: PathRamp>
+    Machine<N, P, Backlash, QUEUE, E, R>
 {
     /// Creates a machine with one backlash value per axis.
     pub fn new(config: Config<N>) -> Self {
@@ -122,8 +127,14 @@ impl<const N: usize, P: Moves<N>, const QUEUE: usize, E: Extension<N>>
     }
 }
 
-impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Extension<N>>
-    Machine<N, P, L, QUEUE, E>
+impl<
+    const N: usize,
+    P: Moves<N>,
+    L: BacklashModel<N>,
+    const QUEUE: usize,
+    E: Extension<N>,
+    R: PathRamp,
+> Machine<N, P, L, QUEUE, E, R>
 {
     /// Creates a machine with a custom backlash model per axis and a custom queue length.
     pub fn with_backlash(mut config: Config<N>, backlash: [L; N]) -> Self {
@@ -139,7 +150,7 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Ex
             waiting: None,
             schedule: Schedule::new(&config),
             run: None,
-            ramp: Ramp::new(config.timer_hz),
+            ramp: R::new(config.timer_hz),
             mode: PathMode::default(),
             has_ended: false,
             segment: None,
@@ -379,7 +390,10 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Ex
                 Some(command) if command.end().is_some() => {
                     self.schedule.push(&self.config, command, has_backlash);
                 }
-                other => self.waiting = *other,
+                other => {
+                    self.waiting = *other;
+                    self.schedule.moves.finish();
+                }
             }
             self.next = None;
         }
@@ -407,7 +421,7 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Ex
     }
 
     /// Whether a hold is active.
-    pub const fn is_held(&self) -> bool {
+    pub fn is_held(&self) -> bool {
         self.ramp.is_held()
     }
 

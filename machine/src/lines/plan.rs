@@ -2,7 +2,7 @@
 
 use husillo_gcode::{Command, Nm};
 use husillo_interp::{Moves, Path};
-use husillo_planner::Stretch;
+use husillo_planner::{Ramp, Stretch};
 
 use crate::lines::schedule::Schedule;
 use crate::{Config, MoveError, Segment};
@@ -64,7 +64,7 @@ pub struct Plan<const N: usize, P = Path<N>> {
     has_backlash: [bool; N],
     /// Whether the path stops before the next move, for a command that is not a move.
     stops: bool,
-    schedule: Schedule<N, P, Segment<N>, 1>,
+    schedule: Schedule<N, P, Segment<N>, Ramp, 1>,
 }
 
 impl<const N: usize, P: Moves<N>> Plan<N, P> {

@@ -4,10 +4,17 @@ use husillo_backlash::BacklashModel;
 use husillo_interp::Moves;
 
 use crate::lines::extension::Extension;
+use crate::lines::path_ramp::PathRamp;
 use crate::{Machine, Refused};
 
-impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Extension<N>>
-    Machine<N, P, L, QUEUE, E>
+impl<
+    const N: usize,
+    P: Moves<N>,
+    L: BacklashModel<N>,
+    const QUEUE: usize,
+    E: Extension<N>,
+    R: PathRamp,
+> Machine<N, P, L, QUEUE, E, R>
 {
     /// Takes a line as [`line`](Machine::line) does, for a loop that takes events meanwhile.
     ///

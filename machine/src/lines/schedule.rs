@@ -2,10 +2,11 @@
 
 use husillo_gcode::{Command, Nm, PathMode};
 use husillo_interp::{Moves, Step};
-use husillo_planner::{LookAhead, Stretch, Tangent, share};
+use husillo_planner::{Stretch, Tangent, share};
 
 use crate::lines::kept::Kept;
 use crate::lines::limits::Limits;
+use crate::lines::path_ramp::{MoveQueue, RampParts};
 use crate::lines::tangent::tangents;
 use crate::lines::tempo::{Pace, Tempo};
 use crate::{Config, Segment};
@@ -51,8 +52,8 @@ const STAND: Stretch = Stretch {
 
 /// The queue of a machine, and the state at its end.
 #[derive(Clone, Debug)]
-pub(crate) struct Schedule<const N: usize, P, K, const QUEUE: usize> {
-    pub(crate) moves: LookAhead<Work<N, K>, QUEUE>,
+pub(crate) struct Schedule<const N: usize, P, K: Kept<N>, R: RampParts, const QUEUE: usize> {
+    pub(crate) moves: R::Queue<Work<N, K>, QUEUE>,
     limits: Option<Limits<N>>,
     mode: PathMode,
     programmed: [Nm; N],
@@ -84,10 +85,12 @@ struct Parts<const N: usize, P, K> {
     total_sweep: u64,
 }
 
-impl<const N: usize, P: Moves<N>, K: Kept<N>, const QUEUE: usize> Schedule<N, P, K, QUEUE> {
+impl<const N: usize, P: Moves<N>, K: Kept<N>, R: RampParts, const QUEUE: usize>
+    Schedule<N, P, K, R, QUEUE>
+{
     pub(crate) fn new(config: &Config<N>) -> Self {
         Schedule {
-            moves: LookAhead::new(),
+            moves: R::Queue::new(config.jerk_limits().as_ref()),
             limits: Limits::of(config),
             mode: PathMode::default(),
             programmed: [Nm(0); N],
@@ -112,7 +115,7 @@ impl<const N: usize, P: Moves<N>, K: Kept<N>, const QUEUE: usize> Schedule<N, P,
         self.limits.is_some()
     }
 
-    pub(crate) const fn is_full(&self) -> bool {
+    pub(crate) fn is_full(&self) -> bool {
         self.moves.is_full()
     }
 

@@ -41,8 +41,8 @@ impl Rule {
 /// What the machine file does not say.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// Window of the jerk rule in s.
-    pub window: f64,
+    /// Window of the jerk rule in s; `None` for that of the machine, which has a jerk.
+    pub window: Option<f64>,
     /// Junction deviation of Grbl in mm.
     pub deviation: f64,
     /// Arc tolerance of Grbl in mm.
@@ -57,7 +57,7 @@ impl Default for Settings {
     /// The defaults of both controllers, and a window of 20 ms.
     fn default() -> Self {
         Settings {
-            window: 0.02,
+            window: Some(0.02),
             deviation: 0.01,
             arc_tolerance: 0.002,
             square_corner: 5.0,
@@ -145,19 +145,32 @@ impl<const N: usize> Course<N> {
         }
     }
 
-    fn jerk(&self, window: f64) -> Result<Profile, JerkLimitsError> {
-        let stretches = || self.moves.iter().map(|planned| &planned.stretch);
-        let acceleration = stretches().map(|one| one.acceleration_nm_per_s2).min();
-        let acceleration = acceleration.unwrap_or(1);
-        let limits = JerkLimits {
-            acceleration_nm_per_s2: acceleration,
-            jerk_nm_per_s3: (acceleration as f64 / window).max(1.0) as u64,
-            highest_nm_per_s: stretches().map(|one| one.top_at(100)).max().unwrap_or(1),
-        };
+    /// The limits of the machine along its path; `window` replaces its jerk.
+    fn jerk_limits(&self, window: Option<f64>) -> JerkLimits {
+        let mut config = self.config;
+        if window.is_some() {
+            for ramp in config.axes.iter_mut().filter_map(|axis| axis.ramp.as_mut()) {
+                ramp.jerk_hz_per_s2 = Some(1);
+            }
+        }
+        let limits = config.jerk_limits().unwrap_or(JerkLimits {
+            acceleration_nm_per_s2: 1,
+            jerk_nm_per_s3: 1,
+            highest_nm_per_s: 1,
+        });
+        let acceleration = limits.acceleration_nm_per_s2 as f64;
+        JerkLimits {
+            jerk_nm_per_s3: window.map_or(limits.jerk_nm_per_s3, |window| {
+                (acceleration / window).max(1.0) as u64
+            }),
+            ..limits
+        }
+    }
+
+    fn jerk(&self, window: Option<f64>) -> Result<Profile, JerkLimitsError> {
+        let limits = self.jerk_limits(window);
         let mut queue = Box::new(JerkWindow::<usize, QUEUE>::new(&limits)?);
         let unit = MM / f64::from(queue.units_per_nm());
-        // A timer of 1 GHz.
-        let seconds = queue.slice_ticks_q32(1_000_000_000) as f64 / 2_f64.powi(32) / 1e9;
         let turns = self.turns();
         let mut profile = Profile::default();
         // The move in which the path is, and the rest of its path in units.
@@ -175,6 +188,8 @@ impl<const N: usize> Course<N> {
             let Some(slice) = queue.next_slice() else {
                 return Ok(profile);
             };
+            // A timer of 1 GHz.
+            let seconds = queue.slice_ticks_q32(1_000_000_000) as f64 / 2_f64.powi(32) / 1e9;
             let piece = Piece {
                 seconds,
                 speed: slice.speed as f64 * unit / seconds,

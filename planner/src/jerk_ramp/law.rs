@@ -202,6 +202,12 @@ impl Passage {
         wait
     }
 
+    /// Speed in units per slice.
+    pub(crate) fn speed(&self, law: &Law) -> u64 {
+        let (_, speed) = law.at(ratio(self.given, law.time));
+        speed
+    }
+
     fn time_at(&mut self, path: u64, law: &Law) -> u64 {
         if path >= law.length {
             return law.time;

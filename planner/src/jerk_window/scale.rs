@@ -3,7 +3,8 @@
 use core::fmt;
 
 use crate::{
-    jerk_window::filter::SLICES,
+    durations::mul_div,
+    jerk_window::filter::{PARTS, SLICES},
     timer::{bits, scaled_quotient},
 };
 
@@ -69,6 +70,7 @@ pub(crate) struct Scale {
     /// The longest path whose product with the step has 62 bits.
     pub(crate) reach: u64,
     highest_nm_per_s: u32,
+    pub(crate) acceleration: u64,
 }
 
 impl Scale {
@@ -108,6 +110,7 @@ impl Scale {
                 // Below 2^(62 - k) with a step below 2^k.
                 reach: u64::MAX.wrapping_shr(bits(step as u64).wrapping_add(2)),
                 highest_nm_per_s,
+                acceleration,
             });
         }
         Err(JerkLimitsError::WindowTooLong)
@@ -117,6 +120,61 @@ impl Scale {
     pub(crate) fn speed(&self, nm_per_s: u32) -> u32 {
         let nm_per_s = nm_per_s.min(self.highest_nm_per_s);
         (u64::from(self.slice).wrapping_mul(nm_per_s.into()) >> 32) as u32
+    }
+
+    /// Whether a run from stop to stop uses the whole window: it is at least 2 a T^2 long.
+    pub(crate) fn fills_window(&self, half_units: u64) -> bool {
+        // With T in slices, a T^2 is 256 steps.
+        half_units >= u64::from(self.step) << 10
+    }
+
+    /// The window of a run that does not fill this one. Its jerk is the same, and its acceleration
+    /// is that of the jerk after a quarter of the time of the run: L = 2 j T^3.
+    pub(crate) fn shortened(&self, half_units: u64) -> Scale {
+        // The next speeds are whole steps, so that a run ends a slice later if its step is too
+        // small. Below 2^25.
+        let step = (half_units >> 10).saturating_add(half_units >> 16);
+        let step = step.min(self.step.into()).max(64);
+        let cube = |slice: u32| {
+            u128::from(u64::from(slice).wrapping_mul(slice.into())).wrapping_mul(slice.into())
+        };
+        // 96 and 25 bits.
+        let least = cube(self.slice).wrapping_mul(step.into());
+        let is_enough = |slice: u32| cube(slice).wrapping_mul(self.step.into()) >= least;
+        // The least slice that keeps the jerk.
+        let mut slice = self.slice;
+        for bit in (0..32).rev() {
+            let less = slice.saturating_sub(1_u32.wrapping_shl(bit));
+            if is_enough(less) {
+                slice = less;
+            }
+        }
+        Scale {
+            slice,
+            step: step as u32,
+            reach: u64::MAX.wrapping_shr(bits(step).wrapping_add(2)),
+            ..*self
+        }
+    }
+
+    /// Converts a path of slices per slice to nm/s, rounded down.
+    pub(crate) fn nm_per_s(&self, speed: u64) -> u32 {
+        // There are 2 PARTS units in 2^-fraction_bits nm, and the slice has as many fraction bits.
+        let parts = u64::from(PARTS).wrapping_mul(2);
+        let speed = mul_div(speed, 1 << 32, parts.wrapping_mul(self.slice.into()));
+        speed.min(u32::MAX.into()) as u32
+    }
+
+    /// Highest speed of a move that allows this acceleration: what it reaches in a window, if it is
+    /// below that of the window.
+    pub(crate) fn most_at(&self, acceleration: u64) -> u32 {
+        if acceleration >= self.acceleration {
+            return u32::MAX;
+        }
+        // 64 and 32 bits. The window has 16 slices.
+        let product = u128::from(acceleration).wrapping_mul(self.slice.into());
+        let speed = product.wrapping_shr(28_u32.wrapping_add(self.fraction_bits.into()));
+        speed.min(u32::MAX.into()) as u32
     }
 
     /// Length of a move in half units, at most 2^53.

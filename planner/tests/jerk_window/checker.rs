@@ -59,13 +59,7 @@ pub struct Checker<'a> {
 }
 
 impl<'a> Checker<'a> {
-    pub fn new(
-        limits: JerkLimits,
-        moves: &'a [Move],
-        percent: u8,
-        slice: f64,
-        units_per_nm: u32,
-    ) -> Self {
+    pub fn new(limits: JerkLimits, moves: &'a [Move], percent: u8, units_per_nm: u32) -> Self {
         let mut end = 0;
         let ends = moves
             .iter()
@@ -78,7 +72,7 @@ impl<'a> Checker<'a> {
             limits,
             moves,
             percent,
-            slice,
+            slice: 0.0,
             scale: f64::from(units_per_nm),
             ends,
             at: 0,
@@ -87,6 +81,12 @@ impl<'a> Checker<'a> {
             bend: 0,
             seen: Seen::default(),
         }
+    }
+
+    /// Seconds of the next slice; they change only at rest.
+    pub fn set_slice(&mut self, slice: f64) {
+        assert!(slice == self.slice || (self.speed, self.bend) == (0, 0));
+        self.slice = slice;
     }
 
     pub fn pass(&mut self, slice: &Slice) {

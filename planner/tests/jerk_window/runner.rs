@@ -16,17 +16,21 @@ pub struct Disturbance {
     pub changes: f64,
 }
 
+/// Duration of the last slice in s.
+fn seconds<M, const CAPACITY: usize>(window: &JerkWindow<M, CAPACITY>) -> f64 {
+    const HZ: u32 = 1_000_000_000;
+    window.slice_ticks_q32(HZ) as f64 / 2_f64.powi(32) / f64::from(HZ)
+}
+
 pub fn run<const CAPACITY: usize>(
     limits: JerkLimits,
     moves: &[Move],
     disturbance: Disturbance,
     random: &mut oorandom::Rand64,
 ) -> Seen {
-    const HZ: u32 = 1_000_000_000;
     let mut window = JerkWindow::<usize, CAPACITY>::new(&limits).unwrap();
-    let slice = window.slice_ticks_q32(HZ) as f64 / 2_f64.powi(32) / f64::from(HZ);
     let percent = if disturbance.changes > 0.0 { 200 } else { 100 };
-    let mut checker = Checker::new(limits, moves, percent, slice, window.units_per_nm());
+    let mut checker = Checker::new(limits, moves, percent, window.units_per_nm());
     let (mut pushed, mut arrived) = (0, 0.0);
     // The path made so far and the ends of the moves, exactly, in units.
     let (mut made, mut end) = (0_u128, 0_u128);
@@ -40,6 +44,9 @@ pub fn run<const CAPACITY: usize>(
         while pushed < moves.len() && arrived >= 1.0 && !window.is_full() {
             window.push(moves[pushed].stretch, pushed).unwrap();
             pushed += 1;
+            if pushed == moves.len() {
+                window.finish();
+            }
             arrived -= 1.0;
         }
         while let Some((stretch, _)) = window.front() {
@@ -60,6 +67,7 @@ pub fn run<const CAPACITY: usize>(
         match window.next_slice() {
             Some(slice) => {
                 made += u128::from(slice.length());
+                checker.set_slice(seconds(&window));
                 checker.pass(&slice);
             }
             None if window.is_held() && disturbance.changes > 0.0 => window.resume(),

@@ -26,8 +26,17 @@ impl Device {
     /// Its mechanics have the steps per millimetre of these settings. As on a real mill, a later
     /// change of the settings does not change the mechanics.
     pub fn new(bits_per_s: u32, settings: Settings) -> Self {
+        Self::with_options(bits_per_s, settings, GrblOptions::FULL)
+    }
+
+    /// Creates such a mill whose controller speaks the protocol of grblHAL.
+    pub fn grblhal(bits_per_s: u32, settings: Settings) -> Self {
+        Self::with_options(bits_per_s, settings, GrblOptions::HAL)
+    }
+
+    fn with_options(bits_per_s: u32, settings: Settings, options: GrblOptions) -> Self {
         let memory = GrblMemory::FACTORY.with_settings(settings);
-        let grbl = Grbl::new(GrblOptions::FULL, Some(&memory));
+        let grbl = Grbl::new(options, Some(&memory));
         let mut rig = GrblRig::new();
         for (axis, mm) in SWITCHES_MM.into_iter().enumerate() {
             rig.add_switch(SlideSwitch {

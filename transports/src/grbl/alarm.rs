@@ -24,11 +24,13 @@ pub enum Alarm {
     HomingPullOff = 8,
     /// The search found no switch.
     HomingApproach = 9,
+    /// The axes must be homed first. Only grblHAL has this alarm.
+    HomingRequired = 11,
 }
 
 impl Alarm {
     /// All alarms by number.
-    pub const ALL: [Alarm; 9] = [
+    pub const ALL: [Alarm; 10] = [
         Alarm::HardLimit,
         Alarm::SoftLimit,
         Alarm::AbortCycle,
@@ -38,6 +40,7 @@ impl Alarm {
         Alarm::HomingDoor,
         Alarm::HomingPullOff,
         Alarm::HomingApproach,
+        Alarm::HomingRequired,
     ];
 
     /// Returns its number.
@@ -64,6 +67,7 @@ impl Alarm {
             Alarm::HomingDoor => "the door was opened during homing",
             Alarm::HomingPullOff => "the pull-off did not open the switch",
             Alarm::HomingApproach => "homing found no switch",
+            Alarm::HomingRequired => "the axes must be homed first",
         }
     }
 }

@@ -77,11 +77,21 @@ pub enum ErrorCode {
     ToolLengthAxis = 37,
     /// The tool number is too large.
     ToolNumber = 38,
+    /// A value is out of its range.
+    OutOfRange = 39,
+    /// Motion is refused while a tool is changed.
+    ToolChange = 40,
+    /// The axes must be homed first.
+    HomingRequired = 46,
+    /// The value of a setting is out of its range.
+    SettingRange = 52,
+    /// There is no such setting.
+    SettingUnknown = 53,
 }
 
 impl ErrorCode {
-    /// All errors by number.
-    pub const ALL: [ErrorCode; 36] = [
+    /// All errors by number. Those above 38 are sent by grblHAL only.
+    pub const ALL: [ErrorCode; 41] = [
         ErrorCode::ExpectedLetter,
         ErrorCode::BadNumber,
         ErrorCode::InvalidStatement,
@@ -118,6 +128,11 @@ impl ErrorCode {
         ErrorCode::Unused,
         ErrorCode::ToolLengthAxis,
         ErrorCode::ToolNumber,
+        ErrorCode::OutOfRange,
+        ErrorCode::ToolChange,
+        ErrorCode::HomingRequired,
+        ErrorCode::SettingRange,
+        ErrorCode::SettingUnknown,
     ];
 
     /// Returns its number.
@@ -171,6 +186,11 @@ impl ErrorCode {
             ErrorCode::Unused => "words without use",
             ErrorCode::ToolLengthAxis => "the tool length needs a Z word",
             ErrorCode::ToolNumber => "the tool number is too large",
+            ErrorCode::OutOfRange => "a value is out of its range",
+            ErrorCode::ToolChange => "not while a tool is changed",
+            ErrorCode::HomingRequired => "the axes must be homed first",
+            ErrorCode::SettingRange => "the value of the setting is out of its range",
+            ErrorCode::SettingUnknown => "no such setting",
         }
     }
 }

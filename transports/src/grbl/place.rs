@@ -33,8 +33,8 @@ impl Units {
 }
 
 impl Text {
-    /// Appends a length.
-    pub(crate) fn put_length(&mut self, nm: i64, units: Units) {
+    /// Appends a length in nanometres.
+    pub fn put_length(&mut self, nm: i64, units: Units) {
         self.put_decimal(rounded(nm, units.last_place_nm()), units.places());
     }
 
@@ -71,7 +71,8 @@ impl Place {
         self.nm.get(..self.axes).unwrap_or_default()
     }
 
-    pub(crate) fn put(&self, text: &mut Text, units: Units) {
+    /// Appends the lengths, separated by commas.
+    pub fn put(&self, text: &mut Text, units: Units) {
         for (axis, nm) in (0_usize..).zip(self.nm()) {
             if axis > 0 {
                 text.put(b",");

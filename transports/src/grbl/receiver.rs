@@ -82,6 +82,11 @@ impl<const N: usize> Receiver<N> {
         RECEIVE_BYTES.saturating_sub(used)
     }
 
+    /// Returns the number of free bytes.
+    pub const fn room(&self) -> usize {
+        N.saturating_sub(self.length)
+    }
+
     /// Returns the number of bytes lost so far.
     pub const fn lost(&self) -> u32 {
         self.lost

@@ -2,7 +2,7 @@
 
 use std::hint::black_box;
 
-use husillo_planner::{Rates, SCurve};
+use husillo_planner::{JerkLimits, JerkWindow, Rates, SCurve, Stretch};
 use rsruckig::prelude::{DataArrayOrVec, InputParameter, Ruckig, ThrowErrorHandler, Trajectory};
 
 use crate::race::{Candidate, race};
@@ -117,4 +117,61 @@ pub fn limited() {
         &columns,
         events,
     );
+}
+
+/// Single moves from rest to rest, at 1 m/s^2, 20 m/s^3 and up to 300 mm/s: time of the window
+/// divided by that of the optimum, for lengths in nm.
+pub fn single_moves() {
+    println!("| one move, 1 m/s^2, 20 m/s^3 | husillo `JerkWindow`, s | rsruckig, s | ratio |");
+    println!("| --- | --- | --- | --- |");
+    for length in [
+        200_000_000,
+        50_000_000,
+        10_000_000,
+        1_000_000,
+        100_000,
+        10_000,
+    ] {
+        let (own, theirs) = (window_seconds(length), optimum_seconds(length));
+        let mm = length as f64 / 1e6;
+        println!("| {mm} mm | {own:.6} | {theirs:.6} | {:.4} |", own / theirs);
+    }
+}
+
+fn window_seconds(length_nm: u64) -> f64 {
+    let limits = JerkLimits {
+        acceleration_nm_per_s2: 1_000_000_000,
+        jerk_nm_per_s3: 20_000_000_000,
+        highest_nm_per_s: 300_000_000,
+    };
+    let mut window = JerkWindow::<(), 2>::new(&limits).expect("limits within range");
+    let stretch = Stretch {
+        length_nm,
+        top_nm_per_s: limits.highest_nm_per_s,
+        ceiling_nm_per_s: limits.highest_nm_per_s,
+        obeys_override: true,
+        acceleration_nm_per_s2: limits.acceleration_nm_per_s2,
+        start_nm_per_s: 0,
+        upper: None,
+        entry_limit_nm_per_s: 0,
+    };
+    window.push(stretch, ()).expect("room for two");
+    window.finish();
+    let slices = std::iter::from_fn(|| window.next_slice()).count();
+    let slice = window.slice_ticks_q32(1_000_000_000) as f64 / 2_f64.powi(32) / 1e9;
+    slices as f64 * slice
+}
+
+fn optimum_seconds(length_nm: u64) -> f64 {
+    let mut input: InputParameter<1> = InputParameter::new(None);
+    input.target_position[0] = length_nm as f64 / 1e6;
+    input.max_velocity[0] = 300.0;
+    input.max_acceleration[0] = 1_000.0;
+    input.max_jerk[0] = 20_000.0;
+    let mut calculator: Ruckig<1, ThrowErrorHandler> = Ruckig::new(None, 0.001);
+    let mut trajectory = Trajectory::new(None);
+    calculator
+        .calculate(&input, &mut trajectory)
+        .expect("a trajectory");
+    trajectory.get_duration()
 }

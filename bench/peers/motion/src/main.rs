@@ -19,6 +19,7 @@ fn main() {
     ramps::short();
     ramps::fast();
     jerk::limited();
+    jerk::single_moves();
 }
 
 const VERSIONS: &str = "line_drawing 1.0.1, bresenham 0.1.1, ramp-maker 0.2.0, rsruckig 3.0.1.";

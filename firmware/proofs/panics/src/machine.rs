@@ -10,7 +10,7 @@ use husillo_interp::{ArcMove, Path};
 use husillo_machine::{
     AccelerationLimits, Axis, AxisLimits, AxisProfile, Checker, ClosedLoop as AnyClosedLoop,
     Config, Extended, JerkLimits, Machine as AnyMachine, Means, Plan as AnyPlan,
-    ServoAxis as AnyServoAxis, StepGuard, StepUnits, StepperAxis as AnyStepperAxis,
+    ServoAxis as AnyServoAxis, SmoothRamp, StepGuard, StepUnits, StepperAxis as AnyStepperAxis,
     StepperAxisError, UnitsError, extent,
 };
 use husillo_planner::{SCurve, Trapezoid};
@@ -21,6 +21,7 @@ use crate::stepper::Delay;
 type ServoAxis = AnyServoAxis;
 type Machine = AnyMachine<3, Path<3>, Backlash>;
 type ExtendedMachine = AnyMachine<3, Path<3>, Backlash, 16, Extended<3>>;
+type SmoothMachine = AnyMachine<3, Path<3>, Backlash, 16, (), SmoothRamp>;
 type Plan = AnyPlan<3, Path<3>>;
 type StepperAxis = AnyStepperAxis<Drive, AccelerationLimits>;
 type Smooth = AnyStepperAxis<Drive, JerkLimits>;
@@ -39,6 +40,7 @@ pub fn keep() {
     black_box([
         Axis::max_feed_nm_per_min as *const (),
         Config::<3>::check as *const (),
+        Config::<3>::jerk_limits as *const (),
         Config::<3>::check_travel as *const (),
         Config::<3>::check_arcs::<fn(&ArcMove) -> bool> as *const (),
         Config::<3>::nearest_steps as *const (),
@@ -79,6 +81,16 @@ pub fn keep() {
         Machine::position_steps as *const (),
         Machine::modal as *const (),
         Machine::config as *const (),
+        SmoothMachine::new as *const (),
+        SmoothMachine::line as *const (),
+        SmoothMachine::push as *const (),
+        SmoothMachine::hold as *const (),
+        SmoothMachine::resume as *const (),
+        SmoothMachine::set_feed_override as *const (),
+        SmoothMachine::set_rapid_override as *const (),
+        SmoothMachine::speed_nm_per_s as *const (),
+        SmoothMachine::next_event as *const (),
+        SmoothMachine::abort as *const (),
         ExtendedMachine::new as *const (),
         ExtendedMachine::place as *const (),
         ExtendedMachine::with_backlash as *const (),

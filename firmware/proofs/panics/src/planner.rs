@@ -81,6 +81,7 @@ fn jerk() {
     black_box([
         JerkWindow::<u32, 16>::new as *const (),
         JerkWindow::<u32, 16>::push as *const (),
+        JerkWindow::<u32, 16>::finish as *const (),
         JerkWindow::<u32, 16>::pop as *const (),
         JerkWindow::<u32, 16>::front as *const (),
         JerkWindow::<u32, 16>::back as *const (),
@@ -96,12 +97,15 @@ fn jerk() {
         JerkWindow::<u32, 16>::set_rapid_override as *const (),
         JerkWindow::<u32, 16>::units_per_nm as *const (),
         JerkWindow::<u32, 16>::slice_ticks_q32 as *const (),
+        JerkWindow::<u32, 16>::is_at_rest as *const (),
         JerkWindow::<u32, 16>::next_slice as *const (),
         Slice::length as *const (),
         Slice::end_speed as *const (),
         JerkRamp::new as *const (),
         JerkRamp::begin::<u32, 16> as *const (),
         JerkRamp::wait::<u32, 16> as *const (),
+        JerkRamp::is_at_rest::<u32, 16> as *const (),
+        JerkRamp::speed_nm_per_s::<u32, 16> as *const (),
         JerkRamp::stop as *const (),
     ]);
 }

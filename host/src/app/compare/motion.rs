@@ -6,14 +6,14 @@ use crate::app::reporting::{verdict, with_findings};
 use crate::app::{ERRORS, Failure, OK};
 use crate::cli::{Compare, Page};
 use crate::console;
-use crate::diagnostics::Findings;
 use crate::output::Outputs;
-use crate::programs::program::{self, Meaning};
-use crate::text::json::write_line;
 use husillo_machine::Config;
 use husillo_methods::motion::{Course, Figures, Settings, compare as compared};
 use husillo_reports::motion::{self, Motion};
 use husillo_sim::observers::AXES;
+use husillo_simulator::diagnostics::Findings;
+use husillo_simulator::programs::program::{self, Meaning};
+use husillo_simulator::text::json::write_line;
 use serde_json::json;
 use std::io::{self, Write};
 
@@ -29,15 +29,15 @@ pub(super) fn compare(args: &Compare) -> Result<u8, Failure> {
             "the machine has no ramps, so its speed jumps".to_owned(),
         ));
     }
-    let window = match args.window {
-        Some(window) if window > 0.0 => window / 1000.0,
+    let (own, mut settings) = (window_of(&job.config), Settings::default());
+    match args.window {
+        Some(window) if window > 0.0 => settings.window = Some(window / 1000.0),
         Some(window) => return Err(usage(format!("--window {window} is not above 0"))),
-        None => window_of(&job.config).unwrap_or(Settings::default().window),
-    };
-    let settings = Settings {
-        window,
-        ..Settings::default()
-    };
+        // The jerk of the machine file.
+        None if own.is_some() => settings.window = None,
+        None => {}
+    }
+    let milliseconds = settings.window.or(own).unwrap_or(0.0) * 1000.0;
     let Some(course) = course(&job)? else {
         return Ok(ERRORS);
     };
@@ -45,10 +45,9 @@ pub(super) fn compare(args: &Compare) -> Result<u8, Failure> {
         return Err(usage(format!("{file}: no move")));
     }
     let rules = compared(&course, &settings)
-        .map_err(|why| usage(format!("a window of {} ms: {why}", window * 1000.0)))?;
+        .map_err(|why| usage(format!("a window of {milliseconds:.1} ms: {why}")))?;
     let mut notes = vec![format!(
-        "The window of limited jerk is {} ms.",
-        window * 1000.0
+        "The window of limited jerk is {milliseconds:.1} ms."
     )];
     if course.left_out > 0 {
         let count = course.left_out;
@@ -74,14 +73,10 @@ pub(super) fn compare(args: &Compare) -> Result<u8, Failure> {
     Ok(OK)
 }
 
-/// The longest time from no acceleration to the full one of any axis with a jerk.
+/// The time from no acceleration to the full one in s, of a machine with a jerk.
 fn window_of(config: &Config<AXES>) -> Option<f64> {
-    let windows = config.axes.iter().filter_map(|axis| {
-        let ramp = axis.ramp?;
-        let jerk = f64::from(ramp.jerk_hz_per_s2?);
-        Some(f64::from(ramp.acceleration_hz_per_s) / jerk)
-    });
-    windows.reduce(f64::max)
+    let limits = config.jerk_limits()?;
+    Some(limits.acceleration_nm_per_s2 as f64 / limits.jerk_nm_per_s3 as f64)
 }
 
 /// The moves of a program; `None` if it has errors.

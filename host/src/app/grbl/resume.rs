@@ -4,12 +4,12 @@ use super::Numbered;
 use crate::app::job::{Job, whole};
 use crate::console::stop::stops_asked;
 use crate::console::typed::typed_line;
-use crate::diagnostics::Findings;
-use crate::programs::program;
-use crate::programs::source::Source;
 use husillo_clients::grbl::Sender;
 use husillo_gcode::{Distance, FeedMode, Modal, Motion, Nm, Plane, SpindleDirection, Units};
 use husillo_sim::observers::AXES;
+use husillo_simulator::diagnostics::Findings;
+use husillo_simulator::programs::program;
+use husillo_simulator::programs::source::Source;
 use std::io::Cursor;
 
 /// The lines from line `from` on. Before them come lines that raise the tool, go to the start of

@@ -4,7 +4,7 @@ use super::super::{Failure, OK};
 use super::write_new;
 use crate::cli::NewMachine;
 use crate::console::typed::typed_line;
-use crate::machines::new_machine::{Axis, Figure, by_axis, checked, text};
+use husillo_simulator::machines::new_machine::{Axis, Figure, by_axis, checked, text};
 
 /// The figures that the options give, in the order of [`Figure::ALL`].
 type Given = [Option<Vec<(char, String)>>; Figure::ALL.len()];

@@ -6,16 +6,17 @@ use crate::app::job::Job;
 use crate::app::reporting::{MOST_PRINTED, with_some_findings};
 use crate::app::{ERRORS, Failure};
 use crate::cli::Send;
+use crate::console::progress::reading;
 use crate::console::reporter::Reporter;
 use crate::console::stop::stops_asked;
 use crate::console::typed::{next_line, terminal_lines, typed_lines};
-use crate::diagnostics::Findings;
-use crate::programs::check::Checker;
-use crate::programs::program::{Lines, Meaning};
-use crate::programs::setup;
-use crate::programs::zero;
 use husillo_clients::micromill::{Sender, Translated, Translator};
 use husillo_sim::text::counted;
+use husillo_simulator::diagnostics::Findings;
+use husillo_simulator::programs::check::Checker;
+use husillo_simulator::programs::program::{Lines, Meaning};
+use husillo_simulator::programs::setup;
+use husillo_simulator::programs::zero;
 use husillo_transports::micromill::Line;
 use serde_json::json;
 use std::io::{self, IsTerminal};
@@ -106,7 +107,7 @@ pub(super) fn send(args: &Send, out: &mut Reporter<'_>) -> Result<u8, Failure> {
         args,
         job: &job,
         sender,
-        program: Lines::new(job.name(), job.start),
+        program: Lines::new(job.name(), job.start).with_watch(reading()),
         checker: Checker::new(&job.machine, &job.config),
         translator: Translator::new(&config, zero, at),
         sent: Translated::default(),

@@ -2,14 +2,14 @@
 
 use super::results::Results;
 use crate::app::job::Job;
-use crate::machines::machine_file::Travel;
-use crate::programs::check::Facts;
-use crate::simulation::run::Run;
 use husillo_reports::run::{AxisRow, Report};
 use husillo_reports::text::duration;
 use husillo_reports::text::length;
 use husillo_sim::observers::AXES;
 use husillo_sim::text::grouped;
+use husillo_simulator::machines::machine_file::Travel;
+use husillo_simulator::programs::check::Facts;
+use husillo_simulator::simulation::run::Run;
 
 /// The table of figures. It has no time of take-ups if the backlash is not compensated.
 pub fn figures(

@@ -2,14 +2,14 @@
 
 use crate::app::job::Job;
 use crate::console;
-use crate::diagnostics::Findings;
-use crate::programs::check::Facts;
-use crate::simulation::run::Run;
-use crate::text::json::write_found;
 use husillo_gcode::Nm;
 use husillo_machine::Probed;
 use husillo_sim::observers::AXES;
 use husillo_sim::observers::symmetry::{Difference, Symmetry};
+use husillo_simulator::diagnostics::Findings;
+use husillo_simulator::programs::check::Facts;
+use husillo_simulator::simulation::run::Run;
+use husillo_simulator::text::json::write_found;
 use serde::Serialize;
 use std::io;
 

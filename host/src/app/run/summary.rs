@@ -4,12 +4,12 @@ use super::results::{Order, Results};
 use crate::app::job::Job;
 use crate::app::reporting::count;
 use crate::console;
-use crate::programs::check::Facts;
-use crate::simulation::run::Run;
 use husillo_reports::text::duration;
 use husillo_reports::text::{length, millimetres};
 use husillo_sim::observers::symmetry::Difference;
 use husillo_sim::text::grouped;
+use husillo_simulator::programs::check::Facts;
+use husillo_simulator::simulation::run::Run;
 use std::io::{self, Write};
 
 /// Reports of the encoders that are printed; JSON has all.

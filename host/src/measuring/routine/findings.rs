@@ -1,10 +1,10 @@
 //! Mistakes and failures of routines and programs, as findings.
 
-use crate::diagnostics::{Finding, Place};
 use crate::measuring::help;
-use crate::programs::explain::{self, At};
 use husillo_metrology::routine::program::{self, ProgramError, ProgramFault};
 use husillo_metrology::routine::{Failure, Mistake, Refusal, Refused, Wrong, code, span};
+use husillo_simulator::diagnostics::{Finding, Place};
+use husillo_simulator::programs::explain::{self, At};
 
 /// Name of the standard input in findings.
 const INPUT: &str = "<input>";

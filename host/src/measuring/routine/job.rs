@@ -3,13 +3,13 @@
 use super::findings;
 use super::measured::now;
 use crate::cli::{Measure, Results};
-use crate::diagnostics::{Finding, Format};
 use crate::output::Outputs;
-use crate::text::json::write_line;
 use husillo_metrology::heads::Prober;
 use husillo_metrology::heads::{Machine, Stylus};
 use husillo_metrology::routine::{Feature, Parser, Runner, Site, Statement, program, record};
 use husillo_reports::routine;
+use husillo_simulator::diagnostics::{Finding, Format};
+use husillo_simulator::text::json::write_line;
 use std::io::{self, BufRead, BufReader, IsTerminal, Write};
 
 /// How a routine without mistakes ended.

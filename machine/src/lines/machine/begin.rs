@@ -8,13 +8,19 @@ use husillo_planner::Timer;
 use super::{Machine, Run};
 use crate::lines::extension::Extension;
 use crate::lines::kept::Kept;
+use crate::lines::path_ramp::{MoveQueue, PathRamp};
 use crate::{Event, MAX_WAIT_TICKS, Output, Pause, Segment};
 
-impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Extension<N>>
-    Machine<N, P, L, QUEUE, E>
+impl<
+    const N: usize,
+    P: Moves<N>,
+    L: BacklashModel<N>,
+    const QUEUE: usize,
+    E: Extension<N>,
+    R: PathRamp,
+> Machine<N, P, L, QUEUE, E, R>
 {
-    /// Begins the first move of the queue. Returns `None` under a hold, if the move is too short
-    /// for a step.
+    /// Begins the first move of the queue, if there is one.
     pub(super) fn begin_move(&mut self) -> Option<()> {
         let (stretch, work) = self.schedule.moves.front()?;
         let (stretch, events) = (*stretch, work.events);
@@ -25,14 +31,10 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Ex
         let ticks = self.guard.ticks(&work.pace, percent, events);
         self.guard.watch(work.is_round, events, work.steady);
         if self.schedule.has_ramps() && stretch.length_nm != 0 {
-            let sweep = work.sweep.max(1);
-            let largest_sweep = work.largest_sweep.max(1);
+            let sweeps = [work.sweep.max(1), work.largest_sweep.max(1).into()];
+            let time_q16 = work.time_q16;
             self.ramp
-                .begin(&stretch, sweep, largest_sweep, work.time_q16);
-            if events == 0 {
-                let wait = self.ramp.wait(1, self.schedule.moves.limits())?;
-                self.carried_ticks = self.carried_ticks.saturating_add(wait);
-            }
+                .begin(&stretch, sweeps, time_q16, &self.schedule.moves);
         } else if events == 0 {
             self.ramp.stop();
             self.carried_ticks = self.carried_ticks.saturating_add(ticks);

@@ -6,8 +6,11 @@ use husillo_interp::Moves;
 
 use super::Machine;
 use crate::Refused;
+use crate::lines::path_ramp::{MoveQueue, PathRamp};
 
-impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize> Machine<N, P, L, QUEUE> {
+impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, R: PathRamp>
+    Machine<N, P, L, QUEUE, (), R>
+{
     /// Appends one move. The modal state is not used and not changed. `tag` is what
     /// [`Machine::executing_tag`] returns while the move is executed.
     ///
@@ -28,7 +31,7 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize> Machi
     }
 
     /// Whether [`Machine::push`] has room for a move.
-    pub const fn can_push(&self) -> bool {
+    pub fn can_push(&self) -> bool {
         let has_room = !self.schedule.is_full() && self.schedule.is_whole();
         has_room && self.next.is_none() && self.waiting.is_none()
     }
@@ -39,7 +42,7 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize> Machi
     }
 
     /// Number of moves in the queue, the executing one included.
-    pub const fn queued(&self) -> usize {
+    pub fn queued(&self) -> usize {
         self.schedule.moves.len()
     }
 
@@ -50,7 +53,7 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize> Machi
 
     /// Present speed along the path in nm/s; 0 where there are no ramps.
     pub fn speed_nm_per_s(&self) -> u32 {
-        self.ramp.speed_nm_per_s()
+        self.ramp.speed_nm_per_s(&self.schedule.moves)
     }
 
     /// Scales the speed of rapid moves by 1 to 100 percent. Takes effect at the next event where

@@ -13,11 +13,18 @@ use super::Machine;
 use crate::Extended;
 use crate::lines::curve::ControlPoints;
 use crate::lines::extension::Extension;
+use crate::lines::path_ramp::{MoveQueue, PathRamp};
 use crate::lines::state::{Probed, Probing};
 use crate::{Alarm, Event, MoveError, Output, Pause};
 
-impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Extension<N>>
-    Machine<N, P, L, QUEUE, E>
+impl<
+    const N: usize,
+    P: Moves<N>,
+    L: BacklashModel<N>,
+    const QUEUE: usize,
+    E: Extension<N>,
+    R: PathRamp,
+> Machine<N, P, L, QUEUE, E, R>
 {
     /// Whether a later line has to wait for the end of a probing move, a curve or an input.
     pub(super) fn is_busy(&self) -> bool {
@@ -235,6 +242,7 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Ex
         });
         let has_backlash = self.take_up.stops();
         self.schedule.push(&self.config, &command, has_backlash);
+        self.schedule.moves.finish();
     }
 
     /// Ends a probing move that has stopped after the contact, or at its end. Returns whether there
@@ -336,8 +344,8 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Ex
 }
 
 #[cfg(feature = "extended")]
-impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize>
-    Machine<N, P, L, QUEUE, Extended<N>>
+impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, R: PathRamp>
+    Machine<N, P, L, QUEUE, Extended<N>, R>
 {
     /// Sets the level of the probe's input: whether the probe is in contact. Call it before
     /// [`Machine::next_event`], after the events before have been carried out.

@@ -7,9 +7,16 @@ use super::Machine;
 #[cfg(feature = "extended")]
 use crate::Extended;
 use crate::lines::extension::Extension;
+use crate::lines::path_ramp::{MoveQueue, PathRamp};
 
-impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Extension<N>>
-    Machine<N, P, L, QUEUE, E>
+impl<
+    const N: usize,
+    P: Moves<N>,
+    L: BacklashModel<N>,
+    const QUEUE: usize,
+    E: Extension<N>,
+    R: PathRamp,
+> Machine<N, P, L, QUEUE, E, R>
 {
     /// Holds or resumes the path as the operator and the inputs want it. After a contact the
     /// probing move decides.
@@ -39,8 +46,8 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Ex
 }
 
 #[cfg(feature = "extended")]
-impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize>
-    Machine<N, P, L, QUEUE, Extended<N>>
+impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, R: PathRamp>
+    Machine<N, P, L, QUEUE, Extended<N>, R>
 {
     /// Sets the input that scales the programmed feeds while M52 P1 holds, in percent, up to 200:
     /// the load of the spindle, for example, or the gap of an electrode. It multiplies with the

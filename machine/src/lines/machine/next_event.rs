@@ -8,11 +8,18 @@ use super::{Machine, Origin, Run};
 use crate::lines::extension::Extension;
 use crate::lines::guard::bits;
 use crate::lines::kept::Kept;
+use crate::lines::path_ramp::{MoveQueue, PathRamp};
 use crate::lines::take_up::Followed;
 use crate::{Event, FollowEvent, MAX_WAIT_TICKS, Segment, StepEvent};
 
-impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Extension<N>>
-    Machine<N, P, L, QUEUE, E>
+impl<
+    const N: usize,
+    P: Moves<N>,
+    L: BacklashModel<N>,
+    const QUEUE: usize,
+    E: Extension<N>,
+    R: PathRamp,
+> Machine<N, P, L, QUEUE, E, R>
 {
     /// Returns the next event, or `None` when all events were returned or under a hold.
     ///
@@ -195,7 +202,7 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Ex
             // A move that follows the spindle cannot stop without it.
             let stops_at_once = stops_at_once && !self.is_following() && !self.goes_on_threading();
             let stops_at_once = stops_at_once && !(E::IS_EXTENDED && self.is_tapping());
-            if self.ramp.is_held() && stops_at_once && self.ramp.speed_nm_per_s() == 0 {
+            if self.ramp.is_held() && stops_at_once && self.ramp.is_at_rest(&self.schedule.moves) {
                 return None;
             }
             if let Some(event) = self.take_up_step() {
@@ -258,6 +265,7 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Ex
             None => run.path.next(),
         };
         let Some(step) = step else {
+            self.carry_short_move()?;
             self.end_move();
             return Some(None);
         };
@@ -268,7 +276,7 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Ex
         }
         let wait = match &mut run.timer {
             Some(timer) => timer.wait(step.sweep),
-            None => match self.ramp.wait(step.sweep, self.schedule.moves.limits()) {
+            None => match self.ramp.wait(step.sweep, &mut self.schedule.moves) {
                 Some(wait) => wait,
                 None => {
                     run.next = Some(step);
@@ -280,6 +288,20 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Ex
         let wait = wait.saturating_add(self.carried_ticks);
         self.carried_ticks = 0;
         Some(Some(self.path_step(step, wait)))
+    }
+
+    /// Carries the time of a move without a step to the next move. Returns `None` under a hold.
+    #[cold]
+    #[inline(never)]
+    fn carry_short_move(&mut self) -> Option<()> {
+        let front = self.schedule.moves.front();
+        let is_short =
+            front.is_some_and(|(stretch, work)| stretch.length_nm != 0 && work.events == 0);
+        if is_short && self.schedule.has_ramps() {
+            let wait = self.ramp.wait(1, &mut self.schedule.moves)?;
+            self.carried_ticks = self.carried_ticks.saturating_add(wait);
+        }
+        Some(())
     }
 
     /// Whether the executing move follows the spindle.
@@ -307,8 +329,10 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Ex
         match (goes_on, &mut self.run) {
             (Some((stretch, work)), Some(run)) => {
                 run.left = work.events;
+                let sweeps = [work.sweep, work.largest_sweep.into()];
+                let time_q16 = work.time_q16;
                 self.ramp
-                    .begin(&stretch, work.sweep, work.largest_sweep, work.time_q16);
+                    .begin(&stretch, sweeps, time_q16, &self.schedule.moves);
             }
             _ => {
                 self.run = None;

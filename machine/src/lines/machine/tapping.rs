@@ -6,11 +6,18 @@ use husillo_interp::Moves;
 
 use super::Machine;
 use crate::lines::extension::Extension;
+use crate::lines::path_ramp::{MoveQueue, PathRamp};
 use crate::lines::state::{Stage, Tapping};
 use crate::{Alarm, Event, Output};
 
-impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, E: Extension<N>>
-    Machine<N, P, L, QUEUE, E>
+impl<
+    const N: usize,
+    P: Moves<N>,
+    L: BacklashModel<N>,
+    const QUEUE: usize,
+    E: Extension<N>,
+    R: PathRamp,
+> Machine<N, P, L, QUEUE, E, R>
 {
     /// Begins a tap: down to the bottom with the spindle, from its index on.
     pub(super) fn begin_tap(&mut self, bottom: [Nm; N], top: [Nm; N], lead: Nm) {
@@ -106,8 +113,8 @@ const fn reversed(direction: SpindleDirection) -> SpindleDirection {
 }
 
 #[cfg(feature = "extended")]
-impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize>
-    Machine<N, P, L, QUEUE, crate::Extended<N>>
+impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, R: PathRamp>
+    Machine<N, P, L, QUEUE, crate::Extended<N>, R>
 {
     /// Whether the spindle is being reversed by a tap (G33.1), and the axes follow it until it
     /// turns back. Carry out each event before you request the next one, and call

@@ -13,7 +13,7 @@ pub struct Pins(pub u16);
 pub struct Accessories(pub u8);
 
 /// Letters of the inputs, bit 0 first.
-const PINS: &[u8] = b"PXYZABCDHRS";
+const PINS: &[u8] = b"PXYZABCDHRSLTQ";
 /// Letters of the accessories: spindle clockwise, spindle counter-clockwise, flood, mist.
 const ACCESSORIES: &[u8] = b"SCFM";
 
@@ -30,8 +30,15 @@ impl Pins {
     pub const RESET: u16 = 1 << 9;
     /// The start button.
     pub const START: u16 = 1 << 10;
+    /// Block delete is on. This and the following letters are of grblHAL.
+    pub const BLOCK_DELETE: u16 = 1 << 11;
+    /// M1 has no effect.
+    pub const NO_OPTIONAL_STOP: u16 = 1 << 12;
+    /// The machine holds after each block.
+    pub const SINGLE_BLOCK: u16 = 1 << 13;
 
-    pub(crate) fn put(self, text: &mut Text) {
+    /// Appends the field `|Pn:` if an input is closed.
+    pub fn put(self, text: &mut Text) {
         put(text, b"|Pn:", PINS, self.0);
     }
 
@@ -54,6 +61,11 @@ impl Accessories {
         put(text, b"|A:", ACCESSORIES, self.0.into());
     }
 
+    /// Appends the letters.
+    pub fn put_letters(self, text: &mut Text) {
+        put_letters(text, ACCESSORIES, self.0.into());
+    }
+
     pub(crate) fn parse(letters: &[u8]) -> Accessories {
         // There are four letters.
         Accessories(parse(ACCESSORIES, letters) as u8)
@@ -65,6 +77,10 @@ fn put(text: &mut Text, name: &[u8], letters: &[u8], bits: u16) {
         return;
     }
     text.put(name);
+    put_letters(text, letters, bits);
+}
+
+fn put_letters(text: &mut Text, letters: &[u8], bits: u16) {
     for (bit, letter) in (0_u32..).zip(letters) {
         if bits.wrapping_shr(bit) & 1 == 1 {
             text.put(&[*letter]);

@@ -22,11 +22,13 @@ pub enum State {
     Home,
     /// All outputs are off until a reset.
     Sleep,
+    /// The operator changes the tool. Only grblHAL has this state.
+    Tool,
 }
 
 impl State {
     /// All states.
-    pub const ALL: [State; 13] = [
+    pub const ALL: [State; 14] = [
         State::Idle,
         State::Run,
         State::Hold(false),
@@ -40,6 +42,7 @@ impl State {
         State::Check,
         State::Home,
         State::Sleep,
+        State::Tool,
     ];
 
     /// Returns its name in a report.
@@ -58,6 +61,7 @@ impl State {
             State::Check => "Check",
             State::Home => "Home",
             State::Sleep => "Sleep",
+            State::Tool => "Tool",
         }
     }
 

@@ -1,4 +1,0 @@
-//! Formats of values.
-
-pub mod json;
-pub mod name;

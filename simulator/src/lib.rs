@@ -1,0 +1,10 @@
+#![doc = include_str!("../README.md")]
+#![forbid(unsafe_code)]
+
+pub mod diagnostics;
+pub mod holes;
+pub mod input;
+pub mod machines;
+pub mod programs;
+pub mod simulation;
+pub mod text;

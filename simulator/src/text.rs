@@ -1,0 +1,5 @@
+//! Formats of values.
+
+pub mod json;
+pub mod name;
+pub mod shown;

@@ -1,0 +1,9 @@
+#![doc = include_str!("../README.md")]
+#![forbid(unsafe_code)]
+#![deny(missing_docs)]
+
+mod modules;
+mod page;
+
+pub use modules::{Module, VIEWER, VIEWER_STYLE};
+pub use page::{Page, import_map};
