@@ -224,7 +224,8 @@ fn scale_bar(page: &mut String, [width, y, height, size]: [f64; 4]) {
 fn table(page: &mut String, board: &Board<'_>) {
     page.push_str(
         "<section><h2>Tools</h2><div \
-         class=\"scroll\"><table><tr><th>Tool</th><th>Diameter</th><th>Holes</th><th>Bytes</th>\
+         class=\"scroll\" tabindex=\"0\">\
+         <table><tr><th>Tool</th><th>Diameter</th><th>Holes</th><th>Bytes</th>\
          <th>Travel</th><th>Time</th></tr>\n",
     );
     for (place, part) in board.parts.iter().enumerate() {

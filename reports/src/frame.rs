@@ -1,16 +1,11 @@
 //! The common parts of all pages: head, style, header, figures, notes.
 
 use crate::text::escape;
+use husillo_view::{COLOURS, Page, VIEWER, VIEWER_STYLE};
 use std::fmt::{Display, Write};
 
-/// Colours and shapes of all pages, light and dark.
+/// Shapes of all pages. The colours are those of the viewer.
 const STYLE: &str = "\
-:root{color-scheme:light dark;--ground:#fff;--ink:#1b1f24;--soft:#57606a;--line:#d0d7de;\
---panel:#f6f8fa;\
---jog:#6b7280;--rapid:#9a6700;--feed:#0b5cad;--take-up:#000;--limit:#9b0000;--ideal:#57606a}\
-@media(prefers-color-scheme:dark){:root{--ground:#10151b;--ink:#e6edf3;--soft:#9aa6b2;\
---line:#2b343e;--panel:#161d25;\
---jog:#8b96a3;--rapid:#f0c419;--feed:#5aa9ff;--take-up:#fff;--limit:#ff5c4d;--ideal:#9aa6b2}}\
 *{box-sizing:border-box}\
 body{margin:0 auto;max-width:72rem;padding:1.5rem;background:var(--ground);color:var(--ink);\
 font:16px/1.5 system-ui,sans-serif}\
@@ -49,7 +44,7 @@ pub fn open(title: &str, heading: &str, line: &str, style: &str) -> String {
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n\
          <link rel=\"icon\" href=\"data:,\">\n<title>{title}</title>\n\
-         <style>{STYLE}{style}</style>\n</head>\n<body>\n\
+         <style>{COLOURS}{STYLE}{style}</style>\n</head>\n<body>\n\
          <header><h1>{heading}</h1><p>{line}</p></header>\n<main>\n"
     )
 }
@@ -78,6 +73,25 @@ pub fn notes(page: &mut String, notes: &[String]) {
         let _ = writeln!(page, "<li>{}</li>", escape(note));
     }
     page.push_str("</ul></section>\n");
+}
+
+/// A page with the viewer: `main` is the content of its element `main`, `scene` the element of the
+/// scene. Without scripts, everything but the section of the viewer is there.
+pub fn with_viewer(heading: &str, line: &str, main: &str, scene: &str) -> String {
+    let body = format!(
+        "<header><h1>{}</h1><p>{}</p></header>\n<main>\n{main}</main>\n{scene}",
+        escape(heading),
+        escape(line)
+    );
+    let page = Page {
+        language: "en",
+        title: heading,
+        styles: &[COLOURS, STYLE, VIEWER_STYLE],
+        body: &body,
+        modules: VIEWER,
+        entry: "viewer/report.js",
+    };
+    page.html()
 }
 
 /// Ends a page.

@@ -1,4 +1,5 @@
-//! The report of a run: one self-contained HTML file without scripts, which needs no network.
+//! The report of a run: one self-contained HTML file, which needs no network. Its pictures and
+//! tables can be read without scripts; with them, the viewer takes the place of the pictures.
 
 use crate::chart;
 use crate::frame;
@@ -41,6 +42,8 @@ pub struct Report {
     pub phases: Vec<Motor>,
     /// Warnings, one line each.
     pub warnings: Vec<String>,
+    /// The element of the scene: [`crate::scene::Scene::element`].
+    pub scene: String,
 }
 
 /// Extents of one axis.
@@ -62,15 +65,17 @@ pub struct AxisRow {
 
 /// Writes the report.
 pub fn html(report: &Report) -> String {
-    let mut page = frame::open(&report.program, &report.program, &report.machine, "");
+    let mut page = String::new();
     frame::figures(&mut page, report.figures.iter().cloned());
     warnings(&mut page, &report.warnings);
+    page.push_str("<section id=\"viewer\" hidden></section>\n<div class=\"still\">\n");
     path_section(&mut page, report);
     chart::section(&mut page, &report.speed, report.has_ramps);
+    page.push_str("</div>\n");
     deviation_section(&mut page, report);
     axis_section(&mut page, &report.axes);
     phase_section(&mut page, &report.phases);
-    frame::close(page, None)
+    frame::with_viewer(&report.program, &report.machine, &page, &report.scene)
 }
 
 fn warnings(page: &mut String, warnings: &[String]) {
@@ -420,7 +425,7 @@ pub fn round_down(value: f64) -> f64 {
 
 fn axis_section(page: &mut String, axes: &[AxisRow]) {
     page.push_str(
-        "<section><h2>Extents</h2><div class=\"scroll\"><table><thead><tr>\
+        "<section><h2>Extents</h2><div class=\"scroll\" tabindex=\"0\"><table><thead><tr>\
          <th scope=\"col\">axis</th><th scope=\"col\">least mm</th>\
          <th scope=\"col\">most mm</th><th scope=\"col\">span mm</th>\
          <th scope=\"col\">limits mm</th><th scope=\"col\">end mm</th>\
@@ -544,9 +549,12 @@ mod tests {
             has_ramps: false,
             phases: vec![motor],
             warnings: vec!["part.nc:1:1: warning".to_owned()],
+            scene: "<script id=\"scene\">AAAA</script>\n".to_owned(),
         };
         let page = html(&report);
-        assert!(!page.contains("<script") && !page.contains("http"));
+        assert!(page.contains("<title>&lt;script&gt;.nc</title>") && !page.contains("<script>.nc"));
+        assert!(!page.contains("http:") && !page.contains("https:") && !page.contains(" src="));
+        assert!(page.contains(">AAAA</script>"));
         assert_eq!(page.matches("<svg").count(), page.matches("</svg>").count());
         assert!(page.contains("class=\"feed\"") && page.contains("class=\"ideal\""));
     }

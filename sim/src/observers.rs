@@ -6,11 +6,13 @@
 pub mod deviation;
 pub mod drawing;
 pub mod encoders;
+pub mod largest;
 pub mod losses;
 pub mod moves;
 mod pace;
 pub mod phases;
 pub mod picture;
+pub mod recording;
 pub mod speed;
 pub mod statistics;
 pub mod symmetry;

@@ -22,7 +22,8 @@ pub enum Severity {
 }
 
 impl Severity {
-    const fn name(self) -> &'static str {
+    /// Its word.
+    pub const fn name(self) -> &'static str {
         match self {
             Self::Error => "error",
             Self::Warning => "warning",
@@ -146,6 +147,12 @@ impl Finding {
             help: None,
             fix: None,
         }
+    }
+
+    /// Its line and first column, both from 1; zeros for a finding about the whole program.
+    pub fn line_and_column(&self) -> (usize, usize) {
+        let place = self.place.as_ref();
+        place.map_or((0, 0), |place| (place.line, place.column()))
     }
 
     /// Sets the text under the place.

@@ -11,6 +11,7 @@ pub mod format;
 pub mod language;
 pub mod library;
 pub mod mirror;
+pub mod origins;
 pub mod program;
 pub mod reading;
 pub mod reversals;

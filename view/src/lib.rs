@@ -5,5 +5,5 @@
 mod modules;
 mod page;
 
-pub use modules::{Module, VIEWER, VIEWER_STYLE};
+pub use modules::{COLOURS, Module, VIEWER, VIEWER_STYLE};
 pub use page::{Page, import_map};

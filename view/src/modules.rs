@@ -17,9 +17,19 @@ macro_rules! modules {
 }
 
 /// The modules of the viewer.
-pub const VIEWER: &[Module] = modules!["viewer/quantity.js"];
+pub const VIEWER: &[Module] = modules![
+    "viewer/camera.js" "viewer/canvas.js" "viewer/charts.js" "viewer/container.js"
+    "viewer/element.js" "viewer/look.js" "viewer/material.js" "viewer/modal.js"
+    "viewer/model.js" "viewer/overlay.js" "viewer/path.js" "viewer/pathview.js" "viewer/pick.js"
+    "viewer/program.js" "viewer/quantity.js" "viewer/report.js" "viewer/rulers.js"
+    "viewer/scene.js" "viewer/segments.js" "viewer/stock.js" "viewer/timeline.js"
+    "viewer/values.js" "viewer/viewer.js" "viewer/webgl.js" "viewer/words.js"
+];
 
-/// The style sheet of the viewer.
+/// The colours of all pages, light and dark.
+pub const COLOURS: &str = include_str!("../viewer/colours.css");
+
+/// The layout of the viewer.
 pub const VIEWER_STYLE: &str = include_str!("../viewer/viewer.css");
 
 #[cfg(test)]

@@ -157,7 +157,8 @@ async function address(wanted) {
 function whole({ body, script }) {
     return `<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>test</title>
         <meta name="viewport" content="width=device-width,initial-scale=1">
-        <link rel="icon" href="data:,"><link rel="stylesheet" href="/viewer/viewer.css">
+        <link rel="icon" href="data:,"><link rel="stylesheet" href="/viewer/colours.css">
+        <link rel="stylesheet" href="/viewer/viewer.css">
         <script type="importmap">${MAP}</script></head><body>${body ?? ""}
         <script type="module">${script ?? ""}</script></body></html>`;
 }

@@ -23,7 +23,7 @@ use husillo_simulator::programs::mirror;
 use husillo_simulator::programs::setup::{self, ClosedEngine};
 use husillo_simulator::simulation::run::Run;
 use results::{Order, Results};
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::Path;
 
 pub(super) fn simulate(args: &RunArgs) -> Result<u8, Failure> {
@@ -80,8 +80,9 @@ fn simulate_job(job: &mut Job, args: &RunArgs) -> Result<u8, Failure> {
         });
         let figures = report::figures(&results, &facts, take_up_s);
         let warnings = findings.short();
-        let report = report::made(job, &run, &results, figures, end.offset_nm, warnings);
-        husillo_reports::run::html(&report)
+        let scene = report::scene(job, &run, &facts, end.offset_nm, &findings)?;
+        let report = report::made(job, &run, &results, figures, end.offset_nm, warnings, scene);
+        Ok(husillo_reports::run::html(&report))
     })?;
     outputs.finish()?;
     if let (true, Some(path), Some(size)) = (is_text, &files.report_path, size) {
@@ -154,11 +155,14 @@ impl Files {
     }
 
     /// Writes the report if it is requested. Returns its length in bytes.
-    fn write_report(&mut self, page: impl FnOnce() -> String) -> io::Result<Option<usize>> {
+    fn write_report(
+        &mut self,
+        page: impl FnOnce() -> Result<String, Failure>,
+    ) -> Result<Option<usize>, Failure> {
         let Some(mut out) = self.report.take() else {
             return Ok(None);
         };
-        let page = page();
+        let page = page()?;
         out.write_all(page.as_bytes())?;
         out.flush()?;
         Ok(Some(page.len()))

@@ -82,7 +82,7 @@ fn figures(page: &mut String, rows: &[&Row]) {
     let shape = rows.first().map_or("", |row| row.shape);
     let _ = writeln!(
         page,
-        "<section><h2>Iterations, error, work{}</h2><div class=\"scroll\"><table>",
+        "<section><h2>Iterations, error, work{}</h2><div class=\"scroll\" tabindex=\"0\"><table>",
         if moves > 1 {
             format!(": {moves} {shape}s")
         } else {
@@ -127,7 +127,7 @@ fn speeds(page: &mut String, rows: &[&Row]) {
          fastest of all windows of so many events, relative to the mean, in per cent. Equal time: \
          every pass takes the time of a BLU (idle passes of dda-printed take none). \
          Vector feed: every event takes the time of its own path.</p><div \
-         class=\"scroll\"><table>\n",
+         class=\"scroll\" tabindex=\"0\"><table>\n",
     );
     let windows = WINDOWS.map(|events| match events {
         1 => "1 event".to_owned(),
@@ -164,8 +164,8 @@ fn matrix(page: &mut String, of: &Comparison, rows: &[&Row]) {
         "<section><h2>Decision matrix</h2><p>Points from 0 to 100. Error, iterations and work: the \
          value of the best method divided by that of the method. Evenness: 100 minus the ripple \
          over 32 events from slowest to fastest, with vector feed if the method has one; printed \
-         methods with equal time. The weights can be changed.</p><div class=\"scroll\"><table \
-         class=\"matrix\">\n",
+         methods with equal time. The weights can be changed.</p>\
+         <div class=\"scroll\" tabindex=\"0\"><table class=\"matrix\">\n",
     );
     let mut columns = vec!["method"];
     columns.extend(CRITERIA);

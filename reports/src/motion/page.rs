@@ -43,7 +43,9 @@ pub fn html(of: &Motion) -> String {
 }
 
 fn table(page: &mut String, of: &Motion) {
-    page.push_str("<section><h2>Figures</h2><div class=\"scroll\"><table>\n<thead><tr>");
+    page.push_str(
+        "<section><h2>Figures</h2><div class=\"scroll\" tabindex=\"0\"><table>\n<thead><tr>",
+    );
     for title in TITLES {
         // Writing to a String cannot fail.
         let _ = write!(page, "<th scope=\"col\">{title}</th>");

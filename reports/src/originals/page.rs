@@ -78,7 +78,8 @@ fn figure_of(page: &mut String, picture: &Picture) {
 
 fn rows(page: &mut String, table: &Table) {
     page.push_str(
-        "<div class=\"scroll\"><table><tr><th></th><th>unit</th><th>measured</th><th>rebuilt</th>\
+        "<div class=\"scroll\" tabindex=\"0\">\
+         <table><tr><th></th><th>unit</th><th>measured</th><th>rebuilt</th>\
          <th>unexplained</th><th>spread</th><th>today</th></tr>\n",
     );
     for row in &table.rows {

@@ -99,7 +99,9 @@ fn pre_travel(site: &Site<'_>) -> String {
 }
 
 fn table(page: &mut String, features: &[Feature]) {
-    page.push_str("<section><h2>Features</h2><div class=\"scroll\"><table><thead><tr>");
+    page.push_str(
+        "<section><h2>Features</h2><div class=\"scroll\" tabindex=\"0\"><table><thead><tr>",
+    );
     for head in [
         "feature",
         "result",
@@ -199,7 +201,7 @@ fn points(page: &mut String, features: &[Feature]) {
     page.push_str(
         "<section><h2>Points</h2><details><summary>All points of the surface, mm. Each is given \
          in the frame in which it was measured</summary>\
-         <div class=\"scroll\"><table><thead><tr><th scope=\"col\">feature</th><th \
+         <div class=\"scroll\" tabindex=\"0\"><table><thead><tr><th scope=\"col\">feature</th><th \
          scope=\"col\">point</th><th scope=\"col\">x</th>\
          <th scope=\"col\">y</th><th scope=\"col\">z</th><th \
          scope=\"col\">residual</th></tr></thead><tbody>\n",

@@ -178,7 +178,7 @@ fn rules(page: &mut String, outcome: &Outcome) {
     }
     page.push_str(
         "<section><h2>Gains by rule</h2><div \
-         class=\"scroll\"><table><tr><th>rule</th><th>Kp</th><th>Ki</th><th>Kd</th>\
+         class=\"scroll\" tabindex=\"0\"><table><tr><th>rule</th><th>Kp</th><th>Ki</th><th>Kd</th>\
          <th>p</th><th>i</th><th>d</th><th>integral_limit</th><th>source</th></tr>\n",
     );
     for row in &outcome.rules {
@@ -208,7 +208,8 @@ fn trials(page: &mut String, outcome: &Outcome) {
         return;
     }
     page.push_str(
-        "<section><h2>Trials</h2><div class=\"scroll\"><table><tr><th>stage</th><th>p</th>\
+        "<section><h2>Trials</h2><div class=\"scroll\" tabindex=\"0\">\
+         <table><tr><th>stage</th><th>p</th>\
          <th>i</th><th>d</th>\
          <th>integral_limit</th><th>rate_divisor</th><th>result</th></tr>\n",
     );

@@ -88,6 +88,12 @@ impl CurvePath {
         [x, y, self.z]
     }
 
+    /// The point at a parameter from 0 to 1.
+    pub fn place(&self, u: f64) -> [f64; 3] {
+        let [[x, y], ..] = self.at(u);
+        [x, y, self.z]
+    }
+
     /// Length of the curve.
     pub fn length(&self) -> f64 {
         chords_length(PARTS, |part| self.at(f64::from(part) / f64::from(PARTS))[0])
@@ -110,6 +116,7 @@ mod tests {
             let x = f64::from(x) * 100.0;
             assert!((curve.distance_squared(&[x, 3.0, 7.0]) - 9.0).abs() < 1e-6);
         }
+        assert_eq!(curve.place(0.5), [1500.0, 0.0, 7.0]);
         assert_eq!(curve.nearest([-5.0, 1.0, 9.0]), [0.0, 0.0, 7.0]);
         assert!((curve.nearest([1234.0, 1.0, 9.0])[0] - 1234.0).abs() < 1e-6);
     }

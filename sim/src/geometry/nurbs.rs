@@ -146,6 +146,12 @@ impl NurbsPath {
         [x, y, self.z]
     }
 
+    /// The point at a part of the range of parameters, from 0 to 1.
+    pub fn place(&self, part: f64) -> [f64; 3] {
+        let [x, y] = self.at(part * self.spans());
+        [x, y, self.z]
+    }
+
     /// Length of the curve.
     pub fn length(&self) -> f64 {
         let parts = (self.spans() * f64::from(PARTS)) as u32;

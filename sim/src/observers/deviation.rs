@@ -1,6 +1,8 @@
 //! The distance of the tool from the programmed path while it cuts.
 
 use crate::geometry::path::Path;
+use crate::observers::largest::Largest;
+use crate::observers::recording::MOST_MOVES;
 use crate::observers::{Begun, Now, Observer};
 use husillo_machine::Origin;
 use std::io;
@@ -9,6 +11,10 @@ use std::io;
 #[derive(Clone, Debug)]
 pub struct Deviation {
     path: Path,
+    /// Squares over time, nm^2.
+    pub over_time: Largest,
+    /// Largest square of each move, nm^2, up to [`MOST_MOVES`].
+    pub of_moves: Vec<f32>,
     largest_squared: f64,
     sum_of_squares: f64,
     count: u64,
@@ -19,6 +25,8 @@ impl Default for Deviation {
     fn default() -> Self {
         Self {
             path: Path::line([0.0; 3], [0.0; 3]),
+            over_time: Largest::default(),
+            of_moves: Vec::new(),
             largest_squared: 0.0,
             sum_of_squares: 0.0,
             count: 0,
@@ -51,6 +59,9 @@ impl Deviation {
 impl Observer for Deviation {
     fn begin(&mut self, begun: &Begun<'_>) {
         self.path = begun.path.clone();
+        if self.of_moves.len() < MOST_MOVES {
+            self.of_moves.push(0.0);
+        }
     }
 
     #[inline]
@@ -58,6 +69,10 @@ impl Observer for Deviation {
         if now.origin == Origin::Feed {
             let squared = self.path.distance_squared(&now.place());
             self.add(squared);
+            self.over_time.take(now.ticks, squared as f32);
+            if let Some(largest) = self.of_moves.last_mut() {
+                *largest = largest.max(squared as f32);
+            }
         }
         Ok(())
     }
@@ -90,5 +105,7 @@ mod tests {
         }
         assert_eq!(deviation.largest_nm(), 40.0);
         assert_eq!(deviation.rms_nm(), 1250.0_f64.sqrt());
+        assert_eq!(deviation.of_moves, [1600.0]);
+        assert_eq!(deviation.over_time.columns().0.last(), Some(&1600.0));
     }
 }

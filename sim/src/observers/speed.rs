@@ -63,6 +63,8 @@ pub struct Column {
     pub programmed: Band,
     /// Acceleration along the path, nm/s^2.
     pub acceleration: Band,
+    /// Jerk along the path, nm/s^3.
+    pub jerk: Band,
     /// Whether backlash was taken up.
     pub take_up: bool,
     /// Whether there was a dwell.
@@ -75,6 +77,7 @@ impl Column {
         feed: Band::EMPTY,
         programmed: Band::EMPTY,
         acceleration: Band::EMPTY,
+        jerk: Band::EMPTY,
         take_up: false,
         dwell: false,
     };
@@ -85,6 +88,7 @@ impl Column {
             feed: self.feed.with(other.feed),
             programmed: self.programmed.with(other.programmed),
             acceleration: self.acceleration.with(other.acceleration),
+            jerk: self.jerk.with(other.jerk),
             take_up: self.take_up || other.take_up,
             dwell: self.dwell || other.dwell,
         }
@@ -149,6 +153,8 @@ pub struct Speed {
     full: Option<Window>,
     /// Middle and speed of the window before that.
     before: Option<(f64, f64)>,
+    /// Middle and value of the last acceleration.
+    accelerated: Option<(f64, f64)>,
 }
 
 impl Speed {
@@ -174,6 +180,7 @@ impl Speed {
             ended_events: 0,
             full: None,
             before: None,
+            accelerated: None,
         }
     }
 
@@ -260,6 +267,7 @@ impl Speed {
         if let Some((middle, speed)) = self.before.take() {
             self.accelerate(middle, speed, self.now as f64, 0.0);
         }
+        self.accelerated = None;
     }
 
     /// The columns so far, and the seconds per column.
@@ -343,7 +351,15 @@ impl Speed {
     }
 
     fn accelerate(&mut self, since: f64, from: f64, until: f64, to: f64) {
-        let acceleration = Band::of((to - from) * self.timer_hz / (until - since).max(1.0));
+        let value = (to - from) * self.timer_hz / (until - since).max(1.0);
+        let middle = 0.5 * (since + until);
+        if let Some((before, last)) = self.accelerated.replace((middle, value)) {
+            let jerk = Band::of((value - last) * self.timer_hz / (middle - before).max(1.0));
+            self.cover(before as u64, middle as u64, |column| {
+                column.jerk = column.jerk.with(jerk);
+            });
+        }
+        let acceleration = Band::of(value);
         self.cover(since as u64, until as u64, |column| {
             column.acceleration = column.acceleration.with(acceleration);
         });
@@ -476,6 +492,24 @@ mod tests {
             .iter()
             .fold(Band::EMPTY, |band, c| band.with(c.acceleration));
         assert!(band.low > 0.93e6 && band.high < 1.07e6, "{band:?}");
+    }
+
+    #[test]
+    fn a_constant_jerk_is_measured() {
+        let mut speed = Speed::new(1_000_000, Some(1000));
+        speed.turn(FEED);
+        // 10,000 steps/s^3 with steps of 1 um: s = j t^3 / 6 gives the time of each step.
+        for step in 1..=20_000_u64 {
+            let now = (6.0 * step as f64 / 10_000.0).cbrt() * 1e6;
+            speed.advance(now as u64, &[1000.0 * step as f64, 0.0, 0.0]);
+        }
+        let (columns, _) = speed.columns();
+        // At the start a window is longer than the speed is constant.
+        let columns = &columns[columns.len() / 4..];
+        let band = columns
+            .iter()
+            .fold(Band::EMPTY, |band, c| band.with(c.jerk));
+        assert!(band.low > 0.7e7 && band.high < 1.3e7, "{band:?}");
     }
 
     #[test]

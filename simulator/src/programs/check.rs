@@ -3,6 +3,7 @@
 use crate::diagnostics::{Finding, Findings, Place, Severity};
 use crate::machines::machine_file::{MachineFile, Travel};
 use crate::programs::explain::At;
+use crate::programs::origins::Origins;
 use crate::programs::program::{self, Meaning, Start};
 use crate::programs::reversals::Turns;
 use crate::programs::setup;
@@ -34,6 +35,8 @@ pub struct Facts {
     /// The first move that leaves the travel of an axis. It is input of
     /// [`crate::programs::zero::report_beyond`].
     pub beyond: Option<(Place, MoveError)>,
+    /// The lines of the moves.
+    pub origins: Origins,
 }
 
 /// Checks the commands of a program one after the other: findings that are reported once per
@@ -72,6 +75,7 @@ pub fn check(
 ) -> io::Result<Facts> {
     let mut checker = Checker::new(machine, config);
     let mut is_empty = true;
+    let mut origins = Origins::default();
     program::walk(
         source,
         file,
@@ -79,6 +83,7 @@ pub fn check(
         findings,
         |meaning, command, from, findings| {
             is_empty = false;
+            origins.add(file, &meaning.at, command);
             checker.command(meaning, command, from, findings);
             Ok(())
         },
@@ -99,6 +104,7 @@ pub fn check(
         reversals: checker.turns.reversals(),
         curves: checker.curves,
         beyond: checker.beyond,
+        origins,
     })
 }
 

@@ -13,6 +13,7 @@ use husillo_sim::observers::encoders::EncoderReports;
 use husillo_sim::observers::moves::Moves;
 use husillo_sim::observers::phases::Phases;
 use husillo_sim::observers::picture::Picture;
+use husillo_sim::observers::recording::Recording;
 use husillo_sim::observers::speed::Speed;
 use husillo_sim::observers::statistics::Statistics;
 use husillo_sim::observers::symmetry::Symmetry;
@@ -30,6 +31,8 @@ pub struct Observers {
     pub picture: Picture,
     /// Speed along the path.
     pub speed: Speed,
+    /// The moves, for the viewer.
+    pub recording: Recording,
     /// Currents of the first steps.
     pub phases: Phases,
     /// Comparison of the two sides of the work, if requested.
@@ -41,7 +44,7 @@ pub struct Observers {
 /// not be inlined.
 macro_rules! each {
     ($observers:ident, $observer:ident => $call:expr) => {{
-        each!(@ $call, $observer, $observers: statistics deviation picture speed phases);
+        each!(@ $call, $observer, $observers: statistics deviation picture speed recording phases);
         each!(@ $call, $observer, $observers: symmetry trace);
     }};
     (@ $call:expr, $observer:ident, $observers:ident: $($name:ident)*) => {$({
@@ -116,6 +119,7 @@ impl Run {
             deviation: Deviation::default(),
             picture: Picture::new(machine.view),
             speed: Speed::new(machine.timer_hz, ramps.max()),
+            recording: Recording::new(machine.timer_hz),
             phases: Phases::new(setup::phases(machine), machine.timer_hz, mechanics.levels()),
             symmetry: None,
             trace: trace.transpose().map_err(|error| error.to_string())?,
@@ -135,6 +139,7 @@ impl Run {
     pub fn start_at(&mut self, steps: [i32; AXES]) {
         self.mechanics.start_at(steps);
         self.observers.statistics.start_at(self.mechanics.tool());
+        self.observers.recording.start_at(self.mechanics.tool());
         self.moves.start_at(self.mechanics.tool());
     }
 

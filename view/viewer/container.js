@@ -1,0 +1,97 @@
+/**
+ * The container of a scene: base64 of a zlib stream of a header and columns of whole numbers.
+ * `docs/scene.md` describes the format.
+ */
+
+/** The version of the format that this module reads. */
+export const VERSION = 1;
+
+/**
+ * @typedef {object} Container
+ * @property {any} header
+ * @property {Map<string, Float64Array>} columns
+ */
+
+/**
+ * Unpacks a scene.
+ *
+ * @param {string} text
+ * @returns {Promise<Container>}
+ * @throws {Error} if the text is no scene, or one of another version
+ */
+export async function unpack(text) {
+    const bytes = await inflate(fromBase64(text.trim()));
+    const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
+    const end = 4 + view.getUint32(0, true);
+    if (end > bytes.length) throw new Error("the header of the scene is cut off");
+    const header = JSON.parse(new TextDecoder().decode(bytes.subarray(4, end)));
+    if (header.version !== VERSION) {
+        throw new Error(
+            `the scene has version ${header.version}, this viewer reads ${VERSION}`
+        );
+    }
+    const reader = new Numbers(bytes, end);
+    const columns = new Map();
+    for (const [name, count] of header.columns) columns.set(name, reader.column(count));
+    return { header, columns };
+}
+
+/**
+ * @param {string} text
+ * @returns {Uint8Array}
+ */
+function fromBase64(text) {
+    const binary = atob(text);
+    const bytes = new Uint8Array(binary.length);
+    for (let index = 0; index < bytes.length; index++) bytes[index] = binary.charCodeAt(index);
+    return bytes;
+}
+
+/**
+ * @param {Uint8Array} bytes
+ * @returns {Promise<Uint8Array>}
+ */
+async function inflate(bytes) {
+    const stream = new Blob([/** @type {BlobPart} */ (bytes)]).stream();
+    const inflated = stream.pipeThrough(new DecompressionStream("deflate"));
+    return new Uint8Array(await new Response(inflated).arrayBuffer());
+}
+
+/** Reads columns, one after the other. */
+class Numbers {
+    /**
+     * @param {Uint8Array} bytes
+     * @param {number} at
+     */
+    constructor(bytes, at) {
+        this.bytes = bytes;
+        this.at = at;
+    }
+
+    /**
+     * The next column: each number is the sum of the differences up to it.
+     *
+     * @param {number} count
+     */
+    column(count) {
+        const values = new Float64Array(count);
+        let sum = 0;
+        for (let index = 0; index < count; index++) values[index] = sum += this.difference();
+        return values;
+    }
+
+    /** Seven bits per byte, the low ones first. Sums of powers of two are exact up to 2^53. */
+    difference() {
+        const { bytes } = this;
+        let byte = bytes[this.at++];
+        let value = byte & 0x7f;
+        let scale = 128;
+        while (byte > 0x7f) {
+            byte = bytes[this.at++];
+            value += (byte & 0x7f) * scale;
+            scale *= 128;
+        }
+        if (byte === undefined) throw new Error("the columns of the scene are cut off");
+        return value % 2 === 0 ? value / 2 : -(value + 1) / 2;
+    }
+}
