@@ -56,6 +56,9 @@ mod text;
 mod values;
 mod words;
 
+/// The crate of the fixed-point types.
+pub use fixed;
+
 pub use blocks::block::Block;
 pub use codes::axes::Axes;
 pub use codes::code::Side;

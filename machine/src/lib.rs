@@ -7,6 +7,7 @@
 mod step_event;
 
 mod servo_axis;
+mod stepper_axis;
 
 #[cfg(feature = "gcode")]
 mod lines;
@@ -14,6 +15,7 @@ mod lines;
 mod poll;
 
 /// The crates whose types are part of this API.
+pub use fixed;
 pub use husillo_backlash as backlash;
 #[cfg(feature = "gcode")]
 pub use husillo_gcode as gcode;
@@ -23,9 +25,14 @@ pub use husillo_pid as pid;
 pub use husillo_planner as planner;
 #[cfg(feature = "extended")]
 pub use husillo_probe as probe;
+pub use husillo_stepper as stepper;
 #[cfg(feature = "gcode")]
 pub use lines::*;
 #[cfg(feature = "nb")]
 pub use poll::NotFound;
 pub use servo_axis::{ServoAxis, ServoEvents, ServoInputs, ServoStatus, ServoStop};
 pub use step_event::{MAX_WAIT_TICKS, StepEvent};
+pub use stepper_axis::{
+    AccelerationLimits, AxisLimits, AxisProfile, Change, JerkLimits, StepUnits, StepperAxis,
+    StepperAxisError, UnitsError,
+};

@@ -7,7 +7,7 @@
 //!  measured ─┴──────────────► D ─► Filter ─────────────────┼┤         │
 //!  velocity, acceleration ───────► FeedForward ────────────┼┘         │
 //!                                                          └──────────┘
-//!  drive ─► PwmDirection
+//!  drive ─► PwmDirection           measured, target or drive ─► Biquad: notch, lead-lag, low-pass
 //!
 //!  command, actual, current ─► ServoLaw ─► Drive { pwm, is_reverse }      the law of the module
 //! ```
@@ -48,6 +48,8 @@ mod pid;
 mod derivative;
 mod windup;
 
+mod biquad;
+
 mod stages;
 
 mod servo;
@@ -63,12 +65,16 @@ mod number;
 
 pub mod tuning;
 
+/// The crate of the fixed-point types.
+pub use fixed;
+
+pub use biquad::{Biquad, BiquadState, Coefficients, FilterError, SecondOrder};
 pub use derivative::{Derivative, OfError, OfMeasurement};
 pub use number::{Number, Span, Word};
 pub use pid::{Pid, State, Term};
 #[cfg(feature = "embedded-hal")]
 pub use pins::{DriveError, PwmDirection};
-pub use regulator::Regulator;
+pub use regulator::{Counts, Regulator};
 pub use servo::{Drive, RateRule, ServoGains, ServoLaw, ServoState, TotalLimit};
 pub use settings::{Gains, Integration, Limits, SettingsError};
 pub use sign_magnitude::sign_magnitude;

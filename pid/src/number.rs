@@ -1,11 +1,15 @@
 //! Number types of signals and gains.
 
+mod integer;
+mod long;
+
 use core::fmt::Debug;
 
 use fixed::types::extra::{LeEqU8, LeEqU16, LeEqU32};
 use fixed::{FixedI8, FixedI16, FixedI32};
 
-/// A type of signals or gains: the signed fixed-point types of up to 32 bits, and `f32`.
+/// A type of signals or gains: the signed integers and fixed-point types of up to 64 bits, and
+/// `f32`. Signals and gains of one controller are all of 64 bits, all of up to 32, or all `f32`.
 ///
 /// The controller computes with a fixed-point number as an integer in units of its last digit, so
 /// sums are exact. `f32` rounds at every operation.
@@ -20,13 +24,15 @@ pub trait Number: Copy + Debug + Default + PartialEq + sealed::Sealed {
     fn from_word(word: Self::Word) -> Self;
 }
 
-/// A register type and the double-width type of its products. Implemented for `i32` and `f32`, for
-/// internal use.
+/// A register type and the double-width type of its products. Implemented for `i32`, `i64` and
+/// `f32`, for internal use.
 pub trait Word: Copy + Debug + Default + PartialEq + PartialOrd + sealed::Sealed {
     /// Type of products and their sums.
     type Wide: Copy + Debug + Default + PartialEq + PartialOrd;
     /// Range from a lowest to a highest wide number.
     type Span: Copy + Debug + PartialEq;
+    /// Most fractional bits of gains, so that a limit times a gain's fraction fits.
+    const MOST_FRACTION_BITS: u32;
     /// Returns the difference, saturating. For `f32` a difference that is not finite becomes 0, so
     /// that a broken sensor causes no drive.
     fn minus(self, other: Self) -> Self;
@@ -34,12 +40,20 @@ pub trait Word: Copy + Debug + Default + PartialEq + PartialOrd + sealed::Sealed
     /// `f32` stays as it is. Returns `None` if the magnitudes of the integers add up to more than
     /// 2^29, or if an `f32` is not finite.
     fn gains<const N: usize>(gains: [Self; N]) -> Option<[Self; N]>;
+    /// Returns the number times `by` / `over`, rounded to nearest. Returns `None` if it does not
+    /// fit or `over` is 0.
+    fn scaled(self, by: u32, over: u32) -> Option<Self>;
+    /// Returns the coefficient of a filter that has this many digits of 2^-bits.
+    fn coefficient(digits: i32, bits: u32) -> Self;
     /// Returns half of a stored gain.
     fn half(self) -> Self;
     /// Returns the sum of two stored gains.
     fn and(self, other: Self) -> Self;
     /// Returns the product: exact, for `f32` rounded.
     fn times(self, other: Self) -> Self::Wide;
+    /// Returns the product of a coefficient and a wide number of `bits` fractional bits that is
+    /// within the range of a signal, rounded downwards to these bits.
+    fn times_wide(self, wide: Self::Wide, bits: u32) -> Self::Wide;
     /// Returns the sum. The bounds stated in [`Pid`](crate::Pid) keep it in range.
     fn plus(one: Self::Wide, other: Self::Wide) -> Self::Wide;
     /// Returns the difference, saturating.
@@ -76,6 +90,7 @@ const GAINS: u32 = 1 << 29;
 impl Word for i32 {
     type Wide = i64;
     type Span = Span;
+    const MOST_FRACTION_BITS: u32 = 29;
 
     #[inline(always)]
     fn minus(self, other: Self) -> Self {
@@ -87,6 +102,24 @@ impl Word for i32 {
             .iter()
             .try_fold(0_u32, |sum, gain| sum.checked_add(gain.unsigned_abs()))?;
         (size <= GAINS).then(|| gains.map(|gain| gain.wrapping_mul(2)))
+    }
+
+    fn scaled(self, by: u32, over: u32) -> Option<Self> {
+        // Below 2^64 with the half.
+        let size = u64::from(self.unsigned_abs()).wrapping_mul(by.into());
+        let nearest = size
+            .wrapping_add(u64::from(over >> 1))
+            .checked_div(over.into())?;
+        let nearest = i32::try_from(nearest).ok()?;
+        Some(if self < 0 {
+            nearest.wrapping_neg()
+        } else {
+            nearest
+        })
+    }
+
+    fn coefficient(digits: i32, _bits: u32) -> Self {
+        digits
     }
 
     fn half(self) -> Self {
@@ -101,6 +134,14 @@ impl Word for i32 {
     #[inline(always)]
     fn times(self, other: Self) -> i64 {
         product(self, other)
+    }
+
+    #[inline(always)]
+    fn times_wide(self, wide: i64, bits: u32) -> i64 {
+        // The high part is within the limits of a signal, the low one below 2^bits.
+        let low = wide & 1_i64.wrapping_shl(bits).wrapping_sub(1);
+        product(self, wide.wrapping_shr(bits) as i32)
+            .wrapping_add(product(self, low as i32).wrapping_shr(bits))
     }
 
     #[inline(always)]
@@ -210,6 +251,7 @@ fn half(bits: u32) -> i64 {
 impl Word for f32 {
     type Wide = f32;
     type Span = [f32; 2];
+    const MOST_FRACTION_BITS: u32 = 0;
 
     #[inline(always)]
     fn minus(self, other: Self) -> Self {
@@ -225,6 +267,16 @@ impl Word for f32 {
         gains.iter().all(|gain| gain.is_finite()).then_some(gains)
     }
 
+    fn scaled(self, by: u32, over: u32) -> Option<Self> {
+        Some(self * (by as f32 / over as f32)).filter(|product| product.is_finite())
+    }
+
+    fn coefficient(digits: i32, bits: u32) -> Self {
+        // 2^-bits, for bits below 127.
+        let digit = f32::from_bits(127_u32.wrapping_sub(bits).wrapping_shl(23));
+        digits as f32 * digit
+    }
+
     fn half(self) -> Self {
         self * 0.5
     }
@@ -236,6 +288,11 @@ impl Word for f32 {
     #[inline(always)]
     fn times(self, other: Self) -> f32 {
         self * other
+    }
+
+    #[inline(always)]
+    fn times_wide(self, wide: f32, _bits: u32) -> f32 {
+        self * wide
     }
 
     #[inline(always)]

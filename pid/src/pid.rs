@@ -33,7 +33,8 @@ type Span<S> = <<S as Number>::Word as Word>::Span;
 ///
 /// These bounds make the arithmetic safe. All gains together are at most 2^29 last digits (`I16F16`
 /// gains may add up to 8192). They are stored doubled, so the products are at most 2^61. The limits
-/// of the integral and each [`Term`] are at most 2^61.
+/// of the integral and each [`Term`] are at most 2^61. With 64 bits, gains are at most 2^61 last
+/// digits, and everything else 2^125.
 ///
 /// # Examples
 /// ```
@@ -115,8 +116,8 @@ impl<S: Number, G: Number<Word = S::Word>> Pid<S, G> {
         integration: Integration,
         limits: Limits<S>,
     ) -> Result<Self, SettingsError> {
-        // A limit is therefore at most 2^31 * 2^30.
-        if G::FRACTION_BITS > 29 {
+        // A limit is therefore at most 2^31 * 2^30, or 2^63 * 2^62.
+        if G::FRACTION_BITS > S::Word::MOST_FRACTION_BITS {
             return Err(SettingsError::FractionTooFine);
         }
         let gains = [gains.proportional, gains.integral, gains.derivative].map(G::to_word);

@@ -111,32 +111,35 @@ impl Regulator for ServoLaw {
     }
 }
 
+/// The numbers of 32 bits without a fraction: `i32` and `I32F0`.
+pub trait Counts: Number<Word = i32> {}
+
+impl Counts for i32 {}
+impl Counts for I32F0 {}
+
 /// A PID controller in whole counts. Its output is the PWM with its sign, limited to 255.
 ///
 /// It limits neither the error nor the current. For positions more than 2^31 counts apart, the
 /// error is the shorter distance modulo 2^32.
-impl<G, A, D> Regulator for Pid<I32F0, G, A, D>
+impl<S, G, A, D> Regulator for Pid<S, G, A, D>
 where
+    S: Counts,
     G: Number<Word = i32>,
     A: AntiWindup<i32>,
     D: Derivative,
 {
-    type State = State<I32F0>;
+    type State = State<S>;
 
-    fn begin(&self) -> State<I32F0> {
+    fn begin(&self) -> State<S> {
         State::default()
     }
 
     #[inline]
-    fn regulate(&self, state: &mut State<I32F0>, set_point: i32, measured: i32, _: u8) -> Drive {
+    fn regulate(&self, state: &mut State<S>, set_point: i32, measured: i32, _: u8) -> Drive {
         let error = set_point.wrapping_sub(measured);
         let set_point = measured.saturating_add(error);
-        let output = self.update(
-            state,
-            I32F0::from_bits(set_point),
-            I32F0::from_bits(measured),
-        );
-        let output = output.to_bits();
+        let output = self.update(state, S::from_word(set_point), S::from_word(measured));
+        let output = output.to_word();
         Drive {
             pwm: output.unsigned_abs().min(255) as u8,
             is_reverse: output < 0,

@@ -2,6 +2,8 @@
 
 use core::fmt;
 
+use crate::number::{Number, Word};
+
 /// Gains per sample of the parallel form `u = proportional e + integral sum(e) + derivative (e - e
 /// before)`.
 ///
@@ -17,6 +19,53 @@ pub struct Gains<G> {
     pub integral: G,
     /// Kd / T: the weight of the difference of two samples.
     pub derivative: G,
+}
+
+impl<G: Number> Gains<G> {
+    /// Converts gains per second to gains per sample: `proportional` is Kp, `integral` is Ki in
+    /// 1/s, `derivative` is Kd in s. Each is rounded to the last digit of its type. `Gains<f64>`
+    /// has [`per_sample`](Gains::per_sample).
+    ///
+    /// # Errors
+    /// [`SettingsError::GainsTooLarge`] if a gain per sample does not fit in its type, or if the
+    /// period is 0.
+    ///
+    /// # Examples
+    /// ```
+    /// use fixed::types::I16F16;
+    /// use husillo_pid::Gains;
+    ///
+    /// let gains = Gains {
+    ///     proportional: I16F16::from_num(2),
+    ///     integral: I16F16::from_num(500), // 1/s
+    ///     derivative: I16F16::lit("0.0078125"), // s
+    /// };
+    /// let each_512_us = gains.per_sample_ns(512_000)?;
+    /// assert_eq!(each_512_us.integral, I16F16::lit("0.256"));
+    /// assert_eq!(each_512_us.derivative, I16F16::lit("15.2587890625"));
+    /// # Ok::<(), husillo_pid::SettingsError>(())
+    /// ```
+    pub fn per_sample_ns(self, period_ns: u32) -> Result<Gains<G>, SettingsError> {
+        let scaled = |gain: G, by, over| {
+            let word = gain.to_word().scaled(by, over);
+            let word = word.ok_or(SettingsError::GainsTooLarge)?;
+            let scaled = G::from_word(word);
+            // A type of fewer bits than its register saturates.
+            if scaled.to_word() == word {
+                Ok(scaled)
+            } else {
+                Err(SettingsError::GainsTooLarge)
+            }
+        };
+        if period_ns == 0 {
+            return Err(SettingsError::GainsTooLarge);
+        }
+        Ok(Gains {
+            proportional: self.proportional,
+            integral: scaled(self.integral, period_ns, 1_000_000_000)?,
+            derivative: scaled(self.derivative, 1_000_000_000, period_ns)?,
+        })
+    }
 }
 
 /// The integration rule.
@@ -89,10 +138,10 @@ pub struct Limits<S> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum SettingsError {
-    /// The magnitudes of the gains, in units of their last digit, add up to more than 2^29 (`f32`:
-    /// a gain is not finite).
+    /// The magnitudes of the gains, in units of their last digit, add up to more than 2^29 (of
+    /// 64 bits: 2^61; `f32`: a gain is not finite).
     GainsTooLarge,
-    /// The gains have more than 29 fractional bits.
+    /// The gains have more than 29 fractional bits, or those of 64 bits more than 61.
     FractionTooFine,
     /// The low limit is above the high one, or one is not a number.
     LimitsCrossed,
@@ -102,7 +151,7 @@ impl fmt::Display for SettingsError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(match self {
             Self::GainsTooLarge => "gains too large for their type",
-            Self::FractionTooFine => "gains with more than 29 fractional bits",
+            Self::FractionTooFine => "gains with too many fractional bits",
             Self::LimitsCrossed => "low limit above high limit",
         })
     }

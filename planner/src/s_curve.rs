@@ -315,6 +315,39 @@ impl SCurve {
         true
     }
 
+    /// Changes the number of events to come, from the next event on: another goal in the same
+    /// direction. The present acceleration vanishes first, within the same jerk, and a hold ends.
+    /// Returns `false` where the events are too few for this; the profile then stays unchanged.
+    ///
+    /// # Cost
+    /// That of [`new`](SCurve::new).
+    pub fn set_remaining(&mut self, events: u32) -> bool {
+        if events == 0 {
+            return self.remaining == 0;
+        }
+        if self.remaining == 0 && (self.is_holding || self.limits.end_w == 0) {
+            self.stand();
+        }
+        if !self.look_again(events, self.limits.end_w) {
+            return false;
+        }
+        self.remaining = events;
+        self.beyond = 0;
+        self.is_holding = false;
+        true
+    }
+
+    /// The present rate in Hz, rounded down.
+    pub fn rate_hz(&self) -> u32 {
+        // w = 2 v f^2 / j, in profile ticks: w < 2^62, j < 2^32, two tick bits per timer bit.
+        let w = u128::from(self.slope.max(0).unsigned_abs()).wrapping_shl(self.tick_bits.into());
+        let f = u128::from(self.limits.timer_hz);
+        let double = w
+            .wrapping_shl(self.tick_bits.into())
+            .wrapping_mul(self.limits.jerk_hz_per_s2.into());
+        quotient(double, f.wrapping_mul(f).wrapping_mul(6)).min(u32::MAX.into()) as u32
+    }
+
     /// Whether a hold has reached its stop.
     pub const fn is_held(&self) -> bool {
         self.is_holding && self.remaining == 0

@@ -207,6 +207,25 @@ impl Trapezoid {
         }
     }
 
+    /// Changes the number of events to come, from the next event on: another goal in the same
+    /// direction. The rate continues from the present one, and a hold ends. Returns `false` where
+    /// the events are too few to slow down to the end rate; the profile then stays unchanged.
+    pub fn set_remaining(&mut self, events: u32) -> bool {
+        let square = self.square();
+        // gain < 2^92, events < 2^32, a square < 2^92: fits.
+        let highest = self
+            .square_of(self.end_rate_hz)
+            .wrapping_add(self.gain().wrapping_mul(events.into()));
+        if square > highest {
+            return false;
+        }
+        self.look_again();
+        self.remaining = events;
+        self.beyond = 0;
+        self.is_holding = false;
+        true
+    }
+
     /// Whether a hold has reached its stop.
     pub const fn is_held(&self) -> bool {
         self.is_holding && self.remaining == 0

@@ -67,8 +67,9 @@ proptest! {
     fn changes_on_the_way(
         (rates, jerk) in limits(),
         events in 1_u32..3000,
-        changes in prop::collection::vec((0_u32..700, 0_u8..3, 10_u32..40_000), 0..12),
+        changes in prop::collection::vec((0_u32..700, 0_u8..4, 10_u32..40_000), 0..12),
     ) {
+        let mut events = events;
         let Ok(mut profile) = SCurve::new(&rates, jerk, events) else { return Ok(()) };
         let (mut intervals, mut fastest) = (Vec::new(), rates.top_rate_hz.max(rates.start_rate_hz));
         for (count, what, rate) in changes {
@@ -79,8 +80,13 @@ proptest! {
             match what {
                 0 => if profile.set_top_rate(rate) == Ok(true) { fastest = fastest.max(rate) },
                 1 => { let _ = profile.hold(); }
+                2 => if profile.set_remaining(rate % 3000) {
+                    prop_assert_eq!(profile.len(), (rate % 3000) as usize);
+                    events = intervals.len() as u32 + rate % 3000;
+                },
                 _ => { let _ = profile.resume(); }
             }
+            prop_assert!(profile.rate_hz() <= fastest);
             prop_assert_eq!(profile.remaining() as usize + intervals.len(), events as usize);
         }
         if !profile.resume() {
@@ -142,6 +148,36 @@ fn textbook_times() {
         "{} {time}",
         sum(10, 100_000)
     );
+}
+
+/// Another goal on the way: the rate continues, and a goal within the braking distance is refused.
+#[test]
+fn another_goal_on_the_way() {
+    let rates = Rates {
+        timer_hz: 1_000_000,
+        start_rate_hz: 0,
+        top_rate_hz: 1000,
+        end_rate_hz: 0,
+        acceleration_hz_per_s: 5000,
+    };
+    let mut profile = SCurve::new(&rates, 100_000, 2000).unwrap();
+    assert_eq!(profile.rate_hz(), 0);
+    assert!(profile.nth(999).unwrap().abs_diff(1000) <= 1);
+    assert!(profile.rate_hz().abs_diff(1000) <= 1);
+    let before = profile.clone();
+    // A ramp takes 125 events.
+    assert!(!profile.set_remaining(123));
+    assert_eq!(profile, before);
+    assert!(profile.set_remaining(175));
+    assert!(profile.by_ref().take(49).last().unwrap().abs_diff(1000) <= 1);
+    assert_eq!(profile.by_ref().count(), 126);
+    assert_eq!(profile.rate_hz(), 0);
+    assert!(profile.set_remaining(10));
+    let again: Vec<u32> = profile.collect();
+    let new: Vec<u32> = SCurve::new(&rates, 100_000, 10).unwrap().collect();
+    for (one, other) in again.iter().zip(&new) {
+        assert!(one.abs_diff(*other) <= 4, "{again:?} {new:?}");
+    }
 }
 
 /// Impossible profiles are refused.

@@ -108,10 +108,11 @@ proptest! {
     fn changes_on_the_way(
         rates in rates(),
         events in 1_u32..3000,
-        changes in prop::collection::vec((0_u32..700, 0_u8..3, 1_u32..60_000), 0..12),
+        changes in prop::collection::vec((0_u32..700, 0_u8..4, 1_u32..60_000), 0..12),
     ) {
         let Ok(mut profile) = Trapezoid::new(&rates, events) else { return Ok(()) };
         let (mut intervals, mut fastest) = (Vec::new(), rates.top_rate_hz.max(rates.start_rate_hz));
+        let mut events = events;
         for (count, what, rate) in changes {
             let len = profile.len();
             let part: Vec<u32> = profile.by_ref().take(count as usize).collect();
@@ -122,6 +123,10 @@ proptest! {
                 1 => match profile.hold() {
                     Some(stop) => prop_assert_eq!(profile.len(), stop as usize),
                     None => prop_assert_eq!(profile.len(), profile.remaining() as usize),
+                },
+                2 => if profile.set_remaining(rate % 3000) {
+                    prop_assert_eq!(profile.len(), (rate % 3000) as usize);
+                    events = intervals.len() as u32 + rate % 3000;
                 },
                 _ => profile.resume(),
             }
@@ -206,6 +211,33 @@ fn override_takes_effect() {
     assert_eq!(profile.by_ref().take(376).last(), Some(2000));
     assert_eq!(profile.len(), 2000 - 1000 - 301 - 376);
     assert_eq!(profile.last(), Some(20000));
+}
+
+/// Another goal on the way: the rate continues, and a goal within the braking distance is refused.
+#[test]
+fn another_goal_on_the_way() {
+    let rates = Rates {
+        timer_hz: 1_000_000,
+        start_rate_hz: 0,
+        top_rate_hz: 1000,
+        end_rate_hz: 0,
+        acceleration_hz_per_s: 5000,
+    };
+    let mut profile = Trapezoid::new(&rates, 2000).unwrap();
+    assert_eq!(profile.nth(999), Some(1000));
+    let before = profile.clone();
+    assert!(!profile.set_remaining(99));
+    assert_eq!(profile, before);
+    // 1000^2 / 10000 = 100 events to the stop.
+    assert!(profile.set_remaining(150));
+    assert_eq!(profile.by_ref().take(50).last(), Some(1000));
+    assert_eq!(profile.hold(), Some(100));
+    assert!(profile.set_remaining(100));
+    assert_eq!((profile.is_held(), profile.remaining()), (false, 100));
+    assert_eq!(profile.by_ref().last(), Some(20_000));
+    assert!(profile.set_remaining(1));
+    assert_eq!(profile.next(), Some(2 * 14_142));
+    assert!(profile.set_remaining(0));
 }
 
 /// Impossible profiles are refused.

@@ -1,5 +1,7 @@
 //! Exact decimal numbers as written in a program.
 
+mod arithmetic;
+
 use crate::error::ErrorKind;
 use crate::features::EXTENDED;
 use crate::values::wide::{divide, product};

@@ -1,5 +1,7 @@
 //! Lengths and positions.
 
+mod arithmetic;
+
 use core::fmt::{self, Write};
 
 /// A length or a position in nanometres. `Display` prints millimetres without trailing zeros.

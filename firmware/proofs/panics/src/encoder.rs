@@ -1,11 +1,16 @@
 //! The public functions of `husillo-encoder`.
 
+use core::convert::Infallible;
 use core::hint::black_box;
 
 use husillo_encoder::{
-    Byte, Extended, Index, Quadrature, StepWatch, VelocityByCount, VelocityByPeriod, levels,
-    read_running, running_value,
+    Byte, Extended, Index, Quadrature, QuadraturePins as AnyPins, SampleError, StepWatch,
+    VelocityByCount, VelocityByPeriod, levels, read_running, running_value,
 };
+
+use crate::stepper::Pin;
+
+type QuadraturePins = AnyPins<Pin, Pin>;
 
 /// Reads a byte of a counter.
 type Port = fn(Byte) -> u8;
@@ -21,6 +26,13 @@ pub fn keep() {
         Quadrature::set_position as *const (),
         Quadrature::direction as *const (),
         Quadrature::skipped as *const (),
+        Quadrature::levels as *const (),
+        QuadraturePins::new as *const (),
+        QuadraturePins::sample as *const (),
+        QuadraturePins::quadrature as *const (),
+        QuadraturePins::quadrature_mut as *const (),
+        QuadraturePins::release as *const (),
+        <SampleError<Infallible> as core::fmt::Display>::fmt as *const (),
         Index::new as *const (),
         Index::sample as *const (),
         Index::set_position as *const (),

@@ -1,21 +1,38 @@
 //! The public functions of `husillo-machine`.
 
+use core::future::Future;
 use core::hint::black_box;
 
+use fixed::types::I16F16;
 use husillo_backlash::Backlash;
 use husillo_gcode::Command;
 use husillo_interp::{ArcMove, Path};
 use husillo_machine::{
-    Axis, Checker, ClosedLoop as AnyClosedLoop, Config, Extended, Machine as AnyMachine, Means,
-    Plan as AnyPlan, ServoAxis as AnyServoAxis, SmoothRamp, StepGuard, extent,
+    AccelerationLimits, Axis, AxisLimits, AxisProfile, Checker, ClosedLoop as AnyClosedLoop,
+    Config, Extended, JerkLimits, Machine as AnyMachine, Means, Plan as AnyPlan,
+    ServoAxis as AnyServoAxis, SmoothRamp, StepGuard, StepUnits, StepperAxis as AnyStepperAxis,
+    StepperAxisError, UnitsError, extent,
 };
+use husillo_planner::{SCurve, Trapezoid};
+use husillo_stepper::Drive;
+
+use crate::stepper::Delay;
 
 type ServoAxis = AnyServoAxis;
 type Machine = AnyMachine<3, Path<3>, Backlash>;
 type ExtendedMachine = AnyMachine<3, Path<3>, Backlash, 16, Extended<3>>;
 type SmoothMachine = AnyMachine<3, Path<3>, Backlash, 16, (), SmoothRamp>;
 type Plan = AnyPlan<3, Path<3>>;
+type StepperAxis = AnyStepperAxis<Drive, AccelerationLimits>;
+type Smooth = AnyStepperAxis<Drive, JerkLimits>;
 type ClosedLoop = AnyClosedLoop<3, Path<3>, Backlash>;
+
+/// Polls the future of an axis once.
+fn wait_async(axis: &mut StepperAxis, delay: &mut Delay) {
+    let wait = core::pin::pin!(axis.wait_async(delay));
+    let mut context = core::task::Context::from_waker(core::task::Waker::noop());
+    black_box(wait.poll(&mut context).is_ready());
+}
 
 /// Keeps every function in the program.
 #[unsafe(export_name = "machine")]
@@ -130,5 +147,61 @@ pub fn keep() {
         ServoAxis::home as *const (),
         ServoAxis::inputs as *const (),
         ServoAxis::status as *const (),
+        StepperAxis::new as *const (),
+        StepperAxis::move_to as *const (),
+        StepperAxis::move_by as *const (),
+        StepperAxis::run as *const (),
+        StepperAxis::set_rate as *const (),
+        StepperAxis::stop as *const (),
+        StepperAxis::halt as *const (),
+        StepperAxis::next_change as *const (),
+        StepperAxis::set_enabled as *const (),
+        StepperAxis::set_position as *const (),
+        StepperAxis::position as *const (),
+        StepperAxis::goal as *const (),
+        StepperAxis::is_moving as *const (),
+        StepperAxis::rate_hz as *const (),
+        StepperAxis::levels as *const (),
+        StepperAxis::limits as *const (),
+        StepperAxis::wait::<Delay> as *const (),
+        Smooth::new as *const (),
+        Smooth::move_to as *const (),
+        Smooth::move_by as *const (),
+        Smooth::run as *const (),
+        Smooth::set_rate as *const (),
+        Smooth::stop as *const (),
+        Smooth::halt as *const (),
+        Smooth::next_change as *const (),
+        Smooth::set_enabled as *const (),
+        Smooth::set_position as *const (),
+        Smooth::position as *const (),
+        Smooth::goal as *const (),
+        Smooth::is_moving as *const (),
+        Smooth::rate_hz as *const (),
+        Smooth::levels as *const (),
+        Smooth::limits as *const (),
+        Smooth::wait::<Delay> as *const (),
+        AccelerationLimits::profile as *const (),
+        AccelerationLimits::timer_hz as *const (),
+        AccelerationLimits::top_rate_hz as *const (),
+        JerkLimits::profile as *const (),
+        JerkLimits::timer_hz as *const (),
+        JerkLimits::top_rate_hz as *const (),
+        <Trapezoid as AxisProfile>::set_remaining as *const (),
+        <Trapezoid as AxisProfile>::stop as *const (),
+        <Trapezoid as AxisProfile>::set_top_rate as *const (),
+        <Trapezoid as AxisProfile>::steps_left as *const (),
+        <Trapezoid as AxisProfile>::rate_hz as *const (),
+        <SCurve as AxisProfile>::set_remaining as *const (),
+        <SCurve as AxisProfile>::stop as *const (),
+        <SCurve as AxisProfile>::set_top_rate as *const (),
+        <SCurve as AxisProfile>::steps_left as *const (),
+        <SCurve as AxisProfile>::rate_hz as *const (),
+        StepUnits::new as *const (),
+        StepUnits::steps::<I16F16> as *const (),
+        StepUnits::position::<I16F16> as *const (),
+        <UnitsError as core::fmt::Display>::fmt as *const (),
+        <StepperAxisError as core::fmt::Display>::fmt as *const (),
+        wait_async as *const (),
     ]);
 }

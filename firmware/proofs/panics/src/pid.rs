@@ -4,12 +4,13 @@ use core::hint::black_box;
 
 use embedded_hal::digital::{self, OutputPin};
 use embedded_hal::pwm::{self, SetDutyCycle};
-use fixed::types::{I8F8, I16F16, I32F0};
+use fixed::types::{I8F8, I16F16, I32F0, I32F32};
 use husillo_pid::tuning::{Relay, Ultimate, oscillation, step_response};
 use husillo_pid::{
-    AntiWindup, BackCalculation, Clamp, Conditional, DeadBand, Derivative, Drive, FeedForward,
-    Filter, FilterState, Gains, Integration, Number, OfError, OfMeasurement, Pid, PwmDirection,
-    Regulator, ServoLaw, ServoState, State, Term, error, sign_magnitude,
+    AntiWindup, BackCalculation, Biquad, BiquadState, Clamp, Coefficients, Conditional, DeadBand,
+    Derivative, Drive, FeedForward, Filter, FilterState, Gains, Integration, Number, OfError,
+    OfMeasurement, Pid, PwmDirection, Regulator, SecondOrder, ServoLaw, ServoState, State, Term,
+    error, sign_magnitude,
 };
 
 /// Keeps every function in the program.
@@ -19,8 +20,20 @@ pub fn keep() {
     controller::<I16F16, I16F16>();
     controller::<I8F8, I8F8>();
     controller::<f32, f32>();
+    controller::<i32, I16F16>();
+    controller::<i16, I16F16>();
+    controller::<i8, I16F16>();
+    controller::<i64, I32F32>();
+    controller::<I32F32, I32F32>();
     black_box([
         Integration::formula as *const (),
+        SecondOrder::notch as *const (),
+        SecondOrder::lead_lag as *const (),
+        SecondOrder::low_pass as *const (),
+        SecondOrder::bilinear as *const (),
+        Coefficients::numerator as *const (),
+        Coefficients::denominator as *const (),
+        Coefficients::bits as *const (),
         BackCalculation::<i32>::new::<I16F16> as *const (),
         BackCalculation::<f32>::new::<f32> as *const (),
         Filter::new as *const (),
@@ -74,6 +87,11 @@ fn controller<S: Number, G: Number<Word = S::Word>>() {
         Term::<S, G>::plus as *const (),
         State::<S>::difference as *const (),
         error::<S> as *const (),
+        Gains::<G>::per_sample_ns as *const (),
+        Biquad::<S>::new as *const (),
+        Biquad::<S>::update as *const (),
+        Biquad::<S>::follow as *const (),
+        BiquadState::<S>::default as *const (),
         DeadBand::<S>::new as *const (),
         DeadBand::<S>::apply as *const (),
         FeedForward::<G>::new as *const (),

@@ -98,7 +98,7 @@ pub fn keep() {
 }
 
 /// A pin that keeps its level in memory.
-struct Pin(bool);
+pub struct Pin(bool);
 
 impl ErrorType for Pin {
     type Error = Infallible;
@@ -117,10 +117,16 @@ impl OutputPin for Pin {
 }
 
 /// A wait that takes no time.
-struct Delay(u32);
+pub struct Delay(u32);
 
 impl DelayNs for Delay {
     fn delay_ns(&mut self, ns: u32) {
+        self.0 = black_box(ns);
+    }
+}
+
+impl embedded_hal_async::delay::DelayNs for Delay {
+    async fn delay_ns(&mut self, ns: u32) {
         self.0 = black_box(ns);
     }
 }

@@ -5,9 +5,9 @@ use core::hint::black_box;
 
 use fixed::types::{I16F16, I32F0};
 use husillo_pid::{
-    AntiWindup, BackCalculation, Conditional, DeadBand, Derivative, FeedForward, Filter,
-    FilterState, Gains, Integration, Limits, OfMeasurement, Pid, RateRule, ServoGains, ServoLaw,
-    ServoState, State, TotalLimit, error,
+    AntiWindup, BackCalculation, Biquad, BiquadState, Coefficients, Conditional, DeadBand,
+    Derivative, FeedForward, Filter, FilterState, Gains, Integration, Limits, OfMeasurement, Pid,
+    RateRule, SecondOrder, ServoGains, ServoLaw, ServoState, State, TotalLimit, error,
 };
 
 use crate::Count;
@@ -45,7 +45,46 @@ pub fn all(count: Count<'_>) {
         );
     }
     pieces(count, &pid);
+    filters(count);
     servo(count);
+}
+
+/// A notch in whole counts and in floats.
+fn filters(count: Count<'_>) {
+    const NOTCH: Option<Coefficients> =
+        match SecondOrder::notch(120.0, 30.0).bilinear(2000.0, Some(120.0)) {
+            Ok(coefficients) => Some(coefficients),
+            Err(_) => None,
+        };
+    let Some(notch) = NOTCH else { return };
+    let limits = Limits {
+        low: -30_000,
+        high: 30_000,
+    };
+    let Ok(filter) = Biquad::new(&notch, limits) else {
+        return;
+    };
+    count("biquad", SAMPLES, &mut || {
+        let filter = black_box(filter);
+        let mut state = BiquadState::default();
+        for _ in 0..SAMPLES {
+            black_box(filter.update(&mut state, black_box(460)));
+        }
+    });
+    let limits = Limits {
+        low: -30_000.0,
+        high: 30_000.0,
+    };
+    let Ok(filter) = Biquad::<f32>::new(&notch, limits) else {
+        return;
+    };
+    count("biquad_f32", SAMPLES, &mut || {
+        let filter = black_box(filter);
+        let mut state = BiquadState::default();
+        for _ in 0..SAMPLES {
+            black_box(filter.update(&mut state, black_box(460.0)));
+        }
+    });
 }
 
 /// A controller that stays within its limits, and one that reaches them.

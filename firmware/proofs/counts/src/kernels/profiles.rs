@@ -2,7 +2,9 @@
 
 use core::hint::black_box;
 
+use husillo_machine::{AccelerationLimits, AxisLimits, JerkLimits, StepperAxis};
 use husillo_planner::{Rates, Recurrence, SCurve, ServoMotion, ServoProfile, Trapezoid};
+use husillo_stepper::{PulseNanoseconds, StepDirection};
 
 use crate::{Count, time};
 
@@ -58,6 +60,55 @@ pub fn all(count: Count<'_>) {
         }
     }
     servo(count);
+    axes(count);
+}
+
+/// Counts whole moves of an axis on an A4988, and a new goal on the way.
+fn axes(count: Count<'_>) {
+    let acceleration = AccelerationLimits {
+        timer_hz: RAMP.timer_hz,
+        top_rate_hz: RAMP.top_rate_hz,
+        acceleration_hz_per_s: RAMP.acceleration_hz_per_s,
+    };
+    let jerk = JerkLimits {
+        timer_hz: RAMP.timer_hz,
+        top_rate_hz: RAMP.top_rate_hz,
+        acceleration_hz_per_s: RAMP.acceleration_hz_per_s,
+        jerk_hz_per_s2: 1_000_000,
+    };
+    axis(count, ["stepper_axis", "stepper_axis_goal"], acceleration);
+    axis(
+        count,
+        ["stepper_axis_s_curve", "stepper_axis_s_curve_goal"],
+        jerk,
+    );
+}
+
+#[inline(never)]
+fn axis<L>(count: Count<'_>, [moves, goals]: [&str; 2], limits: L)
+where
+    L: AxisLimits + Clone,
+    L::Profile: Clone,
+{
+    let driver = StepDirection::new(PulseNanoseconds::A4988.ticks(RAMP.timer_hz));
+    let Ok(mut axis) = StepperAxis::new(driver, limits) else {
+        return;
+    };
+    count(moves, EVENTS, &mut || {
+        axis.move_to(black_box(EVENTS.cast_signed()));
+        while let Some(change) = axis.next_change() {
+            black_box((change.ticks, change.levels));
+        }
+        axis.set_position(0);
+    });
+    axis.move_to(EVENTS.cast_signed());
+    for _ in 0..EVENTS {
+        axis.next_change();
+    }
+    count(goals, 2, &mut || {
+        axis.move_to(black_box(20_000));
+        axis.move_to(black_box(10_000));
+    });
 }
 
 /// Counts servo moves of 4000 counts. One is at top velocity for nine tenths of the distance, the
