@@ -1,6 +1,7 @@
 //! The public functions of `husillo-gcode`.
 
 use core::hint::black_box;
+use core::iter::Empty;
 
 use fixed::types::I32F32;
 use husillo_gcode::contour::{Contours, needs_contours};
@@ -75,7 +76,7 @@ pub fn keep() {
         <Nm as core::ops::Sub>::sub as *const (),
         <Nm as core::ops::AddAssign>::add_assign as *const (),
         <Nm as core::ops::SubAssign>::sub_assign as *const (),
-        <Nm as core::iter::Sum>::sum::<core::iter::Empty<Nm>> as *const (),
+        <Nm as core::iter::Sum>::sum::<Empty<Nm>> as *const (),
         <Nm as core::ops::Neg>::neg as *const (),
         <Nm as core::ops::Mul<i64>>::mul as *const (),
         <Nm as core::ops::Div>::div as *const (),

@@ -380,12 +380,13 @@ mod grbl {
     use core::hint::black_box;
 
     use husillo_transports::grbl::{
-        Adjust, Alarm, ErrorCode, Feedback, LineReader, Message, Parameter, Place, Realtime,
-        Receiver, Settings, State, Status, Text, Window, decimal, key_and_value,
+        Accessories, Adjust, Alarm, ErrorCode, Feedback, LineReader, Message, Parameter, Pins,
+        Place, Realtime, Receiver, Settings, State, Status, Text, Window, decimal, key_and_value,
     };
 
     pub fn keep() {
         black_box([
+            Accessories::put_letters as *const (),
             Adjust::apply as *const (),
             Alarm::number as *const (),
             Alarm::of as *const (),
@@ -401,8 +402,10 @@ mod grbl {
             Message::parse as *const (),
             Message::write as *const (),
             Parameter::name as *const (),
+            Pins::put as *const (),
             Place::new as *const (),
             Place::nm as *const (),
+            Place::put as *const (),
             Realtime::byte as *const (),
             Realtime::of as *const (),
             Receiver::<256>::clear as *const (),
@@ -410,6 +413,7 @@ mod grbl {
             Receiver::<256>::lost as *const (),
             Receiver::<256>::new as *const (),
             Receiver::<256>::push as *const (),
+            Receiver::<256>::room as *const (),
             Receiver::<256>::take as *const (),
             Settings::from_bytes as *const (),
             Settings::is_set as *const (),
@@ -424,6 +428,7 @@ mod grbl {
             Text::new as *const (),
             Text::put as *const (),
             Text::put_decimal as *const (),
+            Text::put_length as *const (),
             Text::put_number as *const (),
             Window::answered as *const (),
             Window::bytes as *const (),
