@@ -19,7 +19,8 @@ dl{display:grid;grid-template-columns:repeat(auto-fill,minmax(11rem,1fr));gap:.8
 dl div{background:var(--panel);border:1px solid var(--line);border-radius:6px;padding:.5rem .8rem}\
 dt{color:var(--soft);font-size:.85rem}dd{margin:0;font-size:1.15rem;\
 font-variant-numeric:tabular-nums}\
-.scroll{overflow-x:auto}ul{padding-left:1.2rem}code{font-family:ui-monospace,monospace;\
+h1,p,dd,li{overflow-wrap:anywhere}.scroll{overflow-x:auto}ul{padding-left:1.2rem}\
+code{font-family:ui-monospace,monospace;\
 font-size:.9rem}\
 path,line,rect{vector-effect:non-scaling-stroke;fill:none}\
 .jog{stroke:var(--jog);stroke-width:1.5;stroke-dasharray:1.5 4;stroke-linecap:round}\

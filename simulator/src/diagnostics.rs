@@ -1,4 +1,4 @@
-//! Findings about programs and machine files, and collections of them. [`drawing`] prints them.
+//! Findings about programs and machine files, and collections of them. `drawing` prints them.
 
 mod alike;
 mod drawing;
