@@ -64,9 +64,9 @@ pub use scale::{JerkLimits, JerkLimitsError};
 /// - **Moves** lose their own acceleration and start speed: [`JerkLimits`] has one acceleration
 ///   for all, and a path with limited jerk has no start speed. A move with a lower acceleration A
 ///   is limited to the speed A T, which is in the ceiling of the move that the queue returns. All
-///   speeds of a window then differ by at most that, so its acceleration is at most A. An arc stays below its upper level
-///   of speed, because there is less acceleration in it. A length above 2^40 nm is taken as this,
-///   and a top speed below one unit per slice as one unit.
+///   speeds of a window then differ by at most that, so its acceleration is at most A. An arc stays
+///   below its upper level of speed, because there is less acceleration in it. A length above 2^40
+///   nm is taken as this, and a top speed below one unit per slice as one unit.
 /// - **Capacity.** At most 512. To reach a speed v, the queue needs moves for a path of about
 ///   v^2 / 2 a + 1.5 v T.
 /// - **Short runs from stop to stop**, below 2 a T^2, get a shorter window with the same jerk, as
