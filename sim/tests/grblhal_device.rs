@@ -137,6 +137,43 @@ fn a_tool_without_contact_gives_an_alarm() {
     assert!(said.starts_with("ALARM:4\r\n"), "{said}");
 }
 
+/// A measurement that fails during the change of a tool leaves the change as it was. The byte 0x19
+/// ends everything, also a line that waits.
+#[test]
+fn a_failed_measurement_does_not_end_the_change() {
+    let mut mill = Session::new();
+    mill.ask(&["$341=1", "$342=3", "M6T2"]);
+    mill.pass(2000);
+    mill.send(b"G0X5\n\xa3");
+    mill.pass(20);
+    assert!(mill.ask(&["$TPW"]).starts_with("ALARM:5\r\n"));
+    assert!(mill.status().starts_with("<Alarm|"));
+    mill.ask(&["$X"]);
+    assert!(mill.status().starts_with("<Tool|"));
+    mill.send(b"\x19");
+    assert_eq!(mill.pass(50), "[MSG:Stop]\r\n");
+    assert!(mill.status().starts_with("<Idle|"));
+    assert_eq!(mill.ask(&["G0X1"]), "ok\r\n", "nothing is refused any more");
+    mill.pass(2000);
+    // A line waits behind a dwell, and another one behind it.
+    mill.send(b"G4P5\nG0X9\n");
+    mill.pass(100);
+    mill.send(b"\x19");
+    assert_eq!(mill.pass(7000), "[MSG:Stop]\r\nok\r\n");
+    assert!(mill.status().starts_with("<Idle|MPos:1.000,"));
+    // A motion brakes, and what is queued behind it is dropped.
+    mill.ask(&["G1X20F3000", "X30"]);
+    mill.pass(200);
+    mill.send(b"\x19");
+    mill.pass(3000);
+    let status = mill.status();
+    let x: f64 = status[11..].split(',').next().unwrap().parse().unwrap();
+    assert!(
+        status.starts_with("<Idle|") && x > 2.0 && x < 20.0,
+        "{status}"
+    );
+}
+
 /// The table of tools, G59.1 and the shift of G92 are kept while the power is off.
 #[test]
 fn tools_and_frames_are_kept() {

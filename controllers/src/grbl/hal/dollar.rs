@@ -212,7 +212,12 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         if self.hal_needs_homing() {
             return Err(ErrorCode::HomingRequired);
         }
-        self.dollar(b"X")
+        let result = self.dollar(b"X");
+        if self.hal.is_acknowledged() && self.phase == Phase::Idle {
+            // A measurement has failed, and the change goes on.
+            self.hal_wait_again();
+        }
+        result
     }
 
     /// Handles the begin of homing, which is reported, and its end.

@@ -80,8 +80,10 @@ const COMMANDS: [(&str, &str); 27] = [
 
 /// Returns the group at an index.
 pub(super) fn group(index: usize) -> Option<(u8, u8, &'static str)> {
-    let all = GROUPS.iter().chain(core::iter::once(&LAST_GROUP));
-    all.copied().nth(index)
+    match GROUPS.get(index) {
+        Some(group) => Some(*group),
+        None => (index == GROUPS.len()).then_some(LAST_GROUP),
+    }
 }
 
 fn number(value: u64) -> Text {
@@ -253,8 +255,8 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
     fn hal_described(&mut self, wanted: Option<u8>, at: usize) -> Option<()> {
         let row = row(at)?;
         if at == 0 {
-            let name = (0..)
-                .map_while(group)
+            let name = (0..=GROUPS.len())
+                .filter_map(group)
                 .find(|(id, _, _)| Some(*id) == wanted);
             if let Some((_, _, name)) = name {
                 self.hal_line(&[]);
@@ -283,7 +285,9 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         if is("Settings") {
             return self.hal_begin_list(Listing::Described(None));
         }
-        let found = (1..).map_while(group).find(|(_, _, name)| is(name));
+        let found = (1..=GROUPS.len())
+            .filter_map(group)
+            .find(|(_, _, name)| is(name));
         match found {
             Some((id, _, _)) => self.hal_begin_list(Listing::Described(Some(id))),
             None => {

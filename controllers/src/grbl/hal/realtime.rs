@@ -2,7 +2,7 @@
 
 use husillo_transports::grbl::{Feedback, Message, Receiver};
 
-use super::super::{Grbl, Phase};
+use super::super::{Grbl, Phase, Task};
 
 /// Requests that are not handled yet.
 #[derive(Clone, Copy, Debug)]
@@ -70,6 +70,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         self.receiver.clear();
         self.hal.reader.clear();
         self.hal.shown.with_accessories = true;
+        self.hal_drop_line();
         match self.phase {
             Phase::Run | Phase::Jog => self.cancel_jog(),
             Phase::Hold(_) | Phase::Tool => {
@@ -81,6 +82,18 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         }
         self.switch_outputs_off();
         self.change_modes(b"M5M9");
+    }
+
+    /// Drops the rest of the present line, which is answered, and the lines that wait for the change
+    /// of a tool.
+    fn hal_drop_line(&mut self) {
+        self.hal.stash = None;
+        self.commands.clear();
+        self.next = None;
+        self.dwell_us = 0;
+        if matches!(self.task, Task::Sync | Task::Dwell | Task::Pause) {
+            self.task = Task::Block;
+        }
     }
 
     /// Lets the sender work during the change of a tool: lines that were sent before wait until it

@@ -95,8 +95,8 @@ impl Row {
 
     /// Returns the number of decimals that are printed.
     fn places(&self) -> u8 {
-        let mut parts = self.format.splitn(2, '.');
-        let decimals = parts.nth(1).map_or(0, str::len);
+        let decimals = self.format.bytes().skip_while(|byte| *byte != b'.');
+        let decimals = decimals.skip(1).count();
         // At most 5.
         if self.kind == Kind::Decimal {
             decimals as u8

@@ -257,8 +257,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         if only_measures {
             // The change goes on when the operator resumes it.
             if self.hal.stash.is_some() {
-                self.phase = Phase::Tool;
-                self.hal.change.step = Step::Wait;
+                self.hal_wait_again();
             }
             self.end_line(Ok(Outcome::Done));
             return;
@@ -266,6 +265,12 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         self.outputs.is_stopped = false;
         self.outputs.is_coolant_stopped = false;
         self.drive();
+    }
+
+    /// Returns to the state in which the operator changes the tool.
+    pub(super) fn hal_wait_again(&mut self) {
+        self.phase = Phase::Tool;
+        self.hal.change.step = Step::Wait;
     }
 
     /// Forgets a change in progress, and takes the lines that have waited for it.
