@@ -30,13 +30,8 @@ static CONTROLLER: StaticCell<Grbl> = StaticCell::new();
 /// All that senders ask for. The inputs are read also while nothing moves.
 const OPTIONS: GrblOptions = GrblOptions {
     reads_inputs: board::HAS_SWITCHES,
-    ..PROTOCOL
+    ..GrblOptions::FULL
 };
-
-#[cfg(not(feature = "grblhal"))]
-const PROTOCOL: GrblOptions = GrblOptions::FULL;
-#[cfg(feature = "grblhal")]
-const PROTOCOL: GrblOptions = GrblOptions::HAL;
 
 static INTERRUPTS: Shared<Interrupts<Machine, 1, STEPS>> = Shared::new(Interrupts::new(()));
 
