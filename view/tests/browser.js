@@ -30,6 +30,9 @@ const TYPES = /** @type {Record<string, string>} */ ({
 /** The import map of pages served from this folder. */
 const MAP = '{"imports":{"husillo/":"/"}}';
 
+/** A page that takes longer than this is stuck, milliseconds. */
+const PATIENCE = 180_000;
+
 /** @type {Promise<import("puppeteer-core").Browser> | undefined} */
 let browser;
 /** @type {import("node:http").Server | undefined} */
@@ -50,6 +53,9 @@ function started() {
     browser ??= puppeteer.launch({
         executablePath: chromium(),
         headless: true,
+        // The machine may have other work to do.
+        timeout: PATIENCE,
+        protocolTimeout: 2 * PATIENCE,
         args: ["--no-sandbox", "--disable-gpu", "--force-color-profile=srgb"],
     });
     return browser;
@@ -117,6 +123,7 @@ after(async () => {
  */
 export async function open(t, wanted) {
     const page = await (await started()).newPage();
+    page.setDefaultTimeout(PATIENCE);
     /** @type {string[]} */
     const errors = [];
     page.on("console", (message) => {

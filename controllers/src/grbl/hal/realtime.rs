@@ -84,8 +84,8 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         self.change_modes(b"M5M9");
     }
 
-    /// Drops the rest of the present line, which is answered, and the lines that wait for the change
-    /// of a tool.
+    /// Drops the rest of the present line, which is answered, and the lines that wait for the
+    /// change of a tool.
     fn hal_drop_line(&mut self) {
         self.hal.stash = None;
         self.commands.clear();
