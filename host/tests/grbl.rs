@@ -33,6 +33,32 @@ fn a_program_in_simulated_time() {
         .stdout(contains("machine X 0.000 Y 0.000 Z 0.000 mm"));
 }
 
+/// Its buffer is longer than Grbl's, and its reports have other fields.
+#[test]
+fn a_program_and_a_move_by_hand_with_the_protocol_of_grblhal() {
+    let device = Emulated::listening("grblhal", &["--speed", "20"]);
+    let file = saved("grblhal-send.nc", &program());
+    husillo()
+        .args(["send", &file, "-m", "grbl", "-y", "--port", device.port()])
+        .assert()
+        .success()
+        .stdout(contains("204 lines made; "));
+    husillo()
+        .args([
+            "jog",
+            "-m",
+            "grbl",
+            "--port",
+            device.port(),
+            "by",
+            "X2.5",
+            "where",
+        ])
+        .assert()
+        .success()
+        .stdout(contains("machine X 2.500 Y 0.000 Z 0.000 mm"));
+}
+
 #[test]
 fn what_grbl_refuses_is_not_sent() {
     for (name, text, part) in [

@@ -27,7 +27,8 @@ fn status(units: Units) -> impl Strategy<Value = Status> {
         1_000_000
     };
     let fields = (
-        prop::option::of((0_u8..16, 0_u8..=128)),
+        // Newer controllers have longer queues and buffers than Grbl.
+        prop::option::of((0_u16..1024, 0_u16..4096)),
         prop::option::of(0_u32..10_000_000),
         0_u64..100_000,
         0_u32..100_000,

@@ -75,7 +75,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         if mask & 2 == 2 {
             // A queue has at most 255 slots.
             let free = QUEUE.saturating_sub(self.machine.queued()) as u8;
-            status.free = Some((free, self.receiver.free()));
+            status.free = Some((free.into(), self.receiver.free().into()));
         }
         if self.options.reports_lines {
             let line = self.executing().map(|tag| tag.line);
@@ -115,6 +115,11 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         }
         *overrides = every(OVERRIDES_EVERY).saturating_sub(1);
         status.overrides = Some(self.overrides);
+        status.accessories = self.accessories();
+    }
+
+    /// What turns and flows, as reports have it.
+    pub(super) fn accessories(&self) -> Accessories {
         let (direction, flood, mist) = self.running();
         let turns = match direction {
             Some(SpindleDirection::Clockwise) => Accessories::CLOCKWISE,
@@ -123,7 +128,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         };
         let flows = |is_on: bool, bit: u8| if is_on { bit } else { 0 };
         let flood = flows(flood, Accessories::FLOOD);
-        status.accessories = Accessories(turns | flood | flows(mist, Accessories::MIST));
+        Accessories(turns | flood | flows(mist, Accessories::MIST))
     }
 
     pub(super) fn pins(&self) -> Pins {

@@ -38,7 +38,7 @@ pub struct Status {
     /// Position of the axes.
     pub position: Position,
     /// `Bf`: free slots of the queue, and free bytes of the receive buffer.
-    pub free: Option<(u8, u8)>,
+    pub free: Option<(u16, u16)>,
     /// `Ln`: N word of the present block.
     pub line: Option<u32>,
     /// `FS`: present speed, in nm/min.

@@ -165,18 +165,6 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         }
     }
 
-    fn accessories(&self) -> Accessories {
-        let (direction, flood, mist) = self.running();
-        let turns = match direction {
-            Some(SpindleDirection::Clockwise) => Accessories::CLOCKWISE,
-            Some(SpindleDirection::CounterClockwise) => Accessories::COUNTER_CLOCKWISE,
-            _ => 0,
-        };
-        let flows = |is_on: bool, bit: u8| if is_on { bit } else { 0 };
-        let flood = flows(flood, Accessories::FLOOD);
-        Accessories(turns | flood | flows(mist, Accessories::MIST))
-    }
-
     /// Shows the accessories in the next report.
     pub(in super::super) fn hal_show_accessories(&mut self) {
         self.hal.shown.with_accessories = true;
