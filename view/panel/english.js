@@ -45,8 +45,8 @@ export const ENGLISH = {
     noMachine: "The server has no machine.",
     controllerLostLong: "The controller does not answer.",
     controllerAdvice:
-        "Its position is not known, and it may still move: use the emergency stop of the machine. " +
-        "Then check cable and power. After it is back, home before anything else.",
+        "Its position is not known, and it may still move: use the emergency stop of the " +
+        "machine. Then check cable and power. After it is back, home before anything else.",
     holdLong: "The machine is on hold: the axes stand, the position is valid.",
     doorLong: "The door is open: motion and spindle are off.",
     doorAdvice: "Close the door, then resume.",

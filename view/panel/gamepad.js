@@ -53,7 +53,8 @@ export class Gamepads {
         const { words, jog } = this;
         const [pad] = this.pads;
         this.root.dataset.gamepad = pad ? "there" : "none";
-        put(this.root, pad ? `${words.gamepad}: ${pad.id}. ${words.gamepadHelp}` : words.gamepadNone);
+        const there = `${words.gamepad}: ${pad?.id}. ${words.gamepadHelp}`;
+        put(this.root, pad ? there : words.gamepadNone);
         if (!pad) return jog.hold.release("gamepad", "gone");
         const isStop = pad.buttons[B]?.pressed ?? false;
         if (isStop && !this.wasStop) this.stop();

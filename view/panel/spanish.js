@@ -163,7 +163,8 @@ export const SPANISH = {
     gamepad: "Mando de juego",
     gamepadNone: "Mando de juego: ninguno. Pulse uno de sus botones para conectarlo.",
     gamepadInsecure:
-        "Mando de juego: el navegador solo lo permite en esta computadora (127.0.0.1), o por ssh -L.",
+        "Mando de juego: el navegador solo lo permite en esta computadora (127.0.0.1), o por " +
+        "ssh -L.",
     gamepadHelp: "Mantenga un botón superior y mueva una palanca. El botón B para.",
     lineByHand: "Línea a mano",
     send: "Enviar",

@@ -231,7 +231,8 @@ export class Outputs {
                 const isOn = closed.includes(letter);
                 const item = element("li", { "data-switch": letter });
                 toggle(item, isOn ? "on" : "");
-                item.textContent = `${words.switchNames[letter]}: ${isOn ? words.closed : words.open}`;
+                const position = isOn ? words.closed : words.open;
+                item.textContent = `${words.switchNames[letter]}: ${position}`;
                 return item;
             })
         );

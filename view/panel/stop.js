@@ -32,7 +32,8 @@ export class Stop {
         // so the click of the same press must not stop again.
         let wasPressed = false;
         const pressed = (/** @type {PointerEvent} */ event) => {
-            wasPressed = event.button === 0 && this.root.contains(/** @type {Node} */ (event.target));
+            const target = /** @type {Node} */ (event.target);
+            wasPressed = event.button === 0 && this.root.contains(target);
             if (wasPressed) this.stop();
         };
         window.addEventListener("pointerdown", pressed, { capture: true });

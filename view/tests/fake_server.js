@@ -136,7 +136,8 @@ export class FakeServer {
         const url = new URL(request.url ?? "/", "http://x");
         const path = url.pathname;
         if (path.startsWith("/machines")) {
-            const token = request.headers.authorization ?? `Bearer ${url.searchParams.get("token")}`;
+            const asked = `Bearer ${url.searchParams.get("token")}`;
+            const token = request.headers.authorization ?? asked;
             if (token !== `Bearer ${TOKEN}`) return [403, "text/plain", "wrong token"];
             if (path === "/machines") {
                 return [200, "application/json", JSON.stringify(this.infos)];
