@@ -65,7 +65,11 @@ pub(super) fn send(args: &Send, out: &mut Reporter<'_>) -> Result<u8, Failure> {
         );
     }
     let mut operator = AtTerminal::new(args, lines.len(), out);
-    match sender.send(&lines, &mut operator) {
+    let sent = match args.checked {
+        true => sender.send_checked(&lines, &mut operator),
+        false => sender.send(&lines, &mut operator),
+    };
+    match sent {
         Ok(sent) => {
             let (stands, count) = (sender.session().stands(), sent.lines);
             operator.end();
