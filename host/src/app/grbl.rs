@@ -147,7 +147,7 @@ fn expect_options_of_grbl(args: &Send) -> Result<(), Failure> {
 /// error is a line that it does not take.
 fn lines(job: &Job) -> Result<Result<Numbered, String>, Failure> {
     let text = match &job.input {
-        Some(input) => input.clone(),
+        Some(input) => input.to_vec(),
         None => whole(&job.file)?,
     };
     let mut lines = Vec::new();

@@ -28,8 +28,8 @@ pub enum Message<'a> {
     /// A checked line with this number was accepted, or refused: `ok N12*105`, `error:20 N12*45`.
     /// The number after `*` is the exclusive or of all bytes before it.
     Answer(u32, Option<ErrorCode>),
-    /// A checked line was lost or changed: `resend N12*102`. All lines from this number on are to be
-    /// sent again.
+    /// A checked line was lost or changed. All lines from this number on are to be sent again:
+    /// `resend N12*102`.
     Resend(u32),
     /// The number of the next checked line: `[LINE:12]`.
     NextLine(u32),
