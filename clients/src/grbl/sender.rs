@@ -6,6 +6,8 @@ use husillo_sim::device::grbl::Device;
 use husillo_transports::grbl::{RECEIVE_BYTES, Realtime, State, Status, Window};
 use std::collections::VecDeque;
 
+mod checked;
+
 /// How lines are sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pacing {
@@ -211,15 +213,28 @@ impl Sender {
                     operator.progress(self.answered);
                 }
             }
+            heard => self.pass_on(heard, before, operator)?,
+        }
+        Ok(())
+    }
+
+    /// Handles what is not an answer: a reset or an alarm ends the program, the operator hears the
+    /// rest. `before` is the state of the last report.
+    fn pass_on(
+        &mut self,
+        heard: &Heard,
+        before: Option<State>,
+        operator: &mut dyn Operator,
+    ) -> Result<(), String> {
+        match heard {
             Heard::Alarm(number) => return Err(self.session.alarmed(*number)),
             Heard::Started(_) => {
                 self.session.fresh_status()?;
                 let stands = self.session.stands();
                 return Err(format!("the controller was reset; {stands}"));
             }
-            Heard::Status(status) if before != Some(status.state) => operator.hear(&heard),
-            Heard::Status(_) => {}
-            Heard::Text(_) => operator.hear(&heard),
+            Heard::Status(status) if before == Some(status.state) => {}
+            heard => operator.hear(heard),
         }
         Ok(())
     }

@@ -65,7 +65,11 @@ pub(super) fn send(args: &Send, out: &mut Reporter<'_>) -> Result<u8, Failure> {
         );
     }
     let mut operator = AtTerminal::new(args, lines.len(), out);
-    match sender.send(&lines, &mut operator) {
+    let sent = match args.checked {
+        true => sender.send_checked(&lines, &mut operator),
+        false => sender.send(&lines, &mut operator),
+    };
+    match sent {
         Ok(sent) => {
             let (stands, count) = (sender.session().stands(), sent.lines);
             operator.end();
@@ -143,7 +147,7 @@ fn expect_options_of_grbl(args: &Send) -> Result<(), Failure> {
 /// error is a line that it does not take.
 fn lines(job: &Job) -> Result<Result<Numbered, String>, Failure> {
     let text = match &job.input {
-        Some(input) => input.clone(),
+        Some(input) => input.to_vec(),
         None => whole(&job.file)?,
     };
     let mut lines = Vec::new();
