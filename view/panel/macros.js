@@ -55,7 +55,8 @@ export class Macros {
         const { client } = desk.link;
         if (client !== 0 && client !== this.client && desk.state) {
             this.client = client;
-            desk.command("macros").then((macros) => macros && this.fill(macros));
+            // A server without macros has an empty list.
+            desk.request("macros").then((macros) => this.fill(macros ?? []), () => this.fill([]));
         }
         for (const one of this.buttons) disable(one, !desk.mayCommand || !desk.isIdle);
         disable(this.save, !desk.mayCommand);

@@ -26,6 +26,7 @@ const MOST_EDITED = 1_000_000;
  * @property {boolean} is_complete
  * @property {Finding[]} findings
  * @property {number | null} time_s
+ * @property {boolean} [has_scene]
  * @property {{least: number[], most: number[]} | null} bounds_mm
  */
 
@@ -204,7 +205,7 @@ export class Program {
             this.text = await answer.text();
             if (document.activeElement !== this.source) this.fillEditor();
         }
-        if (hasScene) await this.preview.load();
+        if (hasScene && this.checked?.has_scene !== false) await this.preview.load();
         else {
             this.preview.clear();
             // What has errors is to be corrected.

@@ -287,6 +287,14 @@ test("a gamepad moves with its dead man's button", async (t) => {
     assert.deepEqual((await server.next("jog")).axes, { x: 1, y: 0.5 });
     await page.evaluate(() => (Reflect.get(window, "pad").buttons[5].pressed = false));
     await server.next("release");
+    // STOP ends the motion, and the stick that is still held does not begin it again.
+    await page.evaluate(() => (Reflect.get(window, "pad").buttons[5].pressed = true));
+    await server.next("jog");
+    await page.keyboard.press("Escape");
+    await server.next("release");
+    await server.next("stop");
+    await page.evaluate(() => new Promise((resolve) => setTimeout(resolve, 200)));
+    assert.equal(server.count("jog"), 0);
     await page.evaluate(() => (Reflect.get(window, "pad").buttons[1].pressed = true));
     await server.next("stop");
 });
