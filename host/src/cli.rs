@@ -11,7 +11,6 @@ mod measure;
 mod reproduce;
 mod stop;
 mod tune;
-mod zero;
 
 pub use calibrate::{AxisArgs, BacklashArgs, Calibrate, CirclesArgs, SquarenessArgs, What};
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -24,6 +23,7 @@ pub use drilling::{
 pub use emulate::Emulate;
 pub use exit_status::command;
 use husillo_simulator::diagnostics::Format;
+pub use husillo_simulator::job::Zero;
 pub use interpolate::{ArcShape, Interpolate, LineShape, Shape};
 pub use jog::Jog;
 pub use measure::{Measure, words};
@@ -32,7 +32,6 @@ pub use reproduce::{Original, Reproduce};
 pub use stop::Stop;
 use tune::TUNE_HELP;
 pub use tune::{Tune, TuneMethod, TuneRule};
-pub use zero::{LETTERS, Zero};
 
 /// Check, simulate and draw programs for small machines
 #[derive(Debug, Parser)]

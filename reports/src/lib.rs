@@ -11,6 +11,5 @@ pub mod motion;
 pub mod originals;
 pub mod routine;
 pub mod run;
-pub mod scene;
 pub mod text;
 pub mod tuning;

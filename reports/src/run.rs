@@ -42,7 +42,7 @@ pub struct Report {
     pub phases: Vec<Motor>,
     /// Warnings, one line each.
     pub warnings: Vec<String>,
-    /// The element of the scene: [`crate::scene::Scene::element`].
+    /// The element of the scene: `husillo_simulator::scene::Scene::element`.
     pub scene: String,
 }
 

@@ -5,7 +5,6 @@ use super::reporting::with_some_findings;
 use super::{ERRORS, Failure, OK, drilling};
 use crate::cli::{Commands, Listing, Output};
 use crate::console;
-use husillo_simulator::programs::commands;
 use husillo_simulator::text::json::write_found;
 use serde_json::json;
 use std::io::{BufWriter, Write};
@@ -21,12 +20,11 @@ pub fn print_commands(args: &Commands) -> Result<u8, Failure> {
     }
     let mut job = Job::new(&args.file, &args.target, "free")?;
     job.place(args.place.zero)?;
-    let mut source = job.open()?;
     let mut out = BufWriter::with_capacity(1 << 18, console::stdout());
     let json = args.format == Listing::Json;
     let format = if json { Output::Json } else { Output::Text };
     let ((), findings) = with_some_findings(args.limit, format, |findings| {
-        commands::print(&mut source, job.name(), job.start, json, findings, &mut out)?;
+        job.write_commands(json, findings, &mut out)?;
         Ok(out.flush()?)
     })?;
     if json {

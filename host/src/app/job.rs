@@ -1,39 +1,30 @@
-//! A program with its machine, and the files of both.
+//! A program of the command line with its machine, and the files of both.
 
 use super::Failure;
 use super::reporting::{self, count};
-use crate::cli::Target;
-use crate::cli::{LETTERS, Zero};
+use crate::cli::{Target, Zero};
+use crate::console::progress;
 use crate::input;
 use crate::microfactory;
-use husillo_gcode::Nm;
-use husillo_machine::Config;
-use husillo_sim::observers::AXES;
+use husillo_gcode::Dialect;
 use husillo_simulator::diagnostics::Findings;
+use husillo_simulator::job::{self, JobError, Program};
 use husillo_simulator::machines::machine_file::{LoadError, MachineFile};
-use husillo_simulator::programs::check::{self, Facts};
-use husillo_simulator::programs::language;
-use husillo_simulator::programs::program::Start;
-use husillo_simulator::programs::setup::{self, MappedEngine};
-use husillo_simulator::programs::source::Source;
-use husillo_simulator::programs::zero::{self, Lie, Placing};
-use husillo_simulator::simulation::work_piece::WorkPiece;
+use husillo_simulator::programs::check::Facts;
+use husillo_simulator::programs::library::Subroutines;
+use husillo_simulator::programs::watch::Watch;
 use husillo_simulator::text::name;
-use std::io::{self, Read};
+use std::io::{self, BufRead, Cursor};
+use std::ops::{Deref, DerefMut};
 use std::path::Path;
+use std::rc::Rc;
 
-/// A program and its machine.
+/// A job whose program is a file or standard input. Its notes are printed.
 pub struct Job {
+    job: job::Job,
     pub file: String,
     /// Further folders with files of subroutines.
     include: Vec<String>,
-    pub machine: MachineFile,
-    pub config: Config<AXES>,
-    /// Its language, and its position on the machine.
-    pub start: Start,
-    is_placed: bool,
-    /// No position was requested: if the program does not fit at machine zero, it is moved.
-    may_move: bool,
     /// Only a check whether the machine accepts the program: no message is printed.
     pub(super) is_trial: bool,
     /// The messages of a trial.
@@ -42,64 +33,136 @@ pub struct Job {
     pub(super) checked: Option<(Facts, Findings)>,
     /// Standard input is read once and kept, because a run reads its program twice. For a list of
     /// moves this is the program made from it.
-    pub input: Option<Vec<u8>>,
+    pub input: Option<Rc<[u8]>>,
     /// How often the program was opened.
     #[cfg(test)]
-    pub opened: std::cell::Cell<u32>,
+    pub opened: Rc<std::cell::Cell<u32>>,
+}
+
+/// The file of a program, or standard input.
+#[derive(Debug)]
+struct FileProgram {
+    file: String,
+    include: Vec<String>,
+    input: Option<Rc<[u8]>>,
+    #[cfg(test)]
+    opened: Rc<std::cell::Cell<u32>>,
+}
+
+impl Program for FileProgram {
+    fn name(&self) -> &str {
+        displayed(&self.file)
+    }
+
+    fn bytes(&self) -> io::Result<Box<dyn BufRead>> {
+        match &self.input {
+            Some(input) => Ok(Box::new(Cursor::new(Rc::clone(input)))),
+            None => input::open_bytes(&self.file),
+        }
+    }
+
+    fn subroutines(&self) -> Subroutines {
+        input::folders(&self.file, &self.include)
+    }
+
+    fn watch(&self) -> Watch {
+        #[cfg(test)]
+        self.opened.set(self.opened.get() + 1);
+        match &self.input {
+            Some(_) => Watch::default(),
+            None => progress::reading(),
+        }
+    }
+}
+
+impl Deref for Job {
+    type Target = job::Job;
+
+    fn deref(&self) -> &job::Job {
+        &self.job
+    }
+}
+
+impl DerefMut for Job {
+    fn deref_mut(&mut self) -> &mut job::Job {
+        &mut self.job
+    }
+}
+
+impl From<JobError> for Failure {
+    fn from(error: JobError) -> Self {
+        match error {
+            JobError::Io(error) => error.into(),
+            JobError::Message(message) => message.into(),
+        }
+    }
 }
 
 impl Job {
     pub fn new(file: &str, target: &Target, default_machine: &str) -> Result<Self, Failure> {
         let name = target.machine.as_deref().unwrap_or(default_machine);
         let machine = load(name)?;
-        let dialect = setup::dialect(target.dialect.as_deref(), file, Some(&machine))?;
-        let config = setup::config(&machine, dialect)?;
-        let input = match microfactory::settings_of(&machine) {
+        let settings = microfactory::settings_of(&machine);
+        #[cfg(test)]
+        let opened = Rc::default();
+        let mut program = FileProgram {
+            file: file.to_owned(),
+            include: target.include.clone(),
+            input: None,
+            #[cfg(test)]
+            opened: Rc::clone(&opened),
+        };
+        let input: Option<Rc<[u8]>> = match settings {
             Some(settings) => microfactory::program(file, &settings)?,
             None if microfactory::is_list(file) => return Err(super::only_microfactory(file)),
             None => None,
-        };
-        let mut start = Start::from(setup::on_axes(dialect, &machine));
-        start.frames = machine.work;
-        for (place, tool) in start.tools.iter_mut().zip(&machine.tools) {
-            *place = Some(*tool);
         }
+        .map(|text| text.into_bytes().into());
+        program.input.clone_from(&input);
         Ok(Self {
+            job: job::Job::new(program, machine, target.dialect.as_deref())?,
             file: file.to_owned(),
             include: target.include.clone(),
-            config,
-            start,
-            machine,
-            is_placed: false,
-            may_move: false,
             is_trial: false,
             notes: Vec::new(),
             checked: None,
-            input: input.map(String::into_bytes),
+            input,
             #[cfg(test)]
-            opened: std::cell::Cell::new(0),
+            opened,
         })
     }
 
     /// The same program for another machine.
     pub(super) fn on(&self, machine: &str, target: &Target) -> Result<Self, Failure> {
         let mut job = Self::new(&self.file, target, machine)?;
-        if job.input.is_none() {
-            job.input.clone_from(&self.input);
+        if let (None, Some(input)) = (&job.input, &self.input) {
+            job.keep(Rc::clone(input));
         }
         Ok(job)
     }
 
-    /// The first bytes of the program.
-    pub(super) fn head(&self, most: usize) -> Result<Vec<u8>, Failure> {
-        if let Some(input) = &self.input {
-            return Ok(input.iter().take(most).copied().collect());
+    /// The file, or what is kept of it.
+    fn program(&self) -> FileProgram {
+        FileProgram {
+            file: self.file.clone(),
+            include: self.include.clone(),
+            input: self.input.clone(),
+            #[cfg(test)]
+            opened: Rc::clone(&self.opened),
         }
-        let mut head = Vec::new();
-        let read =
-            input::open(&self.file).and_then(|file| file.take(most as u64).read_to_end(&mut head));
-        read.map_err(|error| Failure::Usage(format!("{}: {error}", self.file)))?;
-        Ok(head)
+    }
+
+    fn keep(&mut self, input: Rc<[u8]>) {
+        self.input = Some(input);
+        let program = self.program();
+        self.job.read_from(program);
+    }
+
+    /// Replaces the program by one in RS-274 that was made from it.
+    pub fn replace(&mut self, text: String) {
+        self.keep(text.into_bytes().into());
+        self.job.start.dialect = Dialect::RS274;
+        self.job.config.dialect = Dialect::RS274;
     }
 
     /// Keeps what can be read once only in memory: standard input, pipes.
@@ -107,221 +170,39 @@ impl Job {
         let metadata = std::fs::metadata(name::path(Path::new(&self.file)));
         let is_pipe = metadata.is_ok_and(|file| !file.is_file() && !file.is_dir());
         if self.input.is_none() && (self.file == "-" || is_pipe) {
-            self.input = Some(whole(&self.file)?);
+            self.keep(whole(&self.file)?.into());
         }
         Ok(())
     }
 
-    /// Puts work zero where it is asked for, and the tool to it, as far as the travel goes. Without
-    /// a zero the program begins at machine zero, and [`check`](Self::check) may move it.
+    /// Puts work zero where it is asked for; see [`job::Job::place`].
     pub fn place(&mut self, zero: Option<Zero>) -> Result<(), Failure> {
         self.keep_input()?;
-        let lie = match zero {
-            None => {
-                self.may_move = self.start.frames[0].is_none();
-                return Ok(());
-            }
-            Some(Zero::At(zero)) => {
-                self.start.frames[0] = None;
-                self.put(of_letters(&zero, &self.machine)?);
-                return Ok(());
-            }
-            Some(Zero::Fit) => Lie::Middle,
-            Some(Zero::Centre) => Lie::ZeroInMiddle,
-            Some(Zero::Corner) => Lie::ZeroAtCorner,
-        };
-        self.start.frames[0] = None;
-        let placing = self.placing(lie)?;
-        if placing.is_certain {
-            let zero = placing.zero;
-            self.note(format!("{}: --zero {}", self.name(), self.typed(zero)));
-            self.put(zero);
-        }
-        Ok(())
+        let placed = self.job.place(zero);
+        self.tell();
+        Ok(placed?)
     }
 
-    /// Prints a message. That of a trial is kept.
-    fn note(&mut self, note: String) {
-        match self.is_trial {
-            true => self.notes.push(note),
-            false => eprintln!("{note}"),
-        }
-    }
-
-    fn placing(&self, lie: Lie) -> Result<Placing, Failure> {
-        let mut source = self.open()?;
-        Ok(zero::placing(
-            &mut source,
-            self.name(),
-            self.start,
-            &self.config,
-            lie,
-        )?)
-    }
-
-    /// A work zero as the user types it. X, Y and Z are always there.
-    fn typed(&self, zero: [Nm; AXES]) -> String {
-        let letters = self.machine.letters.letters().map(char::from);
-        let axes = letters.zip(zero).enumerate();
-        axes.filter(|(axis, (_, at))| *axis < 3 || *at != Nm(0))
-            .map(|(_, (letter, at))| format!("{letter}{at}"))
-            .collect()
-    }
-
-    /// The tool stands `at` this position, and work zero is at `zero`.
-    pub(super) fn stand(&mut self, zero: [Nm; AXES], at: [Nm; AXES]) {
-        self.start = Start {
-            zero,
-            at,
-            ..self.start
-        };
-        self.is_placed = true;
-    }
-
-    /// Puts work zero here.
-    fn put(&mut self, zero: [Nm; AXES]) {
-        let mut at = zero;
-        for (at, axis) in at.iter_mut().zip(&self.config.axes) {
-            if let Some([low, high]) = axis.travel {
-                *at = (*at).clamp(low, high);
-            }
-        }
-        self.start = Start {
-            zero,
-            at,
-            ..self.start
-        };
-        self.is_placed = true;
-    }
-
-    pub fn open(&self) -> Result<Source, Failure> {
-        #[cfg(test)]
-        self.opened.set(self.opened.get() + 1);
-        let source = match &self.input {
-            Some(input) => Source::from_reader(Box::new(io::Cursor::new(input.clone()))),
-            None => input::program(&self.file)
-                .map_err(|error| Failure::Usage(format!("{}: {error}", self.file)))?,
-        };
-        Ok(source.with_subroutines(input::folders(&self.file, &self.include)))
-    }
-
-    /// Name of the file in messages.
-    pub fn name(&self) -> &str {
-        displayed(&self.file)
-    }
-
-    /// Checks the program. One that does not fit at machine zero is moved to the middle of the
-    /// table, if it fits there and no zero was asked for.
+    /// Checks the program; see [`job::Job::check`].
     pub fn check(&mut self, findings: &mut Findings) -> Result<Facts, Failure> {
         if let Some((facts, found)) = self.checked.take() {
             *findings = found;
             return Ok(facts);
         }
-        let facts = self.check_here(findings)?;
-        if findings.errors > 0 {
-            if let Some(language) = language::of(&self.head(language::HEAD)?) {
-                // The errors of its lines have one cause.
-                *findings = findings.restarted();
-                return Err(Failure::Usage(format!("{}: {language}", self.name())));
+        let checked = self.job.check(findings);
+        self.tell();
+        Ok(checked?)
+    }
+
+    /// Prints the notes of the job. Those of a trial are kept.
+    fn tell(&mut self) {
+        for note in self.job.take_notes() {
+            match self.is_trial {
+                true => self.notes.push(note),
+                false => eprintln!("{note}"),
             }
         }
-        let Some(first) = &facts.beyond else {
-            return Ok(facts);
-        };
-        if let Some((facts, found)) = self.check_moved(findings)? {
-            *findings = found;
-            return Ok(facts);
-        }
-        zero::report_beyond(
-            &mut self.open()?,
-            self.name(),
-            self.start,
-            &self.machine,
-            &self.config,
-            first,
-            findings,
-        )?;
-        Ok(facts)
     }
-
-    fn check_here(&self, findings: &mut Findings) -> Result<Facts, Failure> {
-        let mut source = self.open()?;
-        Ok(check::check(
-            &mut source,
-            self.name(),
-            self.start,
-            &self.machine,
-            &self.config,
-            findings,
-        )?)
-    }
-
-    /// Moves the program to the middle of the table. `None`: it does not fit there either, or its
-    /// zero was asked for.
-    fn check_moved(&mut self, before: &Findings) -> Result<Option<(Facts, Findings)>, Failure> {
-        if !self.may_move {
-            return Ok(None);
-        }
-        let Placing { zero, is_certain } = self.placing(Lie::Middle)?;
-        let start = self.start;
-        self.put(zero);
-        let mut findings = before.restarted();
-        let facts = self.check_here(&mut findings)?;
-        if facts.beyond.is_some() {
-            self.start = start;
-            self.is_placed = false;
-            return Ok(None);
-        }
-        // With other errors nothing runs, and the position of the part is not one of them.
-        if is_certain {
-            let (name, machine, zero) = (self.name(), &self.machine.name, self.typed(zero));
-            self.note(format!(
-                "{name}: placed in the middle of {machine}, as with --zero {zero}"
-            ));
-        }
-        Ok(Some((facts, findings)))
-    }
-
-    pub fn new_machine(&self, compensation: bool) -> Result<MappedEngine, Failure> {
-        let mut machine = setup::with_maps(self.config, setup::maps(&self.machine)?);
-        machine.set_compensation(compensation);
-        if self.is_placed {
-            (machine.place(self.start.zero, self.start.at)).map_err(|error| error.to_string())?;
-        }
-        for (system, zero) in (0..).zip(self.start.frames) {
-            if let Some(zero) = zero {
-                machine.set_work_zero(system, zero);
-            }
-        }
-        for (number, tool) in self.start.tools.into_iter().flatten() {
-            machine.set_tool(number, tool);
-        }
-        machine.set_tip(setup::tip(&self.machine));
-        Ok(machine)
-    }
-
-    /// What the simulated probe touches.
-    pub fn piece(&self) -> WorkPiece {
-        let [x, y, z, ..] = self.start.zero.map(|Nm(nm)| nm);
-        WorkPiece::new(self.machine.probe.as_ref(), [x, y, z])
-    }
-}
-
-/// The requested work zero on the axes of a machine.
-fn of_letters(
-    zero: &[Option<Nm>; LETTERS.len()],
-    machine: &MachineFile,
-) -> Result<[Nm; AXES], Failure> {
-    let mut wanted = [Nm(0); AXES];
-    for (letter, at) in LETTERS.bytes().zip(zero) {
-        let Some(at) = at else { continue };
-        let axis = machine.letters.index(letter).ok_or_else(|| {
-            let letter = char::from(letter);
-            Failure::Usage(format!("--zero: {} has no axis {letter}", machine.name))
-        })?;
-        wanted[axis] = *at;
-    }
-    Ok(wanted)
 }
 
 /// Name of a file in messages.

@@ -1,8 +1,6 @@
 //! `run`: checks, simulates and draws a program, and prints a summary.
 
-mod losses;
 mod report;
-mod results;
 mod summary;
 
 use super::choice;
@@ -13,16 +11,11 @@ use crate::cli::{CuttingOrder, Output, Run as RunArgs};
 use crate::console;
 use crate::console::progress::Progress;
 use crate::output::{Outputs, Writer};
-use husillo_gcode::Dialect;
-use husillo_sim::observers::AXES;
-use husillo_sim::observers::symmetry::Symmetry;
 use husillo_simulator::diagnostics::Findings;
+use husillo_simulator::job::{Options, Order, Results};
 use husillo_simulator::programs::check::Facts;
-use husillo_simulator::programs::feeder;
 use husillo_simulator::programs::mirror;
-use husillo_simulator::programs::setup::{self, ClosedEngine};
-use husillo_simulator::simulation::run::Run;
-use results::{Order, Results};
+use husillo_simulator::scene::Scene;
 use std::io::Write;
 use std::path::Path;
 
@@ -39,7 +32,11 @@ fn simulate_job(job: &mut Job, args: &RunArgs) -> Result<u8, Failure> {
     if findings.errors > 0 {
         eprintln!("{}: {verdict}; nothing moves", job.name());
         if !is_text {
-            Results::refused(&findings, job.machine.axes.len()).print_json(job, &findings)?;
+            Results::refused(&findings, job.machine.axes.len()).write_json(
+                job,
+                &findings,
+                &mut console::stdout(),
+            )?;
         }
         choice::suggest(job, &args.target, args.place.zero, &findings)?;
         return Ok(ERRORS);
@@ -57,21 +54,27 @@ fn simulate_job(job: &mut Job, args: &RunArgs) -> Result<u8, Failure> {
     };
     let mut outputs = Outputs::new();
     let mut files = Files::create(job, args, &mut outputs)?;
-    let mut run = Run::new(&job.machine, args.worn, files.trace.take())?;
-    run.set_curves(std::mem::take(&mut facts.curves));
-    let end = feed(job, args, &mut run, facts.events)?;
-    let lost = losses::sentences(job, &run);
+    let options = Options {
+        compensation: !args.no_compensation,
+        worn: args.worn,
+        pushes: args.lose.clone(),
+        symmetry_mm: args.symmetry,
+        trace: files.trace.take(),
+    };
+    let template = "Simulating [{bar:36}] {percent} % {human_pos} steps";
+    let mut progress = Progress::new(template, Some(facts.events as u64));
+    let simulated = job.simulate(&mut facts, options, || progress.step())?;
+    drop(progress);
+    let run = &simulated.run;
     let results = Results {
         order,
-        errors: lost.len() as u64,
-        losses: lost,
         warnings: findings.warnings,
-        ..Results::new(job, &run, &facts, end.offset_nm)
+        ..simulated.results(job, &facts)
     };
     if is_text {
-        summary::print(job, &run, &results, &facts)?;
+        summary::print(job, run, &results, &facts)?;
     } else {
-        results.print_json(job, &findings)?;
+        results.write_json(job, &findings, &mut console::stdout())?;
     }
     let size = files.write_report(|| {
         let take_up_s = (!args.no_compensation).then(|| {
@@ -80,8 +83,8 @@ fn simulate_job(job: &mut Job, args: &RunArgs) -> Result<u8, Failure> {
         });
         let figures = report::figures(&results, &facts, take_up_s);
         let warnings = findings.short();
-        let scene = report::scene(job, &run, &facts, end.offset_nm, &findings)?;
-        let report = report::made(job, &run, &results, figures, end.offset_nm, warnings, scene);
+        let scene = Scene::of(job, &simulated, &facts, &findings)?.element();
+        let report = report::made(job, &simulated, &results, figures, warnings, scene);
         Ok(husillo_reports::run::html(&report))
     })?;
     outputs.finish()?;
@@ -96,13 +99,13 @@ fn simulate_job(job: &mut Job, args: &RunArgs) -> Result<u8, Failure> {
     for sentence in &results.losses {
         eprintln!("{}: {sentence}", job.name());
     }
-    if end.has_stopped {
+    if simulated.has_stopped {
         eprintln!(
             "{}: stopped: an axis is not at its expected position",
             job.name()
         );
     }
-    let is_well = results.losses.is_empty() && !end.has_stopped;
+    let is_well = results.losses.is_empty() && !simulated.has_stopped;
     Ok(if is_well { OK } else { ERRORS })
 }
 
@@ -110,9 +113,7 @@ fn simulate_job(job: &mut Job, args: &RunArgs) -> Result<u8, Failure> {
 fn mirror(job: &mut Job, facts: &mut Facts) -> Result<Order, Failure> {
     let mut source = job.open()?;
     let made = mirror::mirrored(&mut source, job.name(), job.start.dialect)?;
-    job.input = Some(made.text.into_bytes());
-    job.start.dialect = Dialect::RS274;
-    job.config.dialect = Dialect::RS274;
+    job.replace(made.text);
     let mut findings = Findings::new(1);
     let as_file = std::mem::replace(facts, job.check(&mut findings)?);
     if findings.errors > 0 {
@@ -167,52 +168,6 @@ impl Files {
         out.flush()?;
         Ok(Some(page.len()))
     }
-}
-
-/// How the machine ended.
-struct End {
-    /// Position of its work zero, nm of the machine frame.
-    offset_nm: [i64; AXES],
-    /// An encoder stopped it.
-    has_stopped: bool,
-}
-
-/// Feeds the program to the machine, and the events to the run.
-fn feed(job: &Job, args: &RunArgs, run: &mut Run, events: f64) -> Result<End, Failure> {
-    let mut source = job.open()?;
-    let mut machine = job.new_machine(!args.no_compensation)?;
-    run.start_at(machine.position_steps());
-    run.set_pushes(&args.lose);
-    run.observers.symmetry = args.symmetry.map(|mm| {
-        let [x, y, ..] = run.mechanics.nm_per_step();
-        Symmetry::new(mm * 1e6, [x, y])
-    });
-    let piece = job.piece();
-    let template = "Simulating [{bar:36}] {percent} % {human_pos} steps";
-    let mut progress = Progress::new(template, Some(events as u64));
-    let encoders = setup::encoders(&job.machine);
-    let mut has_stopped = false;
-    if encoders.iter().any(Option::is_some) {
-        let mut closed = ClosedEngine::new(machine, encoders);
-        let counts = run.mechanics.counts();
-        feeder::feed_followed(&mut source, &mut closed, &piece, counts, |closed, entry| {
-            progress.step();
-            run.followed(closed, entry)
-        })?;
-        has_stopped = closed.is_stopped();
-        machine = closed.machine().clone();
-    } else {
-        feeder::feed(&mut source, &mut machine, &piece, |machine, event| {
-            progress.step();
-            run.event(machine, event)
-        })?;
-    }
-    drop(progress);
-    run.finish()?;
-    Ok(End {
-        offset_nm: machine.modal().work_offset().map(|nm| nm.0),
-        has_stopped,
-    })
 }
 
 fn default_report(file: &str) -> String {

@@ -6,7 +6,6 @@ use super::{ERRORS, Failure, OK, choice, count, own_output};
 use crate::cli::{Output, Steps};
 use crate::console;
 use crate::output::Outputs;
-use husillo_simulator::programs::{setup, steps};
 use husillo_simulator::text::json::write_found;
 use serde_json::json;
 use std::io::Write;
@@ -41,15 +40,9 @@ pub fn write_steps(args: &Steps) -> Result<u8, Failure> {
         choice::suggest(&job, &args.target, args.place.zero, &findings)?;
         return Ok(ERRORS);
     }
-    let mut source = job.open()?;
-    let mut machine = job.new_machine(!args.no_compensation)?;
-    let motors = args
-        .levels
-        .then(|| setup::motors(&job.machine))
-        .transpose()?;
     let mut outputs = Outputs::new();
     let mut out = outputs.create(path)?;
-    let steps = steps::write(&mut source, &mut machine, &job.piece(), motors, &mut out)?;
+    let steps = job.write_steps(!args.no_compensation, args.levels, &mut out)?;
     out.flush()?;
     outputs.finish()?;
     if args.format == Output::Json {

@@ -10,7 +10,7 @@ use husillo_sim::observers::losses::{FirstLoss, Losses};
 use husillo_stepper::{Drive, Levels, Motors};
 
 /// The simulated machine, and its clock.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Mechanics {
     motors: Motors<AXES, Drive>,
     rig: Rig<AXES>,

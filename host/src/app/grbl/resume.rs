@@ -56,7 +56,7 @@ pub(super) fn is_wanted(lines: &[(usize, String)], from: usize) -> bool {
 /// The state after the lines before `from`, and the highest Z of their moves.
 fn before(job: &Job, from: usize) -> Result<(Modal<AXES>, Nm), String> {
     let text = match &job.input {
-        Some(input) => Ok(input.clone()),
+        Some(input) => Ok(input.to_vec()),
         None => whole(&job.file),
     };
     let text = text.map_err(|_| "the program cannot be read again".to_owned())?;

@@ -1,18 +1,12 @@
 //! The contents of the report of a run.
 
-use super::results::Results;
-use crate::app::Failure;
-use crate::app::job::Job;
 use husillo_reports::run::{AxisRow, Report};
-use husillo_reports::scene::{self, Header, Scene};
 use husillo_reports::text::duration;
 use husillo_reports::text::length;
-use husillo_sim::observers::AXES;
 use husillo_sim::text::grouped;
-use husillo_simulator::diagnostics::{Finding, Findings};
+use husillo_simulator::job::{Job, Results, Simulated};
 use husillo_simulator::machines::machine_file::Travel;
 use husillo_simulator::programs::check::Facts;
-use husillo_simulator::simulation::run::Run;
 
 /// The table of figures. It has no time of take-ups if the backlash is not compensated.
 pub fn figures(
@@ -42,87 +36,16 @@ pub fn figures(
     ]
 }
 
-/// The text of a program in a scene is cut off here, bytes.
-const MOST_TEXT: usize = 32_000_000;
-
-/// The element of the scene of a run.
-///
-/// # Errors
-///
-/// The program cannot be read again.
-pub fn scene(
-    job: &Job,
-    run: &Run,
-    facts: &Facts,
-    offset_nm: [i64; AXES],
-    findings: &Findings,
-) -> Result<String, Failure> {
-    let recording = &run.observers.recording;
-    let scene = Scene {
-        header: Header {
-            program: scene::Program {
-                name: job.name().to_owned(),
-                text: String::from_utf8_lossy(&job.head(MOST_TEXT)?).into_owned(),
-            },
-            machine: machine(job, offset_nm),
-            tool_diameter_nm: job.machine.tools.first().and_then(|(_, tool)| {
-                let nm = u64::try_from(tool.radius.0).ok()?;
-                (nm > 0).then_some(2 * nm)
-            }),
-            findings: findings.kept().iter().map(finding).collect(),
-            ticks_per_second: job.machine.timer_hz,
-        },
-        lines: facts.origins.lines(recording.moves.iter().map(|of| &of.to)),
-        recording,
-        deviation: &run.observers.deviation,
-        speed: &run.observers.speed,
-    };
-    Ok(scene.element())
-}
-
-fn machine(job: &Job, offset_nm: [i64; AXES]) -> scene::Machine {
-    let axes = job.machine.axes.iter().zip(offset_nm);
-    scene::Machine {
-        name: job.machine.name.clone(),
-        title: job.machine.title.clone(),
-        view: job.machine.view,
-        axes: axes
-            .map(|(axis, zero_nm)| scene::Axis {
-                letter: char::from(axis.letter),
-                step_nm: axis.step.num as f64 / axis.step.den as f64,
-                travel_nm: match axis.travel {
-                    Travel::Range(range) => Some(range),
-                    Travel::Unknown | Travel::Unlimited => None,
-                },
-                zero_nm,
-            })
-            .collect(),
-    }
-}
-
-fn finding(of: &Finding) -> scene::Finding {
-    let (line, column) = of.line_and_column();
-    scene::Finding {
-        code: of.code.clone(),
-        severity: of.severity.name().to_owned(),
-        message: of.message.clone(),
-        help: of.help.clone(),
-        line,
-        column,
-    }
-}
-
-/// The report of a run with its work zero at `offset_nm` of the machine; the warnings of the
-/// check, one line each.
+/// The report of a run; the warnings of the check, one line each.
 pub fn made(
     job: &Job,
-    run: &Run,
+    simulated: &Simulated,
     results: &Results,
     figures: Vec<(&'static str, String)>,
-    offset_nm: [i64; AXES],
     warnings: Vec<String>,
     scene: String,
 ) -> Report {
+    let (run, offset_nm) = (&simulated.run, simulated.offset_nm);
     let travel = |axis: usize| match job.machine.axes[axis].travel {
         Travel::Range(range) => Some(range.map(|at| (at - offset_nm[axis]) as f64)),
         Travel::Unknown | Travel::Unlimited => None,

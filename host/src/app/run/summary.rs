@@ -1,13 +1,12 @@
 //! The summary that `run` prints for people.
 
-use super::results::{Order, Results};
-use crate::app::job::Job;
 use crate::app::reporting::count;
 use crate::console;
 use husillo_reports::text::duration;
 use husillo_reports::text::{length, millimetres};
 use husillo_sim::observers::symmetry::Difference;
 use husillo_sim::text::grouped;
+use husillo_simulator::job::{Job, Order, Results};
 use husillo_simulator::programs::check::Facts;
 use husillo_simulator::simulation::run::Run;
 use std::io::{self, Write};

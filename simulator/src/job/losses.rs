@@ -1,11 +1,9 @@
 //! The messages about steps that the motors did not follow.
 
-use crate::app::job::Job;
+use super::Job;
+use crate::simulation::run::Run;
 use husillo_machine::OnLoss;
-use husillo_reports::text::duration;
-use husillo_reports::text::millimetres;
-use husillo_sim::text::counted;
-use husillo_simulator::simulation::run::Run;
+use husillo_sim::text::{counted, duration, millimetres};
 
 /// A sentence for each axis that lost steps without correction: number, first position, remedy.
 pub fn sentences(job: &Job, run: &Run) -> Vec<String> {

@@ -1,44 +1,60 @@
 //! The results of a run, and how `--format json` prints them.
 
-use crate::app::job::Job;
-use crate::console;
+use super::Job;
+use crate::diagnostics::Findings;
+use crate::programs::check::Facts;
+use crate::simulation::run::Run;
+use crate::text::json::write_found;
 use husillo_gcode::Nm;
 use husillo_machine::Probed;
 use husillo_sim::observers::AXES;
 use husillo_sim::observers::symmetry::{Difference, Symmetry};
-use husillo_simulator::diagnostics::Findings;
-use husillo_simulator::programs::check::Facts;
-use husillo_simulator::simulation::run::Run;
-use husillo_simulator::text::json::write_found;
 use serde::Serialize;
-use std::io;
+use std::io::{self, Write};
 
-/// What `run --format json` prints.
+/// The figures of a run: what `husillo run --format json` prints.
 #[derive(Debug, Default, Serialize)]
 pub struct Results {
+    /// Step events, those of take-ups included.
     pub events: u64,
+    /// Time from the first event to the last, s.
     pub duration_s: f64,
+    /// Last position of the tool from work zero, nm, by axis.
     pub end_nm: Vec<i64>,
+    /// Its lowest position.
     pub min_nm: Vec<i64>,
+    /// Its highest position.
     pub max_nm: Vec<i64>,
+    /// Largest distance of the tool from the programmed path in a feed move, nm.
     pub max_deviation_nm: f64,
+    /// Root of the mean square of that distance, nm.
     pub rms_deviation_nm: f64,
+    /// Take-ups of backlash, by axis.
     pub reversals: Vec<u64>,
+    /// Steps that the motors did not follow, all axes.
     pub lost_steps: u64,
     /// A sentence about each axis that lost steps.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub losses: Vec<String>,
+    /// What `--order mirrored` has done.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub order: Option<Order>,
+    /// Distance of the two sides of the work, if they are compared.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub left_right: Option<Difference>,
+    /// What the encoders reported, one sentence each.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub encoders: Vec<String>,
+    /// What the probe has found.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub probes: Vec<Touch>,
+    /// Length of all feed moves, nm.
     pub feed_nm: i64,
+    /// Length of all rapids, nm.
     pub rapid_nm: i64,
+    /// Errors of the check, or sentences in `losses`.
     pub errors: u64,
+    /// Warnings of the check.
     pub warnings: u64,
 }
 
@@ -124,18 +140,23 @@ impl Results {
         }
     }
 
-    /// Prints them as JSON, with the findings of the check.
+    /// Writes them as JSON, with the findings of the check.
     ///
     /// # Errors
     ///
     /// Writing fails.
-    pub fn print_json(&self, job: &Job, findings: &Findings) -> io::Result<()> {
+    pub fn write_json(
+        &self,
+        job: &Job,
+        findings: &Findings,
+        out: &mut impl Write,
+    ) -> io::Result<()> {
         let body = Document {
             file: job.name(),
             machine: &job.machine.name,
             results: self,
         };
-        write_found("husillo.run/1", &body, findings, &mut console::stdout())
+        write_found("husillo.run/1", &body, findings, out)
     }
 }
 

@@ -2,6 +2,7 @@
 //! `docs/scene.md` describes the format.
 
 mod columns;
+mod gathered;
 
 use columns::Columns;
 use flate2::Compression;
@@ -121,6 +122,14 @@ impl Scene<'_> {
 
     /// The compressed scene.
     fn packed(&self) -> Vec<u8> {
+        let mut out = ZlibEncoder::new(Vec::new(), Compression::best());
+        // Memory takes every byte.
+        let _ = out.write_all(&self.bytes());
+        out.finish().unwrap_or_default()
+    }
+
+    /// The scene without compression, for a viewer in the same program.
+    pub fn bytes(&self) -> Vec<u8> {
         let mut columns = Columns::default();
         self.moves(&mut columns);
         self.samples(&mut columns);
@@ -134,14 +143,10 @@ impl Scene<'_> {
             chart_seconds,
             columns: columns.names(),
         };
-        // The header has only strings and numbers, and memory takes every byte.
+        // The header has only strings and numbers.
         let header = serde_json::to_vec(&whole).unwrap_or_default();
-        let mut out = ZlibEncoder::new(Vec::new(), Compression::best());
         let length = (header.len() as u32).to_le_bytes();
-        for part in [&length[..], &header, columns.bytes()] {
-            let _ = out.write_all(part);
-        }
-        out.finish().unwrap_or_default()
+        [&length[..], &header, columns.bytes()].concat()
     }
 
     fn axes(&self) -> usize {

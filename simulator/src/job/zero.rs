@@ -1,4 +1,4 @@
-//! The value of `--zero`.
+//! The requested position of a program: the value of `--zero`.
 
 use husillo_gcode::Nm;
 use husillo_metrology::quantity::{self, Quantity};

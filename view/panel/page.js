@@ -1,0 +1,84 @@
+/**
+ * Puts the parts of the panel together.
+ */
+
+import { element } from "husillo/viewer/element.js";
+import { Console } from "husillo/panel/console.js";
+import { Gamepads } from "husillo/panel/gamepad.js";
+import { Header } from "husillo/panel/header.js";
+import { Jog } from "husillo/panel/jog.js";
+import { Keys } from "husillo/panel/keys.js";
+import { Macros } from "husillo/panel/macros.js";
+import { Notices } from "husillo/panel/notices.js";
+import { Positions } from "husillo/panel/positions.js";
+import { Program } from "husillo/panel/program.js";
+import { Settings } from "husillo/panel/settings.js";
+import { Outputs, Speeds } from "husillo/panel/speeds.js";
+import { Stop } from "husillo/panel/stop.js";
+import { tabs } from "husillo/panel/tabs.js";
+import { Units } from "husillo/panel/units.js";
+import { Wizard } from "husillo/panel/wizard.js";
+
+/** @typedef {import("husillo/panel/desk.js").Desk} Desk */
+
+/**
+ * @param {HTMLElement} place
+ * @param {Desk} desk
+ * @param {import("husillo/panel/words.js").Words} words
+ */
+export function fillPage(place, desk, words) {
+    const units = new Units();
+    const jog = new Jog(desk, words, units);
+    const wizard = new Wizard(desk, words);
+    const stop = new Stop(desk, words, () => {
+        jog.hold.end("stop");
+        wizard.stop();
+    });
+    const header = new Header(desk, words, stop.root);
+    const notices = new Notices(desk, words);
+    const positions = new Positions(desk, words, units);
+    const speeds = new Speeds(desk, words, units);
+    const outputs = new Outputs(desk, words);
+    const lines = new Console(desk, words);
+    const program = new Program(desk, words);
+    const more = tabs(words.more, [
+        { id: "probing", name: words.probingTab, content: wizard.root },
+        { id: "settings", name: words.settings, content: new Settings(desk, words).root },
+        { id: "macros", name: words.macros, content: new Macros(desk, words).root },
+    ]);
+    const keys = new Keys(desk, words, {
+        jog,
+        positions,
+        speeds,
+        start: () => program.run.ask(),
+        pause: () => program.run.pauseOrResume(),
+    });
+    const pad = new Gamepads(words, jog, () => stop.stop());
+    keys.root.append(pad.root);
+    place.classList.add("panel");
+    place.replaceChildren(
+        header.root,
+        notices.root,
+        element(
+            "main",
+            { id: "machine" },
+            element(
+                "div",
+                { class: "column left" },
+                program.root,
+                lines.root,
+                more
+            ),
+            element(
+                "div",
+                { class: "column right" },
+                positions.root,
+                jog.root,
+                speeds.root,
+                outputs.root,
+                keys.root
+            )
+        ),
+        notices.live
+    );
+}
