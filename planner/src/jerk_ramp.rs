@@ -148,8 +148,8 @@ impl JerkRamp {
         self.wait_with_care(sweep, window)
     }
 
-    /// Returns the events of a line that end in the present slice, and the fraction of a tick, for a
-    /// loop over many events: take them with [`Piece::next`]. They are those that
+    /// Returns the events of a line that end in the present slice, and the fraction of a tick, for
+    /// a loop over many events: take them with [`Piece::next`]. They are those that
     /// [`wait`](JerkRamp::wait) would return. `None` where it has to be called for the next event.
     #[inline]
     pub fn piece(&mut self) -> Option<(&mut Piece, &mut u32)> {
