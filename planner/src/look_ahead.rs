@@ -46,6 +46,8 @@ pub struct Limits {
 
 /// A queue of up to `CAPACITY` moves, the executing one included. Each move carries a payload `M`.
 ///
+/// A place takes 72 bytes on a 32-bit processor, in addition to its payload. There are at most 1024.
+///
 /// # Examples
 /// ```
 /// use husillo_planner::{LookAhead, Stretch};
@@ -80,7 +82,6 @@ pub struct LookAhead<M, const CAPACITY: usize> {
 #[derive(Clone, Debug)]
 struct Slot<M> {
     stretch: Stretch,
-    gain: u128,
     payload: M,
 }
 
@@ -121,11 +122,7 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
             }
             None => self.plans.start(&stretch, gain),
         }
-        self.slots.push_back(Slot {
-            stretch,
-            gain,
-            payload,
-        });
+        self.slots.push_back(Slot { stretch, payload });
         let top = if self.slots.len() == 1 {
             self.top()
         } else {
@@ -141,7 +138,7 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
         self.front_number = self.front_number.wrapping_add(1);
         if let Some(front) = self.slots.front() {
             self.plans
-                .advance(&slot.stretch, self.front_number, &front.stretch, front.gain);
+                .advance(&slot.stretch, self.front_number, &front.stretch);
         }
         self.update_limits(self.top());
         Some((slot.stretch, slot.payload))
@@ -190,14 +187,15 @@ impl<M, const CAPACITY: usize> LookAhead<M, CAPACITY> {
         let Some(mut last) = self.slots.front() else {
             return;
         };
-        self.plans.start(&last.stretch, last.gain);
+        self.plans.start(&last.stretch, last.stretch.gain());
         for offset in 1..self.slots.len() {
             let Some(slot) = self.slots.get(offset) else {
                 break;
             };
             let number = self.front_number.wrapping_add(offset as u32);
+            let gain = slot.stretch.gain();
             self.plans
-                .join(number, &last.stretch, &slot.stretch, slot.gain, percents);
+                .join(number, &last.stretch, &slot.stretch, gain, percents);
             last = slot;
         }
         self.update_limits(self.top());

@@ -277,6 +277,7 @@ impl<
         self.extension.restart(accepted.end);
         self.has_ended = accepted.has_ended;
         self.mode = accepted.mode;
+        self.schedule.expect(accepted.end, accepted.steps);
         self.next = Some(*command);
         self.refill();
         Ok(())
@@ -349,6 +350,7 @@ impl<
     fn take(&mut self, accepted: Accepted<N>) {
         self.has_ended = accepted.has_ended;
         self.mode = accepted.mode;
+        self.schedule.expect(accepted.end, accepted.steps);
         self.refill();
     }
 

@@ -60,6 +60,8 @@ pub(crate) struct Schedule<const N: usize, P, K: Kept<N>, R: RampParts, const QU
     /// Start position of the first move in the queue.
     start: [Nm; N],
     lattice: [i32; N],
+    /// The steps nearest to a position at which a move may end.
+    expected: ([Nm; N], [i32; N]),
     direction: Option<Tangent<N>>,
     /// Whether the last move belongs to a thread.
     is_thread: bool,
@@ -96,6 +98,7 @@ impl<const N: usize, P: Moves<N>, K: Kept<N>, R: RampParts, const QUEUE: usize>
             programmed: [Nm(0); N],
             start: [Nm(0); N],
             lattice: [0; N],
+            expected: ([Nm(0); N], [0; N]),
             direction: None,
             is_thread: false,
             heading: [0; N],
@@ -143,6 +146,11 @@ impl<const N: usize, P: Moves<N>, K: Kept<N>, R: RampParts, const QUEUE: usize>
     /// The steps of the axes at the end of the last move.
     pub(crate) const fn lattice(&self) -> [i32; N] {
         self.lattice
+    }
+
+    /// Keeps the steps nearest to a position, for a move that ends there.
+    pub(crate) const fn expect(&mut self, end: [Nm; N], steps: [i32; N]) {
+        self.expected = (end, steps);
     }
 
     /// Whether the last move is completely in the queue.
@@ -214,8 +222,11 @@ impl<const N: usize, P: Moves<N>, K: Kept<N>, R: RampParts, const QUEUE: usize>
             from: self.programmed,
             command: *command,
         };
-        // `Config::check` has verified that every position has a step.
-        let end = config.nearest_steps(&to).unwrap_or(self.lattice);
+        let end = match self.expected {
+            (at, steps) if at == to => steps,
+            // `Config::check` has verified that every position has a step.
+            _ => config.nearest_steps(&to).unwrap_or(self.lattice),
+        };
         let path: P = config.path(&segment, self.lattice, end);
         let mut tempo = config.tempo(&segment, &path);
         if self.has_ramps() {

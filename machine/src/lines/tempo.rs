@@ -52,6 +52,9 @@ impl Round {
 impl Tempo {
     /// Limits the speed to the fastest of the planner, 2^32 - 1 nm/s.
     pub(crate) fn limited(mut self, timer_hz: u32) -> Tempo {
+        if self.is_slower(timer_hz) {
+            return self;
+        }
         let fastest = mul_div_q16(self.length_nm, timer_hz.into(), u32::MAX.into());
         let pace = &mut self.pace;
         pace.least_q16 = pace.least_q16.max(fastest);
@@ -59,6 +62,17 @@ impl Tempo {
             pace.programmed_q16 = pace.programmed_q16.max(fastest);
         }
         self
+    }
+
+    /// Whether the speed is below this limit. It is usually found without a division.
+    fn is_slower(&self, timer_hz: u32) -> bool {
+        let Some(product) = times(self.length_nm, timer_hz.into()) else {
+            return false;
+        };
+        // A 2^-32th part more is for the division by 2^32 - 1, and one for each rounding.
+        let most = (product >> 16).wrapping_add(product >> 48).wrapping_add(2);
+        let pace = &self.pace;
+        pace.least_q16 >= most && (pace.programmed_q16 == 0 || pace.programmed_q16 >= most)
     }
 }
 
@@ -87,6 +101,9 @@ impl<const N: usize> Config<N> {
         // No axis exceeds its step rate on average over the move.
         let mut least_q16 = 0;
         let mut ways = [0; N];
+        // Of axes with the same steps and rate, only the one with the longest way counts: each
+        // division takes a thousand instructions on a Cortex-M0.
+        let (first, mut longest) = (self.axes.first(), 0);
         let axes = segment.from.iter().zip(to).zip(&self.axes);
         for ((number, straight), ((from, to), axis)) in (0..N).zip(&mut ways).zip(axes) {
             let way = match &round {
@@ -97,7 +114,16 @@ impl<const N: usize> Config<N> {
                     *straight
                 }
             };
-            least_q16 = axis.least_q16(way, hz).max(least_q16);
+            let is_alike =
+                |first: &Axis| first.scale == axis.scale && first.max_rate_hz == axis.max_rate_hz;
+            if first.is_some_and(is_alike) {
+                longest = longest.max(way);
+            } else {
+                least_q16 = axis.least_q16(way, hz).max(least_q16);
+            }
+        }
+        if let Some(first) = first {
+            least_q16 = first.least_q16(longest, hz).max(least_q16);
         }
         let mut around = round.map_or(0, |round| round.around_nm);
         if let (Command::Arc { arc, .. }, None) = (&segment.command, round) {

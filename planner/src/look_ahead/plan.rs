@@ -1,6 +1,6 @@
 //! The highest speeds at the junctions of a queue, at one or two levels of acceleration.
 
-use core::num::NonZeroU32;
+use core::num::NonZeroU128;
 
 use crate::ring::Ring;
 use crate::stretch::{Percents, Stretch, square};
@@ -19,25 +19,46 @@ pub(super) struct Plans<const CAPACITY: usize> {
 #[derive(Clone, Debug)]
 struct Plan<const CAPACITY: usize> {
     candidates: Ring<Candidate, CAPACITY>,
-    /// Height of the end of the first move. Heights cannot overflow: it would take 2^43 moves of
-    /// 2^85.
+    /// Height of the end of the first move. Heights have at most [`HEIGHT_BITS`]: 1024 moves of
+    /// 2^85 above a height at which [`Plan::lower_all`] makes this one 0.
     front_end: u128,
     /// Height of the end of the last move.
     end: u128,
 }
 
-/// Set in the numbers of candidates: as they are not 0, a free place takes no byte of its own.
-const MARK: NonZeroU32 = match NonZeroU32::new(1 << 31) {
+/// Set in each candidate: as it is not 0, a free place takes no byte of its own.
+const MARK: NonZeroU128 = match NonZeroU128::new(1 << 127) {
     Some(mark) => mark,
-    None => NonZeroU32::MIN,
+    None => NonZeroU128::MIN,
 };
 
-/// A junction with a bound below those of all junctions after it.
+/// Bits of a height with a limit. 31 bits above them are for the number of a move.
+const HEIGHT_BITS: u32 = 96;
+
+/// A junction with a bound below those of all junctions after it: its height with its limit, and
+/// the sequence number of the move after it in 31 bits. There are fewer moves.
 #[derive(Copy, Clone, Debug)]
-struct Candidate {
-    /// Sequence number of the move after the junction, in 31 bits. There are fewer moves.
-    number: NonZeroU32,
-    height_and_limit: u128,
+struct Candidate(NonZeroU128);
+
+impl Candidate {
+    const fn new(number: u32, height_and_limit: u128) -> Candidate {
+        // A shift by the size of a word is none on a 32-bit processor.
+        let number = (number & (u32::MAX >> 1)) as u128;
+        let bits = MARK.get() | number.wrapping_shl(HEIGHT_BITS) | height_and_limit;
+        match NonZeroU128::new(bits) {
+            Some(bits) => Candidate(bits),
+            None => Candidate(MARK),
+        }
+    }
+
+    const fn is_before(self, number: u32) -> bool {
+        let before = self.0.get().wrapping_shr(HEIGHT_BITS) as u32;
+        before & (u32::MAX >> 1) == number & (u32::MAX >> 1)
+    }
+
+    const fn height_and_limit(self) -> u128 {
+        self.0.get() & (1_u128 << HEIGHT_BITS).wrapping_sub(1)
+    }
 }
 
 impl<const CAPACITY: usize> Plans<CAPACITY> {
@@ -101,12 +122,12 @@ impl<const CAPACITY: usize> Plans<CAPACITY> {
         self.upper.join(number, limit_squared, stretch.upper_gain());
     }
 
-    /// Removes the first move. The next one has this sequence number and [`Stretch::gain`].
-    pub(super) fn advance(&mut self, first: &Stretch, number: u32, next: &Stretch, gain: u128) {
+    /// Removes the first move. The next one has this sequence number.
+    pub(super) fn advance(&mut self, first: &Stretch, number: u32, next: &Stretch) {
         if first.upper.is_some() {
             self.uppers = self.uppers.wrapping_sub(1);
         }
-        self.lower.advance(number, gain);
+        self.lower.advance(number, next.gain());
         if self.uppers != 0 {
             self.advance_upper(number, next);
         }
@@ -135,6 +156,7 @@ impl<const CAPACITY: usize> Plans<CAPACITY> {
 
 impl<const CAPACITY: usize> Plan<CAPACITY> {
     const fn new() -> Self {
+        const { assert!(CAPACITY <= 1024, "heights have 96 bits") };
         Self {
             candidates: Ring::new(),
             front_end: 0,
@@ -165,30 +187,45 @@ impl<const CAPACITY: usize> Plan<CAPACITY> {
         while self
             .candidates
             .back()
-            .is_some_and(|candidate| candidate.height_and_limit >= height_and_limit)
+            .is_some_and(|candidate| candidate.height_and_limit() >= height_and_limit)
         {
             self.candidates.pop_back();
         }
-        self.candidates.push_back(Candidate {
-            number: MARK | number,
-            height_and_limit,
-        });
+        self.candidates
+            .push_back(Candidate::new(number, height_and_limit));
         self.end = self.end.wrapping_add(gain);
     }
 
     fn advance(&mut self, number: u32, gain: u128) {
         if let Some(candidate) = self.candidates.front() {
-            if candidate.number == MARK | number {
+            if candidate.is_before(number) {
                 self.candidates.pop_front();
             }
         }
         self.front_end = self.front_end.wrapping_add(gain);
+        if self.front_end >> 90 != 0 {
+            self.lower_all();
+        }
+    }
+
+    /// Measures all heights from the end of the first move. No candidate is below it.
+    #[cold]
+    fn lower_all(&mut self) {
+        let base = core::mem::take(&mut self.front_end);
+        self.end = self.end.wrapping_sub(base);
+        for offset in 0..self.candidates.len() {
+            if let Some(candidate) = self.candidates.get_mut(offset) {
+                let height = candidate.height_and_limit().saturating_sub(base);
+                let number = candidate.0.get().wrapping_shr(HEIGHT_BITS) as u32;
+                *candidate = Candidate::new(number, height);
+            }
+        }
     }
 
     fn exit_squared(&self, stop: u64) -> u64 {
         let mut lowest = self.end.wrapping_add(stop.into());
         if let Some(candidate) = self.candidates.front() {
-            lowest = lowest.min(candidate.height_and_limit);
+            lowest = lowest.min(candidate.height_and_limit());
         }
         let exit = lowest.saturating_sub(self.front_end);
         u64::try_from(exit).unwrap_or(u64::MAX)

@@ -2,6 +2,7 @@
 
 mod checker;
 mod circle;
+mod heights;
 mod holds;
 mod junctions;
 mod levels;
