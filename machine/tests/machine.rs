@@ -376,5 +376,5 @@ fn an_arc_whose_ends_differ_in_radius_alone_is_no_whole_turn() {
 fn a_place_in_the_queue_is_small() {
     type Queue<const QUEUE: usize> = Machine<3, Path<3>, Backlash, QUEUE>;
     let [few, more] = [size_of::<Queue<16>>(), size_of::<Queue<17>>()];
-    assert_eq!(more - few, 272);
+    assert_eq!(more - few, 208);
 }

@@ -46,7 +46,8 @@ pub struct Limits {
 
 /// A queue of up to `CAPACITY` moves, the executing one included. Each move carries a payload `M`.
 ///
-/// A place takes 72 bytes on a 32-bit processor, in addition to its payload. There are at most 1024.
+/// A place takes 72 bytes on a 32-bit processor, in addition to its payload. There are at most
+/// 1024.
 ///
 /// # Examples
 /// ```
