@@ -205,7 +205,8 @@ export class Program {
             this.text = await answer.text();
             if (document.activeElement !== this.source) this.fillEditor();
         }
-        if (hasScene && this.checked?.has_scene !== false) await this.preview.load();
+        // A program that would take minutes to simulate has no scene.
+        if (hasScene && (this.checked?.has_scene ?? true)) await this.preview.load();
         else {
             this.preview.clear();
             // What has errors is to be corrected.
@@ -247,7 +248,7 @@ export class Program {
     /** @param {Finding} finding */
     finding(finding) {
         const { words } = this;
-        const { code, severity, line, column, message, help, fixes } = finding;
+        const { code, severity, line, column, message, help, notes = [], fixes } = finding;
         const place = line > 0 ? `${words.line} ${line}:${column}` : words.program;
         const [fix] = fixes ?? [];
         return element(
@@ -255,7 +256,9 @@ export class Program {
             { class: severity },
             element("strong", {}, `${place} ${severity === "error" ? words.error : words.warning}`),
             ` ${code}: ${message} `,
-            ...(help ? [element("p", { class: "soft" }, help)] : []),
+            ...[...notes, ...(help ? [help] : [])].map((text) =>
+                element("p", { class: "soft" }, text)
+            ),
             ...(line > 0 ? [button(words.showPlace, () => this.goTo(finding))] : []),
             ...(fix
                 ? [

@@ -235,6 +235,10 @@ test("a lost link and a lost controller are said, with what is safe to do", asyn
     await server.stop();
     await says(page, ".state", "NO LINK");
     await says(page, ".notices", "A program that ran goes on");
+    // The last position is an old one.
+    assert.equal(await textOf(page, '.stale [data-machine="X"]'), "0.000");
+    const zero = await page.$("table.positions button");
+    assert.equal(await zero?.evaluate((one) => one.matches(":disabled")), true);
     const { active, renewals } = await page.evaluate(() => {
         const { link } = Reflect.get(window, "husillo");
         return { active: link.status, renewals: link.pending.size };
