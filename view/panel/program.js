@@ -273,7 +273,12 @@ export class Program {
 
     /** The line of a finding after its fixes. @param {Finding} finding */
     fixed({ fixes = [] }) {
-        return applied(this.text, fixes).split("\n")[fixes[0].line - 1];
+        const [{ line }] = fixes;
+        const here = fixes.filter((fix) => fix.line === line);
+        return applied(
+            this.run.lineText(line),
+            here.map((fix) => ({ ...fix, line: 1 }))
+        );
     }
 
     /** Puts the caret on the place of a finding. @param {Finding} finding */

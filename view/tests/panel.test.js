@@ -262,7 +262,13 @@ test("a wrong token is said", async (t) => {
 
 test("several machines are tabs", async (t) => {
     const { page, server } = await panel(t, {}, { names: ["mill", "router"] });
+    // The tab of another machine ends what is held on this one.
+    await page.keyboard.down("ArrowLeft");
+    const { jog } = await server.next("jog");
     await press(page, "[role=tab]::-p-aria(router)");
+    const released = await server.next("release");
+    assert.deepEqual([released.machine, released.jog], [1, jog]);
+    await page.keyboard.up("ArrowLeft");
     server.change({ state: "Run" }, 2);
     await says(page, ".state", "RUNNING");
     assert.equal(await textOf(page, "h1"), "router");
