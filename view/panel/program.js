@@ -130,7 +130,10 @@ export class Program {
         const path = `${desk.path("program")}?name=${encodeURIComponent(name)}`;
         try {
             const answer = await desk.link.fetch(path, { method: "POST", body: text });
-            if (!answer.ok) throw new Error(await answer.text());
+            if (!answer.ok) {
+                const reason = await answer.text();
+                throw new Error(reason || `${answer.status} ${answer.statusText}`);
+            }
             this.checked = await answer.json();
             desk.refuse("");
         } catch (error) {
