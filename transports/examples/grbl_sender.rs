@@ -10,7 +10,7 @@ use std::collections::VecDeque;
 fn main() {
     let program = (0..40).map(|number| format!("G1 X{number} Y{} F600\n", number % 7));
     let mut lines = program.collect::<VecDeque<String>>();
-    let mut window = Window::new(RECEIVE_BYTES as u8);
+    let mut window = Window::new(RECEIVE_BYTES);
     let (mut sent, mut answered, mut most) = (0, 0, 0);
     while !lines.is_empty() || window.lines() > 0 {
         // As many lines as fit.
@@ -30,5 +30,5 @@ fn main() {
     }
     println!("{sent} bytes sent, {answered} lines answered, {most} bytes ahead at most");
     assert_eq!(answered, 40);
-    assert!(usize::from(most) <= usize::from(RECEIVE_BYTES));
+    assert!(most <= u16::from(RECEIVE_BYTES));
 }
