@@ -39,7 +39,7 @@ test("STOP works by mouse, touch, Escape and space", async (t) => {
     await server.next("stop");
     assert.equal(server.count("stop"), 0, "one STOP for each");
     // In a text field a space is text, and Escape stops.
-    await page.type(".mono", "G0 X1");
+    await page.type("input.mono", "G0 X1");
     await page.keyboard.press("Escape");
     await server.next("stop");
     assert.equal(server.count("stop"), 0);
@@ -153,7 +153,7 @@ test("steps, go to, home, unlock, zero and undo", async (t) => {
     await press(page, '[data-jog="Z-"]');
     assert.deepEqual((await server.next("step")).move_mm, { z: -0.1 });
     await press(page, "summary::-p-text(Go to a position)");
-    await page.type("details input", "12,5");
+    await page.type('[aria-label="Move by hand"] details input', "12,5");
     await press(page, "button::-p-aria(Go)");
     const { to_mm, frame } = await server.next("goto");
     assert.deepEqual([to_mm, frame], [{ x: 12.5 }, "work"]);
@@ -235,6 +235,10 @@ test("a lost link and a lost controller are said, with what is safe to do", asyn
     await server.stop();
     await says(page, ".state", "NO LINK");
     await says(page, ".notices", "A program that ran goes on");
+    // The last position is an old one.
+    assert.equal(await textOf(page, '.stale [data-machine="X"]'), "0.000");
+    const zero = await page.$("table.positions button");
+    assert.equal(await zero?.evaluate((one) => one.matches(":disabled")), true);
     const { active, renewals } = await page.evaluate(() => {
         const { link } = Reflect.get(window, "husillo");
         return { active: link.status, renewals: link.pending.size };
@@ -258,7 +262,13 @@ test("a wrong token is said", async (t) => {
 
 test("several machines are tabs", async (t) => {
     const { page, server } = await panel(t, {}, { names: ["mill", "router"] });
+    // The tab of another machine ends what is held on this one.
+    await page.keyboard.down("ArrowLeft");
+    const { jog } = await server.next("jog");
     await press(page, "[role=tab]::-p-aria(router)");
+    const released = await server.next("release");
+    assert.deepEqual([released.machine, released.jog], [1, jog]);
+    await page.keyboard.up("ArrowLeft");
     server.change({ state: "Run" }, 2);
     await says(page, ".state", "RUNNING");
     assert.equal(await textOf(page, "h1"), "router");
@@ -287,6 +297,14 @@ test("a gamepad moves with its dead man's button", async (t) => {
     assert.deepEqual((await server.next("jog")).axes, { x: 1, y: 0.5 });
     await page.evaluate(() => (Reflect.get(window, "pad").buttons[5].pressed = false));
     await server.next("release");
+    // STOP ends the motion, and the stick that is still held does not begin it again.
+    await page.evaluate(() => (Reflect.get(window, "pad").buttons[5].pressed = true));
+    await server.next("jog");
+    await page.keyboard.press("Escape");
+    await server.next("release");
+    await server.next("stop");
+    await page.evaluate(() => new Promise((resolve) => setTimeout(resolve, 200)));
+    assert.equal(server.count("jog"), 0);
     await page.evaluate(() => (Reflect.get(window, "pad").buttons[1].pressed = true));
     await server.next("stop");
 });
