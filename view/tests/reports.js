@@ -8,7 +8,7 @@ import { join } from "node:path";
 import { PICTURES, ROOT } from "husillo/tests/browser.js";
 
 /** The program: `HUSILLO`, or the one that was built last. */
-function husillo() {
+export function husillo() {
     const builds = ["release", "debug"].map((build) =>
         join(ROOT, "../target", build, "husillo")
     );
