@@ -207,6 +207,8 @@ export class Program {
         if (answer.ok && this.shown === shown) {
             this.text = await answer.text();
             if (document.activeElement !== this.source) this.fillEditor();
+            // The fixes are shown in their lines.
+            this.fillFindings();
         }
         // A program that would take minutes to simulate has no scene.
         if (hasScene && (this.checked?.has_scene ?? true)) await this.preview.load();
@@ -234,8 +236,8 @@ export class Program {
         const time = program?.time_s ?? checked?.time_s;
         const parts = [
             `${name}: ${lines} ${words.lines}`,
-            errors > 0 ? `${errors} ${words.errors}` : words.noErrors,
-            ...(warnings > 0 ? [`${warnings} ${words.warnings}`] : []),
+            errors > 0 ? `${words.errors}: ${errors}` : words.noErrors,
+            ...(warnings > 0 ? [`${words.warnings}: ${warnings}`] : []),
             ...(typeof time === "number" ? [duration(time)] : []),
             ...(checked?.bounds_mm ? [boundsText(checked.bounds_mm, desk)] : []),
         ];

@@ -102,9 +102,10 @@ test("a fix takes the place of its columns, an offset counts characters", () => 
 test("findings have their place and a fix, before anything moves", async (t) => {
     const { page, server } = await loaded(t, WRONG);
     await says(page, ".findings", "Line 4:8 error E0201: unknown word");
-    await says(page, ".summary", "1 errors");
+    await says(page, ".summary", "errors: 1");
     const start = await page.$("button::-p-aria(Start …)");
     assert.equal(await start?.evaluate((one) => one.matches(":disabled")), true);
+    await says(page, ".findings code", "G1 Z-2 F300");
     await press(page, "button::-p-aria(Show the place)");
     const selected = await page.$eval("textarea.source", (one) =>
         one.value.slice(one.selectionStart, one.selectionEnd)
