@@ -37,7 +37,7 @@ test("the tarball works in a project of its own", () => {
     writeFileSync(join(folder, "use.mjs"), example);
     const tsc = join(HERE, "../view/node_modules/.bin/tsc");
     const options = ["--noEmit", "--strict", "--target", "es2022", "--module", "nodenext"];
-    run(tsc, ...options, "--types", "", "use.mts");
+    run(tsc, ...options, "use.mts");
     assert.match(run("node", "use.mjs"), /^\d+ step events in \d+\.\d+ s\n/);
 });
 
