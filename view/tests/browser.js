@@ -31,7 +31,7 @@ const TYPES = /** @type {Record<string, string>} */ ({
 const MAP = '{"imports":{"husillo/":"/"}}';
 
 /** A page that takes longer than this is stuck, milliseconds. */
-const PATIENCE = 180_000;
+const PATIENCE = Number(process.env.PATIENCE ?? 180_000);
 
 /** @type {Promise<import("puppeteer-core").Browser> | undefined} */
 let browser;
@@ -113,6 +113,8 @@ after(async () => {
  * @property {boolean} [webgl] false: the page has no WebGL
  * @property {boolean} [offline] whether the network is off
  * @property {string} [language] such as `es-ES`
+ * @property {boolean} [touch] whether the screen takes touches
+ * @property {RegExp} [expected] errors of the browser that do not fail the test
  */
 
 /**
@@ -127,10 +129,14 @@ export async function open(t, wanted) {
     /** @type {string[]} */
     const errors = [];
     page.on("console", (message) => {
-        if (message.type() === "error") errors.push(message.text());
+        const text = message.text();
+        if (message.type() === "error" && !wanted.expected?.test(text)) errors.push(text);
     });
     page.on("pageerror", (error) => errors.push(String(error)));
-    page.on("requestfailed", (request) => errors.push(`failed: ${request.url()}`));
+    page.on("requestfailed", (request) => {
+        const text = `failed: ${request.url()}`;
+        if (!wanted.expected?.test(text)) errors.push(text);
+    });
     t.after(async () => {
         await page.close();
         if (errors.length) throw new Error(`the page printed ${errors.join("; ")}`);
@@ -139,6 +145,7 @@ export async function open(t, wanted) {
         width: wanted.width ?? 1200,
         height: wanted.height ?? 800,
         deviceScaleFactor: wanted.scale ?? 1,
+        hasTouch: wanted.touch ?? false,
     });
     await page.emulateMediaFeatures([
         { name: "prefers-color-scheme", value: wanted.scheme ?? "light" },

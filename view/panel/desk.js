@@ -1,0 +1,261 @@
+/**
+ * What the page knows: its machines, their states and consoles, and which of them it shows.
+ */
+
+import { Link } from "husillo/panel/link.js";
+
+/** Lines of a console that are kept. */
+const MOST_LINES = 2000;
+
+/**
+ * @typedef {object} Info
+ * @property {number} machine
+ * @property {string} name
+ * @property {string} port
+ * @property {boolean} [is_simulated]
+ * @property {string[]} axes
+ *
+ * @typedef {object} Line a line of the console
+ * @property {number} number
+ * @property {number} at_ms
+ * @property {"host" | "controller" | "server"} from
+ * @property {string} text
+ *
+ * @typedef {object} Running the program of a machine
+ * @property {string} name
+ * @property {number} lines
+ * @property {number} errors
+ * @property {number} warnings
+ * @property {number} load
+ * @property {string} phase
+ * @property {number | null} line
+ * @property {number} sent
+ * @property {number} answered
+ * @property {number} of
+ * @property {number | null} time_s
+ * @property {number | null} elapsed_s
+ * @property {number | null} remaining_s
+ * @property {number | null} progress
+ * @property {boolean} single_block
+ * @property {number[]} breakpoints
+ * @property {number | null} waits_before
+ * @property {string | null} message
+ *
+ * @typedef {object} State
+ * @property {number} number
+ * @property {"opening" | "up" | "lost"} link
+ * @property {string | null} why
+ * @property {string | null} controller
+ * @property {string | null} state
+ * @property {number | null} detail
+ * @property {{number: number, text: string} | null} alarm
+ * @property {string | null} advice
+ * @property {string[]} axes
+ * @property {number[] | null} machine_mm
+ * @property {number[] | null} work_mm
+ * @property {number[] | null} zero_mm
+ * @property {number | null} feed
+ * @property {number | null} rpm
+ * @property {{feed: number, rapid: number, spindle: number} | null} override
+ * @property {{spindle: "off" | "cw" | "ccw", flood: boolean, mist: boolean} | null} accessories
+ * @property {string[]} switches
+ * @property {string[]} modal
+ * @property {string | null} offset
+ * @property {number | null} tool
+ * @property {number | null} operator
+ * @property {number} clients
+ * @property {{client: number, jog: number} | null} jog
+ * @property {boolean} stopping
+ * @property {number} undo
+ * @property {{at_mm: number[], touched: boolean, count: number} | null} probe
+ * @property {Running | null} program
+ */
+
+/** A machine, as the page knows it. */
+export class Machine {
+    /** @param {Info} info */
+    constructor(info) {
+        this.info = info;
+        /** The last state; none before the first, and after the link was lost. */
+        this.state = /** @type {State | undefined} */ (undefined);
+        /** @type {Line[]} */
+        this.lines = [];
+    }
+}
+
+/** The desk of the operator. */
+export class Desk {
+    /**
+     * @param {string} origin
+     * @param {string} token
+     */
+    constructor(origin, token) {
+        /** @type {Map<number, Machine>} */
+        this.machines = new Map();
+        /** The machine that is shown. @type {Machine | undefined} */
+        this.machine = undefined;
+        /** The last refusal of a request, and whether it is shown. */
+        this.refusal = "";
+        /** @type {((machine: Machine | undefined) => void)[]} */
+        this.listeners = [];
+        /** @type {((lines: Line[] | undefined) => void)[]} */
+        this.readers = [];
+        this.link = new Link(origin, token, {
+            frame: (frame) => this.take(frame),
+            status: () => this.changed(),
+        });
+    }
+
+    /** The state of the shown machine, if the link is up. */
+    get state() {
+        return this.link.status === "up" ? this.machine?.state : undefined;
+    }
+
+    /** Whether this page is in control of the shown machine. */
+    get isOperator() {
+        const { state } = this;
+        return state !== undefined && state.operator === this.link.client;
+    }
+
+    /** Whether this page may command the machine now. */
+    get mayCommand() {
+        return this.isOperator && this.state?.link === "up";
+    }
+
+    /** Whether a program is under way, held or waiting. */
+    get isUnderWay() {
+        const phase = this.state?.program?.phase ?? "";
+        return ["running", "held", "waiting", "stopping"].includes(phase);
+    }
+
+    /** Whether the machine stands and waits for commands. */
+    get isIdle() {
+        return this.state?.state === "Idle" && !this.isUnderWay;
+    }
+
+    /** Whether something moves or is about to. */
+    get isBusy() {
+        const { state } = this;
+        const word = state?.state ?? "";
+        return this.isUnderWay || ["Run", "Jog", "Home", "Hold", "Door"].includes(word);
+    }
+
+    /** @param {() => void} listener called after each change */
+    listen(listener) {
+        this.listeners.push(listener);
+    }
+
+    /**
+     * @param {(lines: Line[] | undefined) => void} reader called with new lines of the console of
+     * the shown machine; without lines after another machine was chosen
+     */
+    read(reader) {
+        this.readers.push(reader);
+    }
+
+    changed() {
+        for (const listener of this.listeners) listener(this.machine);
+    }
+
+    /** @param {any} frame */
+    take(frame) {
+        if (frame.kind === "welcome") this.welcome(frame.machines);
+        else if (frame.kind === "refusal") this.refuse(frame.text);
+        else {
+            const machine = this.machines.get(frame.machine);
+            if (!machine) return;
+            if (frame.kind === "state") machine.state = frame;
+            if (frame.kind === "console") this.print(machine, frame.lines);
+            if (frame.kind === "state" && machine === this.machine) this.changed();
+        }
+    }
+
+    /** @param {Info[]} infos */
+    welcome(infos) {
+        const chosen = this.machine?.info.machine ?? Number(sessionStorage.getItem("machine"));
+        this.machines = new Map(infos.map((info) => [info.machine, new Machine(info)]));
+        this.machine = this.machines.get(chosen) ?? this.machines.values().next().value;
+        for (const reader of this.readers) reader(undefined);
+        for (const info of infos) {
+            // It is refused if another page is in control: then this one watches.
+            this.link.request("take", { machine: info.machine }).catch(() => {});
+        }
+    }
+
+    /**
+     * @param {Machine} machine
+     * @param {Line[]} lines
+     */
+    print(machine, lines) {
+        machine.lines.push(...lines);
+        machine.lines.splice(0, Math.max(0, machine.lines.length - MOST_LINES));
+        if (machine !== this.machine) return;
+        for (const reader of this.readers) reader(lines);
+    }
+
+    /**
+     * Shows another machine.
+     *
+     * @param {number} number
+     */
+    choose(number) {
+        this.machine = this.machines.get(number);
+        sessionStorage.setItem("machine", String(number));
+        for (const reader of this.readers) reader(undefined);
+        this.changed();
+    }
+
+    /** @param {string} text why a request was refused; empty to forget it */
+    refuse(text) {
+        this.refusal = text;
+        this.changed();
+    }
+
+    /**
+     * A request to the shown machine.
+     *
+     * @param {string} verb
+     * @param {object} [fields]
+     * @returns {Promise<any>}
+     */
+    request(verb, fields = {}) {
+        return this.link.request(verb, { machine: this.machine?.info.machine, ...fields });
+    }
+
+    /**
+     * A request whose refusal is shown to the operator. Gives the data, or undefined.
+     *
+     * @param {string} verb
+     * @param {object} [fields]
+     * @returns {Promise<any>}
+     */
+    async command(verb, fields = {}) {
+        try {
+            const data = await this.request(verb, fields);
+            if (this.refusal) this.refuse("");
+            return data ?? null;
+        } catch (error) {
+            this.refuse(error instanceof Error ? error.message : String(error));
+            return undefined;
+        }
+    }
+
+    /**
+     * A request without an answer. Returns false if there is no link.
+     *
+     * @param {string} verb
+     * @param {object} [fields]
+     */
+    tell(verb, fields = {}) {
+        return this.link.tell(verb, { machine: this.machine?.info.machine, ...fields });
+    }
+
+    /**
+     * The path of a file of the shown machine.
+     *
+     * @param {string} file such as `scene`
+     */
+    path(file) {
+        return `/machines/${this.machine?.info.machine}/${file}`;
+    }
+}

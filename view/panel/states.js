@@ -1,0 +1,132 @@
+/**
+ * States in words, and what is safe to do in them.
+ */
+
+/** @typedef {import("husillo/panel/desk.js").Desk} Desk */
+/** @typedef {import("husillo/panel/desk.js").State} State */
+/** @typedef {import("husillo/panel/words.js").Words} Words */
+/** @typedef {"good" | "busy" | "wait" | "bad"} Kind */
+
+/**
+ * The state of the shown machine.
+ *
+ * @param {Desk} desk
+ * @param {Words} words
+ * @returns {{text: string, kind: Kind}}
+ */
+export function stateText({ link, state }, words) {
+    if (link.status === "opening") return { text: words.connecting, kind: "wait" };
+    if (link.status !== "up") return { text: words.linkLost, kind: "bad" };
+    if (state === undefined || state.link === "opening") {
+        return { text: words.connecting, kind: "wait" };
+    }
+    if (state.link === "lost" || state.state === null) {
+        return { text: words.controllerLost, kind: "bad" };
+    }
+    if (state.stopping) return { text: words.stateStopping, kind: "bad" };
+    switch (state.state) {
+        case "Idle":
+            return state.program?.phase === "waiting"
+                ? { text: words.stateWaiting, kind: "wait" }
+                : { text: words.stateIdle, kind: "good" };
+        case "Run":
+            return { text: words.stateRun, kind: "busy" };
+        case "Jog":
+            return { text: words.stateJog, kind: "busy" };
+        case "Home":
+            return { text: words.stateHome, kind: "busy" };
+        case "Hold":
+            return {
+                text: state.detail === 1 ? words.stateBraking : words.stateHold,
+                kind: "wait",
+            };
+        case "Door":
+            return { text: words.stateDoor, kind: "wait" };
+        case "Check":
+            return { text: words.stateCheck, kind: "wait" };
+        case "Sleep":
+            return { text: words.stateSleep, kind: "wait" };
+        case "Alarm":
+            return { text: alarmText(state, words), kind: "bad" };
+        default:
+            return { text: state.state, kind: "wait" };
+    }
+}
+
+/**
+ * @param {State} state
+ * @param {Words} words
+ */
+function alarmText({ alarm }, words) {
+    return alarm && alarm.number > 0
+        ? `${words.stateAlarm} ${alarm.number}`
+        : words.stateLocked;
+}
+
+/**
+ * What happened and what is safe to do, as notices.
+ *
+ * @typedef {object} Notice
+ * @property {string} id
+ * @property {Kind} kind
+ * @property {string} text
+ * @property {string} [advice]
+ *
+ * @param {Desk} desk
+ * @param {Words} words
+ * @returns {Notice[]}
+ */
+export function noticesOf(desk, words) {
+    const { link, machine, state } = desk;
+    if (link.status === "refused") {
+        return [{ id: "token", kind: "bad", text: words.tokenWrong, advice: words.tokenAdvice }];
+    }
+    if (link.status === "lost") {
+        return [{ id: "link", kind: "bad", text: words.linkLostLong, advice: words.linkAdvice }];
+    }
+    if (link.status === "up" && !machine) {
+        return [{ id: "none", kind: "wait", text: words.noMachine }];
+    }
+    /** @type {Notice[]} */
+    const notices = [];
+    if (state?.link === "lost") {
+        notices.push({
+            id: "controller",
+            kind: "bad",
+            text: `${words.controllerLostLong} ${state.why ?? ""}`.trim(),
+            advice: words.controllerAdvice,
+        });
+    } else if (state) notices.push(...ofState(state, words));
+    if (desk.refusal) {
+        notices.push({ id: "refusal", kind: "wait", text: `${words.refused}: ${desk.refusal}` });
+    }
+    return notices;
+}
+
+/**
+ * @param {State} state
+ * @param {Words} words
+ * @returns {Notice[]}
+ */
+function ofState(state, words) {
+    const { alarm, why } = state;
+    const because = why ? ` (${why})` : "";
+    switch (state.state) {
+        case "Alarm": {
+            const text = alarm ? (words.alarms[alarm.number] ?? alarm.text) : words.alarms[0];
+            const number = alarm?.number ?? 0;
+            const advice = words.alarmAdvice[number] ?? state.advice ?? words.alarmAdvice[0];
+            return [{ id: "alarm", kind: "bad", text, advice }];
+        }
+        case "Hold":
+            return [{ id: "hold", kind: "wait", text: words.holdLong + because }];
+        case "Door":
+            return [{ id: "door", kind: "wait", text: words.doorLong, advice: words.doorAdvice }];
+        case "Sleep":
+            return [{ id: "sleep", kind: "wait", text: words.sleepLong }];
+        case "Check":
+            return [{ id: "check", kind: "wait", text: words.checkLong }];
+        default:
+            return why ? [{ id: "why", kind: "wait", text: why }] : [];
+    }
+}
