@@ -2,6 +2,7 @@
 
 mod accidents;
 mod block;
+mod checked;
 mod dollar;
 mod door;
 mod event;
@@ -34,6 +35,7 @@ pub use memory::GrblMemory;
 pub use options::{GrblOptions, Protocol};
 
 use accidents::Accidents;
+use checked::Checks;
 use door::DoorStep;
 #[cfg(feature = "grblhal")]
 use hal::Hal;
@@ -124,6 +126,7 @@ pub struct Grbl<const QUEUE: usize = 15> {
     reader: LineReader,
     line: StoredLine<LINE>,
     origin: Origin,
+    checks: Checks,
     /// Tag of the moves of the present line.
     tag: Tag,
     tags: [Tag; 16],
@@ -190,6 +193,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             reader: LineReader::new(),
             line: StoredLine::EMPTY,
             origin: Origin::Host,
+            checks: Checks::default(),
             tag: Tag::default(),
             tags: [Tag::default(); 16],
             tag_count: 0,

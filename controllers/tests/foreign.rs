@@ -3,6 +3,7 @@
 use husillo_controllers::{Controller, Timed};
 use husillo_sim::{Emulated, Plant};
 
+// ANCHOR: controller
 /// One axis. `R` and a byte move it by that many steps, `S` stops it. It answers `.` at the end.
 #[derive(Default)]
 struct Slide {
@@ -76,7 +77,9 @@ impl Controller for Slide {
         *self = Self::default();
     }
 }
+// ANCHOR_END: controller
 
+// ANCHOR: plant
 /// Steps of the slide, and whether its lamp is lit. The end switch closes at 40.
 #[derive(Default)]
 struct Rail {
@@ -99,11 +102,13 @@ impl Plant for Rail {
         }
     }
 }
+// ANCHOR_END: plant
 
 fn answers(emulated: &mut Emulated<Slide, Rail>) -> String {
     std::iter::from_fn(|| emulated.transmit().map(char::from)).collect()
 }
 
+// ANCHOR: emulated
 #[test]
 fn a_foreign_controller_is_emulated() {
     let mut emulated = Emulated::new(Slide::default(), vec![Rail::default()]);
@@ -117,6 +122,7 @@ fn a_foreign_controller_is_emulated() {
     assert_eq!(answers(&mut emulated), ".");
     assert_eq!(emulated.plant(0).map(|rail| rail.at), Some(3));
 }
+// ANCHOR_END: emulated
 
 #[test]
 fn a_stop_drops_the_event_that_waits() {

@@ -272,3 +272,37 @@ fn a_hold_brakes_at_once() {
     let braked = f64::from(driven.steps[0] - at) / 250.0;
     assert!((4.1..4.25).contains(&braked), "{braked}");
 }
+
+/// A line that changes on the way moves nothing, and a line that comes twice moves once.
+#[test]
+fn checked_lines_are_executed_once_and_in_order() {
+    let mut driven = Driven::new();
+    let mut answer = |line: &[u8]| {
+        driven.said.clear();
+        driven.send(line);
+        driven.run(5_000_000);
+        (
+            String::from_utf8(driven.said.clone()).unwrap(),
+            driven.steps[0],
+        )
+    };
+    assert_eq!(answer(b"$L\n"), ("error:3\r\n".into(), 0));
+    assert_eq!(answer(b"$L=1\n"), ("ok\r\n".into(), 0));
+    assert_eq!(answer(b"$L\n"), ("[LINE:1]\r\nok\r\n".into(), 0));
+    let first = ("ok N1*91\r\n".into(), 250);
+    assert_eq!(answer(b"N1G91G0X1*46\n"), first);
+    assert_eq!(answer(b"N1G91G0X1*46\n"), first, "the answer was lost");
+    let again = ("resend N2*87\r\n".into(), 250);
+    assert_eq!(answer(b"N2G0X2*98\n"), again, "one character was changed");
+    assert_eq!(answer(b"G0X1\n"), again, "the number was lost");
+    assert_eq!(answer(b"$J=X1F100\n"), again, "a jog moves as well");
+    assert_eq!(answer(b"\n"), ("".into(), 250));
+    assert_eq!(answer(b"N3G0X1*99\n"), again, "line 2 was lost");
+    assert_eq!(answer(b"N2$J=X1F1000*1\n"), ("ok N2*88\r\n".into(), 500));
+    assert_eq!(answer(b"N3G4*14\n"), ("error:28 N3*21\r\n".into(), 500));
+    assert_eq!(
+        answer(b"\x18"),
+        ("\r\nGrbl 1.1h ['$' for help]\r\n".into(), 500)
+    );
+    assert_eq!(answer(b"G0X3\n"), ("ok\r\n".into(), 750));
+}

@@ -203,6 +203,11 @@ fn send(args: &Send, out: &mut Reporter<'_>) -> Result<u8, Failure> {
     if grbl::is_grbl(args.target.machine.as_deref()) {
         return grbl::send(args, out);
     }
+    if args.checked {
+        let message = "--checked is for a Grbl controller: the links of the other machines have \
+                       their own checks";
+        return Err(Failure::Usage(message.to_owned()));
+    }
     let first = args.files.first().map_or("", String::as_str);
     if let Some(settings) = figures(&args.target, first)? {
         expect_no_single_block(args, "microfactory")?;

@@ -7,6 +7,7 @@ use common::{husillo, scratch, signal};
 use emulated::Emulated;
 use predicates::prelude::*;
 use predicates::str::contains;
+use std::io::Write;
 use std::process::{Command, Stdio};
 
 /// 200 moves of 0.1 mm, and back.
@@ -204,4 +205,49 @@ fn a_killed_sender_is_told_of() {
         .assert()
         .success()
         .stdout(contains("where: ").and(contains("Idle; ")));
+}
+
+/// The operator may think as long as he likes, and hears what happens meanwhile.
+#[test]
+fn line_by_line_without_haste() {
+    let Some(mut device) = Emulated::new("grbl", "grbl-single", &["--speed", "20"]) else {
+        return;
+    };
+    let file = saved("grbl-single.nc", "G21 G91 G1 F600\nX5\nX7\n");
+    let port = device.port().to_owned();
+    let send = || {
+        Command::new(env!("CARGO_BIN_EXE_husillo"))
+            .args([
+                "send",
+                &file,
+                "-m",
+                "grbl",
+                "--single-block",
+                "--port",
+                &port,
+            ])
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap()
+    };
+    let mut sender = send();
+    // A controller that is silent for 3 s counts as lost. This one is not.
+    std::thread::sleep(std::time::Duration::from_secs(4));
+    sender.stdin.take().unwrap().write_all(b"\n\n\n").unwrap();
+    let ended = sender.wait_with_output().unwrap();
+    let told = String::from_utf8(ended.stdout).unwrap() + &String::from_utf8_lossy(&ended.stderr);
+    assert!(told.contains("3 lines made; "), "{told}");
+    assert!(told.contains("machine X 12.000"), "{told}");
+
+    let mut sender = send();
+    let mut typed = sender.stdin.take().unwrap();
+    typed.write_all(b"\n\n").unwrap();
+    while device.type_line("where", "lost").starts_with("x 3000 ") {}
+    device.type_bytes(b"reset\n");
+    let ended = sender.wait_with_output().unwrap();
+    drop(typed);
+    let told = String::from_utf8(ended.stderr).unwrap();
+    assert!(told.contains("the controller was reset"), "{told}");
 }

@@ -12,6 +12,7 @@ use husillo_pid::{Drive, Gains, Integration, Limits, Pid, Regulator};
 use husillo_planner::ServoMotion;
 use husillo_stepper::{CoilDriver, Idle, Levels, Motors};
 
+// ANCHOR: interpolator
 /// Moves one axis after the other, as an old drilling machine does; arcs are replaced by chords.
 #[derive(Clone)]
 struct AxisByAxis {
@@ -62,6 +63,7 @@ impl Moves<3> for AxisByAxis {
         None
     }
 }
+// ANCHOR_END: interpolator
 
 /// An axis that is worn on one side.
 struct Worn {
@@ -80,6 +82,7 @@ impl BacklashModel<3> for Worn {
     }
 }
 
+// ANCHOR: driver
 /// A ring counter of five phases.
 struct Ring {
     phase: u8,
@@ -103,6 +106,8 @@ impl CoilDriver for Ring {
 }
 
 /// The levels after a step event.
+// ANCHOR_END: driver
+
 fn stepped<const N: usize, D: CoilDriver>(
     motors: &mut Motors<N, D>,
     delta: [i8; N],

@@ -118,6 +118,21 @@ proptest! {
         is_back(Message::Modal(state), units)?;
     }
 
+    /// One wrong byte in an answer to a checked line does not give another answer.
+    #[test]
+    fn a_changed_answer_is_none(number: u32, at: prop::sample::Index, byte: u8, refused: bool) {
+        let message = match refused {
+            true => Message::Answer(number, Some(ErrorCode::NoFeed)),
+            false => Message::Resend(number),
+        };
+        let mut line = message.write(Units::Millimetres).bytes().to_vec();
+        let at = at.index(line.len());
+        line[at] = byte;
+        let read = Message::parse(&line);
+        let is_answer = matches!(read, Some(Message::Answer(..) | Message::Resend(_)));
+        prop_assert!(!is_answer || read == Some(message), "{:?}", read);
+    }
+
     /// Any line is a message that is written as it was read, or none.
     #[test]
     fn any_line_is_safe(line in prop::collection::vec(any::<u8>(), 0..100)) {
@@ -236,10 +251,23 @@ fn real_time_bytes_are_their_own_inverse() {
 }
 
 #[test]
+fn answers_to_checked_lines_have_a_checksum() {
+    let written = |message: Message| message.write(Units::Millimetres).bytes().to_vec();
+    assert_eq!(written(Message::Answer(12, None)), b"ok N12*105");
+    let error = Some(ErrorCode::Unsupported);
+    assert_eq!(written(Message::Answer(12, error)), b"error:20 N12*45");
+    assert_eq!(written(Message::Resend(12)), b"resend N12*102");
+}
+
+#[test]
 fn fixed_messages_are_parsed_back() {
     let mut messages = vec![
         Message::Ok,
         Message::Blank,
+        Message::Answer(12, None),
+        Message::Answer(u32::MAX, Some(ErrorCode::NoFeed)),
+        Message::Resend(7),
+        Message::NextLine(1),
         Message::Banner(b"Grbl 1.1h"),
         Message::Setting(110, b"500.000"),
         Message::Stored(1, b"G21G90"),

@@ -6,6 +6,8 @@ use husillo_sim::device::grbl::Device;
 use husillo_transports::grbl::{RECEIVE_BYTES, Realtime, State, Status, Window};
 use std::collections::VecDeque;
 
+mod checked;
+
 /// How lines are sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pacing {
@@ -26,7 +28,9 @@ pub trait Operator {
     /// Returns a byte that takes effect at once: hold, resume or an override.
     fn command(&mut self) -> Option<Realtime>;
     /// Whether to send a line in [`Pacing::SingleBlock`]. If not, the program ends before it.
-    fn agrees(&mut self, line: &str) -> bool;
+    /// `None`: there is no answer yet. The question is repeated many times a second, and the
+    /// controller is watched meanwhile.
+    fn agrees(&mut self, line: &str) -> Option<bool>;
 }
 
 /// The result of a program.
@@ -135,13 +139,19 @@ impl Sender {
         self.waiting.clear();
         self.window.clear();
         self.answered = 0;
-        let mut next = 0;
+        let (mut next, mut finished) = (0, 0);
         while self.answered < lines.len() {
             self.intervene(operator)?;
             while let Some((number, line)) = lines.get(next).filter(|(_, line)| self.may_send(line))
             {
-                if self.pacing == Pacing::SingleBlock && !operator.agrees(line) {
-                    return Err(self.ended(format!("line {number}: stopped before {line}")));
+                if self.pacing == Pacing::SingleBlock {
+                    match operator.agrees(line) {
+                        Some(true) => {}
+                        Some(false) => {
+                            return Err(self.ended(format!("line {number}: stopped before {line}")));
+                        }
+                        None => break,
+                    }
                 }
                 // A line of the program is shorter than the buffer.
                 self.window.send(line.len() as u8 + 1);
@@ -150,7 +160,9 @@ impl Sender {
                 next += 1;
             }
             self.hear(lines, operator)?;
-            if self.pacing == Pacing::SingleBlock && self.waiting.is_empty() {
+            let is_answered = self.waiting.is_empty() && self.answered == next;
+            if self.pacing == Pacing::SingleBlock && is_answered && next > finished {
+                finished = next;
                 self.finish(lines, operator)?;
             }
         }
@@ -211,15 +223,28 @@ impl Sender {
                     operator.progress(self.answered);
                 }
             }
+            heard => self.pass_on(heard, before, operator)?,
+        }
+        Ok(())
+    }
+
+    /// Handles what is not an answer: a reset or an alarm ends the program, the operator hears the
+    /// rest. `before` is the state of the last report.
+    fn pass_on(
+        &mut self,
+        heard: &Heard,
+        before: Option<State>,
+        operator: &mut dyn Operator,
+    ) -> Result<(), String> {
+        match heard {
             Heard::Alarm(number) => return Err(self.session.alarmed(*number)),
             Heard::Started(_) => {
                 self.session.fresh_status()?;
                 let stands = self.session.stands();
                 return Err(format!("the controller was reset; {stands}"));
             }
-            Heard::Status(status) if before != Some(status.state) => operator.hear(&heard),
-            Heard::Status(_) => {}
-            Heard::Text(_) => operator.hear(&heard),
+            Heard::Status(status) if before == Some(status.state) => {}
+            heard => operator.hear(heard),
         }
         Ok(())
     }

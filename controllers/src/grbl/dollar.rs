@@ -31,6 +31,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
                 self.list_settings();
             }
             b"G" => self.report_modal(),
+            [b'L', rest @ ..] => return self.switch_checks(rest),
             b"C" => return self.toggle_check(),
             b"X" => {
                 if self.phase == Phase::Alarm {

@@ -12,7 +12,7 @@ use super::hal::{Listing, RawLine};
 use super::memory::StoredLine;
 use super::motion::{START_US, Tag};
 use super::words::{CodeSet, Given, WordReader, bit};
-use super::{Grbl, Phase};
+use super::{Grbl, LINE, Phase};
 
 /// The origin of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -122,7 +122,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         let Some(byte) = self.receiver.take() else {
             return false;
         };
-        let line = match self.reader.push(byte) {
+        let line: StoredLine<LINE> = match self.reader.push(byte) {
             None => return true,
             Some(Line::TooLong) => {
                 self.send(&Message::Error(ErrorCode::LineTooLong));
@@ -130,8 +130,12 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             }
             Some(Line::Text(text)) => StoredLine::new(text),
         };
-        self.line = line;
         self.origin = Origin::Host;
+        let Some(text) = self.checked(line.bytes()) else {
+            return true;
+        };
+        let line = StoredLine::new(text);
+        self.line = line;
         let result = self.execute(line.bytes());
         self.end_line(result);
         true
@@ -146,7 +150,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         let Some(byte) = self.receiver.take() else {
             return false;
         };
-        let line = match self.hal.reader.push(byte) {
+        let line: StoredLine<LINE> = match self.hal.reader.push(byte) {
             None => return true,
             Some(RawLine::TooLong) => {
                 self.send(&Message::Error(ErrorCode::LineTooLong));
@@ -154,8 +158,12 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             }
             Some(RawLine::Text(text)) => StoredLine::new(text),
         };
-        self.line = line;
         self.origin = Origin::Host;
+        let Some(text) = self.checked(line.bytes()) else {
+            return true;
+        };
+        let line = StoredLine::new(text);
+        self.line = line;
         self.hal_say(line.bytes());
         let result = self.execute(line.bytes());
         self.end_line(result);
@@ -209,7 +217,6 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             return;
         }
         self.task = Task::None;
-        let answer = result.map_or_else(Message::Error, |_| Message::Ok);
         match self.origin {
             Origin::Startup(number) => {
                 let line = self.line;
@@ -222,9 +229,9 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
                     *slot = StoredLine::new(line.bytes());
                 }
                 self.store();
-                self.send(&answer);
+                self.answer(None);
             }
-            _ => self.send(&answer),
+            _ => self.answer(result.err()),
         }
         #[cfg(feature = "grblhal")]
         if self.is_hal() {

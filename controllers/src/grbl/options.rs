@@ -30,6 +30,8 @@ pub struct GrblOptions {
     pub has_door: bool,
     /// Whether status reports contain the line number of the present block.
     pub reports_lines: bool,
+    /// Whether `$L=1` switches on numbers and checksums of lines.
+    pub has_checked_lines: bool,
     /// Whether accidents of Grbl's implementation are imitated. After a hold, a cancelled jog or a
     /// probe contact, Grbl first makes the segments that it has already prepared: motion goes on
     /// for 40 to 50 ms. Equal override bytes that arrive together count once. An axis that waits
@@ -53,6 +55,7 @@ impl GrblOptions {
         homes_axes: false,
         has_door: false,
         reports_lines: false,
+        has_checked_lines: false,
         has_accidents: true,
         reads_inputs: false,
         most_steps_per_s: None,
@@ -64,6 +67,7 @@ impl GrblOptions {
         homes_axes: true,
         has_door: true,
         reports_lines: true,
+        has_checked_lines: true,
         has_accidents: false,
         most_steps_per_s: None,
         ..GrblOptions::STOCK

@@ -153,6 +153,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         self.commands.clear();
         self.homing.end();
         // Bytes that arrive from now on are kept.
+        self.drop_checks();
         self.receiver.clear();
         self.reader.clear();
         #[cfg(feature = "grblhal")]

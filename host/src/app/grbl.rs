@@ -10,8 +10,8 @@ use crate::cli::{Send, Target};
 use crate::console::keys::Keys;
 use crate::console::reporter::Reporter;
 use crate::console::sharing::share;
-use crate::console::stop::{stop_requests, stops_asked};
-use crate::console::typed::typed_line;
+use crate::console::stop::stop_requests;
+use crate::console::typed::{Typed, typed};
 use husillo_clients::grbl::{BAUD, Heard, Operator, Pacing, Sender, open};
 use husillo_transports::grbl::{Adjust, LINE_CHARACTERS, Line, LineReader, Realtime, State};
 use serde_json::json;
@@ -65,7 +65,11 @@ pub(super) fn send(args: &Send, out: &mut Reporter<'_>) -> Result<u8, Failure> {
         );
     }
     let mut operator = AtTerminal::new(args, lines.len(), out);
-    match sender.send(&lines, &mut operator) {
+    let sent = match args.checked {
+        true => sender.send_checked(&lines, &mut operator),
+        false => sender.send(&lines, &mut operator),
+    };
+    match sent {
         Ok(sent) => {
             let (stands, count) = (sender.session().stands(), sent.lines);
             operator.end();
@@ -173,6 +177,8 @@ struct AtTerminal<'a, 'b> {
     keys: Option<Keys>,
     count: usize,
     shown: usize,
+    /// Whether the line of the present question was printed.
+    is_asking: bool,
     out: &'a mut Reporter<'b>,
 }
 
@@ -191,6 +197,7 @@ impl<'a, 'b> AtTerminal<'a, 'b> {
             keys,
             count,
             shown: 0,
+            is_asking: false,
             out,
         }
     }
@@ -254,9 +261,16 @@ impl Operator for AtTerminal<'_, '_> {
         })
     }
 
-    fn agrees(&mut self, line: &str) -> bool {
-        let before = stops_asked();
-        eprintln!("{line} Enter sends it (or q to end)");
-        typed_line(before).is_some_and(|answer| !answer.trim().eq_ignore_ascii_case("q"))
+    fn agrees(&mut self, line: &str) -> Option<bool> {
+        if !std::mem::replace(&mut self.is_asking, true) {
+            eprintln!("{line} Enter sends it (or q to end)");
+        }
+        let agrees = match typed() {
+            Typed::Nothing => return None,
+            Typed::Line(answer) => !answer.trim().eq_ignore_ascii_case("q"),
+            Typed::End => false,
+        };
+        self.is_asking = false;
+        Some(agrees)
     }
 }

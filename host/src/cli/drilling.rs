@@ -163,6 +163,10 @@ pub struct Send {
     /// Micro mill and Grbl: wait for Enter before each line; q ends the program there
     #[arg(long, conflicts_with = "stream")]
     pub single_block: bool,
+    /// Grbl: number each line and add a checksum. A line that the link loses or changes is sent
+    /// again. The controller must have checked lines ($L=1), as that of husillo has
+    #[arg(long, conflicts_with_all = ["stream", "single_block"])]
+    pub checked: bool,
     /// Micro mill: report one step in N; 0 reports none
     #[arg(
         long,

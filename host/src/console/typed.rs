@@ -2,20 +2,41 @@
 
 use crate::console::stop::stops_asked;
 use std::io::{self, BufRead, Read};
-use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError, TryRecvError};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 /// Interval of the checks for Ctrl-C while a line is typed.
 const LOOK: Duration = Duration::from_millis(50);
 
+/// The lines of standard input, from the first question on.
+static TYPED: Mutex<Option<Receiver<String>>> = Mutex::new(None);
+
 /// The next line of standard input. `None` at its end, or if Ctrl-C was pressed more than `before`
 /// times ([`stops_asked`]).
 pub fn typed_line(before: u32) -> Option<String> {
-    static TYPED: Mutex<Option<Receiver<String>>> = Mutex::new(None);
     let mut typed = TYPED.lock().unwrap_or_else(PoisonError::into_inner);
     // Ctrl-C does not interrupt a read of standard input: another thread reads.
     next_line(typed.get_or_insert_with(typed_lines), before)
+}
+
+/// What the operator has typed.
+#[derive(Debug, PartialEq, Eq)]
+pub enum Typed {
+    Nothing,
+    Line(String),
+    /// Standard input has ended.
+    End,
+}
+
+/// The next line of standard input, if it is complete.
+pub fn typed() -> Typed {
+    let mut typed = TYPED.lock().unwrap_or_else(PoisonError::into_inner);
+    match typed.get_or_insert_with(typed_lines).try_recv() {
+        Ok(line) => Typed::Line(line),
+        Err(TryRecvError::Empty) => Typed::Nothing,
+        Err(TryRecvError::Disconnected) => Typed::End,
+    }
 }
 
 /// The next of these lines, as [`typed_line`].

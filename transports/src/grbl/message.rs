@@ -25,6 +25,14 @@ pub enum Message<'a> {
     Ok,
     /// The line was refused.
     Error(ErrorCode),
+    /// A checked line with this number was accepted, or refused: `ok N12*105`, `error:20 N12*45`.
+    /// The number after `*` is the exclusive or of all bytes before it.
+    Answer(u32, Option<ErrorCode>),
+    /// A checked line was lost or changed. All lines from this number on are to be sent again:
+    /// `resend N12*102`.
+    Resend(u32),
+    /// The number of the next checked line: `[LINE:12]`.
+    NextLine(u32),
     /// Motion was interrupted, or is not permitted.
     Alarm(Alarm),
     /// The controller has started: its name and version, `Grbl 1.1h`.
@@ -144,6 +152,20 @@ impl<'a> Message<'a> {
         match self {
             Message::Ok => text.put(b"ok"),
             Message::Error(error) => put_error(&mut text, *error),
+            Message::Answer(number, error) => {
+                match error {
+                    Some(error) => put_error(&mut text, *error),
+                    None => text.put(b"ok"),
+                }
+                text.put(b" N");
+                text.put_number((*number).into());
+                put_sum(&mut text);
+            }
+            Message::Resend(number) => {
+                text.put(b"resend N");
+                text.put_number((*number).into());
+                put_sum(&mut text);
+            }
             Message::Alarm(alarm) => {
                 text.put(b"ALARM:");
                 text.put_number(alarm.number().into());
@@ -223,6 +245,10 @@ impl<'a> Message<'a> {
                 text.put(b"HLP:");
                 text.put(list);
             }
+            Message::NextLine(number) => {
+                text.put(b"LINE:");
+                text.put_number((*number).into());
+            }
             _ => {}
         }
         text.put(b"]");
@@ -256,13 +282,29 @@ impl<'a> Message<'a> {
                 Message::Setting(whole(number)?, value)
             }
             _ => {
-                if let Some(number) = line.strip_prefix(b"error:") {
+                if line.contains(&b'*') {
+                    Message::parse_numbered(without_sum(line)?)?
+                } else if let Some(number) = line.strip_prefix(b"error:") {
                     Message::Error(ErrorCode::of(whole(number)?)?)
                 } else if let Some(number) = line.strip_prefix(b"ALARM:") {
                     Message::Alarm(Alarm::of(whole(number)?)?)
                 } else {
                     Message::Banner(line.strip_suffix(b" ['$' for help]")?)
                 }
+            }
+        })
+    }
+
+    /// Reads an answer that names its line.
+    fn parse_numbered(line: &'a [u8]) -> Option<Message<'a>> {
+        let (word, number) = split(line, b' ')?;
+        let number = whole(number.strip_prefix(b"N")?)?;
+        Some(match word {
+            b"ok" => Message::Answer(number, None),
+            b"resend" => Message::Resend(number),
+            _ => {
+                let error = whole(word.strip_prefix(b"error:")?)?;
+                Message::Answer(number, Some(ErrorCode::of(error)?))
             }
         })
     }
@@ -287,6 +329,7 @@ impl<'a> Message<'a> {
                 Message::Options(letters, whole(blocks)?, whole(bytes)?)
             }
             b"HLP" => Message::Help(value),
+            b"LINE" => Message::NextLine(whole(value)?),
             _ => {
                 let mut all = Parameter::ALL.into_iter();
                 let parameter = all.find(|parameter| parameter.name().as_bytes() == name)?;
@@ -294,6 +337,23 @@ impl<'a> Message<'a> {
             }
         })
     }
+}
+
+/// The exclusive or of all bytes, which detects one wrong byte.
+fn sum(text: &[u8]) -> u8 {
+    text.iter().fold(0, |sum, byte| sum ^ byte)
+}
+
+fn put_sum(text: &mut Text) {
+    let sum = sum(text.bytes());
+    text.put(b"*");
+    text.put_number(sum.into());
+}
+
+/// Returns the text before `*`, if its sum is the number after it.
+fn without_sum(line: &[u8]) -> Option<&[u8]> {
+    let (text, given) = split(line, b'*')?;
+    (whole::<u8>(given)? == sum(text)).then_some(text)
 }
 
 /// Returns the text before and after the first such byte.

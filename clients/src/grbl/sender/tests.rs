@@ -45,9 +45,9 @@ impl Operator for Script {
         self.due.pop_front()
     }
 
-    fn agrees(&mut self, _line: &str) -> bool {
+    fn agrees(&mut self, _line: &str) -> Option<bool> {
         self.agreed = self.agreed.saturating_sub(1);
-        self.agreed > 0
+        Some(self.agreed > 0)
     }
 }
 

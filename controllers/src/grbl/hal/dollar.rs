@@ -106,7 +106,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
                 }
                 return result;
             }
-            [b'C'] | [b'J', ..] | b"SLP" => return self.dollar(upper),
+            [b'C'] | [b'J', ..] | b"L" | [b'L', b'=', ..] | b"SLP" => return self.dollar(upper),
             _ if !self.hal_is_at_rest() => return Err(ErrorCode::NotIdle),
             _ if !self.is_drained() => {
                 self.task = Task::Sync;
