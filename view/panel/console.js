@@ -51,11 +51,11 @@ export class Console {
             "section",
             { class: "card", "aria-label": words.console },
             element("h2", {}, words.lineByHand),
-            element("div", { class: "row" }, this.field, this.send),
+            element("div", { class: "items" }, this.field, this.send),
             this.answer,
             element(
                 "div",
-                { class: "row" },
+                { class: "items" },
                 element("h3", { class: "wide" }, words.console),
                 element("label", { class: "check" }, this.filter, words.withoutOk),
                 button(words.save, () => this.save())

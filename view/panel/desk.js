@@ -154,7 +154,8 @@ export class Desk {
     }
 
     changed() {
-        for (const listener of this.listeners) listener(this.machine);
+        // A listener may remove itself.
+        for (const listener of [...this.listeners]) listener(this.machine);
     }
 
     /** @param {any} frame */

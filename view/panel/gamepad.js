@@ -63,7 +63,7 @@ export class Gamepads {
         const direction = isAlive && !isStop ? directionOf(pad) : {};
         if (Object.keys(direction).length === 0) return jog.hold.release("gamepad", "released");
         jog.isFast = false;
-        jog.hold.press("gamepad", direction);
+        jog.hold.steer("gamepad", direction);
     }
 }
 

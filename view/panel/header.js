@@ -36,7 +36,7 @@ export class Header {
             this.state,
             element(
                 "div",
-                { class: "row control" },
+                { class: "items control" },
                 this.operator,
                 this.takeButton,
                 this.giveButton

@@ -37,6 +37,8 @@ export class Hold {
         this.timers = timers;
         /** @type {Map<string, Direction>} */
         this.inputs = new Map();
+        /** Inputs whose motion was ended while they were held. @type {Set<string>} */
+        this.ended = new Set();
         /** @type {any} */
         this.timer = undefined;
         /** The direction that the machine was told last. */
@@ -55,8 +57,20 @@ export class Hold {
      * @param {Direction} direction
      */
     press(input, direction) {
+        this.ended.delete(input);
         this.inputs.set(input, direction);
         this.tell();
+    }
+
+    /**
+     * An input that is looked at again and again is held. After its motion was ended, it has no
+     * effect until it was let go.
+     *
+     * @param {string} input
+     * @param {Direction} direction
+     */
+    steer(input, direction) {
+        if (!this.ended.has(input)) this.press(input, direction);
     }
 
     /**
@@ -66,6 +80,7 @@ export class Hold {
      * @param {string} reason
      */
     release(input, reason) {
+        this.ended.delete(input);
         if (!this.inputs.delete(input)) return;
         if (this.inputs.size === 0) this.end(reason);
         else this.tell();
@@ -77,6 +92,7 @@ export class Hold {
      * @param {string} reason
      */
     end(reason) {
+        for (const input of this.inputs.keys()) this.ended.add(input);
         this.inputs.clear();
         this.told = "";
         if (this.timer === undefined) return;
@@ -106,6 +122,7 @@ export class Hold {
             if (this.timer === undefined) return;
             const inputs = new Map(this.inputs);
             this.end("opposite");
+            this.ended.clear();
             this.inputs = inputs;
             return;
         }

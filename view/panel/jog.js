@@ -85,13 +85,13 @@ export class Jog {
             "section",
             { class: "card", "aria-label": words.byHand },
             element("h2", {}, words.byHand),
-            element("div", { class: "row" }, this.home, this.unlock, this.reset),
+            element("div", { class: "items" }, this.home, this.unlock, this.reset),
             this.choices,
             this.pads,
             this.why,
             element(
                 "div",
-                { class: "row" },
+                { class: "items" },
                 element("label", { class: "field" }, this.feedUnit, this.feed)
             ),
             this.goTo.root
@@ -326,7 +326,7 @@ class GoTo {
     constructor(jog) {
         const { words } = jog;
         this.jog = jog;
-        this.fields = element("div", { class: "row" });
+        this.fields = element("div", { class: "items" });
         this.frame = element(
             "select",
             { "aria-label": words.frame },
@@ -340,7 +340,7 @@ class GoTo {
             {},
             element("summary", {}, words.goTo),
             this.fields,
-            element("div", { class: "row" }, this.frame, this.go, this.zero),
+            element("div", { class: "items" }, this.frame, this.go, this.zero),
             element("p", { class: "soft" }, words.goToHelp)
         );
         this.shown = "";

@@ -49,7 +49,7 @@ export class Keys {
             { class: "card", "aria-label": words.keys },
             element(
                 "div",
-                { class: "row" },
+                { class: "items" },
                 element("h2", { class: "wide" }, words.keys),
                 this.badge,
                 this.switch

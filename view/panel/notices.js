@@ -18,7 +18,8 @@ export class Notices {
     constructor(desk, words) {
         this.desk = desk;
         this.words = words;
-        this.list = element("ul", { class: "notices", "aria-label": words.notices });
+        this.list = element("ul", { class: "notices" });
+        this.root = element("section", { "aria-label": words.notices }, this.list);
         this.live = element("p", { class: "live", role: "status", "aria-live": "polite" });
         this.shown = "";
         this.said = "";
@@ -32,7 +33,7 @@ export class Notices {
         const text = JSON.stringify(notices);
         if (text !== this.shown) {
             this.shown = text;
-            this.list.hidden = notices.length === 0;
+            this.root.hidden = notices.length === 0;
             this.list.replaceChildren(...notices.map((notice) => this.item(notice)));
         }
         const name = desk.machines.size > 1 ? `${desk.machine?.info.name}: ` : "";

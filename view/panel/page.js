@@ -8,11 +8,16 @@ import { Gamepads } from "husillo/panel/gamepad.js";
 import { Header } from "husillo/panel/header.js";
 import { Jog } from "husillo/panel/jog.js";
 import { Keys } from "husillo/panel/keys.js";
+import { Macros } from "husillo/panel/macros.js";
 import { Notices } from "husillo/panel/notices.js";
 import { Positions } from "husillo/panel/positions.js";
+import { Program } from "husillo/panel/program.js";
+import { Settings } from "husillo/panel/settings.js";
 import { Outputs, Speeds } from "husillo/panel/speeds.js";
 import { Stop } from "husillo/panel/stop.js";
+import { tabs } from "husillo/panel/tabs.js";
 import { Units } from "husillo/panel/units.js";
+import { Wizard } from "husillo/panel/wizard.js";
 
 /** @typedef {import("husillo/panel/desk.js").Desk} Desk */
 
@@ -24,45 +29,56 @@ import { Units } from "husillo/panel/units.js";
 export function fillPage(place, desk, words) {
     const units = new Units();
     const jog = new Jog(desk, words, units);
-    const stop = new Stop(desk, words, () => jog.hold.end("stop"));
+    const wizard = new Wizard(desk, words);
+    const stop = new Stop(desk, words, () => {
+        jog.hold.end("stop");
+        wizard.stop();
+    });
     const header = new Header(desk, words, stop.root);
     const notices = new Notices(desk, words);
     const positions = new Positions(desk, words, units);
     const speeds = new Speeds(desk, words, units);
     const outputs = new Outputs(desk, words);
     const lines = new Console(desk, words);
+    const program = new Program(desk, words);
+    const more = tabs(words.more, [
+        { id: "probing", name: words.probingTab, content: wizard.root },
+        { id: "settings", name: words.settings, content: new Settings(desk, words).root },
+        { id: "macros", name: words.macros, content: new Macros(desk, words).root },
+    ]);
     const keys = new Keys(desk, words, {
         jog,
         positions,
         speeds,
-        start: () => {},
-        pause: () => pause(desk),
+        start: () => program.run.ask(),
+        pause: () => program.run.pauseOrResume(),
     });
     const pad = new Gamepads(words, jog, () => stop.stop());
     keys.root.append(pad.root);
     place.classList.add("panel");
     place.replaceChildren(
         header.root,
+        notices.root,
         element(
             "main",
             { id: "machine" },
-            element("div", { class: "column left" }, notices.list, lines.root, outputs.root),
+            element(
+                "div",
+                { class: "column left" },
+                program.root,
+                lines.root,
+                more
+            ),
             element(
                 "div",
                 { class: "column right" },
                 positions.root,
                 jog.root,
                 speeds.root,
+                outputs.root,
                 keys.root
             )
         ),
         notices.live
     );
-}
-
-/** Pauses what runs, and resumes what is held. @param {Desk} desk */
-function pause(desk) {
-    const { state } = desk;
-    if (state?.state === "Hold" || state?.program?.phase === "waiting") desk.command("resume");
-    else if (state?.state === "Run") desk.command("hold");
 }

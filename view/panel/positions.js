@@ -47,13 +47,13 @@ export class Positions {
             { class: "card", "aria-label": words.position },
             element(
                 "div",
-                { class: "row" },
+                { class: "items" },
                 element("h2", { class: "wide" }, words.position),
                 ...this.unitButtons
             ),
             this.table,
             this.note,
-            element("div", { class: "row" }, this.zeroAll, this.undo)
+            element("div", { class: "items" }, this.zeroAll, this.undo)
         );
         desk.listen(() => this.show());
         this.show();
@@ -130,7 +130,7 @@ class Row {
         this.button = button(`${letter} =`, () => this.set(), {
             "aria-label": `${words.setZero} ${letter}`,
         });
-        const cell = element("div", { class: "row" }, this.button, this.value);
+        const cell = element("div", { class: "items" }, this.button, this.value);
         cell.style.justifyContent = "flex-end";
         this.root = element(
             "tr",

@@ -43,7 +43,7 @@ export class Speeds {
             [words.tool, this.tool],
             [words.modal, this.modal],
         ]);
-        const names = { feed: words.feed, rapid: words.rapid, spindle: words.spindle };
+        const names = { feed: words.feed, rapid: words.rapids, spindle: words.spindle };
         this.overrides = /** @type {What[]} */ (["feed", "rapid", "spindle"]).map(
             (what) => new Override(desk, words, what, names[what])
         );
@@ -179,7 +179,7 @@ export class Outputs {
             element("h2", {}, words.outputs),
             element(
                 "div",
-                { class: "row" },
+                { class: "items" },
                 ...this.buttons.map((one) => one.button),
                 element("label", { class: "field" }, "rpm", this.rpm)
             ),

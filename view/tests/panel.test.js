@@ -39,7 +39,7 @@ test("STOP works by mouse, touch, Escape and space", async (t) => {
     await server.next("stop");
     assert.equal(server.count("stop"), 0, "one STOP for each");
     // In a text field a space is text, and Escape stops.
-    await page.type(".mono", "G0 X1");
+    await page.type("input.mono", "G0 X1");
     await page.keyboard.press("Escape");
     await server.next("stop");
     assert.equal(server.count("stop"), 0);
@@ -153,7 +153,7 @@ test("steps, go to, home, unlock, zero and undo", async (t) => {
     await press(page, '[data-jog="Z-"]');
     assert.deepEqual((await server.next("step")).move_mm, { z: -0.1 });
     await press(page, "summary::-p-text(Go to a position)");
-    await page.type("details input", "12,5");
+    await page.type('[aria-label="Move by hand"] details input', "12,5");
     await press(page, "button::-p-aria(Go)");
     const { to_mm, frame } = await server.next("goto");
     assert.deepEqual([to_mm, frame], [{ x: 12.5 }, "work"]);
@@ -287,6 +287,14 @@ test("a gamepad moves with its dead man's button", async (t) => {
     assert.deepEqual((await server.next("jog")).axes, { x: 1, y: 0.5 });
     await page.evaluate(() => (Reflect.get(window, "pad").buttons[5].pressed = false));
     await server.next("release");
+    // STOP ends the motion, and the stick that is still held does not begin it again.
+    await page.evaluate(() => (Reflect.get(window, "pad").buttons[5].pressed = true));
+    await server.next("jog");
+    await page.keyboard.press("Escape");
+    await server.next("release");
+    await server.next("stop");
+    await page.evaluate(() => new Promise((resolve) => setTimeout(resolve, 200)));
+    assert.equal(server.count("jog"), 0);
     await page.evaluate(() => (Reflect.get(window, "pad").buttons[1].pressed = true));
     await server.next("stop");
 });

@@ -169,7 +169,7 @@ impl Steps {
             if now.entry == from {
                 window = Window::new(mechanics.clone(), commanded, now);
             }
-            if is_first && now.entry % kept == 0 {
+            if is_first && now.entry.is_multiple_of(kept) {
                 begins.push(now);
             }
             if (from..from + kept).contains(&now.entry) {

@@ -130,7 +130,7 @@ impl Window {
     /// Adds an entry, with the machine before it.
     #[inline]
     pub fn push(&mut self, entry: Entry, mechanics: &Mechanics, commanded: [i32; AXES], at: Begin) {
-        if self.bits.len() % SPACING == 0 && !self.bits.is_empty() {
+        if self.bits.len().is_multiple_of(SPACING) && !self.bits.is_empty() {
             self.marks.push(Mark {
                 at,
                 mechanics: mechanics.clone(),

@@ -1,0 +1,239 @@
+/**
+ * Running a program: start in two steps, pause, resume, single block, breakpoints, start from a
+ * line, progress and remaining time.
+ */
+
+import { button, element } from "husillo/viewer/element.js";
+import { duration } from "husillo/viewer/quantity.js";
+import { disable, fill, put, toggle } from "husillo/panel/change.js";
+
+/** @typedef {import("husillo/panel/desk.js").Desk} Desk */
+/** @typedef {import("husillo/panel/desk.js").Running} Running */
+/** @typedef {import("husillo/panel/words.js").Words} Words */
+
+/** The controls of a program. */
+export class Run {
+    /**
+     * @param {Desk} desk
+     * @param {Words} words
+     * @param {() => string} text of the program
+     */
+    constructor(desk, words, text) {
+        this.desk = desk;
+        this.words = words;
+        this.text = text;
+        /** The program whose lines are split. */
+        this.splitText = "";
+        /** @type {string[]} */
+        this.lines = [];
+        this.start = button(words.startAsk, () => this.ask(), { class: "main" });
+        this.pause = button(words.pause, () => desk.command("hold"));
+        this.resume = button(words.resume, () => desk.command("resume"));
+        this.from = element("input", { inputmode: "numeric", size: 6 });
+        this.fromButton = button(words.startFrom, () => this.ask(Number(this.from.value)));
+        this.single = element("input", { type: "checkbox" });
+        this.single.addEventListener("change", () =>
+            desk.command("single_block", { on: this.single.checked })
+        );
+        this.breakpoints = element("input", { size: 12, placeholder: "12, 40" });
+        this.breakpoints.addEventListener("change", () => this.setBreakpoints());
+        this.progress = element("progress", { max: 1, value: 0, "aria-label": words.progress });
+        this.times = element("p", { class: "number times" });
+        this.current = element("p", { class: "current mono" });
+        this.message = element("p", { class: "message" });
+        this.confirm = element("div", {
+            class: "confirm",
+            role: "group",
+            tabindex: -1,
+            "aria-label": words.startAsk,
+            hidden: true,
+        });
+        this.root = element(
+            "div",
+            { hidden: true },
+            element("div", { class: "items" }, this.start, this.pause, this.resume),
+            this.confirm,
+            this.progress,
+            this.times,
+            this.current,
+            this.message,
+            element(
+                "div",
+                { class: "items" },
+                element("label", { class: "check" }, this.single, words.singleBlock),
+                element("label", { class: "field" }, words.breakpoints, this.breakpoints),
+                element("label", { class: "field" }, words.fromLine, this.from),
+                this.fromButton
+            )
+        );
+        desk.listen(() => this.show());
+    }
+
+    /** The text of a line of the program. @param {number} line from 1 */
+    lineText(line) {
+        const text = this.text();
+        if (this.splitText !== text) {
+            this.splitText = text;
+            this.lines = text.split(/\r\n|\n|\r/);
+        }
+        return this.lines[line - 1] ?? "";
+    }
+
+    /** Pauses what runs, and resumes what is held or waits. */
+    pauseOrResume() {
+        const { state } = this.desk;
+        if (state?.state === "Hold" || state?.program?.phase === "waiting") {
+            this.desk.command("resume");
+        } else if (state?.state === "Run") this.desk.command("hold");
+    }
+
+    show() {
+        const { desk } = this;
+        const { state } = desk;
+        const program = state?.program;
+        this.root.hidden = !program;
+        if (!program) {
+            this.confirm.hidden = true;
+            return;
+        }
+        const mayStart = desk.mayCommand && desk.isIdle && program.errors === 0;
+        disable(this.start, !mayStart);
+        disable(this.fromButton, !mayStart);
+        disable(this.pause, state.link !== "up" || state.state !== "Run");
+        const waits = program.phase === "waiting" || state.state === "Hold";
+        disable(this.resume, !desk.mayCommand || !(waits || state.state === "Door"));
+        disable(this.single, !desk.mayCommand);
+        disable(this.breakpoints, !desk.mayCommand);
+        if (this.single.checked !== program.single_block) {
+            this.single.checked = program.single_block;
+        }
+        fill(this.breakpoints, program.breakpoints.join(", "));
+        if (desk.isUnderWay) this.confirm.hidden = true;
+        this.showProgress(program);
+    }
+
+    /** @param {Running} program */
+    showProgress(program) {
+        const { words, progress } = this;
+        const { phase, line, elapsed_s, remaining_s, waits_before, message } = program;
+        const part = program.progress ?? (phase === "done" ? 1 : 0);
+        if (progress.value !== part) progress.value = part;
+        const parts = [
+            words.phases[phase] ?? phase,
+            `${Math.round(part * 100)} %`,
+            `${words.elapsed} ${duration(elapsed_s ?? 0)}`,
+            ...(remaining_s === null ? [] : [`${words.remaining} ${duration(remaining_s)}`]),
+            ...(program.time_s === null ? [] : [`${words.wholeTime} ${duration(program.time_s)}`]),
+        ];
+        put(this.times, parts.join(" · "));
+        toggle(this.current, "current", "mono");
+        const at = waits_before ?? line;
+        this.current.hidden = at === null;
+        const what = waits_before === null ? words.line : words.waitsBefore;
+        if (at !== null) {
+            put(this.current, `${what} ${at} / ${program.lines}: ${this.lineText(at)}`);
+        }
+        put(this.message, message ?? "");
+        this.message.hidden = !message;
+    }
+
+    /**
+     * The first step of a start: what would happen. Nothing moves.
+     *
+     * @param {number} [from] line
+     */
+    async ask(from) {
+        const { desk, words, confirm } = this;
+        if (this.start.disabled) return;
+        const lines = desk.state?.program?.lines ?? 0;
+        if (from !== undefined && !(from >= 1 && from <= lines)) {
+            desk.refuse(`${words.fromLine}: 1 … ${lines}`);
+            return;
+        }
+        const fields = from === undefined ? {} : { from };
+        const modal = from === undefined ? undefined : await desk.command("preview_from", fields);
+        if (modal === undefined && from !== undefined) return;
+        const plan = await desk.command("run", { ...fields, confirmed: false });
+        if (!plan) return;
+        confirm.hidden = false;
+        confirm.replaceChildren(...this.plan(plan, modal), this.answers(fields));
+        // Not on the button: a key that is hit by chance starts nothing.
+        confirm.focus();
+    }
+
+    /**
+     * @param {any} plan
+     * @param {any} modal
+     */
+    plan(plan, modal) {
+        const { words } = this;
+        const first = this.lineText(plan.from ?? 1);
+        const before = plan.before ?? modal?.lines ?? [];
+        const time = plan.time_s === null ? "" : `, ${duration(plan.time_s)}`;
+        return [
+            element("strong", {}, `${words.startAsk} ${plan.name}`),
+            element("p", {}, `${plan.lines} ${words.linesToSend}${time}`),
+            ...(plan.from ? [element("p", {}, `${words.line} ${plan.from}: ${first}`)] : []),
+            ...(modal?.modal ? [element("p", {}, `${words.modal}: ${modes(modal.modal)}`)] : []),
+            ...(before.length
+                ? [
+                      element("p", {}, words.sentBefore),
+                      element("pre", { class: "mono" }, before.join("\n")),
+                  ]
+                : []),
+            ...(plan.warnings ?? []).map((/** @type {string} */ warning) =>
+                element("p", { class: "error" }, warning)
+            ),
+        ];
+    }
+
+    /** @param {object} fields */
+    answers(fields) {
+        const { desk, words, confirm } = this;
+        const close = () => {
+            confirm.hidden = true;
+            this.start.focus();
+        };
+        return element(
+            "div",
+            { class: "items" },
+            button(words.cancel, close),
+            button(
+                words.startNow,
+                () => {
+                    close();
+                    desk.command("run", { ...fields, confirmed: true });
+                },
+                { class: "main" }
+            )
+        );
+    }
+
+    setBreakpoints() {
+        const lines = this.breakpoints.value
+            .split(/[^0-9]+/)
+            .filter(Boolean)
+            .map(Number);
+        this.desk.command("breakpoints", { lines });
+    }
+
+    /** Sets or removes a breakpoint. @param {number} line */
+    toggleBreakpoint(line) {
+        const now = this.desk.state?.program?.breakpoints ?? [];
+        const lines = now.includes(line) ? now.filter((one) => one !== line) : [...now, line];
+        this.desk.command("breakpoints", { lines: lines.sort((a, b) => a - b) });
+    }
+}
+
+/**
+ * The modal state as words, whether it comes as a list or by name.
+ *
+ * @param {any} modal
+ */
+function modes(modal) {
+    if (Array.isArray(modal)) return modal.join(" ");
+    return Object.entries(modal)
+        .filter(([, value]) => value !== null)
+        .map(([name, value]) => (/^[A-Z]/.test(String(value)) ? value : `${name} ${value}`))
+        .join(" ");
+}
