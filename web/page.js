@@ -24,6 +24,9 @@ G0 X0 Y0
 M2
 `;
 
+/** A longer program is not put into the text field, where each change would take seconds. */
+const LONGEST_TEXT = 500_000;
+
 /** Milliseconds after the last key before the program is checked. */
 const PAUSE = 300;
 
@@ -50,6 +53,8 @@ const depth = byId("depth");
 const status = byId("status");
 
 let name = "program.nc";
+/** A program that is too long for the text field. @type {string | undefined} */
+let long;
 /** @type {any} */
 let run;
 /** @type {any} */
@@ -63,6 +68,17 @@ async function source() {
     const bytes = Uint8Array.from(atob(embedded.textContent ?? ""), (c) => c.charCodeAt(0));
     const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
     return new Response(stream).arrayBuffer();
+}
+
+const textNow = () => long ?? program.value;
+
+/** Takes a text as the program. @param {string} text */
+function put(text) {
+    long = text.length > LONGEST_TEXT ? text : undefined;
+    program.hidden = long !== undefined;
+    byId("long").hidden = !program.hidden;
+    program.value = long === undefined ? text : "";
+    byId("long-name").textContent = `${name}: the program is listed beside its path.`;
 }
 
 function options() {
@@ -143,7 +159,7 @@ function show() {
     run?.close();
     run = undefined;
     const viewer = byId("viewer");
-    const made = husillo.simulate(program.value, options());
+    const made = husillo.simulate(textNow(), options());
     if ("error" in made) {
         list(made.findings);
         byId("totals").replaceChildren();
@@ -195,10 +211,10 @@ async function take(file) {
             return;
         }
         name = `${file.name}.nc`;
-        program.value = board.gcode;
+        put(board.gcode);
     } else {
         name = file.name;
-        program.value = text;
+        put(text);
     }
     show();
 }
@@ -207,7 +223,7 @@ function compare() {
     const radius = Number(valueOf("radius"));
     const what = valueOf("what") === "circle"
         ? { move: { circle: { radius } } }
-        : { program: program.value, ...options() };
+        : { program: textNow(), ...options() };
     const made = husillo.compare(what);
     if ("error" in made) {
         byId("methods").replaceChildren(made.error);
@@ -268,6 +284,11 @@ function listen() {
     document.addEventListener("drop", (event) => {
         event.preventDefault();
         void take(event.dataTransfer?.files[0]);
+    });
+    byId("another").addEventListener("click", () => {
+        name = "program.nc";
+        put("");
+        program.focus();
     });
     byId("compare").addEventListener("click", compare);
     byId("tune").addEventListener("click", tune);
