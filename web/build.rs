@@ -1,5 +1,5 @@
-//! The stack of the module of WebAssembly, 8 MiB, as on a computer: the contours of a lathe need more
-//! than the default of 1 MiB.
+//! The stack of the module of WebAssembly, 8 MiB, as on a computer: the contours of a lathe need
+//! more than the default of 1 MiB.
 
 fn main() {
     println!("cargo:rerun-if-changed=build.rs");

@@ -1,6 +1,6 @@
 //! Traits of the methods and of the set of methods that a machine uses.
 
-use crate::{ArcError, ArcMove, GridEllipse, Step};
+use crate::{ArcError, ArcMove, GridEllipse, Line, Step};
 
 /// A move in progress: an iterator of events that knows how many remain.
 ///
@@ -49,6 +49,12 @@ pub trait Moves<const N: usize>: Interpolator {
     /// Radius of an arc in the unit of its sweep: `total_sweep / radius` is its length in BLU of
     /// the first axis of its plane. `None` for a line.
     fn radius(&self) -> Option<u64>;
+
+    /// The move as a [`Line`], if it is one, for loops over many of its events. A set with another
+    /// method for lines returns `None`.
+    fn as_line(&mut self) -> Option<&mut Line<N>> {
+        None
+    }
 }
 
 /// Sums over a whole move.

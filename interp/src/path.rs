@@ -43,6 +43,14 @@ impl<const N: usize> Moves<N> for Path<N> {
             Path::Ellipse(helix) => Some(helix.radius()),
         }
     }
+
+    #[inline]
+    fn as_line(&mut self) -> Option<&mut Line<N>> {
+        match self {
+            Path::Line(line) => Some(line),
+            _ => None,
+        }
+    }
 }
 
 /// The long code of the conics stays out of the short one of lines and arcs.

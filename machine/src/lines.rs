@@ -42,7 +42,7 @@ pub use extended::Extended;
 pub use extension::Extension;
 pub use guard::StepGuard;
 pub use husillo_encoder::{AxisEncoder, OnLoss};
-pub use machine::{Machine, Origin};
+pub use machine::{Filled, Machine, Origin};
 pub use path_ramp::PathRamp;
 pub use plan::{Plan, PlannedMove};
 pub use refused::{Means, MoveError, Refused};

@@ -12,3 +12,13 @@ pub struct StepEvent<const N: usize> {
     /// Motor step of every axis: -1, 0 or +1.
     pub delta: [i8; N],
 }
+
+impl<const N: usize> Default for StepEvent<N> {
+    /// No wait and no step, for places that [`Machine::fill`](crate::Machine::fill) writes.
+    fn default() -> Self {
+        StepEvent {
+            wait_ticks: 0,
+            delta: [0; N],
+        }
+    }
+}

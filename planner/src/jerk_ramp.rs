@@ -148,6 +148,14 @@ impl JerkRamp {
         self.wait_with_care(sweep, window)
     }
 
+    /// Returns the events of a line that end in the present slice, and the fraction of a tick, for
+    /// a loop over many events: take them with [`Piece::next`]. They are those that
+    /// [`wait`](JerkRamp::wait) would return. `None` where it has to be called for the next event.
+    #[inline]
+    pub fn piece(&mut self) -> Option<(&mut Piece, &mut u32)> {
+        (self.piece.count != 0).then_some((&mut self.piece, &mut self.owed))
+    }
+
     /// Times an event that is not in a piece.
     #[inline(never)]
     fn wait_with_care<M, const CAPACITY: usize>(

@@ -335,6 +335,22 @@ impl Ramp {
         self.wait_with_care(sweep, limits)
     }
 
+    /// Returns the events in progress that follow from additions alone, and the fraction of a tick,
+    /// for a loop over many events: take them with [`Piece::next`]. They are those that
+    /// [`wait`](Ramp::wait) would return. `None` where it has to be called for the next event.
+    ///
+    /// `limits` are those of the look-ahead at this moment. They do not change within such a loop.
+    #[inline]
+    pub fn piece(&mut self, limits: &Limits) -> Option<(&mut Piece, &mut u32)> {
+        let Events {
+            piece,
+            owed,
+            version,
+            ..
+        } = &mut self.events;
+        (*version == limits.version && piece.count != 0).then_some((piece, owed))
+    }
+
     /// Times an event next to standstill, but not the last one.
     #[inline(never)]
     fn wait_of_table(&mut self) -> u32 {
@@ -529,6 +545,9 @@ impl Ramp {
             return None;
         }
         let mut rest = u64::from(sweep);
+        if rest < self.span.sweep.wrapping_sub(self.span.passed) {
+            return Some(self.pass(rest, false));
+        }
         let mut ticks = 0_u64;
         loop {
             let room = self.span.sweep.wrapping_sub(self.span.passed);
@@ -744,6 +763,12 @@ impl Ramp {
     /// carried.
     fn settle(&mut self, time: u64, fraction_bits: u32) -> u64 {
         let time = self.pay(time, fraction_bits);
+        if fraction_bits == 32 {
+            // Without shifts, which are calls on a Cortex-M0.
+            let (owed, carries) = self.events.owed.overflowing_add(time as u32);
+            self.events.owed = owed;
+            return (time >> 32).saturating_add(carries.into());
+        }
         let fraction = if fraction_bits == 0 {
             0
         } else {

@@ -19,6 +19,8 @@ export class LinkedRig {
     constructor(desk, words) {
         this.desk = desk;
         this.words = words;
+        /** A cycle ends when another machine is shown: its moves are for this one. */
+        this.machine = desk.machine;
         this.isStopped = false;
     }
 
@@ -27,12 +29,17 @@ export class LinkedRig {
         this.isStopped = true;
     }
 
+    get mayGoOn() {
+        const { desk, machine } = this;
+        return !this.isStopped && desk.machine === machine && desk.mayCommand;
+    }
+
     /**
      * @param {string} verb
      * @param {object} fields
      */
     async send(verb, fields) {
-        if (this.isStopped || !this.desk.mayCommand) throw new Stopped(this.words.stopped);
+        if (!this.mayGoOn) throw new Stopped(this.words.stopped);
         return this.desk.request(verb, fields);
     }
 
@@ -55,11 +62,10 @@ export class LinkedRig {
     until(isOver) {
         return new Promise((resolve, reject) => {
             const look = () => {
-                if (this.isStopped) reject(new Stopped(this.words.stopped));
-                else if (isOver()) resolve(undefined);
-                else if (this.desk.state?.state === "Alarm" || !this.desk.mayCommand) {
+                if (!this.mayGoOn || this.desk.state?.state === "Alarm") {
                     reject(new Stopped(this.words.stopped));
-                } else return;
+                } else if (isOver()) resolve(undefined);
+                else return;
                 this.desk.listeners.splice(this.desk.listeners.indexOf(look), 1);
             };
             this.desk.listen(look);

@@ -152,6 +152,29 @@ test("a start has two steps, and a stray key starts nothing", async (t) => {
     assert.equal((await server.next("run")).confirmed, true);
 });
 
+test("a start that was asked for is not that of another machine or program", async (t) => {
+    const names = ["mill", "router"];
+    const { page, server } = await panel(t, {}, { names, prepare: takesPrograms });
+    server.files["GET /machines/2/program"] = () => PART;
+    server.files["GET /machines/2/scene"] = () => SCENE;
+    server.files["GET /machines/1/program"] = () => PART;
+    server.verbs.run = () => ({ name: "part.nc", lines: 17, time_s: 95.2, from: null });
+    server.change({ program: LOADED }, 1);
+    server.change({ program: LOADED }, 2);
+    await drawn(page);
+    const ask = "button::-p-aria(Start …)";
+    await press(page, ask);
+    await page.waitForSelector(".confirm:not([hidden])");
+    await press(page, "[role=tab]::-p-aria(router)");
+    await says(page, "h1", "router");
+    assert.equal(await page.$(".confirm:not([hidden])"), null);
+    await drawn(page);
+    await press(page, ask);
+    await page.waitForSelector(".confirm:not([hidden])");
+    server.change({ program: { ...LOADED, load: 2 } }, 2);
+    await page.waitForFunction(() => !document.querySelector(".confirm:not([hidden])"));
+});
+
 test("it shows what runs: line, progress, time, hold and resume", async (t) => {
     const { page, server } = await loaded(t, PART);
     await drawn(page);

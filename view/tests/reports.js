@@ -7,8 +7,13 @@ import { existsSync, mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { PICTURES, ROOT } from "husillo/tests/browser.js";
 
+<<<<<<< HEAD
 /** The path of the program: `HUSILLO`, or the one that was built last. */
 export function program() {
+=======
+/** The program: `HUSILLO`, or the one that was built last. */
+export function husillo() {
+>>>>>>> main
     const builds = ["release", "debug"].map((build) =>
         join(ROOT, "../target", build, "husillo")
     );

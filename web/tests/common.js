@@ -21,7 +21,8 @@ export function example(name) {
  * @returns {Exclude<T, import("../index.js").Failed>}
  */
 export function good(value) {
-    if (value && typeof value === "object" && "error" in value) throw new Error(String(value.error));
+    const failed = value && typeof value === "object" && "error" in value && value.error;
+    if (failed) throw new Error(String(failed));
     return /** @type {any} */ (value);
 }
 

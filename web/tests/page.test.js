@@ -114,7 +114,9 @@ test("files are dropped: a drill file, a machine file", async (t) => {
     await put(page, "machine", "free");
     await drop(page, "board.drl", example("board.drl"));
     await says(page, "board.drl.nc on free: checked and drawn");
-    const text = await page.evaluate(() => /** @type {any} */ (window).husillo.machineText("router"));
+    const text = await page.evaluate(
+        () => /** @type {any} */ (window).husillo.machineText("router")
+    );
     await drop(page, "mine.toml", text.replace('name = "router"', 'name = "mine"'));
     await says(page, "on mine: ");
     assert.equal(await page.$eval("#machine", (at) => /** @type {any} */ (at).value), "own");

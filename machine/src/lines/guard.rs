@@ -3,7 +3,7 @@
 use husillo_interp::Moves;
 
 use crate::lines::tempo::Pace;
-use crate::{Axis, Config, Segment};
+use crate::{Axis, Config, Segment, StepEvent};
 
 /// Number of steps of each axis that are checked per move. In a longer move its total time keeps
 /// the steps apart: its ends lie between steps, so it has less than one step too many.
@@ -134,6 +134,45 @@ impl<const N: usize> StepGuard<N> {
         at
     }
 
+    /// Records a path step of these axes, of which at least one is checked, and returns its wait.
+    /// It makes no divisions where the steps are farther apart than `longest`, the interval of the
+    /// slowest axis.
+    #[inline]
+    pub(crate) fn step_beyond(
+        &mut self,
+        longest: u32,
+        config: &Config<N>,
+        wait: u32,
+        axes: u8,
+    ) -> u32 {
+        // Where the sum wraps, the distance is too small and the steps are compared.
+        let at = self.now.wrapping_add(wait);
+        let watched = axes & self.watched;
+        let mut bit = 1_u8;
+        for last in &self.last {
+            if watched & bit != 0 && at.wrapping_sub(*last) < longest {
+                let wait = self.wait(config, wait, axes);
+                self.stepped(wait, axes);
+                return wait;
+            }
+            bit = bit.wrapping_shl(1);
+        }
+        self.now = at;
+        let mut bit = 1_u8;
+        for (last, left) in self.last.iter_mut().zip(&mut self.left) {
+            if axes & bit != 0 {
+                *last = at;
+                // 0 for an axis that is not checked.
+                *left = left.saturating_sub(1);
+                if *left == 0 {
+                    self.watched &= !bit;
+                }
+            }
+            bit = bit.wrapping_shl(1);
+        }
+        wait
+    }
+
     /// Whether one of these axes is checked.
     #[inline]
     pub(crate) const fn watches(&self, axes: u8) -> bool {
@@ -182,6 +221,28 @@ impl<const N: usize> StepGuard<N> {
         }
     }
 
+    /// Records path steps that were not checked, of which `axes` is the mask.
+    pub(crate) fn pass_all(&mut self, steps: &[StepEvent<N>], axes: u8) {
+        let ticks = steps.iter().map(|step| step.wait_ticks);
+        let now = ticks.fold(self.now, u32::wrapping_add);
+        self.now = now;
+        let (mut left, mut at) = (axes, now);
+        for step in steps.iter().rev() {
+            if left == 0 {
+                break;
+            }
+            let mut bit = 1_u8;
+            for (last, delta) in self.last.iter_mut().zip(step.delta) {
+                if left & bit != 0 && delta != 0 {
+                    *last = at;
+                    left &= !bit;
+                }
+                bit = bit.wrapping_shl(1);
+            }
+            at = at.wrapping_sub(step.wait_ticks);
+        }
+    }
+
     /// Records steps of these axes outside the path: steps of a take-up, or spindle-synchronised
     /// steps, whose time is unknown.
     #[inline(never)]
@@ -217,4 +278,11 @@ const fn nearer(interval: u32) -> u32 {
 fn interval_ticks(axis: &Axis, timer_hz: u32) -> u32 {
     let interval = timer_hz.checked_div(axis.max_rate_hz).unwrap_or(0);
     interval.wrapping_sub(interval / u32::from(WATCHED_STEPS))
+}
+
+/// The longest of these intervals.
+pub(crate) fn longest_interval<const N: usize>(config: &Config<N>) -> u32 {
+    let intervals = config.axes.iter();
+    let intervals = intervals.map(|axis| interval_ticks(axis, config.timer_hz));
+    intervals.max().unwrap_or(0)
 }

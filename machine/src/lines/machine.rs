@@ -3,17 +3,19 @@
 mod begin;
 mod direct;
 mod extended;
+mod fill;
 mod inputs;
 mod next_event;
 mod tapping;
 
+pub use fill::Filled;
 use husillo_backlash::{Backlash, BacklashModel, Flank};
 use husillo_gcode::{Block, Command, Modal, Nm, PathMode};
 use husillo_interp::{Moves, Path, Step};
 use husillo_planner::{Ramp, Timer};
 
 use crate::lines::extension::Extension;
-use crate::lines::guard::StepGuard;
+use crate::lines::guard::{StepGuard, longest_interval};
 use crate::lines::path_ramp::{MoveQueue, PathRamp};
 use crate::lines::schedule::Schedule;
 use crate::lines::segment::Start;
@@ -67,6 +69,8 @@ pub struct Machine<
     run: Option<Run<P>>,
     take_up: TakeUp<N, L>,
     guard: StepGuard<N>,
+    /// Steps of an axis that are farther apart than this need no check.
+    longest_interval: u32,
     /// The step that waits for a take-up or for the rest of a long wait.
     held: Option<([i8; N], u64)>,
     /// Ticks of moves too short for a step, carried to the next move.
@@ -156,6 +160,7 @@ impl<
             segment: None,
             take_up: TakeUp::new(backlash),
             guard: StepGuard::new(),
+            longest_interval: longest_interval(&config),
             held: None,
             signals: [const { None }; 4],
             carried_ticks: 0,
@@ -273,7 +278,7 @@ impl<
         self.has_ended = accepted.has_ended;
         self.mode = accepted.mode;
         self.next = Some(*command);
-        self.fill();
+        self.refill();
         Ok(())
     }
 
@@ -344,7 +349,7 @@ impl<
     fn take(&mut self, accepted: Accepted<N>) {
         self.has_ended = accepted.has_ended;
         self.mode = accepted.mode;
-        self.fill();
+        self.refill();
     }
 
     /// Whether [`Machine::line`] would take a correct line now. Otherwise it returns
@@ -360,7 +365,7 @@ impl<
     }
 
     /// Moves commands into the queue, up to one that has to wait for all moves before it.
-    fn fill(&mut self) {
+    fn refill(&mut self) {
         loop {
             if self.next.is_none() {
                 self.next = self.commands.next();

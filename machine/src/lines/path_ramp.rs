@@ -2,7 +2,7 @@
 
 use core::fmt::Debug;
 
-use husillo_planner::{JerkLimits, LookAhead, Ramp, Stretch};
+use husillo_planner::{JerkLimits, LookAhead, Piece, Ramp, Stretch};
 
 /// The queue of moves and the timing of their events. There are two implementations:
 /// [`planner::Ramp`](Ramp) for limited acceleration, which contains nothing of the code for jerk,
@@ -32,6 +32,11 @@ pub trait RampParts: Clone + Debug {
         sweep: u32,
         moves: &mut Self::Queue<M, QUEUE>,
     ) -> Option<u64>;
+    /// The events in progress that follow from additions alone: [`Ramp::piece`].
+    fn piece<M: Clone + Debug, const QUEUE: usize>(
+        &mut self,
+        moves: &Self::Queue<M, QUEUE>,
+    ) -> Option<(&mut Piece, &mut u32)>;
     /// Path speed in nm/s.
     fn speed_nm_per_s<M: Clone + Debug, const QUEUE: usize>(
         &self,
@@ -107,6 +112,14 @@ impl RampParts for Ramp {
         moves: &mut LookAhead<M, QUEUE>,
     ) -> Option<u64> {
         self.wait(sweep, moves.limits())
+    }
+
+    #[inline]
+    fn piece<M: Clone + Debug, const QUEUE: usize>(
+        &mut self,
+        moves: &LookAhead<M, QUEUE>,
+    ) -> Option<(&mut Piece, &mut u32)> {
+        self.piece(moves.limits())
     }
 
     fn speed_nm_per_s<M: Clone + Debug, const QUEUE: usize>(&self, _: &LookAhead<M, QUEUE>) -> u32 {

@@ -2,7 +2,7 @@
 
 use core::fmt::Debug;
 
-use husillo_planner::{JerkLimits, JerkRamp, JerkWindow, LookAhead, Ramp, Stretch};
+use husillo_planner::{JerkLimits, JerkRamp, JerkWindow, LookAhead, Piece, Ramp, Stretch};
 
 use crate::lines::path_ramp::{MoveQueue, PathRamp, RampParts};
 
@@ -73,6 +73,17 @@ impl RampParts for SmoothRamp {
                 }
                 self.jerk.wait(sweep, window)
             }
+        }
+    }
+
+    #[inline]
+    fn piece<M: Clone + Debug, const QUEUE: usize>(
+        &mut self,
+        moves: &SmoothQueue<M, QUEUE>,
+    ) -> Option<(&mut Piece, &mut u32)> {
+        match moves {
+            SmoothQueue::Acceleration(moves) => self.ramp.piece(moves.limits()),
+            SmoothQueue::Jerk(_) => self.jerk.piece(),
         }
     }
 

@@ -89,14 +89,19 @@ fn main() -> ! {
     semihosting::process::exit(0)
 }
 
-/// Carries out the next event. Returns `false` at the end of the program.
+/// Carries out the next events. Returns `false` at the end of the program.
 fn carry_out(machine: &mut SixAxes, motors: &mut Motors) -> bool {
-    match machine.next_event() {
-        Some(Event::Step(step)) => motors.step(&step),
+    let mut steps = [StepEvent::default(); 16];
+    let filled = machine.fill(&mut steps);
+    for step in steps.iter().take(filled.steps) {
+        motors.step(step);
+    }
+    match filled.then {
         Some(Event::Dwell { wait_ticks }) => motors.ticks += u64::from(wait_ticks),
-        Some(Event::Pause(Pause::End { .. })) | None => return false,
+        Some(Event::Pause(Pause::End { .. })) => return false,
         // Spindle and coolant: outputs of the board.
         Some(_) => {}
+        None => return filled.steps != 0,
     }
     true
 }

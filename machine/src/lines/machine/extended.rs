@@ -281,7 +281,7 @@ impl<
         self.store_probed(&probing);
         let is_touched = probing.contact.is_some();
         self.signal([Some(Event::Probed { is_touched }), None]);
-        self.fill();
+        self.refill();
         true
     }
 
@@ -396,7 +396,7 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, R: Pa
         if self.extension.state.is_awaited {
             self.extension.state.is_awaited = false;
             self.extension.input_micro = micro.unwrap_or(-1_000_000);
-            self.fill();
+            self.refill();
         }
     }
 

@@ -155,9 +155,13 @@ impl<
         }
         let mut wait_ticks = wait as u32;
         if self.guard.watches(axes) {
-            wait_ticks = self.guard.wait(&self.config, wait_ticks, axes);
+            let longest = self.longest_interval;
+            wait_ticks = self
+                .guard
+                .step_beyond(longest, &self.config, wait_ticks, axes);
+        } else {
+            self.guard.stepped(wait_ticks, axes);
         }
-        self.guard.stepped(wait_ticks, axes);
         Event::Step(StepEvent { wait_ticks, delta })
     }
 
@@ -245,7 +249,7 @@ impl<
                 self.begin_move()?;
             } else if let Some(command) = self.waiting.take() {
                 self.begin(command);
-                self.fill();
+                self.refill();
             } else {
                 self.segment = None;
                 return None;
@@ -321,7 +325,7 @@ impl<
         if let Some(state) = self.extension.state_mut() {
             state.count();
         }
-        self.fill();
+        self.refill();
         let goes_on = match self.schedule.moves.front() {
             Some((stretch, work)) if work.is_continued => Some((*stretch, work)),
             _ => None,

@@ -159,7 +159,7 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, R: Pa
             let has_backlash = self.take_up.stops();
             let command = Command::Rapid { to: top };
             self.schedule.push(&self.config, &command, has_backlash);
-            self.fill();
+            self.refill();
         }
     }
 }

@@ -8,7 +8,7 @@ use husillo_gcode::{Dialect, Nm};
 use husillo_interp::Path;
 use husillo_machine::{
     Axis, AxisEncoder, AxisRamp, ClosedLoop, Config, Equipment, Event, Followed, Machine, OnLoss,
-    Scale, ServoInputs,
+    Scale, ServoInputs, StepEvent,
 };
 use husillo_transports::nmc::{Command, Gains, Mode, Stop, StopMode, Trajectory};
 
@@ -47,9 +47,17 @@ fn config() -> Option<Config<3>> {
 #[inline(never)]
 fn machine(count: Count<'_>) {
     let Some(config) = config() else { return };
-    for (name, text) in [
-        ("machine_line_event", b"G1 X12.345 Y6.789 F60".as_slice()),
-        ("machine_arc_event", b"G3 X0 Y0 I-0.15 J0 F60"),
+    for (name, filled, text) in [
+        (
+            "machine_line_event",
+            "machine_fill_line_event",
+            b"G1 X12.345 Y6.789 F60".as_slice(),
+        ),
+        (
+            "machine_arc_event",
+            "machine_fill_arc_event",
+            b"G3 X0 Y0 I-0.15 J0 F60",
+        ),
     ] {
         // With a queue of two moves, the machine fits in the RAM of a microbit. An arc is walked
         // once before the count, when it begins.
@@ -62,7 +70,111 @@ fn machine(count: Count<'_>) {
                 black_box(machine.next_event());
             }
         });
+        let mut steps = [StepEvent::default(); 32];
+        count(filled, EVENTS, &mut || {
+            let mut left = EVENTS as usize;
+            while left != 0 {
+                let room = steps.len().min(left);
+                let rest = steps.get_mut(..room).unwrap_or_default();
+                left = left.saturating_sub(machine.fill(rest).steps.max(1));
+                black_box(&steps);
+            }
+        });
     }
+}
+
+/// Lines of the programs of `husillo-bench`: chords of 0.2 mm, quarter circles and a helix, and
+/// everything. A machine takes as many of them as its queue has room for.
+const PROGRAMS: [(&str, &str, &[&[u8]]); 3] = [
+    (
+        "machine_seg_event",
+        "machine_fill_seg_event",
+        &[
+            b"G1 X54.996 Y50.200 Z-0.583 F3000",
+            b"X54.984 Y50.400 Z-0.659",
+            b"X54.964 Y50.599 Z-0.723",
+            b"X54.936 Y50.797 Z-0.770",
+            b"X54.900 Y50.993 Z-0.796",
+            b"X54.857 Y51.189 Z-0.798",
+        ],
+    ),
+    (
+        "machine_arc_event_of_ramps",
+        "machine_fill_arc_event_of_ramps",
+        &[
+            b"G3 X56.000 Y51.000 I0.000 J1.000 F3000",
+            b"G3 X55.000 Y52.000 I-1.000 J0.000",
+            b"G3 X54.000 Y51.000 I0.000 J-1.000",
+            b"G3 X55.000 Y50.000 Z-0.600 I1.000 J0.000",
+        ],
+    ),
+    (
+        "machine_mix_event",
+        "machine_fill_mix_event",
+        &[
+            b"G0 X55.5 Y50.2",
+            b"G1 Z-0.600 F800",
+            b"X56.5 F3000",
+            b"G2 X57.5 Y49.2 I0 J-1",
+            b"G1 Y48.7",
+            b"X55.3",
+        ],
+    ),
+];
+
+/// Counts the events of moves on ramps, from the first move to the end of the last one: their
+/// beginning, their ramps, their end. Checking and planning of the lines is not counted.
+#[inline(never)]
+pub fn programs(count: Count<'_>) {
+    let Some(config) = router() else { return };
+    let mut machine = Machine::<3, Path<3>, Backlash, 7>::new(config);
+    let mut steps = [StepEvent::default(); 32];
+    for (one, many, lines) in PROGRAMS {
+        let take = |machine: &mut Machine<3, Path<3>, Backlash, 7>| {
+            let taken = machine.line(b"G0 X55 Y50 Z-0.5");
+            assert!(taken.is_ok(), "the way back");
+            while machine.next_event().is_some() {}
+            for line in lines {
+                assert!(machine.line(line).is_ok(), "the queue has room");
+            }
+        };
+        take(&mut machine);
+        let mut events = 0;
+        while machine.next_event().is_some() {
+            events += 1;
+        }
+        take(&mut machine);
+        count(one, events, &mut || {
+            while let Some(event) = machine.next_event() {
+                black_box(event);
+            }
+        });
+        take(&mut machine);
+        count(many, events, &mut || {
+            while machine.fill(&mut steps).steps != 0 {
+                black_box(&steps);
+            }
+        });
+    }
+}
+
+/// A router of 2.5 um with ramps.
+fn router() -> Option<Config<3>> {
+    let mut config = config()?;
+    for axis in &mut config.axes {
+        axis.scale = Scale::new(2_500, 1)?;
+        axis.max_rate_hz = 40_000;
+        axis.backlash_steps = 0;
+        axis.ramp = Some(AxisRamp {
+            start_rate_hz: 0,
+            acceleration_hz_per_s: 200_000,
+            jerk_hz_per_s2: None,
+            junction_hz: None,
+        });
+    }
+    config.timer_hz = 16_000_000;
+    config.corner_deviation = Some(Nm(10_000));
+    Some(config)
 }
 
 /// Counts short lines of a machine with ramps from their text to their places in the queue: read,

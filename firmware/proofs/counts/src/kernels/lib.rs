@@ -63,6 +63,7 @@ pub fn text(count: Count<'_>) {
 /// microbit.
 pub fn line(count: Count<'_>) {
     chain::planned(count);
+    chain::programs(count);
 }
 
 /// Counts a move from its first event to its end.

@@ -1,0 +1,400 @@
+//! Many steps a call.
+
+use husillo_backlash::BacklashModel;
+use husillo_gcode::Command;
+use husillo_interp::{Moves, Step};
+
+use super::{Machine, Origin, Run};
+use crate::lines::extension::Extension;
+use crate::lines::guard::StepGuard;
+use crate::lines::path_ramp::PathRamp;
+use crate::lines::take_up::TakeUp;
+use crate::{Config, Event, MAX_WAIT_TICKS, Segment, StepEvent};
+
+/// What [`Machine::fill`] has returned.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[must_use]
+pub struct Filled<const N: usize> {
+    /// Number of steps, from the beginning of the slice.
+    pub steps: usize,
+    /// The event after these steps, where it is not a step.
+    pub then: Option<Event<N>>,
+}
+
+impl<
+    const N: usize,
+    P: Moves<N>,
+    L: BacklashModel<N>,
+    const QUEUE: usize,
+    E: Extension<N>,
+    R: PathRamp,
+> Machine<N, P, L, QUEUE, E, R>
+{
+    /// Writes the next step events to a slice, in their order. It ends at an event of another kind,
+    /// which is returned as [`Filled::then`], or where [`next_event`](Machine::next_event) returns
+    /// `None`. The events are those of `next_event`, and both may be called in turn. With an empty
+    /// slice nothing is taken.
+    ///
+    /// - **Latency.** A hold, a resume, an override, an abort and the inputs of an extended machine
+    ///   act on the first event after those that were returned, so the length of the slice is
+    ///   their latency in events. Position, speed, origin and executing command are those after
+    ///   the last event of the slice.
+    /// - **Other events.** Dwells, outputs, pauses, index and following events, awaited inputs and
+    ///   alarms end the slice, so they act exactly between the steps before and after them.
+    /// - **Probing.** While the level of the probe matters
+    ///   ([`needs_probe`](Machine::needs_probe)), a call returns one event. So `set_probe` is
+    ///   called before each event, as it is without this function.
+    ///
+    /// # Cost
+    /// A step within a move costs less than with `next_event`, because what holds for the whole
+    /// move, or for a part of a ramp, is asked once a call. For the rest see `next_event`.
+    ///
+    /// # Examples
+    /// ```
+    /// # use husillo_machine::{Axis, Config, Equipment, Machine, Scale, gcode::{Dialect, Nm}};
+    /// # let axis = Axis {
+    /// #     scale: Scale::new(2_500, 1).unwrap(),
+    /// #     travel: None,
+    /// #     max_rate_hz: 20_000,
+    /// #     backlash_steps: 0,
+    /// #     ramp: None,
+    /// # };
+    /// # let config = Config {
+    /// #     axes: [axis; 2],
+    /// #     timer_hz: 1_000_000,
+    /// #     dialect: Dialect::RS274,
+    /// #     arc_tolerance: None,
+    /// #     rapid: None,
+    /// #     top_feed: None,
+    /// #     spindle_counts: None,
+    /// #     corner_deviation: None,
+    /// #     equipment: Equipment::NONE,
+    /// # };
+    /// use husillo_machine::{Event, Filled, StepEvent};
+    ///
+    /// let mut machine: Machine<2> = Machine::new(config);
+    /// machine.line(b"G1 X0.1 Y-0.05 F150").unwrap(); // 40 steps of X, 20 of Y
+    /// machine.line(b"M8").unwrap();
+    /// let mut steps = [StepEvent::default(); 32];
+    /// assert_eq!(machine.fill(&mut steps), Filled { steps: 32, then: None });
+    /// assert_eq!(steps[1], StepEvent { wait_ticks: 1118, delta: [1, -1] });
+    /// let filled = machine.fill(&mut steps);
+    /// assert_eq!(filled.steps, 8);
+    /// assert!(matches!(filled.then, Some(Event::Output(_))));
+    /// assert_eq!(machine.fill(&mut steps), Filled { steps: 0, then: None }); // all was made
+    /// ```
+    pub fn fill(&mut self, steps: &mut [StepEvent<N>]) -> Filled<N> {
+        let mut made = 0_usize;
+        loop {
+            let rest = steps.get_mut(made..).unwrap_or_default();
+            // At most the length of the slice.
+            made = made.wrapping_add(self.steps_of_path(rest));
+            let Some(place) = steps.get_mut(made) else {
+                break;
+            };
+            match self.next_event() {
+                Some(Event::Step(step)) => *place = step,
+                then => return Filled { steps: made, then },
+            }
+            made = made.wrapping_add(1);
+            if E::IS_EXTENDED && self.is_probed() {
+                break;
+            }
+        }
+        Filled {
+            steps: made,
+            then: None,
+        }
+    }
+
+    /// Whether a probing move is made, or waits for the moves before it.
+    fn is_probed(&self) -> bool {
+        let is_probing = |state: &crate::lines::state::State<N>| state.probing.is_some();
+        self.extension.state().is_some_and(is_probing)
+            || matches!(self.waiting, Some(Command::Probe { .. }))
+    }
+
+    /// Whether each event has to be looked at: a probing move, or a spindle that follows the
+    /// diameter.
+    fn is_observed(&self) -> bool {
+        let is_surface = |state: &crate::lines::state::State<N>| state.surface.is_some();
+        self.is_probed() || self.extension.state().is_some_and(is_surface)
+    }
+
+    /// Writes the next steps of the executing move, up to a reversal of an axis with backlash, a
+    /// wait of more than one event, or the end of the move. Returns their number; 0 where
+    /// [`next_event`](Machine::next_event) has to decide.
+    fn steps_of_path(&mut self, to: &mut [StepEvent<N>]) -> usize {
+        if L::VARIES
+            || self.held.is_some()
+            || self.carried_ticks != 0
+            || self.take_up.is_under_way()
+            || self.ramp.is_held()
+            || E::IS_EXTENDED && self.is_observed()
+        {
+            return 0;
+        }
+        let Some(run) = &mut self.run else { return 0 };
+        if run.follows || run.next.is_some() {
+            return 0;
+        }
+        let to = to.get_mut(..to.len().min(MOST)).unwrap_or_default();
+        let mut walk = Walk {
+            config: &self.config,
+            longest_interval: self.longest_interval,
+            guard: &mut self.guard,
+            take_up: &mut self.take_up,
+            load: &mut self.load,
+            held: &mut self.held,
+            refused: None,
+            made: 0,
+            noted: 0,
+            moved: 0,
+            forth: Lanes::default(),
+            back: Lanes::default(),
+        };
+        let moves = &mut self.schedule.moves;
+        match (&mut run.timer, run.path.as_line()) {
+            (Some(timer), Some(line)) => walk.steps(line, to, |_| Some(timer.wait_one())),
+            (None, Some(_)) => walk.line(run, &mut self.ramp, moves, to),
+            (timer, None) => {
+                let most = if timer.is_some() { u32::MAX } else { run.left };
+                let room = to.len().min(most as usize);
+                let to = to.get_mut(..room).unwrap_or_default();
+                let ramp = &mut self.ramp;
+                walk.steps(&mut run.path, to, |sweep| match timer {
+                    Some(timer) => Some(timer.wait(sweep)),
+                    None => ramp.wait(sweep, moves),
+                });
+                if run.timer.is_none() {
+                    run.left = run.left.wrapping_sub(walk.taken());
+                }
+            }
+        }
+        walk.note(to);
+        run.next = walk.refused;
+        let made = walk.made;
+        if made != 0 {
+            self.origin = match &self.segment {
+                Some(Segment {
+                    command: Command::Rapid { .. },
+                    ..
+                }) => Origin::Rapid,
+                _ => Origin::Feed,
+            };
+        }
+        made
+    }
+}
+
+/// Most steps that are noted together: counts of a byte per axis hold them.
+const MOST: usize = 255;
+
+/// A byte per axis.
+#[derive(Copy, Clone, Default)]
+struct Lanes {
+    /// The first four axes, and the other four.
+    words: [u32; 2],
+}
+
+impl Lanes {
+    /// 1 in the bytes of these axes.
+    #[inline(always)]
+    const fn of<const N: usize>(axes: u8) -> Lanes {
+        // Four bits to the bits 0, 8, 16 and 24; their copies do not overlap.
+        const fn spread(bits: u8) -> u32 {
+            (bits as u32).wrapping_mul(0x0020_4081) & 0x0101_0101
+        }
+        let upper = if N > 4 { spread(axes >> 4) } else { 0 };
+        Lanes {
+            words: [spread(if N > 4 { axes & 15 } else { axes }), upper],
+        }
+    }
+
+    /// Adds to every byte.
+    #[inline(always)]
+    const fn add(&mut self, other: Lanes) {
+        let ([low, high], [more_low, more_high]) = (self.words, other.words);
+        self.words = [low.wrapping_add(more_low), high.wrapping_add(more_high)];
+    }
+
+    /// The bytes of the first axes.
+    #[inline(always)]
+    fn bytes<const N: usize>(self) -> [u8; N] {
+        let [low, high] = self.words.map(u32::to_le_bytes);
+        core::array::from_fn(|axis| {
+            let half = if axis < 4 { low } else { high };
+            half.get(axis & 3).copied().unwrap_or(0)
+        })
+    }
+
+    /// The steps of the first axes: -1 where `negative` has a 1 as well.
+    #[inline(always)]
+    fn deltas<const N: usize>(self, negative: Lanes) -> [i8; N] {
+        let ([low, high], [negative_low, negative_high]) = (self.words, negative.words);
+        let words = [
+            low | negative_low.wrapping_mul(255),
+            high | negative_high.wrapping_mul(255),
+        ];
+        Lanes { words }.bytes().map(u8::cast_signed)
+    }
+}
+
+/// What the steps of a move change. Positions and times of the axes are not needed between steps,
+/// so they are noted for many of them together.
+struct Walk<'a, const N: usize, L: BacklashModel<N>> {
+    config: &'a Config<N>,
+    longest_interval: u32,
+    guard: &'a mut StepGuard<N>,
+    take_up: &'a mut TakeUp<N, L>,
+    load: &'a mut [i32; N],
+    held: &'a mut Option<([i8; N], u64)>,
+    /// A step that the ramp did not make.
+    refused: Option<Step>,
+    /// Number of steps, and of those that were noted.
+    made: usize,
+    noted: usize,
+    /// Since then: axes that stepped, steps of each axis, and those of them that went back.
+    moved: u8,
+    forth: Lanes,
+    back: Lanes,
+}
+
+impl<const N: usize, L: BacklashModel<N>> Walk<'_, N, L> {
+    /// Writes steps of a line with ramps: pieces in a loop, other events one by one.
+    #[inline(never)]
+    fn line<P: Moves<N>, R: PathRamp, M: Clone + core::fmt::Debug, const QUEUE: usize>(
+        &mut self,
+        run: &mut Run<P>,
+        ramp: &mut R,
+        moves: &mut R::Queue<M, QUEUE>,
+        to: &mut [StepEvent<N>],
+    ) {
+        while self.made < to.len() && run.left != 0 {
+            let before = self.taken();
+            let left = to.len().wrapping_sub(self.made).min(run.left as usize);
+            match (ramp.piece(moves), run.path.as_line()) {
+                (Some((piece, owed)), Some(line)) => {
+                    let end = self.made.wrapping_add(left.min(piece.count as usize));
+                    let to = to.get_mut(..end).unwrap_or_default();
+                    let mut local = (*piece, *owed);
+                    self.steps(line, to, |_| local.0.next(&mut local.1).map(u64::from));
+                    (*piece, *owed) = local;
+                }
+                _ => {
+                    let to = to.get_mut(..self.made.wrapping_add(1)).unwrap_or_default();
+                    self.one(&mut run.path, to, |sweep| ramp.wait(sweep, moves));
+                }
+            }
+            let taken = self.taken().wrapping_sub(before);
+            // At most the number of events that were left.
+            run.left = run.left.wrapping_sub(taken);
+            if self.held.is_some() || taken == 0 {
+                break;
+            }
+        }
+    }
+
+    /// Number of steps taken from the path, the held one included.
+    fn taken(&self) -> u32 {
+        (self.made as u32).wrapping_add(self.held.is_some().into())
+    }
+
+    /// Does [`steps`](Self::steps) for one event.
+    #[inline(never)]
+    fn one(
+        &mut self,
+        path: &mut impl Iterator<Item = Step>,
+        to: &mut [StepEvent<N>],
+        wait: impl FnMut(u32) -> Option<u64>,
+    ) {
+        self.steps(path, to, wait);
+    }
+
+    /// Writes steps to the places that are left. A step that has to be divided, or that waits for a
+    /// take-up, is held, and is the last one.
+    #[inline(always)]
+    fn steps(
+        &mut self,
+        path: &mut impl Iterator<Item = Step>,
+        to: &mut [StepEvent<N>],
+        mut wait: impl FnMut(u32) -> Option<u64>,
+    ) {
+        let (mut moved, mut forth, mut back) = (self.moved, self.forth, self.back);
+        let mut made = self.made;
+        while let Some(place) = to.get_mut(made) {
+            let Some(step) = path.next() else { break };
+            let Some(wait) = wait(step.sweep) else {
+                self.refused = Some(step);
+                break;
+            };
+            let (axes, negative) = (Lanes::of::<N>(step.axes), Lanes::of::<N>(step.negative));
+            place.delta = axes.deltas(negative);
+            place.wait_ticks = wait as u32;
+            let is_owed = self.take_up.may_owe(step);
+            if is_owed || wait > u64::from(MAX_WAIT_TICKS) {
+                (self.moved, self.forth, self.back) = (moved, forth, back);
+                self.made = made;
+                self.hold(wait, is_owed, to);
+                return;
+            }
+            if self.guard.watches(step.axes) {
+                self.made = made;
+                self.watched(step.axes, moved, to);
+                moved = 0;
+            } else {
+                moved |= step.axes;
+            }
+            forth.add(axes);
+            back.add(negative);
+            // Below the length of the slice.
+            made = made.wrapping_add(1);
+        }
+        (self.moved, self.forth, self.back) = (moved, forth, back);
+        self.made = made;
+    }
+
+    /// Holds a step, already written, that has to be divided or waits for a take-up.
+    #[cold]
+    #[inline(never)]
+    fn hold(&mut self, wait: u64, is_owed: bool, to: &[StepEvent<N>]) {
+        self.note(to);
+        let Some(place) = to.get(self.made) else {
+            return;
+        };
+        if is_owed {
+            self.take_up.turn(&place.delta, *self.load, self.config);
+        }
+        *self.held = Some((place.delta, wait));
+    }
+
+    /// Checks a step, already written, against the steps of its axes before it. `moved` are the
+    /// axes of the steps that were not noted.
+    #[inline(never)]
+    fn watched(&mut self, axes: u8, moved: u8, to: &mut [StepEvent<N>]) {
+        let new = to.get(self.noted..self.made).unwrap_or_default();
+        if !new.is_empty() {
+            self.guard.pass_all(new, moved);
+        }
+        let Some(place) = to.get_mut(self.made) else {
+            return;
+        };
+        let (longest, wait) = (self.longest_interval, place.wait_ticks);
+        place.wait_ticks = self.guard.step_beyond(longest, self.config, wait, axes);
+        self.noted = self.made.wrapping_add(1);
+    }
+
+    /// Notes the positions and times of the axes after the steps made.
+    fn note(&mut self, to: &[StepEvent<N>]) {
+        let new = to.get(self.noted..self.made).unwrap_or_default();
+        self.guard.pass_all(new, self.moved);
+        let (forth, back) = (self.forth.bytes::<N>(), self.back.bytes::<N>());
+        for (load, (forth, back)) in self.load.iter_mut().zip(forth.into_iter().zip(back)) {
+            let (forth, back) = (i32::from(forth), i32::from(back));
+            *load = load.wrapping_add(forth.wrapping_sub(back.wrapping_mul(2)));
+        }
+        self.noted = self.made;
+        (self.moved, self.forth, self.back) = (0, Lanes::default(), Lanes::default());
+    }
+}
