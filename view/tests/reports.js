@@ -7,13 +7,8 @@ import { existsSync, mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { PICTURES, ROOT } from "husillo/tests/browser.js";
 
-<<<<<<< HEAD
 /** The path of the program: `HUSILLO`, or the one that was built last. */
-export function program() {
-=======
-/** The program: `HUSILLO`, or the one that was built last. */
 export function husillo() {
->>>>>>> main
     const builds = ["release", "debug"].map((build) =>
         join(ROOT, "../target", build, "husillo")
     );
@@ -33,7 +28,7 @@ export function reportOf(name, text, ...more) {
     mkdirSync(PICTURES, { recursive: true });
     const [source, page] = [join(PICTURES, `${name}.nc`), join(PICTURES, `${name}.html`)];
     writeFileSync(source, text);
-    execFileSync(program(), ["run", source, "-o", page, ...more], { stdio: "pipe" });
+    execFileSync(husillo(), ["run", source, "-o", page, ...more], { stdio: "pipe" });
     return page;
 }
 

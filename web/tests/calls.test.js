@@ -4,7 +4,7 @@
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { program } from "../../view/tests/reports.js";
+import { husillo as program } from "../../view/tests/reports.js";
 import { execFileSync } from "node:child_process";
 import { Husillo } from "../husillo.js";
 import { example, good, husillo, rounded } from "./common.js";

@@ -8,7 +8,7 @@ import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, test } from "node:test";
-import { program } from "../../view/tests/reports.js";
+import { husillo as program } from "../../view/tests/reports.js";
 import { example, good, husillo, rounded } from "./common.js";
 
 /** Arcs and helices in all planes, reversals with lash, a dwell, inches. */
