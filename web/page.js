@@ -99,7 +99,7 @@ function list(findings) {
         const line = of.line
             ? button(text, () => goTo(of.line), { class: "finding" })
             : element("span", {}, text);
-        return element("li", { class: of.severity }, line, why ? ` ${why}` : "");
+        return element("li", { class: of.severity }, line, why ? `: ${why}` : "");
     });
     byId("findings").replaceChildren(...items);
 }
