@@ -27,6 +27,8 @@ export class LinkedRig {
     /** Ends the cycle: no further move is sent. */
     stop() {
         this.isStopped = true;
+        // Who waits for a state is woken.
+        this.desk.changed();
     }
 
     get mayGoOn() {

@@ -18,14 +18,12 @@ export const without =
 /**
  * Starts `husillo serve` on a free port, and gives the address of its page.
  *
- * @param {import("node:test").TestContext} t
  * @param {...string} more arguments
  * @returns {Promise<{address: string, kill: () => void}>}
  */
-export function serve(t, ...more) {
+function serve(...more) {
     const all = ["serve", "--listen", "127.0.0.1:0", "--format", "json", ...more];
     const child = spawn(husillo(), all, { stdio: ["ignore", "pipe", "inherit"] });
-    t.after(() => child.kill("SIGKILL"));
     const kill = () => child.kill("SIGKILL");
     return new Promise((resolve, reject) => {
         const stuck = setTimeout(() => reject(new Error("husillo serve is stuck")), PATIENCE);
@@ -47,10 +45,18 @@ export function serve(t, ...more) {
  * @param {...string} more arguments of the server
  */
 export async function served(t, wanted = {}, ...more) {
-    const server = await serve(t, ...more);
-    const page = await open(t, { address: server.address, width: 1280, height: 1400, ...wanted });
-    await page.waitForFunction(() => Reflect.get(window, "husillo").isOperator);
-    return { page, server };
+    const server = await serve(...more);
+    const { address } = server;
+    try {
+        const page = await open(t, { address, width: 1280, height: 1400, ...wanted });
+        // After the page: a page that loses its server prints errors.
+        t.after(() => server.kill());
+        await page.waitForFunction(() => Reflect.get(window, "husillo").isOperator);
+        return { page, server };
+    } catch (error) {
+        server.kill();
+        throw error;
+    }
 }
 
 /** The last state. @param {import("puppeteer-core").Page} page */
