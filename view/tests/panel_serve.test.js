@@ -2,9 +2,9 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { open, picture, violations } from "husillo/tests/browser.js";
 import { press, says, textOf } from "husillo/tests/panels.js";
-import { home, isIdle, served, state, until, without } from "husillo/tests/served.js";
+import { home, isIdle, served, state, until } from "husillo/tests/served.js";
 
-test("connect, home, jog and release, zero and undo", { skip: without }, async (t) => {
+test("connect, home, jog and release, zero and undo", async (t) => {
     const { page } = await served(t);
     await home(page);
     await says(page, ".state", "IDLE");
@@ -40,7 +40,7 @@ test("connect, home, jog and release, zero and undo", { skip: without }, async (
     await picture(page, "serve-by-hand");
 });
 
-test("others watch, a reload goes on, a killed server is said", { skip: without }, async (t) => {
+test("others watch, a reload goes on, a killed server is said", async (t) => {
     const expected = /WebSocket|ERR_CONNECTION|failed: /;
     const { page, server } = await served(t, { scheme: "dark", expected });
     const other = await open(t, { address: server.address, expected });
@@ -61,4 +61,20 @@ test("others watch, a reload goes on, a killed server is said", { skip: without 
     await says(page, ".notices", "emergency stop");
     await picture(page, "serve-lost");
     assert.deepEqual(await violations(page), []);
+});
+
+test("a long line is paused, resumed and stopped; parts without a server are not shown", async (t) => {
+    const { page } = await served(t);
+    await home(page);
+    assert.equal(await page.$eval("[role=tablist]", (one) => one.checkVisibility()), false);
+    await page.type("input.mono", "G21 G91 G1 X-40 F300\n");
+    await until(page, ({ state }) => state === "Run");
+    await press(page, "button::-p-text(Pause)");
+    await until(page, ({ state, detail }) => state === "Hold" && detail === 0);
+    await press(page, "button::-p-text(Resume)");
+    await until(page, ({ state }) => state === "Run");
+    await press(page, "button.stop");
+    await until(page, ({ state, stopping }) => state !== "Run" && !stopping);
+    const stopped = await state(page);
+    assert.notEqual(stopped.state, "Alarm", "it has braked, so the position is valid");
 });

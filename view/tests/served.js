@@ -2,7 +2,7 @@
  * The real `husillo serve` with a simulated machine, for tests.
  */
 
-import { spawn, spawnSync } from "node:child_process";
+import { spawn } from "node:child_process";
 import { createInterface } from "node:readline";
 import { open } from "husillo/tests/browser.js";
 import { press, says } from "husillo/tests/panels.js";
@@ -10,10 +10,6 @@ import { husillo } from "husillo/tests/reports.js";
 
 /** What takes longer than this does not come, milliseconds. */
 const PATIENCE = Number(process.env.PATIENCE ?? 120_000);
-
-/** Why there is nothing to test; false if there is. */
-export const without =
-    spawnSync(husillo(), ["serve", "--help"]).status !== 0 && "this husillo has no serve";
 
 /**
  * Starts `husillo serve` on a free port, and gives the address of its page.

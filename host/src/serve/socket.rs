@@ -170,6 +170,8 @@ async fn write(
         "client": client,
         "lease_ms": LEASE.as_millis() as u64,
         "renew_ms": 80,
+        // Parts of the page beside moving by hand.
+        "offers": [],
         "machines": site.described(),
     });
     let mut frames = vec![welcome.to_string().into()];
