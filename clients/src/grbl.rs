@@ -10,11 +10,13 @@ mod action;
 mod hand;
 mod sender;
 mod session;
+mod stream;
 
 pub use action::Action;
 pub use hand::Hand;
-pub use sender::{Operator, Pacing, Sender, Sent};
-pub use session::{Heard, Session, described};
+pub use sender::{Operator, Pacing, SYNCHRONISE, Sender, Sent};
+pub use session::{Heard, Session, alarm, described};
+pub use stream::Stream;
 
 use crate::Wire;
 use husillo_sim::device::grbl::Device;

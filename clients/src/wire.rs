@@ -4,12 +4,13 @@ use crate::Port;
 use husillo_sim::device::Emulation;
 use std::collections::VecDeque;
 use std::io;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// A connection to a device, and the time since it was opened.
 #[derive(Debug)]
 pub enum Wire<E> {
-    /// A simulated device. Its time passes only while a client waits.
+    /// A simulated device. Its time passes only while a client waits, at any speed or at that of a
+    /// [`Pace`].
     Simulated {
         /// The device.
         device: Box<E>,
@@ -17,6 +18,8 @@ pub enum Wire<E> {
         ns: u64,
         /// Bytes that are received and not yet read.
         answers: VecDeque<u8>,
+        /// The speed of its time. `None`: as fast as it is computed.
+        pace: Option<Pace>,
     },
     /// A device at a port.
     Real {
@@ -34,6 +37,17 @@ impl<E: Emulation> Wire<E> {
             device: Box::new(device),
             ns: 0,
             answers: VecDeque::new(),
+            pace: None,
+        }
+    }
+
+    /// Connects to a simulated device whose time passes `speed` times as fast as real time.
+    pub fn paced(device: E, speed: f64) -> Self {
+        Self::Simulated {
+            device: Box::new(device),
+            ns: 0,
+            answers: VecDeque::new(),
+            pace: Some(Pace::new(speed)),
         }
     }
 
@@ -133,9 +147,13 @@ impl<E: Emulation> Wire<E> {
                     device,
                     ns,
                     answers,
+                    pace,
                 } => {
                     *ns += E::PERIOD_NS;
                     answers.extend(device.tick());
+                    if let Some(pace) = pace {
+                        pace.wait(*ns);
+                    }
                 }
                 Self::Real { port, answers } => {
                     // A wait of one hour, as for a jog, is below 2^32 us.
@@ -158,6 +176,40 @@ impl<E: Emulation> Wire<E> {
     fn answers(&mut self) -> &mut VecDeque<u8> {
         match self {
             Self::Simulated { answers, .. } | Self::Real { answers, .. } => answers,
+        }
+    }
+}
+
+/// The speed of simulated time.
+#[derive(Debug)]
+pub struct Pace {
+    speed: f64,
+    start: Instant,
+}
+
+/// Simulated time may run ahead of real time by this much, so that a wait is not too short for the
+/// system.
+const AHEAD: Duration = Duration::from_millis(4);
+/// After a longer pause, or on a computer that is too slow, the lost time is not made up.
+const BEHIND: Duration = Duration::from_millis(500);
+
+impl Pace {
+    /// Simulated time that passes `speed` times as fast as real time, from now on.
+    fn new(speed: f64) -> Self {
+        Self {
+            speed,
+            start: Instant::now(),
+        }
+    }
+
+    /// Waits while simulated time is ahead.
+    fn wait(&mut self, simulated_ns: u64) {
+        let due = Duration::from_secs_f64(simulated_ns as f64 / 1e9 / self.speed);
+        let passed = self.start.elapsed();
+        if due > passed + AHEAD {
+            std::thread::sleep(due - passed);
+        } else if passed > due + BEHIND {
+            self.start += passed - due;
         }
     }
 }

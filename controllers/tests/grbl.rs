@@ -1,6 +1,6 @@
 //! The Grbl controller under random input, and its memory in a flash.
 
-#[path = "../../store/tests/flash/mod.rs"]
+#[path = "../../store/examples/flash/mod.rs"]
 mod flash;
 
 use flash::Flash;

@@ -1,7 +1,7 @@
 //! A controller without a host: at start-up it reads backlash, work zero and program from its
 //! store, as the strings that a host would send.
 
-#[path = "../../store/tests/flash/mod.rs"]
+#[path = "../../store/examples/flash/mod.rs"]
 mod flash;
 
 use flash::Flash;

@@ -47,7 +47,7 @@ use serde_json::json;
 use std::io::{self, Write};
 
 /// The program has no errors.
-const OK: u8 = 0;
+pub const OK: u8 = 0;
 /// The program has errors.
 const ERRORS: u8 = 1;
 
@@ -103,6 +103,11 @@ pub fn run(cli: &Cli) -> Result<u8, Failure> {
         Command::Jog(args) => driven(|out| {
             let mut reporter = Reporter::new(out, args.format, "husillo.jog/1");
             jog(args, &mut reporter)
+        }),
+        Command::Serve(args) => driven(|out| {
+            let mut reporter = Reporter::new(out, args.format, "husillo.serve/1");
+            let settings = grbl::simulated(&args.machine)?;
+            crate::serve::serve(args, settings, &mut reporter)
         }),
         Command::Stop(args) => driven(|out| {
             let mut reporter = Reporter::new(out, args.format, "husillo.stop/1");

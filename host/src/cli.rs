@@ -9,6 +9,7 @@ mod interpolate;
 mod jog;
 mod measure;
 mod reproduce;
+mod serve;
 mod stop;
 mod tune;
 
@@ -29,6 +30,7 @@ pub use jog::Jog;
 pub use measure::{Measure, words};
 use reproduce::REPRODUCE_HELP;
 pub use reproduce::{Original, Reproduce};
+pub use serve::Serve;
 pub use stop::Stop;
 use tune::TUNE_HELP;
 pub use tune::{Tune, TuneMethod, TuneRule};
@@ -188,6 +190,15 @@ pub enum Command {
         husillo jog --port /dev/ttyUSB0 home y+ 1s\n  \
         husillo jog --port /dev/ttyUSB0 --port /dev/ttyUSB1 home 1: x 400 2: z -60 all: figure")]
     Jog(Jog),
+    /// Operate Grbl machines from a browser: position, jog, programs
+    #[command(after_help = "Examples:\n  \
+        husillo serve                                a simulated machine\n  \
+        husillo serve --port /dev/ttyUSB0\n  \
+        husillo serve --port /dev/ttyUSB0 --port tcp:192.168.1.5:23 --port sim\n  \
+        husillo serve --listen 0.0.0.0:8017 --host mill.lan   other computers too\n\n\
+        It prints the address of the page with a token, which whoever may operate the machines\n\
+        needs. Ctrl-C stops the machines and ends.")]
+    Serve(Serve),
     /// Stop a machine, even if another program drives it
     #[command(after_help = "Examples:\n  \
         husillo stop                                     every machine that a husillo drives\n  \

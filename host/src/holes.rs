@@ -1,7 +1,6 @@
 //! Drill files: options, findings and lists of what `husillo_holes` reads.
 
 pub mod drill_records;
-pub mod listing;
 pub mod made;
 mod options;
 
@@ -12,7 +11,7 @@ use husillo_sim::text::counted;
 use husillo_simulator::diagnostics::{Finding, Findings, Severity};
 use husillo_simulator::machines::machine_file::{MachineFile, Travel};
 
-pub use husillo_simulator::holes::is_drill_file;
+pub use husillo_simulator::holes::{is_drill_file, listing};
 pub use options::{Options, length, work};
 
 /// Reads a drill file; `findings` gets all errors, warnings and reasons.

@@ -11,6 +11,7 @@
 //! | `micromill`, `drill`, `microfactory` | programs and commands for these machines |
 //! | `console` | the terminal: what is shown, typed lines, Ctrl-C |
 //! | `emulate` | simulated controllers behind a port |
+//! | `serve` | machines operated from a browser |
 //!
 //! The crate `husillo_simulator` reads programs and machine files, checks them, and simulates.
 #![forbid(unsafe_code)]
@@ -34,6 +35,7 @@ mod microfactory;
 mod micromill;
 mod output;
 mod reproducing;
+mod serve;
 mod tuning;
 
 use clap::FromArgMatches;

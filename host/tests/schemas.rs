@@ -7,7 +7,7 @@ use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Commands that together print everything that the schemas have.
-const COMMANDS: [&str; 80] = [
+const COMMANDS: [&str; 81] = [
     "check tests/data/errors.nc",
     "check ../examples/circles.nc -m micromill",
     "check ../examples/thread.nc ../examples/gear.nc -m lathe",
@@ -88,6 +88,7 @@ const COMMANDS: [&str; 80] = [
     "calibrate squareness tests/data/json/bar.csv",
     "calibrate backlash tests/data/json/lines.csv",
     "emulate micromill --listen 127.0.0.1:0 --for 0.1",
+    "serve --listen 127.0.0.1:0 --for 0.1",
     "machines write router {scratch}",
 ];
 

@@ -116,4 +116,17 @@ mod tests {
         assert!(page.contains("<h1>&lt;b&gt;</h1><p>a &amp; b</p>"));
         assert!(page.ends_with("<main>\n</main>\n</body>\n</html>\n"));
     }
+    /// A line whose colour has no value is not drawn.
+    #[test]
+    fn every_colour_has_a_value() {
+        let page = open("", "", "", VIEWER_STYLE);
+        let names = page
+            .split("var(")
+            .skip(1)
+            .filter_map(|rest| rest.split(')').next());
+        let missing: Vec<_> = names
+            .filter(|name| !page.contains(&format!("{name}:")))
+            .collect();
+        assert!(missing.is_empty(), "{missing:?}");
+    }
 }

@@ -1,11 +1,13 @@
 //! Drill files: recognised by their names, read, and explained.
 
 mod explain;
+pub mod listing;
 
 use crate::diagnostics::Findings;
-use husillo_holes::{Board, Setup};
+use husillo_holes::Board;
 
 pub use explain::because;
+pub use husillo_holes::Setup;
 
 /// Ends of the names of drill files.
 const ENDS: [&str; 6] = [".drl", ".xln", ".exc", ".drd", ".ncd", ".drill"];

@@ -3,6 +3,7 @@
 //! [`Job`] is all that a program needs that works with programs, such as the page for browsers. The
 //! modules of [`crate::programs`] and [`crate::simulation`] are its parts.
 
+mod compare;
 mod losses;
 mod place;
 mod program;

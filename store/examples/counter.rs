@@ -4,7 +4,6 @@
 //! cargo run -p husillo-store --example counter
 //! ```
 
-#[path = "../tests/flash/mod.rs"]
 mod flash;
 
 use flash::Flash;

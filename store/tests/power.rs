@@ -1,5 +1,6 @@
 //! Power failures in every operation of a save, and in random operations of many saves.
 
+#[path = "../examples/flash/mod.rs"]
 mod flash;
 
 use flash::{Failure, Flash};

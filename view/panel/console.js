@@ -37,6 +37,9 @@ export class Console {
         });
         this.field.addEventListener("keydown", (event) => this.key(event));
         this.send = button(words.send, () => this.sendLine());
+        // A line may be a long move. A program has buttons of its own.
+        this.pause = button(words.pause, () => desk.command("hold"));
+        this.resume = button(words.resume, () => desk.command("resume"));
         this.answer = element("p", { class: "why", role: "status" });
         this.log = element("div", {
             class: "log",
@@ -51,7 +54,7 @@ export class Console {
             "section",
             { class: "card", "aria-label": words.console },
             element("h2", {}, words.lineByHand),
-            element("div", { class: "items" }, this.field, this.send),
+            element("div", { class: "items" }, this.field, this.send, this.pause, this.resume),
             this.answer,
             element(
                 "div",
@@ -76,6 +79,9 @@ export class Console {
             ["Idle", "Alarm", "Check", "Jog"].includes(word);
         // The field stays open, so that a line can be written while the machine moves.
         disable(this.send, !may);
+        this.pause.hidden = this.resume.hidden = Boolean(desk.state?.program);
+        disable(this.pause, desk.state?.link !== "up" || word !== "Run");
+        disable(this.resume, !desk.mayCommand || word !== "Hold");
     }
 
     /** @param {KeyboardEvent} event */

@@ -94,6 +94,8 @@ export class Desk {
         this.machines = new Map();
         /** The machine that is shown. @type {Machine | undefined} */
         this.machine = undefined;
+        /** What the server offers beside moving by hand. @type {Set<string>} */
+        this.offers = new Set();
         /** The last refusal of a request, and whether it is shown. */
         this.refusal = "";
         /** @type {((machine: Machine | undefined) => void)[]} */
@@ -160,7 +162,10 @@ export class Desk {
 
     /** @param {any} frame */
     take(frame) {
-        if (frame.kind === "welcome") this.welcome(frame.machines);
+        if (frame.kind === "welcome") {
+            this.offers = new Set(frame.offers ?? []);
+            this.welcome(frame.machines);
+        }
         else if (frame.kind === "refusal") this.refuse(frame.text);
         else {
             const machine = this.machines.get(frame.machine);

@@ -17,6 +17,7 @@
  * @property {number} [end_column]
  * @property {string} message
  * @property {string | null} help
+ * @property {string[]} [notes]
  * @property {Fix[]} [fixes]
  */
 

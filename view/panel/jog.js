@@ -53,12 +53,14 @@ export class Jog {
         this.unitShown = undefined;
         /** The number of the last jog. A larger one follows, also after a reload. */
         this.number = Date.now();
+        /** The machine of the last jog. @type {number | undefined} */
+        this.machine = undefined;
         /** The last jog of this page that the server has told of. */
         this.wasSeen = 0;
         this.hold = new Hold({
             begin: (direction) => this.begin(direction),
-            renew: () => desk.tell("renew", { jog: this.number }),
-            end: () => desk.tell("release", { jog: this.number }),
+            renew: () => desk.tell("renew", { machine: this.machine, jog: this.number }),
+            end: () => desk.tell("release", { machine: this.machine, jog: this.number }),
         });
         /** @type {HTMLButtonElement[]} */
         this.arrows = [];
@@ -265,6 +267,7 @@ export class Jog {
         const isNew = !this.hold.isActive;
         if (isNew) this.number = Math.max(this.number + 1, Date.now());
         const jog = this.number;
+        this.machine = desk.machine?.info.machine;
         desk.request("jog", {
             jog,
             axes: lower(direction),
@@ -291,6 +294,7 @@ export class Jog {
 
     show() {
         const { desk, words, units, hold } = this;
+        if (hold.isActive && this.machine !== desk.machine?.info.machine) hold.end("another");
         if (hold.isActive && !this.mayMove) hold.end("refused");
         // The server has ended the jog: its lease was over, or somebody stopped.
         const jog = desk.state?.jog;

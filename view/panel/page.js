@@ -46,11 +46,17 @@ export function fillPage(place, desk, words) {
         { id: "settings", name: words.settings, content: new Settings(desk, words).root },
         { id: "macros", name: words.macros, content: new Macros(desk, words).root },
     ]);
+    desk.listen(() => {
+        program.root.hidden = !desk.offers.has("program");
+        more.offer(desk.offers);
+    });
     const keys = new Keys(desk, words, {
         jog,
         positions,
         speeds,
-        start: () => program.run.ask(),
+        start: () => {
+            if (desk.offers.has("program")) program.run.ask();
+        },
         pause: () => program.run.pauseOrResume(),
     });
     const pad = new Gamepads(words, jog, () => stop.stop());
@@ -67,7 +73,7 @@ export function fillPage(place, desk, words) {
                 { class: "column left" },
                 program.root,
                 lines.root,
-                more
+                more.root
             ),
             element(
                 "div",

@@ -81,6 +81,8 @@ export class Positions {
             this.body.replaceChildren(...this.rows.map((row) => row.root));
         }
         const { state } = desk;
+        // After the link was lost the last position is shown as an old one.
+        const last = desk.machine?.state;
         toggle(this.table, "positions", state?.machine_mm ? "" : "stale");
         this.rows.forEach((row, axis) => row.show(axis));
         const mayZero = desk.mayCommand && !desk.isBusy;
@@ -91,9 +93,9 @@ export class Positions {
             one.setAttribute("aria-pressed", String(units.unit === ["mm", "in"][index]))
         );
         const zero = letters
-            .map((letter, axis) => `${letter} ${lengthText(state?.zero_mm?.[axis], units.unit)}`)
+            .map((letter, axis) => `${letter} ${lengthText(last?.zero_mm?.[axis], units.unit)}`)
             .join(" ");
-        const frame = state?.offset ? ` ${state.offset}` : "";
+        const frame = last?.offset ? ` ${last.offset}` : "";
         put(
             this.note,
             state?.machine_mm
@@ -155,9 +157,9 @@ class Row {
     /** @param {number} axis */
     show(axis) {
         const { desk, units } = this.positions;
-        const { state } = desk;
+        const last = desk.machine?.state;
         const other = units.unit === "mm" ? "in" : "mm";
-        const [work, machine] = [state?.work_mm?.[axis], state?.machine_mm?.[axis]];
+        const [work, machine] = [last?.work_mm?.[axis], last?.machine_mm?.[axis]];
         put(this.work, lengthText(work, units.unit));
         put(this.workOther, `${lengthText(work, other)} ${other}`);
         put(this.machine, lengthText(machine, units.unit));

@@ -130,7 +130,10 @@ export class Program {
         const path = `${desk.path("program")}?name=${encodeURIComponent(name)}`;
         try {
             const answer = await desk.link.fetch(path, { method: "POST", body: text });
-            if (!answer.ok) throw new Error(await answer.text());
+            if (!answer.ok) {
+                const reason = await answer.text();
+                throw new Error(reason || `${answer.status} ${answer.statusText}`);
+            }
             this.checked = await answer.json();
             desk.refuse("");
         } catch (error) {
@@ -204,8 +207,11 @@ export class Program {
         if (answer.ok && this.shown === shown) {
             this.text = await answer.text();
             if (document.activeElement !== this.source) this.fillEditor();
+            // The fixes are shown in their lines.
+            this.fillFindings();
         }
-        if (hasScene && this.checked?.has_scene !== false) await this.preview.load();
+        // A program that would take minutes to simulate has no scene.
+        if (hasScene && (this.checked?.has_scene ?? true)) await this.preview.load();
         else {
             this.preview.clear();
             // What has errors is to be corrected.
@@ -230,8 +236,8 @@ export class Program {
         const time = program?.time_s ?? checked?.time_s;
         const parts = [
             `${name}: ${lines} ${words.lines}`,
-            errors > 0 ? `${errors} ${words.errors}` : words.noErrors,
-            ...(warnings > 0 ? [`${warnings} ${words.warnings}`] : []),
+            errors > 0 ? `${words.errors}: ${errors}` : words.noErrors,
+            ...(warnings > 0 ? [`${words.warnings}: ${warnings}`] : []),
             ...(typeof time === "number" ? [duration(time)] : []),
             ...(checked?.bounds_mm ? [boundsText(checked.bounds_mm, desk)] : []),
         ];
@@ -247,7 +253,7 @@ export class Program {
     /** @param {Finding} finding */
     finding(finding) {
         const { words } = this;
-        const { code, severity, line, column, message, help, fixes } = finding;
+        const { code, severity, line, column, message, help, notes = [], fixes } = finding;
         const place = line > 0 ? `${words.line} ${line}:${column}` : words.program;
         const [fix] = fixes ?? [];
         return element(
@@ -255,7 +261,9 @@ export class Program {
             { class: severity },
             element("strong", {}, `${place} ${severity === "error" ? words.error : words.warning}`),
             ` ${code}: ${message} `,
-            ...(help ? [element("p", { class: "soft" }, help)] : []),
+            ...[...notes, ...(help ? [help] : [])].map((text) =>
+                element("p", { class: "soft" }, text)
+            ),
             ...(line > 0 ? [button(words.showPlace, () => this.goTo(finding))] : []),
             ...(fix
                 ? [
@@ -270,7 +278,12 @@ export class Program {
 
     /** The line of a finding after its fixes. @param {Finding} finding */
     fixed({ fixes = [] }) {
-        return applied(this.text, fixes).split("\n")[fixes[0].line - 1];
+        const [{ line }] = fixes;
+        const here = fixes.filter((fix) => fix.line === line);
+        return applied(
+            this.run.lineText(line),
+            here.map((fix) => ({ ...fix, line: 1 }))
+        );
     }
 
     /** Puts the caret on the place of a finding. @param {Finding} finding */

@@ -19,12 +19,21 @@ export class LinkedRig {
     constructor(desk, words) {
         this.desk = desk;
         this.words = words;
+        /** A cycle ends when another machine is shown: its moves are for this one. */
+        this.machine = desk.machine;
         this.isStopped = false;
     }
 
     /** Ends the cycle: no further move is sent. */
     stop() {
         this.isStopped = true;
+        // Who waits for a state is woken.
+        this.desk.changed();
+    }
+
+    get mayGoOn() {
+        const { desk, machine } = this;
+        return !this.isStopped && desk.machine === machine && desk.mayCommand;
     }
 
     /**
@@ -32,7 +41,7 @@ export class LinkedRig {
      * @param {object} fields
      */
     async send(verb, fields) {
-        if (this.isStopped || !this.desk.mayCommand) throw new Stopped(this.words.stopped);
+        if (!this.mayGoOn) throw new Stopped(this.words.stopped);
         return this.desk.request(verb, fields);
     }
 
@@ -55,11 +64,10 @@ export class LinkedRig {
     until(isOver) {
         return new Promise((resolve, reject) => {
             const look = () => {
-                if (this.isStopped) reject(new Stopped(this.words.stopped));
-                else if (isOver()) resolve(undefined);
-                else if (this.desk.state?.state === "Alarm" || !this.desk.mayCommand) {
+                if (!this.mayGoOn || this.desk.state?.state === "Alarm") {
                     reject(new Stopped(this.words.stopped));
-                } else return;
+                } else if (isOver()) resolve(undefined);
+                else return;
                 this.desk.listeners.splice(this.desk.listeners.indexOf(look), 1);
             };
             this.desk.listen(look);

@@ -22,6 +22,8 @@ export class Run {
         this.desk = desk;
         this.words = words;
         this.text = text;
+        /** The program that a start was asked for. */
+        this.asked = "";
         /** The program whose lines are split. */
         this.splitText = "";
         /** @type {string[]} */
@@ -79,6 +81,11 @@ export class Run {
         return this.lines[line - 1] ?? "";
     }
 
+    /** Which program of which machine is shown. */
+    get key() {
+        return `${this.desk.machine?.info.machine}/${this.desk.state?.program?.load}`;
+    }
+
     /** Pauses what runs, and resumes what is held or waits. */
     pauseOrResume() {
         const { state } = this.desk;
@@ -108,7 +115,8 @@ export class Run {
             this.single.checked = program.single_block;
         }
         fill(this.breakpoints, program.breakpoints.join(", "));
-        if (desk.isUnderWay) this.confirm.hidden = true;
+        // What was shown is not what would start.
+        if (desk.isUnderWay || this.asked !== this.key) this.confirm.hidden = true;
         this.showProgress(program);
     }
 
@@ -150,11 +158,13 @@ export class Run {
             desk.refuse(`${words.fromLine}: 1 … ${lines}`);
             return;
         }
+        const { key } = this;
         const fields = from === undefined ? {} : { from };
         const modal = from === undefined ? undefined : await desk.command("preview_from", fields);
         if (modal === undefined && from !== undefined) return;
         const plan = await desk.command("run", { ...fields, confirmed: false });
-        if (!plan) return;
+        if (!plan || key !== this.key) return;
+        this.asked = key;
         confirm.hidden = false;
         confirm.replaceChildren(...this.plan(plan, modal), this.answers(fields));
         // Not on the button: a key that is hit by chance starts nothing.

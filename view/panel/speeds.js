@@ -198,7 +198,8 @@ export class Outputs {
         if (!desk.isIdle) desk.command("toggle", { what });
         else if (what === "spindle") {
             const rpm = Math.max(0, Math.round(Number(this.rpm.value) || 0));
-            desk.command("line", { text: on?.spindle === "off" ? `M3 S${rpm}` : "M5" });
+            const turns = on?.spindle === "cw" || on?.spindle === "ccw";
+            desk.command("line", { text: turns ? "M5" : `M3 S${rpm}` });
         } else if (on?.[what]) {
             // M9 switches both off, so the other one is switched on again.
             const other = what === "flood" ? on.mist && "M7" : on.flood && "M8";

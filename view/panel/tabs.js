@@ -37,10 +37,20 @@ export function tabs(name, parts) {
         const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
         if (step === undefined) return;
         event.preventDefault();
-        const at = all.findIndex((one) => one === document.activeElement);
-        const next = (at + step + all.length) % all.length;
-        choose(next);
-        all[next].focus();
+        const shown = all.filter((one) => !one.hidden);
+        const at = shown.findIndex((one) => one === document.activeElement);
+        const next = shown[(at + step + shown.length) % shown.length];
+        choose(all.indexOf(next));
+        next.focus();
     });
-    return element("section", { class: "card", "aria-label": name }, list, ...panels);
+    const root = element("section", { class: "card", "aria-label": name }, list, ...panels);
+    /** @param {Set<string>} offers the parts that are shown */
+    const offer = (offers) => {
+        all.forEach((one, index) => (one.hidden = !offers.has(parts[index].id)));
+        const first = all.findIndex((one) => !one.hidden);
+        root.hidden = first < 0;
+        const chosen = all.find((one) => one.getAttribute("aria-selected") === "true");
+        if (chosen?.hidden && first >= 0) choose(first);
+    };
+    return { root, offer };
 }

@@ -68,6 +68,8 @@ export class FakeServer {
     constructor(names) {
         /** What the pages asked for, in order. @type {Request[]} */
         this.requests = [];
+        /** Parts of the page that work. */
+        this.offers = ["program", "probing", "settings", "macros"];
         /** What a verb does besides being kept. @type {Record<string, Answer>} */
         this.verbs = {};
         /** Requests of files: their answers. @type {Record<string, (body: string) => any>} */
@@ -165,7 +167,8 @@ export class FakeServer {
         socket.on("message", (data) => this.heard(client, JSON.parse(String(data))));
         const welcome = { kind: "welcome", protocol: 1, version: "0", client };
         const timing = { lease_ms: 250, renew_ms: 80 };
-        socket.send(JSON.stringify({ ...welcome, ...timing, machines: this.infos }));
+        const { infos: machines, offers } = this;
+        socket.send(JSON.stringify({ ...welcome, ...timing, offers, machines }));
         for (const { machine } of this.infos) this.change({}, machine);
     }
 

@@ -235,6 +235,10 @@ test("a lost link and a lost controller are said, with what is safe to do", asyn
     await server.stop();
     await says(page, ".state", "NO LINK");
     await says(page, ".notices", "A program that ran goes on");
+    // The last position is an old one.
+    assert.equal(await textOf(page, '.stale [data-machine="X"]'), "0.000");
+    const zero = await page.$("table.positions button");
+    assert.equal(await zero?.evaluate((one) => one.matches(":disabled")), true);
     const { active, renewals } = await page.evaluate(() => {
         const { link } = Reflect.get(window, "husillo");
         return { active: link.status, renewals: link.pending.size };
@@ -258,7 +262,13 @@ test("a wrong token is said", async (t) => {
 
 test("several machines are tabs", async (t) => {
     const { page, server } = await panel(t, {}, { names: ["mill", "router"] });
+    // The tab of another machine ends what is held on this one.
+    await page.keyboard.down("ArrowLeft");
+    const { jog } = await server.next("jog");
     await press(page, "[role=tab]::-p-aria(router)");
+    const released = await server.next("release");
+    assert.deepEqual([released.machine, released.jog], [1, jog]);
+    await page.keyboard.up("ArrowLeft");
     server.change({ state: "Run" }, 2);
     await says(page, ".state", "RUNNING");
     assert.equal(await textOf(page, "h1"), "router");

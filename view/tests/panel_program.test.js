@@ -102,9 +102,10 @@ test("a fix takes the place of its columns, an offset counts characters", () => 
 test("findings have their place and a fix, before anything moves", async (t) => {
     const { page, server } = await loaded(t, WRONG);
     await says(page, ".findings", "Line 4:8 error E0201: unknown word");
-    await says(page, ".summary", "1 errors");
+    await says(page, ".summary", "errors: 1");
     const start = await page.$("button::-p-aria(Start …)");
     assert.equal(await start?.evaluate((one) => one.matches(":disabled")), true);
+    await says(page, ".findings code", "G1 Z-2 F300");
     await press(page, "button::-p-aria(Show the place)");
     const selected = await page.$eval("textarea.source", (one) =>
         one.value.slice(one.selectionStart, one.selectionEnd)
@@ -150,6 +151,29 @@ test("a start has two steps, and a stray key starts nothing", async (t) => {
     await picture(page, "panel-start");
     await press(page, "button::-p-aria(Start now)");
     assert.equal((await server.next("run")).confirmed, true);
+});
+
+test("a start that was asked for is not that of another machine or program", async (t) => {
+    const names = ["mill", "router"];
+    const { page, server } = await panel(t, {}, { names, prepare: takesPrograms });
+    server.files["GET /machines/2/program"] = () => PART;
+    server.files["GET /machines/2/scene"] = () => SCENE;
+    server.files["GET /machines/1/program"] = () => PART;
+    server.verbs.run = () => ({ name: "part.nc", lines: 17, time_s: 95.2, from: null });
+    server.change({ program: LOADED }, 1);
+    server.change({ program: LOADED }, 2);
+    await drawn(page);
+    const ask = "button::-p-aria(Start …)";
+    await press(page, ask);
+    await page.waitForSelector(".confirm:not([hidden])");
+    await press(page, "[role=tab]::-p-aria(router)");
+    await says(page, "h1", "router");
+    assert.equal(await page.$(".confirm:not([hidden])"), null);
+    await drawn(page);
+    await press(page, ask);
+    await page.waitForSelector(".confirm:not([hidden])");
+    server.change({ program: { ...LOADED, load: 2 } }, 2);
+    await page.waitForFunction(() => !document.querySelector(".confirm:not([hidden])"));
 });
 
 test("it shows what runs: line, progress, time, hold and resume", async (t) => {

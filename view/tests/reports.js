@@ -7,8 +7,8 @@ import { existsSync, mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { PICTURES, ROOT } from "husillo/tests/browser.js";
 
-/** The program: `HUSILLO`, or the one that was built last. */
-function husillo() {
+/** The path of the program: `HUSILLO`, or the one that was built last. */
+export function husillo() {
     const builds = ["release", "debug"].map((build) =>
         join(ROOT, "../target", build, "husillo")
     );
@@ -21,13 +21,13 @@ function husillo() {
  * Makes the report of a program, and returns its path.
  *
  * @param {string} name
- * @param {string} program its text
+ * @param {string} text its program
  * @param {string[]} more arguments
  */
-export function reportOf(name, program, ...more) {
+export function reportOf(name, text, ...more) {
     mkdirSync(PICTURES, { recursive: true });
     const [source, page] = [join(PICTURES, `${name}.nc`), join(PICTURES, `${name}.html`)];
-    writeFileSync(source, program);
+    writeFileSync(source, text);
     execFileSync(husillo(), ["run", source, "-o", page, ...more], { stdio: "pipe" });
     return page;
 }

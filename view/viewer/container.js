@@ -20,7 +20,17 @@ export const VERSION = 1;
  * @throws {Error} if the text is no scene, or one of another version
  */
 export async function unpack(text) {
-    const bytes = await inflate(fromBase64(text.trim()));
+    return unpackBytes(await inflate(fromBase64(text.trim())));
+}
+
+/**
+ * Unpacks a scene that is not compressed, such as one of the simulator as WebAssembly.
+ *
+ * @param {Uint8Array} bytes
+ * @returns {Container}
+ * @throws {Error} if the bytes are no scene, or one of another version
+ */
+export function unpackBytes(bytes) {
     const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
     const end = 4 + view.getUint32(0, true);
     if (end > bytes.length) throw new Error("the header of the scene is cut off");

@@ -1,10 +1,10 @@
 //! Sends a program to a controller, as fast as its receive buffer accepts it.
 
 use super::session::{Heard, Session, described};
+use super::stream::Stream;
 use crate::{StopRequests, Wire};
 use husillo_sim::device::grbl::Device;
-use husillo_transports::grbl::{RECEIVE_BYTES, Realtime, State, Status, Window};
-use std::collections::VecDeque;
+use husillo_transports::grbl::{Realtime, State, Status};
 
 mod checked;
 
@@ -47,9 +47,8 @@ pub struct Sent {
 pub struct Sender {
     session: Session,
     pacing: Pacing,
-    window: Window,
     /// Index of each line that is sent and not yet answered.
-    waiting: VecDeque<usize>,
+    stream: Stream<usize>,
     answered: usize,
     /// Largest number of moves that wait in the queue of the controller.
     queue: usize,
@@ -57,7 +56,7 @@ pub struct Sender {
 
 /// A dwell of zero time. The controller answers it when all moves before it are carried out. A
 /// report of `Idle` does not show that, because it may come before the last move begins.
-const SYNCHRONISE: &str = "G4P0";
+pub const SYNCHRONISE: &str = "G4P0";
 
 impl Sender {
     /// Connects to a controller at rest. Nothing moves.
@@ -94,9 +93,7 @@ impl Sender {
             session,
             pacing,
             queue,
-            // Grbl's buffer holds one byte less than Grbl reports.
-            window: Window::new(RECEIVE_BYTES - 1),
-            waiting: VecDeque::new(),
+            stream: Stream::new(),
             answered: 0,
         })
     }
@@ -136,8 +133,7 @@ impl Sender {
         lines: &[(usize, String)],
         operator: &mut dyn Operator,
     ) -> Result<Sent, String> {
-        self.waiting.clear();
-        self.window.clear();
+        self.stream = Stream::new();
         self.answered = 0;
         let (mut next, mut finished) = (0, 0);
         while self.answered < lines.len() {
@@ -153,14 +149,12 @@ impl Sender {
                         None => break,
                     }
                 }
-                // A line of the program is shorter than the buffer.
-                self.window.send(line.len() as u8 + 1);
                 self.session.put(format!("{line}\n").as_bytes())?;
-                self.waiting.push_back(next);
+                self.stream.sent(line, next);
                 next += 1;
             }
             self.hear(lines, operator)?;
-            let is_answered = self.waiting.is_empty() && self.answered == next;
+            let is_answered = self.stream.is_empty() && self.answered == next;
             if self.pacing == Pacing::SingleBlock && is_answered && next > finished {
                 finished = next;
                 self.finish(lines, operator)?;
@@ -176,10 +170,9 @@ impl Sender {
 
     /// Whether a line may be sent: it fits into the buffer, and its turn has come.
     fn may_send(&self, line: &str) -> bool {
-        let fits = self.window.bytes() + line.len() as u16 + 1 < u16::from(RECEIVE_BYTES);
         match self.pacing {
-            Pacing::Counted => fits || self.waiting.is_empty(),
-            Pacing::Answered | Pacing::SingleBlock => self.waiting.is_empty(),
+            Pacing::Counted => self.stream.has_room(line),
+            Pacing::Answered | Pacing::SingleBlock => self.stream.is_empty(),
         }
     }
 
@@ -209,8 +202,7 @@ impl Sender {
         };
         match &heard {
             Heard::Ok | Heard::Refused(_) => {
-                self.window.answered();
-                let index = self.waiting.pop_front();
+                let index = self.stream.answered();
                 if let (Heard::Refused(number), Some(index)) = (&heard, index) {
                     let why = described(*number);
                     let (number, line) = lines
@@ -256,9 +248,8 @@ impl Sender {
         operator: &mut dyn Operator,
     ) -> Result<(), String> {
         self.session.put(format!("{SYNCHRONISE}\n").as_bytes())?;
-        self.window.send(SYNCHRONISE.len() as u8 + 1); // 5 bytes, and nothing else waits
-        self.waiting.push_back(lines.len());
-        while !self.waiting.is_empty() {
+        self.stream.sent(SYNCHRONISE, lines.len());
+        while !self.stream.is_empty() {
             self.intervene(operator)?;
             self.hear(lines, operator)?;
         }
@@ -279,7 +270,7 @@ impl Sender {
 }
 
 /// Reads the number of moves in the queue from the answer to `$I`: `[OPT:V,15,128]`.
-fn queue(lines: &[String]) -> Result<usize, String> {
+pub fn queue(lines: &[String]) -> Result<usize, String> {
     let options = lines.iter().find_map(|line| line.strip_prefix("[OPT:"));
     let moves = options.and_then(|options| options.split([',', ']']).nth(1)?.parse().ok());
     moves.ok_or_else(|| "the controller does not report the size of its queue: see $I".into())

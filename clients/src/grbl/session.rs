@@ -76,6 +76,10 @@ pub struct Session {
     heard_at: Duration,
     /// Whether the port has failed, or the controller does not answer.
     is_lost: bool,
+    /// Interval of the requests for a status report.
+    poll: Duration,
+    /// A controller that has sent nothing for this time counts as lost.
+    silence: Duration,
 }
 
 impl Session {
@@ -91,7 +95,21 @@ impl Session {
             asked_at: now,
             heard_at: now,
             is_lost: false,
+            poll: POLL,
+            silence: SILENCE,
         }
+    }
+
+    /// Sets the interval of the requests for a status report, 200 ms at first.
+    pub const fn poll_every(&mut self, interval: Duration) {
+        self.poll = interval;
+    }
+
+    /// Sets the time of silence after which a controller counts as lost. `None`: 3 s. While it
+    /// homes, Grbl sends no reports.
+    pub fn allow_silence(&mut self, silence: Option<Duration>) {
+        self.silence = silence.unwrap_or(SILENCE);
+        self.heard_at = self.elapsed();
     }
 
     /// Waits for a controller that is starting or already runs. Then ends a line that an earlier
@@ -172,11 +190,11 @@ impl Session {
     /// The port failed, or the controller is silent.
     pub fn turn(&mut self) -> Result<Option<Heard>, String> {
         let now = self.elapsed();
-        if now.saturating_sub(self.heard_at) > SILENCE {
+        if now.saturating_sub(self.heard_at) > self.silence {
             self.is_lost = true;
             return Err("the controller does not answer any more: check cable and power".into());
         }
-        if now.saturating_sub(self.asked_at) >= POLL {
+        if now.saturating_sub(self.asked_at) >= self.poll {
             self.asked_at = now;
             self.put(&[Realtime::Status.byte()])?;
         }
@@ -262,6 +280,11 @@ impl Session {
     /// The last report.
     pub const fn status(&self) -> Option<&Status> {
         self.status.as_ref()
+    }
+
+    /// Position of the work zero in machine coordinates, as it was last reported.
+    pub const fn work_zero(&self) -> Option<&Place> {
+        self.work_zero.as_ref()
     }
 
     /// Whether the last report shows a motion.
@@ -408,7 +431,7 @@ pub fn described(number: u16) -> String {
 }
 
 /// The sentence about an alarm.
-fn alarm(number: u16) -> String {
+pub fn alarm(number: u16) -> String {
     match u8::try_from(number).ok().and_then(Alarm::of) {
         Some(alarm) => format!("alarm {number}: {}", alarm.text()),
         None => format!("alarm {number}, which Grbl 1.1 does not have"),

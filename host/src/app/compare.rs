@@ -9,11 +9,8 @@ use crate::cli::{Compare, Page};
 use crate::console;
 use crate::methods::one_move::one_move;
 use crate::output::Outputs;
-use husillo_methods::{Comparer, Comparison, Weights, programmed};
+use husillo_methods::{Comparer, Comparison, Weights};
 use husillo_reports::methods;
-use husillo_sim::observers::AXES;
-use husillo_simulator::diagnostics::Findings;
-use husillo_simulator::programs::program::{self, Meaning};
 use husillo_simulator::text::json::write_line;
 use serde_json::json;
 use std::io::{self, Write};
@@ -91,32 +88,7 @@ fn print(comparison: &Comparison, page: Page, mut out: &mut dyn Write) -> io::Re
 
 /// Makes every feed move of a program; `None` if it has errors.
 fn compare_program(job: &Job, mut comparer: Comparer) -> Result<Option<Comparer>, Failure> {
-    let mut make = |command: &husillo_gcode::Command<AXES>, from| {
-        let made = match command {
-            husillo_gcode::Command::Linear { to, .. } => programmed::line(&job.config, from, *to),
-            husillo_gcode::Command::Arc { arc, .. } => programmed::arc(&job.config, from, arc),
-            _ => Ok(None),
-        };
-        match made {
-            Ok(Some(one)) => comparer.add_common(&one),
-            Ok(None) => {}
-            Err(why) => comparer.note(why.to_owned()),
-        }
-    };
-    let mut source = job.open()?;
-    let (_, findings) = with_findings(|findings| {
-        let each = |_: &Meaning<'_>, command: &_, from, _: &mut Findings| {
-            make(command, from);
-            Ok(())
-        };
-        Ok(program::walk(
-            &mut source,
-            job.name(),
-            job.start,
-            findings,
-            each,
-        )?)
-    })?;
+    let ((), findings) = with_findings(|findings| Ok(job.compare(&mut comparer, findings)?))?;
     if findings.errors > 0 {
         eprintln!(
             "{}: {}",

@@ -2,7 +2,7 @@
 
 mod resume;
 
-use super::job::{Job, whole};
+use super::job::{Job, load, whole};
 use super::milling::failed;
 use super::reporting::{MOST_PRINTED, verdict, with_some_findings};
 use super::{ERRORS, Failure, OK};
@@ -13,7 +13,9 @@ use crate::console::sharing::share;
 use crate::console::stop::stop_requests;
 use crate::console::typed::{Typed, typed};
 use husillo_clients::grbl::{BAUD, Heard, Operator, Pacing, Sender, open};
-use husillo_transports::grbl::{Adjust, LINE_CHARACTERS, Line, LineReader, Realtime, State};
+use husillo_transports::grbl::{
+    Adjust, LINE_CHARACTERS, Line, LineReader, Realtime, Settings, State,
+};
 use serde_json::json;
 
 /// Lines of a program with their numbers.
@@ -22,6 +24,17 @@ type Numbered = Vec<(usize, String)>;
 /// Whether a machine is any controller that speaks Grbl's protocol.
 pub(super) fn is_grbl(machine: Option<&str>) -> bool {
     machine == Some("grbl")
+}
+
+/// Settings of a simulated controller with the axes of a machine. It homes, as most machines do.
+pub(super) fn simulated(machine: &str) -> Result<Settings, Failure> {
+    let mut settings = crate::grbl::settings(&load(machine)?)?;
+    let homing = [(22, "1"), (24, "100"), (25, "1000")];
+    for (number, value) in homing {
+        let written = settings.write(number, value.as_bytes());
+        written.map_err(|error| format!("${number}={value}: {}", error.text()))?;
+    }
+    Ok(settings)
 }
 
 /// Checks a program, sends it, and waits until it is made.

@@ -5,7 +5,7 @@ use crate::console;
 use std::io::Write;
 
 /// The schemas and their names.
-const SCHEMAS: [(&str, &str); 30] = [
+const SCHEMAS: [(&str, &str); 31] = [
     (
         "calibrate.axis",
         include_str!("../../schemas/calibrate.axis.json"),
@@ -69,6 +69,7 @@ const SCHEMAS: [(&str, &str); 30] = [
     ("reproduce", include_str!("../../schemas/reproduce.json")),
     ("run", include_str!("../../schemas/run.json")),
     ("send", include_str!("../../schemas/send.json")),
+    ("serve", include_str!("../../schemas/serve.json")),
     ("steps", include_str!("../../schemas/steps.json")),
     ("stop", include_str!("../../schemas/stop.json")),
     ("tune", include_str!("../../schemas/tune.json")),

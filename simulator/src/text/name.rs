@@ -6,7 +6,9 @@
 
 use std::borrow::Cow;
 use std::ffi::OsStr;
-use std::path::{Path, PathBuf};
+use std::path::Path;
+#[cfg(unix)]
+use std::path::PathBuf;
 
 /// The private character of byte 0. Those of bytes from 0x80 on stand for bytes of names.
 const FIRST: u32 = 0x10_fe00;

@@ -3,6 +3,7 @@
 use super::*;
 use crate::grbl::{BAUD, open};
 use husillo_transports::grbl::{Adjust, Position};
+use std::collections::VecDeque;
 
 /// An operator who sends each command when this many lines are answered.
 #[derive(Default)]

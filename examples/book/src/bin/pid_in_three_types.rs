@@ -70,7 +70,7 @@ fn main() -> Result<(), SettingsError> {
     Ok(())
 }
 
-/// A step of the error by 16: u[k] = Kp e + Ki T e (k + 1/2), and Kd / T e in the first sample.
+/// A step of the error by 16: `u[k] = Kp e + Ki T e (k + 1/2)`, and `Kd / T e` in the first sample.
 fn step_response(pids: &Controllers) {
     // ANCHOR: step
     let (mut a, mut b, mut c) = (State::default(), State::default(), State::default());

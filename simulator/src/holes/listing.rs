@@ -1,12 +1,12 @@
 //! A board as tables for people and as JSON for programs.
 
+use super::because;
+use crate::diagnostics::Findings;
+use crate::text::json::{self, Millimetres};
 use husillo_excellon::{Hole, Path, Reason, Slot, Tool, Zeros};
 use husillo_gcode::Nm;
 use husillo_holes::{Board, Metric};
 use husillo_sim::text::counted;
-use husillo_simulator::diagnostics::Findings;
-use husillo_simulator::holes::because;
-use husillo_simulator::text::json::{self, Millimetres};
 use serde::{Serialize, Serializer};
 use std::io::{self, Write};
 

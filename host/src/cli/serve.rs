@@ -1,0 +1,51 @@
+//! `husillo serve`: its arguments.
+
+use super::Output;
+use clap::Args;
+
+/// `husillo serve`.
+#[derive(Debug, Args)]
+pub struct Serve {
+    /// Port: sim, a serial device, or tcp:HOST:PORT; repeated, for several machines side by side
+    #[arg(short, long, value_name = "PORT", default_value = "sim")]
+    pub port: Vec<String>,
+    /// Machine whose steps, rates, ramps and travel a simulated controller has: a name or a TOML
+    /// file
+    #[arg(short, long, value_name = "NAME|FILE", default_value = "router")]
+    pub machine: String,
+    /// Address of the page; port 0 chooses a free one
+    #[arg(long, value_name = "HOST:PORT", default_value = "127.0.0.1:8017")]
+    pub listen: String,
+    /// Further name under which browsers reach this computer, such as mill.lan; may be repeated
+    #[arg(long, value_name = "NAME")]
+    pub host: Vec<String>,
+    /// Show the machines and let nobody take control; STOP works
+    #[arg(long)]
+    pub watch_only: bool,
+    /// Bits per second of a serial device [default: 115200]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(300..=4_000_000))]
+    pub baud: Option<u32>,
+    /// Simulated machines run this many times as fast as real ones
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = factor)]
+    pub speed: f64,
+    /// End after this time instead of at Ctrl-C
+    #[arg(long = "for", value_name = "SECONDS", value_parser = seconds)]
+    pub seconds: Option<f64>,
+    /// How to print the address of the page
+    #[arg(long, value_enum, default_value = "text")]
+    pub format: Output,
+}
+
+fn factor(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(factor) if (0.01..=1000.0).contains(&factor) => Ok(factor),
+        _ => Err("a factor from 0.01 to 1000".into()),
+    }
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(seconds) if (0.0..=1e9).contains(&seconds) => Ok(seconds),
+        _ => Err("a number of seconds".into()),
+    }
+}

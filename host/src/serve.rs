@@ -1,0 +1,111 @@
+//! `husillo serve`: machines operated from a browser.
+//!
+//! ```text
+//! page ──► site ──► socket ──► machine ══► driver ──► session ──► controller
+//!                     ▲            │  state, console
+//!                     └────────────┘
+//! ```
+//!
+//! Each machine has a thread with a [`driver`], which owns the link. The pages run in one thread.
+//! [`machine`] is what both share. A state replaces the state before it, so a slow page holds
+//! nothing up.
+
+mod access;
+mod axes;
+mod console_lines;
+mod control;
+mod driver;
+mod lease;
+mod machine;
+mod machine_state;
+mod page;
+mod reply;
+mod request;
+mod site;
+mod socket;
+
+use crate::app::Failure;
+use crate::cli::Serve;
+use crate::console::reporter::Reporter;
+use crate::console::sharing::share;
+use crate::console::stop::{INTERRUPTED, stop_requests, stops_asked};
+use access::Access;
+use driver::Port;
+use husillo_clients::grbl::BAUD;
+use husillo_transports::grbl::Settings;
+use machine::Machine;
+use serde_json::json;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+use tokio::net::TcpListener;
+use tokio::sync::watch;
+
+/// Interval of the checks for Ctrl-C.
+const LOOK: Duration = Duration::from_millis(50);
+/// At the end of the program the machines have stopped within this time.
+const END: Duration = Duration::from_secs(10);
+
+/// Serves the page until Ctrl-C. `settings` are those of simulated controllers.
+///
+/// # Errors
+///
+/// A sentence about the address.
+pub fn serve(args: &Serve, settings: Settings, out: &mut Reporter<'_>) -> Result<u8, Failure> {
+    stop_requests()?;
+    let runtime = tokio::runtime::Builder::new_current_thread()
+        .enable_all()
+        .build()?;
+    runtime.block_on(serve_pages(args, settings, out))
+}
+
+async fn serve_pages(
+    args: &Serve,
+    settings: Settings,
+    out: &mut Reporter<'_>,
+) -> Result<u8, Failure> {
+    let of_address = |error| Failure::Usage(format!("{}: {error}", args.listen));
+    let listener = TcpListener::bind(&args.listen).await.map_err(of_address)?;
+    let address = listener.local_addr().map_err(of_address)?;
+    let access = Access::new(address, &args.host).map_err(Failure::Usage)?;
+    let (news, _) = watch::channel(0);
+    let mut machines = Vec::new();
+    for (number, port) in (1..).zip(&args.port) {
+        let baud = args.baud.unwrap_or(BAUD);
+        share("grbl", port, baud);
+        let (machine, requests) = Machine::new(number, port, args.watch_only, news.clone());
+        let machine = Arc::new(machine);
+        let port = Port::new(port, baud, settings, args.speed);
+        driver::start(Arc::clone(&machine), port, requests);
+        machines.push(machine);
+    }
+    let link = access.link();
+    out.tell(
+        format!("Open {link}\nCtrl-C stops the machines and ends"),
+        || json!({"kind": "open", "url": link, "address": address.to_string()}),
+    );
+    let site = site::router(Arc::new(access), machines.clone(), news);
+    tokio::select! {
+        ended = axum::serve(listener, site) => ended?,
+        () = ended(&machines, args.seconds) => {}
+    }
+    Ok(match stops_asked() {
+        0 => super::app::OK,
+        _ => INTERRUPTED,
+    })
+}
+
+/// Waits for Ctrl-C or the end of the time, then stops the machines.
+async fn ended(machines: &[Arc<Machine>], seconds: Option<f64>) {
+    let begun = Instant::now();
+    let is_over = || seconds.is_some_and(|most| begun.elapsed().as_secs_f64() >= most);
+    while stops_asked() == 0 && !is_over() {
+        tokio::time::sleep(LOOK).await;
+    }
+    for machine in machines {
+        machine.end();
+    }
+    let begun = Instant::now();
+    while machines.iter().any(|machine| !machine.is_ended()) && begun.elapsed() < END {
+        tokio::time::sleep(LOOK).await;
+    }
+}

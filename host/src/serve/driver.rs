@@ -1,0 +1,385 @@
+//! The driver of a machine: a thread that owns the link to its controller.
+//!
+//! Each turn it carries out requests, receives for 20 ms at most, and publishes the state if it has
+//! changed.
+
+mod by_hand;
+mod halting;
+mod hearing;
+mod jogging;
+mod overriding;
+mod zeroing;
+
+use super::console_lines::From;
+use super::machine::{Asked, Machine};
+use super::machine_state::{Link, MachineState};
+use super::reply::Reply;
+use super::request::Request;
+use halting::Halting;
+use husillo_clients::grbl::{Session, Stream};
+use husillo_clients::{StopRequests, Wire};
+use husillo_sim::device::grbl::Device;
+use husillo_transports::grbl::{Realtime, Settings, State};
+use jogging::Jogging;
+use std::collections::{BTreeMap, VecDeque};
+use std::sync::Arc;
+use std::sync::mpsc::Receiver;
+use std::time::{Duration, Instant};
+use zeroing::Zeroing;
+
+/// Interval of the requests for a status report.
+const POLL: Duration = Duration::from_millis(50);
+/// Shortest interval between two published states.
+const PUBLISH: Duration = Duration::from_millis(33);
+/// A lost controller is tried again after this time.
+const RETRY: Duration = Duration::from_secs(1);
+/// While it homes, a controller may be silent for this time.
+const HOMING: Duration = Duration::from_secs(180);
+/// Lines that wait for the controller.
+const WAITING: usize = 64;
+
+/// Where a controller is.
+#[derive(Debug)]
+pub struct Port {
+    name: String,
+    baud: u32,
+    settings: Settings,
+    speed: f64,
+}
+
+impl Port {
+    /// A port. The settings and the speed are those of a simulated controller.
+    pub fn new(name: &str, baud: u32, settings: Settings, speed: f64) -> Self {
+        Self {
+            name: name.to_owned(),
+            baud,
+            settings,
+            speed,
+        }
+    }
+
+    fn open(&self) -> Result<Wire<Device>, String> {
+        if self.name == "sim" {
+            let device = Device::new(self.baud, self.settings);
+            return Ok(Wire::paced(device, self.speed));
+        }
+        Wire::open(&self.name, self.baud).map_err(|error| format!("{}: {error}", self.name))
+    }
+}
+
+/// Starts the driver of a machine. It runs until [`Machine::end`].
+pub fn start(machine: Arc<Machine>, port: Port, requests: Receiver<Asked>) {
+    std::thread::spawn(move || {
+        let mut state = MachineState::default();
+        let mut zeroing = Zeroing::default();
+        publish(&machine, &state);
+        while !machine.is_ending() {
+            let why = connect(&port)
+                .and_then(|session| {
+                    let link = (session, &mut state, &mut zeroing);
+                    Driver::new(&machine, link, &requests).drive()
+                })
+                .err();
+            let Some(why) = why else { break };
+            if state.why.as_deref() != Some(&why) {
+                machine.tell(From::Server, why.as_str());
+            }
+            state.lost(&why);
+            wait(&machine, &mut state, &requests);
+        }
+        machine.set_ended();
+    });
+}
+
+/// Opens the port and waits for the controller.
+fn connect(port: &Port) -> Result<Session, String> {
+    // A stop that was requested meanwhile is carried out by the driver.
+    let mut session = Session::new(port.open()?, StopRequests::default());
+    session.poll_every(POLL);
+    session.begin()?;
+    Ok(session)
+}
+
+/// Publishes that the controller is lost, and refuses requests until the next try.
+fn wait(machine: &Machine, state: &mut MachineState, requests: &Receiver<Asked>) {
+    let end = Instant::now() + RETRY;
+    while let Some(left) = end.checked_duration_since(Instant::now()) {
+        state.operator = machine.control.operator();
+        state.clients = machine.clients();
+        publish(machine, state);
+        if machine.is_ending() {
+            return;
+        }
+        if let Ok(asked) = requests.recv_timeout(left.min(PUBLISH * 3)) {
+            asked.reply.error("the controller is lost");
+        }
+    }
+}
+
+fn publish(machine: &Machine, state: &MachineState) {
+    machine.publish(|number| state.frame(machine.number, number));
+}
+
+/// Why a line was sent.
+#[derive(Debug)]
+enum Purpose {
+    /// For a page.
+    Asked(Reply),
+    /// For a page: homing.
+    Home(Reply),
+    /// For a page: a new work zero. The work zero before it can be restored.
+    Zero(Reply, zeroing::Zero),
+    /// For a page: the restored work zero.
+    Undo(Reply),
+    /// A part of a jog.
+    Jog,
+    /// To know the modes or the settings. The console does not show it.
+    Known,
+}
+
+/// The driver, while its controller answers.
+struct Driver<'a> {
+    machine: &'a Machine,
+    session: Session,
+    state: &'a mut MachineState,
+    zeroing: &'a mut Zeroing,
+    requests: &'a Receiver<Asked>,
+    stream: Stream<Purpose>,
+    /// Lines that wait for room in the controller.
+    waiting: VecDeque<(String, Purpose)>,
+    jogging: Jogging,
+    halting: Option<Halting>,
+    /// Number of the last alarm.
+    alarm: Option<u16>,
+    /// Values of the settings.
+    settings: BTreeMap<u16, String>,
+    /// The modes may have changed.
+    modes_are_due: bool,
+    published: Option<MachineState>,
+    published_at: Instant,
+}
+
+impl<'a> Driver<'a> {
+    fn new(
+        machine: &'a Machine,
+        (session, state, zeroing): (Session, &'a mut MachineState, &'a mut Zeroing),
+        requests: &'a Receiver<Asked>,
+    ) -> Self {
+        Self {
+            machine,
+            session,
+            state,
+            zeroing,
+            requests,
+            stream: Stream::new(),
+            waiting: VecDeque::new(),
+            jogging: Jogging::default(),
+            halting: None,
+            alarm: None,
+            settings: BTreeMap::new(),
+            modes_are_due: true,
+            published: None,
+            published_at: Instant::now(),
+        }
+    }
+
+    /// Drives until the program ends.
+    ///
+    /// # Errors
+    ///
+    /// The controller is lost: a sentence.
+    fn drive(mut self) -> Result<(), String> {
+        self.state.link = Link::Up;
+        self.state.why = None;
+        self.machine.tell(From::Server, "the controller answers");
+        self.send_known("$I");
+        self.send_known("$$");
+        let ended = self.turns();
+        let lost = "the controller is lost";
+        self.drop_lines(lost);
+        ended
+    }
+
+    fn turns(&mut self) -> Result<(), String> {
+        loop {
+            if self.machine.is_ending() && !self.session.is_in_motion() && self.halting.is_none() {
+                return Ok(());
+            }
+            if self.machine.is_ending() && self.halting.is_none() {
+                self.machine.stop.request();
+            }
+            self.halt()?;
+            for _ in 0..WAITING {
+                let Ok(asked) = self.requests.try_recv() else {
+                    break;
+                };
+                self.carry_out(asked)?;
+            }
+            self.jog()?;
+            self.ask_modes();
+            self.send_waiting()?;
+            if let Some(heard) = self.session.turn()? {
+                self.hear(heard)?;
+            }
+            self.publish();
+        }
+    }
+
+    /// Publishes the state if it has changed, and not too often.
+    fn publish(&mut self) {
+        self.state.operator = self.machine.control.operator();
+        self.state.clients = self.machine.clients();
+        self.state.jog = self.jogging.shown();
+        self.state.stopping = self.halting.is_some();
+        self.state.undo = self.zeroing.count();
+        if self.is_homing() {
+            // Grbl sends no reports while it homes.
+            self.state.state = Some("Home");
+        }
+        let is_due = self.published_at.elapsed() >= PUBLISH;
+        if is_due && self.published.as_ref() != Some(self.state) {
+            self.published_at = Instant::now();
+            self.published = Some(self.state.clone());
+            publish(self.machine, self.state);
+        }
+    }
+
+    /// Sends a line as soon as the controller has room for it. The console shows it.
+    fn send(&mut self, line: impl Into<String>, purpose: Purpose) {
+        self.waiting.push_back((line.into(), purpose));
+    }
+
+    /// Sends a line whose answer this program wants to know.
+    fn send_known(&mut self, line: &str) {
+        self.waiting.push_back((line.to_owned(), Purpose::Known));
+    }
+
+    /// Sends the lines for which the controller has room.
+    fn send_waiting(&mut self) -> Result<(), String> {
+        // A held controller takes lines and does not answer them.
+        while self.halting.is_none() {
+            let next = self.waiting.front();
+            if !next.is_some_and(|(line, _)| self.stream.has_room(line)) {
+                break;
+            }
+            let Some((line, purpose)) = self.waiting.pop_front() else {
+                break;
+            };
+            if !matches!(purpose, Purpose::Jog | Purpose::Known) {
+                self.machine.tell(From::Host, line.as_str());
+            }
+            if matches!(purpose, Purpose::Home(_)) {
+                self.session.allow_silence(Some(HOMING));
+            }
+            self.session.put(format!("{line}\n").as_bytes())?;
+            self.stream.sent(&line, purpose);
+        }
+        Ok(())
+    }
+
+    /// Sends a byte that takes effect at once.
+    fn put(&mut self, byte: Realtime) -> Result<(), String> {
+        let name = match byte {
+            Realtime::Reset => "0x18 (reset)",
+            Realtime::Hold => "! (hold)",
+            Realtime::Resume => "~ (resume)",
+            Realtime::JogCancel => "0x85 (jog cancel)",
+            Realtime::Feed(_) => "feed override",
+            Realtime::Rapid(_) => "rapid override",
+            Realtime::Spindle(_) => "spindle override",
+            Realtime::SpindleStop => "0x9E (spindle stop)",
+            Realtime::Flood => "0xA0 (flood)",
+            Realtime::Mist => "0xA1 (mist)",
+            Realtime::Door | Realtime::Status | Realtime::Unknown(_) => "",
+        };
+        self.machine.tell(From::Host, name);
+        self.session.put(&[byte.byte()])
+    }
+
+    /// Asks for the modes, when nothing else is on the way.
+    fn ask_modes(&mut self) {
+        let is_idle = matches!(self.session.state(), Some(State::Idle | State::Alarm));
+        if self.modes_are_due && is_idle && self.stream.is_empty() && self.waiting.is_empty() {
+            self.modes_are_due = false;
+            self.send_known("$G");
+        }
+    }
+
+    /// Whether homing is on its way.
+    fn is_homing(&self) -> bool {
+        let is_home = |purpose: &Purpose| matches!(purpose, Purpose::Home(_));
+        self.session.state() == Some(State::Home) || self.stream.purposes().any(is_home)
+    }
+
+    /// Whether no line waits or is on its way but those whose answer this program wants to know.
+    fn is_quiet(&self) -> bool {
+        let is_known = |purpose: &Purpose| matches!(purpose, Purpose::Known);
+        self.stream.purposes().all(is_known) && self.waiting.iter().all(|(_, of)| is_known(of))
+    }
+
+    /// Forgets all lines that wait or are on the way. Those who asked are told why.
+    fn drop_lines(&mut self, why: &str) {
+        let waiting = self.waiting.drain(..).map(|(_, purpose)| purpose);
+        let purposes: Vec<_> = self.stream.clear().chain(waiting).collect();
+        for purpose in purposes {
+            match purpose {
+                Purpose::Asked(reply)
+                | Purpose::Home(reply)
+                | Purpose::Zero(reply, _)
+                | Purpose::Undo(reply) => reply.error(why),
+                Purpose::Jog | Purpose::Known => {}
+            }
+        }
+        self.jogging.forget();
+        self.session.allow_silence(None);
+    }
+
+    /// Carries out a request of a page.
+    fn carry_out(&mut self, asked: Asked) -> Result<(), String> {
+        let Asked {
+            client,
+            request,
+            reply,
+        } = asked;
+        if self.halting.is_some() {
+            reply.error("the machine is being stopped");
+            return Ok(());
+        }
+        match request {
+            Request::Hold => return self.put(Realtime::Hold).map(|()| reply.ok()),
+            Request::Resume => return self.put(Realtime::Resume).map(|()| reply.ok()),
+            Request::Reset => {
+                reply.ok();
+                return self.begin_halt(true, "the controller was reset");
+            }
+            Request::Override { what, percent } => {
+                let done = self.set_override(what, percent)?;
+                reply.with(done);
+            }
+            Request::Toggle { what } => {
+                let done = self.toggle(what)?;
+                reply.with(done);
+            }
+            Request::Jog { jog, axes, feed } => {
+                let begun = self.begin_jog(client, jog, &axes, feed);
+                if begun.is_err() {
+                    self.machine.lease.release(client, jog);
+                }
+                reply.with(begun);
+            }
+            Request::UndoZero => self.undo_zero(reply),
+            Request::Zero { at_mm } => self.zero(&at_mm, reply),
+            Request::Unlock => self.by_hand("$X", reply, Purpose::Asked),
+            Request::Home { axis } => self.home(axis, reply),
+            Request::Step { move_mm, feed } => self.step(&move_mm, feed, reply),
+            Request::Goto { to_mm, frame, feed } => self.go(&to_mm, frame, feed, reply),
+            Request::Line { text } => return self.line(&text, reply),
+            Request::Stop
+            | Request::Take { .. }
+            | Request::Give
+            | Request::Renew { .. }
+            | Request::Release { .. } => {}
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,121 @@
+//! What the controller sends.
+
+use super::{Driver, From, Purpose};
+use husillo_clients::grbl::{Heard, described};
+use husillo_transports::grbl::{Message, State};
+use serde_json::json;
+
+impl Driver<'_> {
+    /// Handles what the controller has sent.
+    ///
+    /// # Errors
+    ///
+    /// The controller is lost.
+    pub(super) fn hear(&mut self, heard: Heard) -> Result<(), String> {
+        match &heard {
+            Heard::Status(_) => {
+                self.state.report(&self.session, self.alarm);
+                if self.session.state() != Some(State::Alarm) {
+                    self.alarm = None;
+                }
+            }
+            Heard::Ok => self.answered(None),
+            Heard::Refused(number) => self.answered(Some(*number)),
+            Heard::Alarm(number) => {
+                self.machine
+                    .tell(From::Controller, format!("ALARM:{number}"));
+                self.alarm = Some(*number);
+                self.state.why = Some(husillo_clients::grbl::alarm(*number));
+                if self.halting.is_none() {
+                    // After some alarms the controller answers only after a reset. Nothing moves.
+                    self.begin_halt(true, "an alarm has ended the motion")?;
+                }
+            }
+            Heard::Started(name) => {
+                self.machine.tell(From::Controller, name.as_str());
+                self.state.controller = Some(name.clone());
+                if self.halting.is_none() {
+                    self.drop_lines("the controller was reset");
+                    self.modes_are_due = true;
+                }
+            }
+            Heard::Text(text) => self.text(text),
+        }
+        self.hear_halt(&heard);
+        Ok(())
+    }
+
+    /// Handles the answer to a line: accepted, or refused with a number.
+    fn answered(&mut self, refused: Option<u16>) {
+        let text = refused.map_or("ok".to_owned(), |number| format!("error:{number}"));
+        let Some(purpose) = self.stream.answered() else {
+            return self.machine.tell(From::Controller, text);
+        };
+        let is_shown =
+            !matches!(purpose, Purpose::Known) && (refused.is_some() || !is_jog(&purpose));
+        if is_shown {
+            self.machine.tell(From::Controller, text);
+            self.modes_are_due = true;
+        }
+        let result = refused.map_or(Ok(()), |number| Err(described(number)));
+        match purpose {
+            Purpose::Asked(reply) => {
+                if result.is_ok() {
+                    self.state.why = None;
+                }
+                reply.with(result);
+            }
+            Purpose::Home(reply) => {
+                self.session.allow_silence(None);
+                reply.with(result);
+            }
+            Purpose::Zero(reply, before) => {
+                if result.is_ok() {
+                    self.zeroing.keep(before);
+                }
+                reply.with(result);
+            }
+            Purpose::Undo(reply) => {
+                if result.is_ok() {
+                    self.zeroing.restored();
+                }
+                reply.with(result);
+            }
+            Purpose::Jog => self.jog_answered(result),
+            Purpose::Known => {}
+        }
+    }
+
+    /// Handles a line that is no answer.
+    fn text(&mut self, text: &str) {
+        match Message::parse(text.as_bytes()) {
+            Some(Message::Modal(modes)) => self.state.modes(&modes),
+            Some(Message::Probe(at, is_touched)) => {
+                let at: Vec<_> = at.nm().iter().map(|nm| *nm as f64 / 1e6).collect();
+                let before = self.state.probe.as_ref();
+                let count = before.map_or(0, |probe| probe["count"].as_u64().unwrap_or(0)) + 1;
+                self.state.probe =
+                    Some(json!({"at_mm": at, "touched": is_touched, "count": count}));
+            }
+            Some(Message::Version(version, _)) if self.state.controller.is_none() => {
+                let version = String::from_utf8_lossy(version);
+                self.state.controller = Some(format!("Grbl {version}"));
+            }
+            _ => {}
+        }
+        // Numbers that Grbl does not have belong to a newer controller.
+        if let Some((number, value)) = text.strip_prefix('$').and_then(|rest| rest.split_once('='))
+        {
+            if let Ok(number) = number.parse() {
+                self.settings.insert(number, value.to_owned());
+            }
+        }
+        if !matches!(self.stream.next(), Some(Purpose::Known)) {
+            self.machine.tell(From::Controller, text);
+        }
+    }
+}
+
+const fn is_jog(purpose: &Purpose) -> bool {
+    matches!(purpose, Purpose::Jog)
+}

@@ -1,0 +1,195 @@
+//! A machine as the pages and its driver share it.
+
+use super::console_lines::{ConsoleLines, From};
+use super::control::Control;
+use super::lease::Lease;
+use super::reply::Reply;
+use super::request::Request;
+use axum::extract::ws::Utf8Bytes;
+use husillo_clients::StopRequests;
+use serde_json::{Value, json};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::{Mutex, PoisonError};
+use tokio::sync::watch;
+
+/// Requests that wait for the driver.
+const WAITING: usize = 64;
+
+/// A request for the driver of a machine.
+#[derive(Debug)]
+pub struct Asked {
+    /// The client that asks.
+    pub client: u64,
+    /// What it asks for.
+    pub request: Request,
+    /// Where the answer goes.
+    pub reply: Reply,
+}
+
+/// A machine.
+#[derive(Debug)]
+pub struct Machine {
+    /// Its number, from 1.
+    pub number: u32,
+    /// Its port.
+    pub port: String,
+    /// Requests to stop it.
+    pub stop: StopRequests,
+    /// Its console.
+    pub console: ConsoleLines,
+    /// Its operator.
+    pub control: Control,
+    /// The lease of a jog.
+    pub lease: Lease,
+    requests: SyncSender<Asked>,
+    published: Mutex<Published>,
+    news: watch::Sender<u64>,
+    clients: AtomicU64,
+    /// The operator has gone: a motion by hand ends.
+    is_left: AtomicBool,
+    is_ending: AtomicBool,
+    is_ended: AtomicBool,
+}
+
+/// The last state, as its frame.
+#[derive(Clone, Debug, Default)]
+pub struct Published {
+    /// Its number. 0: there is none.
+    pub number: u64,
+    /// Its frame.
+    pub frame: Utf8Bytes,
+}
+
+impl Machine {
+    /// A machine, and the requests for its driver. The number behind `news` changes with each new
+    /// state or line of a console.
+    pub fn new(
+        number: u32,
+        port: &str,
+        watch_only: bool,
+        news: watch::Sender<u64>,
+    ) -> (Self, Receiver<Asked>) {
+        let (requests, asked) = sync_channel(WAITING);
+        let machine = Self {
+            number,
+            port: port.to_owned(),
+            stop: StopRequests::default(),
+            console: ConsoleLines::new(),
+            control: Control::new(watch_only),
+            lease: Lease::default(),
+            requests,
+            published: Mutex::default(),
+            news,
+            clients: AtomicU64::new(0),
+            is_left: AtomicBool::new(false),
+            is_ending: AtomicBool::new(false),
+            is_ended: AtomicBool::new(false),
+        };
+        (machine, asked)
+    }
+
+    /// What a page is told about it at first.
+    pub fn described(&self) -> Value {
+        let is_simulated = self.port == "sim";
+        json!({
+            "machine": self.number,
+            "name": self.port,
+            "port": self.port,
+            "is_simulated": is_simulated,
+            "axes": ["X", "Y", "Z"],
+        })
+    }
+
+    /// Passes a request on to the driver.
+    pub fn ask(&self, client: u64, request: Request, reply: Reply) {
+        let asked = Asked {
+            client,
+            request,
+            reply,
+        };
+        if let Err(error) = self.requests.try_send(asked) {
+            use std::sync::mpsc::TrySendError::{Disconnected, Full};
+            let (Full(asked) | Disconnected(asked)) = error;
+            asked.reply.error("too many requests wait: try again");
+        }
+    }
+
+    /// Appends a line to the console.
+    pub fn tell(&self, from: From, text: impl Into<String>) {
+        self.console.push(from, text);
+        self.news
+            .send_modify(|number| *number = number.wrapping_add(1));
+    }
+
+    /// Publishes a state. `frame` makes its frame from its number.
+    pub fn publish(&self, frame: impl FnOnce(u64) -> String) {
+        let mut published = self
+            .published
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        published.number += 1;
+        published.frame = frame(published.number).into();
+        drop(published);
+        self.news
+            .send_modify(|number| *number = number.wrapping_add(1));
+    }
+
+    /// The last state.
+    pub fn published(&self) -> Published {
+        let published = self
+            .published
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        published.clone()
+    }
+
+    /// A client has come.
+    pub fn enter(&self) {
+        self.clients.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// A client has gone. If it was in control, a motion by hand ends.
+    pub fn leave(&self, client: u64) {
+        self.clients.fetch_sub(1, Ordering::Relaxed);
+        if self.control.give(client) {
+            self.abandon();
+        }
+    }
+
+    /// A motion by hand ends, because its operator has gone or has lost control.
+    pub fn abandon(&self) {
+        self.lease.end();
+        self.is_left.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether the operator has gone since the last call.
+    pub fn take_left(&self) -> bool {
+        self.is_left.swap(false, Ordering::Relaxed)
+    }
+
+    /// Number of clients.
+    pub fn clients(&self) -> u64 {
+        self.clients.load(Ordering::Relaxed)
+    }
+
+    /// Stops the machine and ends its driver.
+    pub fn end(&self) {
+        self.is_ending.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether the driver shall end.
+    pub fn is_ending(&self) -> bool {
+        self.is_ending.load(Ordering::Relaxed)
+    }
+
+    /// The driver has ended.
+    pub fn set_ended(&self) {
+        self.is_ended.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether the driver has ended.
+    pub fn is_ended(&self) -> bool {
+        self.is_ended.load(Ordering::Relaxed)
+    }
+}

@@ -1,0 +1,10 @@
+//! `husillo serve`, as a page calls it.
+
+mod access;
+mod control;
+mod hostile;
+mod jogging;
+mod lines;
+mod links;
+mod page;
+mod watching;
