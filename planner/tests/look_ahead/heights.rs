@@ -38,3 +38,10 @@ fn the_longest_moves_do_not_wear_out_the_queue() {
     }
     assert_eq!(moves.limits().exit_squared, 2 * 500 * 1000);
 }
+
+/// The bytes that the README names.
+#[test]
+#[cfg(target_pointer_width = "64")]
+fn the_queue_has_the_size_of_the_readme() {
+    assert_eq!(size_of::<LookAhead<u32, 16>>(), 1440);
+}
