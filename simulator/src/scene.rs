@@ -115,9 +115,13 @@ struct Whole<'a> {
 impl Scene<'_> {
     /// The scene as an element of a page.
     pub fn element(&self) -> String {
-        let packed = self.packed();
-        let text = base64(&packed);
+        let text = self.text();
         format!("<script type=\"application/x-husillo-scene\" id=\"scene\">{text}</script>\n")
+    }
+
+    /// The compressed scene in base64, which is the content of the element.
+    pub fn text(&self) -> String {
+        base64(&self.packed())
     }
 
     /// The compressed scene.

@@ -174,7 +174,7 @@ export class Program {
         disable(this.check, !may);
         disable(this.unload, !may || !program);
         disable(this.edit, !program);
-        this.report.hidden = !program || program.errors > 0;
+        this.report.hidden = !program || program.errors > 0 || !desk.offers.has("report");
         const token = desk.link.token;
         const href = `${desk.link.origin}${desk.path("report")}?token=${token}`;
         if (this.report.href !== href) this.report.href = href;

@@ -32,6 +32,7 @@ export class Run {
         this.pause = button(words.pause, () => desk.command("hold"));
         this.resume = button(words.resume, () => desk.command("resume"));
         this.from = element("input", { inputmode: "numeric", size: 6 });
+        this.fromField = element("label", { class: "field" }, words.fromLine, this.from);
         this.fromButton = button(words.startFrom, () => this.ask(Number(this.from.value)));
         this.single = element("input", { type: "checkbox" });
         this.single.addEventListener("change", () =>
@@ -64,7 +65,7 @@ export class Run {
                 { class: "items" },
                 element("label", { class: "check" }, this.single, words.singleBlock),
                 element("label", { class: "field" }, words.breakpoints, this.breakpoints),
-                element("label", { class: "field" }, words.fromLine, this.from),
+                this.fromField,
                 this.fromButton
             )
         );
@@ -106,6 +107,7 @@ export class Run {
         const mayStart = desk.mayCommand && desk.isIdle && program.errors === 0;
         disable(this.start, !mayStart);
         disable(this.fromButton, !mayStart);
+        this.fromField.hidden = this.fromButton.hidden = !desk.offers.has("from");
         disable(this.pause, state.link !== "up" || state.state !== "Run");
         const waits = program.phase === "waiting" || state.state === "Hold";
         disable(this.resume, !desk.mayCommand || !(waits || state.state === "Door"));

@@ -163,6 +163,11 @@ fn lines(job: &Job) -> Result<Result<Numbered, String>, Failure> {
         Some(input) => input.to_vec(),
         None => whole(&job.file)?,
     };
+    Ok(sendable_lines(&text))
+}
+
+/// The same for a text.
+pub fn sendable_lines(text: &[u8]) -> Result<Numbered, String> {
     let mut lines = Vec::new();
     for (number, line) in (1..).zip(text.split(|byte| *byte == b'\n')) {
         let mut reader = LineReader::new();
@@ -174,15 +179,15 @@ fn lines(job: &Job) -> Result<Result<Numbered, String>, Failure> {
                 lines.push((number, String::from_utf8_lossy(text).into_owned()));
             }
             Some(Line::TooLong) => {
-                return Ok(Err(format!(
+                return Err(format!(
                     "line {number} has more than {LINE_CHARACTERS} characters, which Grbl does not \
                      take: shorten it"
-                )));
+                ));
             }
             _ => {}
         }
     }
-    Ok(Ok(lines))
+    Ok(lines)
 }
 
 /// The operator at the terminal of this program.

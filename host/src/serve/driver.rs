@@ -8,6 +8,8 @@ mod halting;
 mod hearing;
 mod jogging;
 mod overriding;
+mod running;
+mod setting_up;
 mod zeroing;
 
 use super::console_lines::From;
@@ -21,6 +23,7 @@ use husillo_clients::{StopRequests, Wire};
 use husillo_sim::device::grbl::Device;
 use husillo_transports::grbl::{Realtime, Settings, State};
 use jogging::Jogging;
+use running::Running;
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use std::sync::mpsc::Receiver;
@@ -35,6 +38,8 @@ const PUBLISH: Duration = Duration::from_millis(33);
 const RETRY: Duration = Duration::from_secs(1);
 /// While it homes, a controller may be silent for this time.
 const HOMING: Duration = Duration::from_secs(180);
+/// Moves that wait in the queue of Grbl.
+const QUEUE: usize = 15;
 /// Lines that wait for the controller.
 const WAITING: usize = 64;
 
@@ -71,12 +76,12 @@ impl Port {
 pub fn start(machine: Arc<Machine>, port: Port, requests: Receiver<Asked>) {
     std::thread::spawn(move || {
         let mut state = MachineState::default();
-        let mut zeroing = Zeroing::default();
+        let mut kept = Kept::default();
         publish(&machine, &state);
         while !machine.is_ending() {
             let why = connect(&port)
                 .and_then(|session| {
-                    let link = (session, &mut state, &mut zeroing);
+                    let link = (session, &mut state, &mut kept);
                     Driver::new(&machine, link, &requests).drive()
                 })
                 .err();
@@ -133,8 +138,23 @@ enum Purpose {
     Undo(Reply),
     /// A part of a jog.
     Jog,
+    /// A line of the program.
+    Program,
+    /// To know when the lines before are made.
+    Synchronise,
+    /// For a page: all settings.
+    Settings(Reply),
+    /// A setting. The list that follows shows whether it was accepted.
+    Written,
     /// To know the modes or the settings. The console does not show it.
     Known,
+}
+
+/// What outlasts the loss of a controller.
+#[derive(Debug, Default)]
+struct Kept {
+    zeroing: Zeroing,
+    running: Running,
 }
 
 /// The driver, while its controller answers.
@@ -143,6 +163,7 @@ struct Driver<'a> {
     session: Session,
     state: &'a mut MachineState,
     zeroing: &'a mut Zeroing,
+    running: &'a mut Running,
     requests: &'a Receiver<Asked>,
     stream: Stream<Purpose>,
     /// Lines that wait for room in the controller.
@@ -151,6 +172,8 @@ struct Driver<'a> {
     halting: Option<Halting>,
     /// Number of the last alarm.
     alarm: Option<u16>,
+    /// Moves that wait in the controller at most.
+    queue_moves: usize,
     /// Values of the settings.
     settings: BTreeMap<u16, String>,
     /// The modes may have changed.
@@ -162,20 +185,22 @@ struct Driver<'a> {
 impl<'a> Driver<'a> {
     fn new(
         machine: &'a Machine,
-        (session, state, zeroing): (Session, &'a mut MachineState, &'a mut Zeroing),
+        (session, state, kept): (Session, &'a mut MachineState, &'a mut Kept),
         requests: &'a Receiver<Asked>,
     ) -> Self {
         Self {
             machine,
             session,
             state,
-            zeroing,
+            zeroing: &mut kept.zeroing,
+            running: &mut kept.running,
             requests,
             stream: Stream::new(),
             waiting: VecDeque::new(),
             jogging: Jogging::default(),
             halting: None,
             alarm: None,
+            queue_moves: QUEUE,
             settings: BTreeMap::new(),
             modes_are_due: true,
             published: None,
@@ -197,6 +222,7 @@ impl<'a> Driver<'a> {
         let ended = self.turns();
         let lost = "the controller is lost";
         self.drop_lines(lost);
+        self.state.program = self.program_shown();
         ended
     }
 
@@ -218,6 +244,7 @@ impl<'a> Driver<'a> {
             self.jog()?;
             self.ask_modes();
             self.send_waiting()?;
+            self.feed_program()?;
             if let Some(heard) = self.session.turn()? {
                 self.hear(heard)?;
             }
@@ -236,6 +263,7 @@ impl<'a> Driver<'a> {
             // Grbl sends no reports while it homes.
             self.state.state = Some("Home");
         }
+        self.state.program = self.program_shown();
         let is_due = self.published_at.elapsed() >= PUBLISH;
         if is_due && self.published.as_ref() != Some(self.state) {
             self.published_at = Instant::now();
@@ -298,7 +326,8 @@ impl<'a> Driver<'a> {
 
     /// Asks for the modes, when nothing else is on the way.
     fn ask_modes(&mut self) {
-        let is_idle = matches!(self.session.state(), Some(State::Idle | State::Alarm));
+        let is_idle = matches!(self.session.state(), Some(State::Idle | State::Alarm))
+            && !self.running.is_active();
         if self.modes_are_due && is_idle && self.stream.is_empty() && self.waiting.is_empty() {
             self.modes_are_due = false;
             self.send_known("$G");
@@ -326,11 +355,17 @@ impl<'a> Driver<'a> {
                 Purpose::Asked(reply)
                 | Purpose::Home(reply)
                 | Purpose::Zero(reply, _)
-                | Purpose::Undo(reply) => reply.error(why),
-                Purpose::Jog | Purpose::Known => {}
+                | Purpose::Undo(reply)
+                | Purpose::Settings(reply) => reply.error(why),
+                Purpose::Jog
+                | Purpose::Known
+                | Purpose::Program
+                | Purpose::Synchronise
+                | Purpose::Written => {}
             }
         }
         self.jogging.forget();
+        self.end_program(why);
         self.session.allow_silence(None);
     }
 
@@ -347,7 +382,7 @@ impl<'a> Driver<'a> {
         }
         match request {
             Request::Hold => return self.put(Realtime::Hold).map(|()| reply.ok()),
-            Request::Resume => return self.put(Realtime::Resume).map(|()| reply.ok()),
+            Request::Resume => return self.resume(reply),
             Request::Reset => {
                 reply.ok();
                 return self.begin_halt(true, "the controller was reset");
@@ -374,6 +409,18 @@ impl<'a> Driver<'a> {
             Request::Step { move_mm, feed } => self.step(&move_mm, feed, reply),
             Request::Goto { to_mm, frame, feed } => self.go(&to_mm, frame, feed, reply),
             Request::Line { text } => return self.line(&text, reply),
+            Request::Run { confirmed } => self.run(confirmed, reply),
+            Request::SingleBlock { on } => self.set_single_block(on, reply),
+            Request::Breakpoints { lines } => self.set_breakpoints(lines, reply),
+            Request::Unload => self.unload(reply),
+            Request::Load(program) => self.load(program, reply),
+            Request::Surroundings(to) => {
+                // If nobody waits any more, nobody needs them.
+                let _ = to.try_send(self.surroundings());
+            }
+            Request::Settings => self.by_hand("$$", reply, Purpose::Settings),
+            Request::SettingsDiff { values } => reply.data(self.settings_diff(&values)),
+            Request::SettingsSave { values } => self.save_settings(&values, reply),
             Request::Stop
             | Request::Take { .. }
             | Request::Give

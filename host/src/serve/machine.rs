@@ -3,6 +3,7 @@
 use super::console_lines::{ConsoleLines, From};
 use super::control::Control;
 use super::lease::Lease;
+use super::loaded::Loaded;
 use super::reply::Reply;
 use super::request::Request;
 use axum::extract::ws::Utf8Bytes;
@@ -10,7 +11,7 @@ use husillo_clients::StopRequests;
 use serde_json::{Value, json};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use tokio::sync::watch;
 
 /// Requests that wait for the driver.
@@ -42,6 +43,8 @@ pub struct Machine {
     pub control: Control,
     /// The lease of a jog.
     pub lease: Lease,
+    /// The loaded program.
+    pub program: Mutex<Option<Arc<Loaded>>>,
     requests: SyncSender<Asked>,
     published: Mutex<Published>,
     news: watch::Sender<u64>,
@@ -78,6 +81,7 @@ impl Machine {
             console: ConsoleLines::new(),
             control: Control::new(watch_only),
             lease: Lease::default(),
+            program: Mutex::default(),
             requests,
             published: Mutex::default(),
             news,

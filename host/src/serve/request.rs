@@ -1,10 +1,15 @@
 //! What a page asks for.
 
 use super::axes::Axes;
-use serde::Deserialize;
+use super::loaded::{Loaded, Surroundings};
+use serde::de::{Error, Unexpected};
+use serde::{Deserialize, Deserializer};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::sync::mpsc::SyncSender;
 
 /// A request about one machine.
-#[derive(Clone, Debug, Deserialize, PartialEq)]
+#[derive(Clone, Debug, Deserialize)]
 #[serde(tag = "do", rename_all = "snake_case")]
 pub enum Request {
     /// Stop everything.
@@ -91,6 +96,44 @@ pub enum Request {
         /// Which.
         what: Accessory,
     },
+    /// Run the loaded program, or tell what would happen.
+    Run {
+        /// Run it.
+        #[serde(default)]
+        confirmed: bool,
+    },
+    /// Wait after each line of the program.
+    SingleBlock {
+        /// Or no more.
+        on: bool,
+    },
+    /// Wait before these lines.
+    Breakpoints {
+        /// Their numbers.
+        lines: Vec<usize>,
+    },
+    /// Forget the loaded program.
+    Unload,
+    /// List the settings.
+    Settings,
+    /// Tell what these settings would change.
+    SettingsDiff {
+        /// Values by number.
+        #[serde(deserialize_with = "by_number")]
+        values: BTreeMap<u16, String>,
+    },
+    /// Change settings.
+    SettingsSave {
+        /// Values by number.
+        #[serde(deserialize_with = "by_number")]
+        values: BTreeMap<u16, String>,
+    },
+    /// Load a program that was checked. Pages cannot ask for this.
+    #[serde(skip)]
+    Load(Arc<Loaded>),
+    /// Tell what a program is checked against. Pages cannot ask for this.
+    #[serde(skip)]
+    Surroundings(SyncSender<Surroundings>),
 }
 
 /// Coordinates of a position.
@@ -131,8 +174,25 @@ pub enum Accessory {
 impl Request {
     /// Whether a client needs control for it.
     pub const fn needs_control(&self) -> bool {
-        !matches!(self, Self::Stop | Self::Take { .. } | Self::Hold)
+        use Request::{Hold, Settings, SettingsDiff, Stop, Take};
+        !matches!(
+            self,
+            Stop | Take { .. } | Hold | Settings | SettingsDiff { .. }
+        )
     }
+}
+
+/// Reads an object whose names are numbers. In a request that is chosen by its `do`, serde reads
+/// names as texts only.
+fn by_number<'de, D: Deserializer<'de>>(from: D) -> Result<BTreeMap<u16, String>, D::Error> {
+    let values = BTreeMap::<String, String>::deserialize(from)?;
+    let numbered = values.into_iter().map(|(name, value)| {
+        let number = name.parse().map_err(|_| {
+            Error::invalid_value(Unexpected::Str(&name), &"the number of a setting")
+        })?;
+        Ok((number, value))
+    });
+    numbered.collect()
 }
 
 #[cfg(test)]
@@ -142,15 +202,14 @@ mod tests {
     #[test]
     fn requests_are_read() {
         let read = |text: &str| serde_json::from_str::<Request>(text);
-        assert_eq!(
-            read(r#"{"do": "take", "id": 4}"#).unwrap(),
-            Request::Take { force: false }
-        );
+        let take = read(r#"{"do": "take", "id": 4}"#);
+        assert!(matches!(take, Ok(Request::Take { force: false })));
         let text = r#"{"do": "jog", "jog": 5, "axes": {"x": 1, "y": -1}, "feed": 600}"#;
         assert!(matches!(read(text), Ok(Request::Jog { jog: 5, .. })));
         for wrong in [
             "{}",
             r#"{"do": "fly"}"#,
+            r#"{"do": "load"}"#,
             r#"{"do": "jog", "jog": -1, "axes": {}, "feed": 1}"#,
             r#"{"do": "override", "what": "feed", "percent": 256}"#,
             "[]",

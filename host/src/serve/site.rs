@@ -2,10 +2,11 @@
 
 use super::access::Access;
 use super::machine::Machine;
-use super::{page, socket};
+use super::{page, program_file, socket};
 use axum::Router;
+use axum::body::Bytes;
 use axum::extract::ws::WebSocketUpgrade;
-use axum::extract::{Path, Query, Request, State};
+use axum::extract::{DefaultBodyLimit, Path, Query, Request, State};
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::middleware::{self, Next};
 use axum::response::{IntoResponse, Response};
@@ -36,6 +37,8 @@ pub struct Site {
 #[derive(Debug, Default, Deserialize)]
 struct Token {
     token: Option<String>,
+    /// Name of a program.
+    name: Option<String>,
 }
 
 /// The server for these machines.
@@ -54,6 +57,9 @@ pub fn router(
     Router::new()
         .route("/", get(|| async { page::file("") }))
         .route("/machines", get(list))
+        .route("/machines/{number}/program", get(program).post(load))
+        .route("/machines/{number}/scene", get(scene))
+        .layer(DefaultBodyLimit::max(program_file::MOST_BYTES))
         .route("/socket", get(open))
         .route("/{*path}", get(file))
         .layer(middleware::from_fn_with_state(Arc::clone(&site), checked))
@@ -87,6 +93,63 @@ async fn list(
         }
         Err(refusal) => refusal.into_response(),
     }
+}
+
+/// The machine of an address, if the request has the token.
+fn machine(
+    site: &Site,
+    number: u32,
+    query: &Token,
+    headers: &HeaderMap,
+) -> Result<Arc<Machine>, Response> {
+    let permitted = site.access.of_machine(headers, query.token.as_deref());
+    permitted.map_err(IntoResponse::into_response)?;
+    let found = site.machines.iter().find(|one| one.number == number);
+    let none = || (StatusCode::NOT_FOUND, "there is no such machine\n").into_response();
+    found.cloned().ok_or_else(none)
+}
+
+async fn program(
+    State(site): State<Arc<Site>>,
+    Path(number): Path<u32>,
+    Query(query): Query<Token>,
+    headers: HeaderMap,
+) -> Response {
+    match machine(&site, number, &query, &headers) {
+        Ok(machine) => program_file::text(&machine),
+        Err(refusal) => refusal,
+    }
+}
+
+async fn scene(
+    State(site): State<Arc<Site>>,
+    Path(number): Path<u32>,
+    Query(query): Query<Token>,
+    headers: HeaderMap,
+) -> Response {
+    match machine(&site, number, &query, &headers) {
+        Ok(machine) => program_file::scene(&machine),
+        Err(refusal) => refusal,
+    }
+}
+
+async fn load(
+    State(site): State<Arc<Site>>,
+    Path(number): Path<u32>,
+    Query(query): Query<Token>,
+    headers: HeaderMap,
+    body: Bytes,
+) -> Response {
+    let machine = match machine(&site, number, &query, &headers) {
+        Ok(machine) => machine,
+        Err(refusal) => return refusal,
+    };
+    let client = headers
+        .get("x-husillo-client")
+        .and_then(|value| value.to_str().ok()?.parse().ok());
+    let name = query.name.unwrap_or_else(|| "program.nc".into());
+    // Clients have numbers from 1.
+    program_file::load(machine, client.unwrap_or(0), name, body).await
 }
 
 async fn open(

@@ -94,7 +94,7 @@ fn asked(site: &Site, client: u64, text: &str, answers: &Sender<Utf8Bytes>) {
         Err(error) => return reply.error(format!("this request is not understood: {error}")),
     };
     let mut machines = site.machines.iter();
-    if request == Request::Stop && frame.get("machine").is_none() {
+    if matches!(request, Request::Stop) && frame.get("machine").is_none() {
         machines.for_each(|machine| stop(machine, client));
         return reply.ok();
     }
@@ -171,7 +171,7 @@ async fn write(
         "lease_ms": LEASE.as_millis() as u64,
         "renew_ms": 80,
         // Parts of the page beside moving by hand.
-        "offers": [],
+        "offers": ["program", "settings"],
         "machines": site.described(),
     });
     let mut frames = vec![welcome.to_string().into()];

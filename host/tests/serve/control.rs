@@ -91,6 +91,9 @@ fn machines_stand_side_by_side() {
         page.done(json!({"do": "take", "machine": machine}));
         page.done(json!({"do": "unlock", "machine": machine}));
     }
+    page.until("unlocked", |page| {
+        (page.states[1]["state"] == "Idle").then_some(())
+    });
     page.done(json!({"do": "step", "machine": 2, "move_mm": {"y": -1}, "feed": 1200}));
     page.until("machine 2", |page| {
         (page.states[1]["work_mm"][1] == -1.0).then_some(())

@@ -7,4 +7,6 @@ mod jogging;
 mod lines;
 mod links;
 mod page;
+mod programs;
+mod settings;
 mod watching;

@@ -59,6 +59,20 @@ impl Served {
         ))
     }
 
+    /// Loads a program as this client. Returns the status, and the report or the reason.
+    pub fn load(&self, client: u64, name: &str, text: &str) -> (u16, Value) {
+        let (host, token, length) = (&self.address, &self.token, text.len());
+        let answer = self.http(&format!(
+            "POST /machines/1/program?name={name} HTTP/1.1\r\nHost: {host}\r\n\
+             Authorization: Bearer {token}\r\nX-Husillo-Client: {client}\r\n\
+             Content-Length: {length}\r\nConnection: close\r\n\r\n{text}"
+        ));
+        let (head, body) = answer.split_once("\r\n\r\n").unwrap();
+        let status = head.split(' ').nth(1).unwrap().parse().unwrap();
+        let body = serde_json::from_str(body).unwrap_or_else(|_| Value::from(body));
+        (status, body)
+    }
+
     /// A page that watches.
     pub fn page(&self) -> Page {
         let stream = TcpStream::connect(&self.address).unwrap();

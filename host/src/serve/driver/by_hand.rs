@@ -32,6 +32,9 @@ impl Driver<'_> {
         if self.session.is_held() {
             return Err("the controller answers no line while it is held: resume or STOP".into());
         }
+        if self.running.is_active() {
+            return Err("a program runs".into());
+        }
         if self.jogging.is_active() {
             return Err("the machine jogs".into());
         }

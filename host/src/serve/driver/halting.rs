@@ -78,6 +78,7 @@ impl Driver<'_> {
         // Homing has no hold, so a reset ends it.
         let is_homing = self.is_homing();
         self.machine.lease.end();
+        self.stop_program();
         self.halting = Some(Halting {
             begun: Instant::now(),
             requests: self.machine.stop.count(),

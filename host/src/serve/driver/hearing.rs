@@ -19,13 +19,15 @@ impl Driver<'_> {
                     self.alarm = None;
                 }
             }
-            Heard::Ok => self.answered(None),
-            Heard::Refused(number) => self.answered(Some(*number)),
+            Heard::Ok => self.answered(None)?,
+            Heard::Refused(number) => self.answered(Some(*number))?,
             Heard::Alarm(number) => {
                 self.machine
                     .tell(From::Controller, format!("ALARM:{number}"));
                 self.alarm = Some(*number);
-                self.state.why = Some(husillo_clients::grbl::alarm(*number));
+                let why = husillo_clients::grbl::alarm(*number);
+                self.fail_program(why.clone());
+                self.state.why = Some(why);
                 if self.halting.is_none() {
                     // After some alarms the controller answers only after a reset. Nothing moves.
                     self.begin_halt(true, "an alarm has ended the motion")?;
@@ -46,10 +48,15 @@ impl Driver<'_> {
     }
 
     /// Handles the answer to a line: accepted, or refused with a number.
-    fn answered(&mut self, refused: Option<u16>) {
+    ///
+    /// # Errors
+    ///
+    /// The controller is lost.
+    fn answered(&mut self, refused: Option<u16>) -> Result<(), String> {
         let text = refused.map_or("ok".to_owned(), |number| format!("error:{number}"));
         let Some(purpose) = self.stream.answered() else {
-            return self.machine.tell(From::Controller, text);
+            self.machine.tell(From::Controller, text);
+            return Ok(());
         };
         let is_shown =
             !matches!(purpose, Purpose::Known) && (refused.is_some() || !is_jog(&purpose));
@@ -82,8 +89,20 @@ impl Driver<'_> {
                 reply.with(result);
             }
             Purpose::Jog => self.jog_answered(result),
+            Purpose::Program => return self.program_answered(result),
+            Purpose::Synchronise => self.synchronised(),
+            Purpose::Settings(reply) => match result {
+                Ok(()) => reply.data(self.settings_list()),
+                Err(why) => reply.error(why),
+            },
+            Purpose::Written => {
+                if let Err(why) = result {
+                    self.state.why = Some(why);
+                }
+            }
             Purpose::Known => {}
         }
+        Ok(())
     }
 
     /// Handles a line that is no answer.
@@ -97,6 +116,7 @@ impl Driver<'_> {
                 self.state.probe =
                     Some(json!({"at_mm": at, "touched": is_touched, "count": count}));
             }
+            Some(Message::Options(_, moves, _)) => self.queue_moves = moves.into(),
             Some(Message::Version(version, _)) if self.state.controller.is_none() => {
                 let version = String::from_utf8_lossy(version);
                 self.state.controller = Some(format!("Grbl {version}"));

@@ -136,7 +136,8 @@ impl Driver<'_> {
     ///
     /// The controller is lost.
     pub(super) fn jog(&mut self) -> Result<(), String> {
-        if self.machine.take_left() && self.halting.is_none() {
+        let is_by_hand = self.halting.is_none() && !self.running.is_active();
+        if self.machine.take_left() && is_by_hand {
             // A move that has just been sent may not be in a report yet.
             self.cancel_jog("its operator has gone")?;
         }

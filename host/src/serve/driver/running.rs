@@ -1,0 +1,400 @@
+//! A program that is sent: line after line, with breakpoints and holds.
+
+use super::{Driver, From, Purpose};
+use crate::serve::loaded::{Loaded, Surroundings};
+use crate::serve::reply::Reply;
+use husillo_clients::grbl::SYNCHRONISE;
+use husillo_transports::grbl::{Realtime, State};
+use serde_json::{Value, json};
+use std::collections::BTreeSet;
+use std::sync::{Arc, PoisonError};
+use std::time::{Duration, Instant};
+
+/// What becomes of a program.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Phase {
+    #[default]
+    Loaded,
+    Running,
+    /// It waits before its next line for the operator.
+    Waiting,
+    Stopping,
+    Done,
+    Stopped,
+    Failed,
+}
+
+impl Phase {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Loaded => "loaded",
+            Self::Running => "running",
+            Self::Waiting => "waiting",
+            Self::Stopping => "stopping",
+            Self::Done => "done",
+            Self::Stopped => "stopped",
+            Self::Failed => "failed",
+        }
+    }
+}
+
+/// The program of a machine.
+#[derive(Debug, Default)]
+pub(in crate::serve) struct Running {
+    program: Option<Arc<Loaded>>,
+    /// Number of programs that were loaded.
+    loads: u64,
+    phase: Phase,
+    /// Index of the next line to send.
+    next: usize,
+    answered: usize,
+    /// Index of the line that the operator has let pass.
+    passed: usize,
+    /// The lines before the next one are made, when the dwell that was sent is answered.
+    is_synchronising: bool,
+    single_block: bool,
+    breakpoints: BTreeSet<usize>,
+    message: Option<String>,
+    turned_at: Option<Instant>,
+    /// Time of motion since the start.
+    elapsed: Duration,
+    /// Simulated time that is done, s.
+    done_s: f64,
+}
+
+impl Running {
+    /// Whether lines are sent, or will be.
+    pub(in crate::serve) const fn is_active(&self) -> bool {
+        matches!(
+            self.phase,
+            Phase::Running | Phase::Waiting | Phase::Stopping
+        )
+    }
+
+    /// Loads a program.
+    fn load(&mut self, program: Arc<Loaded>) {
+        *self = Self {
+            program: Some(program),
+            loads: self.loads + 1,
+            single_block: self.single_block,
+            ..Self::default()
+        };
+    }
+
+    fn is_at_breakpoint(&self, lines: &[(usize, String)]) -> bool {
+        let is_marked = |(number, _): &(usize, String)| self.breakpoints.contains(number);
+        let must =
+            (self.single_block && self.next > 0) || lines.get(self.next).is_some_and(is_marked);
+        must && self.passed != self.next + 1
+    }
+
+    /// The line that is probably being made, if this many moves wait in the controller.
+    fn line(&self, moves: usize) -> Option<usize> {
+        let lines = &self.program.as_ref()?.lines;
+        let index = self.answered.saturating_sub(moves + 1);
+        match self.phase {
+            Phase::Loaded => None,
+            _ => lines.get(index).map(|(number, _)| *number),
+        }
+    }
+}
+
+impl Driver<'_> {
+    /// Takes a program that was checked.
+    pub(super) fn load(&mut self, program: Arc<Loaded>, reply: Reply) {
+        if self.running.is_active() {
+            return reply.error("a program runs: stop it first");
+        }
+        self.machine
+            .tell(From::Server, format!("{} is loaded", program.name));
+        self.running.load(program);
+        reply.ok();
+    }
+
+    /// Forgets the program.
+    pub(super) fn unload(&mut self, reply: Reply) {
+        if self.running.is_active() {
+            return reply.error("a program runs: stop it first");
+        }
+        *self
+            .machine
+            .program
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner) = None;
+        self.running.program = None;
+        self.running.phase = Phase::Loaded;
+        reply.ok();
+    }
+
+    /// What a program is checked against.
+    pub(super) fn surroundings(&self) -> Surroundings {
+        Surroundings {
+            settings: self.settings.clone(),
+            zero_mm: self.state.zero_mm.clone().unwrap_or_default(),
+            at_mm: self.state.machine_mm.clone().unwrap_or_default(),
+        }
+    }
+
+    /// Starts the program, or tells what would happen.
+    pub(super) fn run(&mut self, is_confirmed: bool, reply: Reply) {
+        let begun = self.takes_lines().and_then(|()| {
+            let program = self.running.program.clone();
+            let program = program.ok_or("no program is loaded")?;
+            if program.errors > 0 {
+                return Err("the program has errors: correct them first".into());
+            }
+            if program.lines.is_empty() {
+                return Err("the program has no commands".into());
+            }
+            match self.session.state() {
+                Some(State::Idle | State::Check) if self.is_quiet() => Ok(program),
+                Some(State::Alarm) => Err("the controller is locked: home or unlock".into()),
+                _ => Err("the machine is not at rest".to_owned()),
+            }
+        });
+        let program = match begun {
+            Ok(program) => program,
+            Err(why) => return reply.error(why),
+        };
+        if is_confirmed {
+            self.machine
+                .tell(From::Server, format!("{} starts", program.name));
+            let running = &mut *self.running;
+            *running = super::Running {
+                program: Some(program),
+                loads: running.loads,
+                phase: Phase::Running,
+                single_block: running.single_block,
+                breakpoints: std::mem::take(&mut running.breakpoints),
+                ..super::Running::default()
+            };
+            return reply.ok();
+        }
+        reply.data(json!({
+            "name": program.name,
+            "lines": program.lines.len(),
+            "time_s": program.times.as_ref().map(|times| times.total_s()),
+            "work_mm": self.state.work_mm,
+            "modal": self.state.modal,
+        }));
+    }
+
+    /// Goes on: past a breakpoint, or after a hold.
+    ///
+    /// # Errors
+    ///
+    /// The controller is lost.
+    pub(super) fn resume(&mut self, reply: Reply) -> Result<(), String> {
+        if self.running.phase == Phase::Waiting && !self.session.is_held() {
+            self.running.passed = self.running.next + 1;
+            self.running.phase = Phase::Running;
+        } else {
+            self.put(Realtime::Resume)?;
+        }
+        reply.ok();
+        Ok(())
+    }
+
+    /// Waits after each line, or no more.
+    pub(super) fn set_single_block(&mut self, is_on: bool, reply: Reply) {
+        self.running.single_block = is_on;
+        reply.ok();
+    }
+
+    /// Waits before these lines.
+    pub(super) fn set_breakpoints(&mut self, lines: Vec<usize>, reply: Reply) {
+        self.running.breakpoints = lines.into_iter().collect();
+        reply.ok();
+    }
+
+    /// Sends the lines for which the controller has room.
+    ///
+    /// # Errors
+    ///
+    /// The controller is lost.
+    pub(super) fn feed_program(&mut self) -> Result<(), String> {
+        let Some(program) = self.running.program.clone() else {
+            return Ok(());
+        };
+        while self.running.phase == Phase::Running && self.halting.is_none() {
+            if self.running.is_synchronising {
+                break;
+            }
+            let next = program.lines.get(self.running.next);
+            let (line, purpose) = match next {
+                Some((_, line)) if !self.running.is_at_breakpoint(&program.lines) => {
+                    (line.as_str(), Purpose::Program)
+                }
+                // All lines before are made when a dwell is answered.
+                _ => (SYNCHRONISE, Purpose::Synchronise),
+            };
+            if !self.stream.has_room(line) {
+                break;
+            }
+            match purpose {
+                Purpose::Program => self.running.next += 1,
+                _ => self.running.is_synchronising = true,
+            }
+            self.machine.tell(From::Host, line);
+            self.session.put(format!("{line}\n").as_bytes())?;
+            self.stream.sent(line, purpose);
+        }
+        Ok(())
+    }
+
+    /// A line of the program was accepted, or refused.
+    ///
+    /// # Errors
+    ///
+    /// The controller is lost.
+    pub(super) fn program_answered(&mut self, result: Result<(), String>) -> Result<(), String> {
+        let lines = self.running.program.as_ref().map(|program| &program.lines);
+        let line = lines.and_then(|lines| lines.get(self.running.answered).cloned());
+        match (result, line) {
+            (Err(why), Some((number, line))) if self.running.phase != Phase::Failed => {
+                self.fail_program(format!("line {number}, {line}: {why}"));
+                self.begin_halt(false, "a line of the program was refused")?;
+            }
+            (Ok(()), _) => self.running.answered += 1,
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// All lines that were sent are made.
+    pub(super) fn synchronised(&mut self) {
+        let running = &mut *self.running;
+        running.is_synchronising = false;
+        let count = running
+            .program
+            .as_ref()
+            .map_or(0, |program| program.lines.len());
+        if running.next < count {
+            running.phase = Phase::Waiting;
+        } else if running.phase == Phase::Running {
+            running.phase = Phase::Done;
+            let times = running
+                .program
+                .as_ref()
+                .and_then(|program| program.times.as_ref());
+            running.done_s = times.map_or(running.done_s, |times| times.total_s());
+            let message = format!("{count} lines made; {}", self.session.stands());
+            self.machine.tell(From::Server, message.as_str());
+            self.running.message = Some(message);
+        }
+    }
+
+    /// The program cannot go on.
+    pub(super) fn fail_program(&mut self, why: String) {
+        if self.running.is_active() {
+            self.running.phase = Phase::Failed;
+            let text = format!("{why}; {}", self.lines_made());
+            self.machine.tell(From::Server, text.as_str());
+            self.running.message = Some(text);
+        }
+    }
+
+    /// STOP was pressed.
+    pub(super) fn stop_program(&mut self) {
+        if self.running.is_active() {
+            self.running.phase = Phase::Stopping;
+            self.running.message = Some(format!("stopped; {}", self.lines_made()));
+        }
+    }
+
+    /// The machine stands after a stop, or its lines are lost.
+    pub(super) fn end_program(&mut self, why: &str) {
+        self.running.is_synchronising = false;
+        match self.running.phase {
+            Phase::Stopping => self.running.phase = Phase::Stopped,
+            _ => self.fail_program(why.to_owned()),
+        }
+    }
+
+    /// Which lines are certainly made.
+    fn lines_made(&self) -> String {
+        let running = &*self.running;
+        let open = running.answered.saturating_sub(self.queue_moves + 1);
+        let program = running.program.as_ref();
+        match program.and_then(|program| program.lines.get(open)) {
+            Some((number, _)) => format!("all lines before line {number} are made"),
+            None => "all lines are made".into(),
+        }
+    }
+
+    /// What pages are told about the program. Progress goes on by the simulated time, between the
+    /// line that is made and the last one that is answered.
+    pub(super) fn program_shown(&mut self) -> Option<Value> {
+        let is_moving = self.session.state() == Some(State::Run);
+        let is_held = self.session.is_held();
+        let free = self.session.status().and_then(|status| status.free);
+        let waiting = free.map_or(0, |(moves, _)| {
+            self.queue_moves.saturating_sub(moves.into())
+        });
+        let percent = |name: &str| {
+            let overrides = self.state.overrides.as_ref();
+            overrides
+                .and_then(|all| all[name].as_f64())
+                .unwrap_or(100.0)
+        };
+        let (feed, rapid) = (percent("feed"), percent("rapid"));
+        let running = &mut *self.running;
+        let program = Arc::clone(running.program.as_ref()?);
+        let line = running.line(waiting);
+        let now = Instant::now();
+        let passed = running
+            .turned_at
+            .replace(now)
+            .map_or(Duration::ZERO, |then| now - then);
+        if running.phase == Phase::Running && is_moving {
+            running.elapsed += passed;
+            running.done_s += passed.as_secs_f64() * feed / 100.0;
+        }
+        let is_begun = running.phase != Phase::Loaded;
+        let times = program.times.as_ref();
+        let mut left_s = None;
+        if let (Some(times), Some(line)) = (times, line) {
+            let last = running.answered.checked_sub(1);
+            let last = last
+                .and_then(|last| program.lines.get(last))
+                .map_or(0, |(line, _)| *line);
+            if running.phase != Phase::Done {
+                let least = times.end_s(line.saturating_sub(1));
+                let most = times.end_s(last).max(least);
+                running.done_s = running.done_s.clamp(least, most);
+            }
+            left_s = Some(times.left_s(line, running.done_s, feed, rapid));
+        }
+        let total_s = times.map(|times| times.total_s());
+        // Tenths, so that a state does not change without need.
+        let tenths = |s: f64| (s * 10.0).round() / 10.0;
+        let progress = total_s
+            .filter(|total| *total > 0.0)
+            .map(|total| running.done_s / total);
+        let phase = match running.phase {
+            Phase::Running if is_held => "held",
+            phase => phase.name(),
+        };
+        let before = program.lines.get(running.next).map(|(number, _)| *number);
+        Some(json!({
+            "name": program.name,
+            "lines": program.count,
+            "errors": program.errors,
+            "warnings": program.warnings,
+            "load": running.loads,
+            "phase": phase,
+            "line": line,
+            "sent": running.next,
+            "answered": running.answered,
+            "of": program.lines.len(),
+            "time_s": total_s,
+            "elapsed_s": tenths(running.elapsed.as_secs_f64()),
+            "remaining_s": left_s.filter(|_| is_begun).map(tenths),
+            "progress": progress.map(|part| (part.clamp(0.0, 1.0) * 1e3).round() / 1e3),
+            "single_block": running.single_block,
+            "breakpoints": running.breakpoints,
+            "waits_before": before.filter(|_| running.phase == Phase::Waiting),
+            "message": running.message,
+        }))
+    }
+}

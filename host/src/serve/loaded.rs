@@ -1,0 +1,168 @@
+//! A program that a page has loaded: its findings, its lines, and its times.
+
+use super::controller_machine::machine;
+use super::timetable::Timetable;
+use crate::app::sendable_lines;
+use husillo_gcode::Nm;
+use husillo_sim::observers::AXES;
+use husillo_simulator::diagnostics::{Finding, Findings};
+use husillo_simulator::job::{Job, JobError, Options, Text};
+use husillo_simulator::scene::Scene;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+
+/// Findings that a page gets.
+const FINDINGS: u64 = 200;
+/// A program with more step events has no times and no picture: its simulation would take minutes.
+const MOST_EVENTS: f64 = 2e8;
+
+/// What a program is checked against.
+#[derive(Debug)]
+pub struct Surroundings {
+    /// Settings of the controller.
+    pub settings: BTreeMap<u16, String>,
+    /// Work zero in machine coordinates, mm.
+    pub zero_mm: Vec<f64>,
+    /// Position in machine coordinates, mm.
+    pub at_mm: Vec<f64>,
+}
+
+/// A program.
+#[derive(Debug)]
+pub struct Loaded {
+    /// Its name.
+    pub name: String,
+    /// Its text.
+    pub text: Vec<u8>,
+    /// The lines that the controller gets, with their numbers.
+    pub lines: Vec<(usize, String)>,
+    /// Lines of the text.
+    pub count: usize,
+    /// Errors. With errors it is not run.
+    pub errors: u64,
+    /// Warnings.
+    pub warnings: u64,
+    /// When the lines are made; `None` if that is not known.
+    pub times: Option<Timetable>,
+    /// The text of the scene for the viewer: its element, as in a report.
+    pub scene: Option<String>,
+    /// What the page that has loaded it is told.
+    pub report: Value,
+}
+
+impl Loaded {
+    /// Checks and simulates a program.
+    ///
+    /// # Errors
+    ///
+    /// A sentence: the program cannot be sent, or the settings have no sense.
+    pub fn new(name: &str, text: Vec<u8>, around: &Surroundings) -> Result<Self, String> {
+        let machine = machine(&around.settings)?;
+        let said = |error: JobError| error.to_string();
+        let program = Text::new(name, text.as_slice());
+        let mut job = Job::new(program, machine, Some("grbl")).map_err(said)?;
+        job.stand(in_nm(&around.zero_mm), in_nm(&around.at_mm));
+        let mut findings = Findings::new(FINDINGS);
+        let mut facts = job.check(&mut findings).map_err(said)?;
+        let lines = sendable_lines(&text)?;
+        let (mut times, mut scene) = (None, None);
+        if findings.errors == 0 && facts.events <= MOST_EVENTS {
+            let simulated = job.simulate(&mut facts, Options::default(), || {});
+            let simulated = simulated.map_err(said)?;
+            let moves = &simulated.run.observers.recording.moves;
+            let of_moves = facts.origins.lines(moves.iter().map(|one| &one.to));
+            let total_s = simulated.run.mechanics.seconds();
+            times = Some(Timetable::new(
+                moves,
+                &of_moves,
+                job.machine.timer_hz,
+                total_s,
+            ));
+            let whole = Scene::of(&job, &simulated, &facts, &findings).map_err(said)?;
+            scene = Some(whole.text());
+        }
+        let count = text.split(|byte| *byte == b'\n').count();
+        let listed: Vec<_> = findings.kept().iter().map(described).collect();
+        let report = json!({
+            "name": name,
+            "lines": count,
+            "errors": findings.errors,
+            "warnings": findings.warnings,
+            "is_complete": findings.hidden() == 0,
+            "findings": listed,
+            "time_s": times.as_ref().map(Timetable::total_s),
+        });
+        Ok(Self {
+            name: name.to_owned(),
+            text,
+            lines,
+            count,
+            errors: findings.errors,
+            warnings: findings.warnings,
+            times,
+            scene,
+            report,
+        })
+    }
+}
+
+fn in_nm(mm: &[f64]) -> [Nm; AXES] {
+    let mut nm = [Nm(0); AXES];
+    for (slot, mm) in nm.iter_mut().zip(mm) {
+        *slot = Nm((mm * 1e6).round() as i64);
+    }
+    nm
+}
+
+/// A finding, as a page gets it.
+fn described(finding: &Finding) -> Value {
+    let (line, column) = finding.line_and_column();
+    json!({
+        "code": finding.code,
+        "severity": finding.severity.name(),
+        "line": line,
+        "column": column,
+        "message": finding.message,
+        "notes": finding.notes,
+        "help": finding.help,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn loaded(text: &str) -> Loaded {
+        let settings = [(100, "400"), (101, "400"), (102, "400"), (110, "6000")];
+        let settings = settings.map(|(number, value)| (number, value.to_owned()));
+        let around = Surroundings {
+            settings: settings.into(),
+            zero_mm: vec![0.0; 3],
+            at_mm: vec![0.0; 3],
+        };
+        Loaded::new("part.nc", text.as_bytes().to_vec(), &around).unwrap()
+    }
+
+    #[test]
+    fn a_program_has_lines_and_times() {
+        let loaded = loaded("%\nG21 G90\n(a comment)\nG1 X10 F600\nG4 P2\nM2\n");
+        assert_eq!(loaded.errors, 0);
+        let numbers: Vec<_> = loaded.lines.iter().map(|(number, _)| *number).collect();
+        assert_eq!(numbers, [2, 4, 5, 6]);
+        // 10 mm at 10 mm/s with ramps of 10 mm/s^2, and 2 s.
+        let time = loaded.times.unwrap().total_s();
+        assert!((3.9..4.1).contains(&time), "{time}");
+    }
+
+    #[test]
+    fn errors_have_lines_and_columns() {
+        let loaded = loaded("G21 G90\nG2 X1 Y1 F100\n");
+        assert_eq!((loaded.errors, loaded.times.is_none()), (1, true));
+        let finding = &loaded.report["findings"][0];
+        assert_eq!(finding["code"], "E0301");
+        assert_eq!(
+            (&finding["line"], &finding["column"]),
+            (&json!(2), &json!(1))
+        );
+    }
+}

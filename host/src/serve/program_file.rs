@@ -1,0 +1,106 @@
+//! The program of a machine, as pages send and fetch it.
+
+use super::loaded::Loaded;
+use super::machine::Machine;
+use super::reply::Reply;
+use super::request::Request;
+use axum::body::Bytes;
+use axum::http::StatusCode;
+use axum::http::header::CONTENT_TYPE;
+use axum::response::{IntoResponse, Response};
+use serde_json::{Value, json};
+use std::sync::mpsc::sync_channel;
+use std::sync::{Arc, PoisonError};
+use std::time::Duration;
+use tokio::sync::mpsc::channel;
+
+/// Longest program, bytes.
+pub const MOST_BYTES: usize = 32 * 1024 * 1024;
+/// The driver answers within this time.
+const ANSWER: Duration = Duration::from_secs(5);
+
+/// Checks, simulates and loads a program for its machine.
+pub async fn load(machine: Arc<Machine>, client: u64, name: String, body: Bytes) -> Response {
+    let name: String = name.chars().filter(|c| !c.is_control()).take(200).collect();
+    if std::str::from_utf8(&body).is_err() && body.contains(&0) {
+        return refused(StatusCode::BAD_REQUEST, "this file is not a text");
+    }
+    if machine.control.operator() != Some(client) {
+        return refused(StatusCode::FORBIDDEN, "take control first");
+    }
+    let made = {
+        let machine = Arc::clone(&machine);
+        tokio::task::spawn_blocking(move || checked(&machine, client, &name, body.to_vec())).await
+    };
+    let program = match made {
+        Ok(Ok(program)) => Arc::new(program),
+        Ok(Err(why)) => return refused(StatusCode::BAD_REQUEST, &why),
+        // The simulation of a program has a mistake of ours.
+        Err(_) => return refused(StatusCode::INTERNAL_SERVER_ERROR, "the check has failed"),
+    };
+    let (to, mut answers) = channel(1);
+    let request = Request::Load(Arc::clone(&program));
+    machine.ask(client, request, Reply::new(json!(0), to));
+    let answer = tokio::time::timeout(ANSWER, answers.recv()).await;
+    let answer: Value = match answer {
+        Ok(Some(answer)) => serde_json::from_str(&answer).unwrap_or_default(),
+        _ => {
+            return refused(
+                StatusCode::SERVICE_UNAVAILABLE,
+                "the machine does not answer",
+            );
+        }
+    };
+    if answer["ok"] != true {
+        let why = answer["error"].as_str().unwrap_or_default();
+        return refused(StatusCode::CONFLICT, why);
+    }
+    let report = program.report.to_string();
+    *machine
+        .program
+        .lock()
+        .unwrap_or_else(PoisonError::into_inner) = Some(program);
+    ([(CONTENT_TYPE, "application/json")], report).into_response()
+}
+
+/// The text of the program.
+pub fn text(machine: &Machine) -> Response {
+    let program = machine
+        .program
+        .lock()
+        .unwrap_or_else(PoisonError::into_inner);
+    match &*program {
+        Some(program) => {
+            let plain = [(CONTENT_TYPE, "text/plain; charset=utf-8")];
+            (plain, program.text.clone()).into_response()
+        }
+        None => refused(StatusCode::NOT_FOUND, "no program is loaded"),
+    }
+}
+
+/// The scene of the program, for the viewer.
+pub fn scene(machine: &Machine) -> Response {
+    let program = machine
+        .program
+        .lock()
+        .unwrap_or_else(PoisonError::into_inner);
+    match program.as_ref().and_then(|program| program.scene.clone()) {
+        Some(scene) => ([(CONTENT_TYPE, "text/plain")], scene).into_response(),
+        None => refused(StatusCode::NOT_FOUND, "there is no picture of a program"),
+    }
+}
+
+/// Checks and simulates a program in a thread of its own.
+fn checked(machine: &Machine, client: u64, name: &str, text: Vec<u8>) -> Result<Loaded, String> {
+    let (to, around) = sync_channel(1);
+    let (nobody, _) = channel(1);
+    let request = Request::Surroundings(to);
+    machine.ask(client, request, Reply::new(Value::Null, nobody));
+    let around = around.recv_timeout(ANSWER);
+    let around = around.map_err(|_| "the machine does not answer".to_owned())?;
+    Loaded::new(name, text, &around)
+}
+
+fn refused(status: StatusCode, why: &str) -> Response {
+    (status, format!("{why}\n")).into_response()
+}
