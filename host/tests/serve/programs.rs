@@ -183,6 +183,10 @@ fn a_program_that_leaves_the_machine_is_refused() {
     let served = Served::new(&["--speed", "20"]);
     let mut page = served.operator();
     page.done(json!({"do": "home"}));
+    page.until("homed", |page| {
+        let is_idle = page.states[0]["state"] == "Idle";
+        (is_idle && page.at("machine_mm", 0) < 0.0).then_some(())
+    });
     page.done(json!({"do": "settings_save", "values": {"20": "1"}}));
     let (_, report) = served.load(page.client, "far.nc", "G21 G90\nG1 X-250 F600\nX-310\n");
     let finding = &report["findings"][0];
