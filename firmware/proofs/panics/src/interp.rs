@@ -86,6 +86,7 @@ pub fn keep() {
         <Helix<3, Conic> as Iterator>::size_hint as *const (),
         <Path<3> as Iterator>::next as *const (),
         <Path<3> as Iterator>::size_hint as *const (),
+        <Path<3> as Moves<3>>::as_line as *const (),
         <Path<3> as Moves<3>>::line as *const (),
         <Path<3> as Moves<3>>::arc as *const (),
         <Path<3> as Moves<3>>::ellipse as *const (),
