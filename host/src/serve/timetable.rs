@@ -10,8 +10,8 @@ pub struct Timetable {
 }
 
 impl Timetable {
-    /// The times of these moves, each with its line. A time without a move, such as a dwell, belongs
-    /// to the line of the move before it.
+    /// The times of these moves, each with its line. A time without a move, such as a dwell,
+    /// belongs to the line of the move before it.
     pub fn new(moves: &[Recorded], lines: &[u32], timer_hz: u32, total_s: f64) -> Self {
         let in_s = |ticks: u64| ticks as f64 / f64::from(timer_hz);
         let mut ends = vec![[0.0; 2]];

@@ -13,7 +13,8 @@ const LONGEST: Stretch = Stretch {
     entry_limit_nm_per_s: u32::MAX,
 };
 
-/// The sum of 2 a L over the moves has more bits than a height. A last short move still has to brake.
+/// The sum of 2 a L over the moves has more bits than a height. A last short move still has to
+/// brake.
 #[test]
 fn the_longest_moves_do_not_wear_out_the_queue() {
     let mut moves = LookAhead::<u32, 4>::new();
