@@ -166,7 +166,7 @@ mod tests {
         let token = link.split_once('#').unwrap().1;
         assert_eq!(token.len(), 32);
         let host = (header::HOST, "127.0.0.1:8017");
-        let bare = headers(&[host.clone()]);
+        let bare = headers(std::slice::from_ref(&host));
         assert_eq!(access.of_machine(&bare, Some(token)), Ok(()));
         let bearer = format!("Bearer {token}");
         let with = headers(&[host, (header::AUTHORIZATION, &bearer)]);

@@ -101,11 +101,14 @@ fn machine(
     number: u32,
     query: &Token,
     headers: &HeaderMap,
-) -> Result<Arc<Machine>, Response> {
+) -> Result<Arc<Machine>, Box<Response>> {
     let permitted = site.access.of_machine(headers, query.token.as_deref());
-    permitted.map_err(IntoResponse::into_response)?;
+    permitted.map_err(|refusal| Box::new(refusal.into_response()))?;
     let found = site.machines.iter().find(|one| one.number == number);
-    let none = || (StatusCode::NOT_FOUND, "there is no such machine\n").into_response();
+    let none = || {
+        let answer = (StatusCode::NOT_FOUND, "there is no such machine\n");
+        Box::new(answer.into_response())
+    };
     found.cloned().ok_or_else(none)
 }
 
@@ -117,7 +120,7 @@ async fn program(
 ) -> Response {
     match machine(&site, number, &query, &headers) {
         Ok(machine) => program_file::text(&machine),
-        Err(refusal) => refusal,
+        Err(refusal) => *refusal,
     }
 }
 
@@ -129,7 +132,7 @@ async fn scene(
 ) -> Response {
     match machine(&site, number, &query, &headers) {
         Ok(machine) => program_file::scene(&machine),
-        Err(refusal) => refusal,
+        Err(refusal) => *refusal,
     }
 }
 
@@ -142,7 +145,7 @@ async fn load(
 ) -> Response {
     let machine = match machine(&site, number, &query, &headers) {
         Ok(machine) => machine,
-        Err(refusal) => return refusal,
+        Err(refusal) => return *refusal,
     };
     let client = headers
         .get("x-husillo-client")

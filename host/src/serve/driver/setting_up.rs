@@ -6,6 +6,9 @@ use husillo_transports::grbl::{SETTINGS, SettingKind, Settings, State};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
+/// Settings, each with its value or with a sentence about it.
+type Numbered = Vec<(u16, String)>;
+
 impl Driver<'_> {
     /// All settings with their meaning.
     pub(super) fn settings_list(&self) -> Value {
@@ -68,7 +71,7 @@ impl Driver<'_> {
     }
 
     /// The changes, and the refused values with the reason.
-    fn compared(&self, values: &BTreeMap<u16, String>) -> (Vec<(u16, String)>, Vec<(u16, String)>) {
+    fn compared(&self, values: &BTreeMap<u16, String>) -> (Numbered, Numbered) {
         let (mut changes, mut refused) = (Vec::new(), Vec::new());
         for (number, value) in values {
             let value = value.trim();
