@@ -105,9 +105,9 @@ impl CoilDriver for Ring {
     }
 }
 
-/// The levels after a step event.
 // ANCHOR_END: driver
 
+/// The levels after a step event.
 fn stepped<const N: usize, D: CoilDriver>(
     motors: &mut Motors<N, D>,
     delta: [i8; N],
