@@ -38,8 +38,8 @@ export class Console {
         this.field.addEventListener("keydown", (event) => this.key(event));
         this.send = button(words.send, () => this.sendLine());
         // A line may be a long move. A program has buttons of its own.
-        this.pause = button(words.pause, () => desk.command("hold"));
-        this.resume = button(words.resume, () => desk.command("resume"));
+        this.pause = button(words.pause, () => desk.command("hold"), { class: "pause" });
+        this.resume = button(words.resume, () => desk.command("resume"), { class: "resume" });
         this.answer = element("p", { class: "why", role: "status" });
         this.log = element("div", {
             class: "log",

@@ -72,9 +72,9 @@ test("a long line is paused, resumed and stopped; what is not offered is not sho
     assert.equal(await isShown("#tab-probing"), false);
     await page.type("input.mono", "G21 G91 G1 X-40 F300\n");
     await until(page, ({ state }) => state === "Run");
-    await press(page, "button::-p-text(Pause)");
+    await press(page, "button.pause");
     await until(page, ({ state, detail }) => state === "Hold" && detail === 0);
-    await press(page, "button::-p-text(Resume)");
+    await press(page, "button.resume");
     await until(page, ({ state }) => state === "Run");
     await press(page, "button.stop");
     await until(page, ({ state, stopping }) => state !== "Run" && !stopping);

@@ -47,6 +47,12 @@ impl Timetable {
         self.at(line)[0]
     }
 
+    /// The line that is made at this time, s.
+    pub fn line_at(&self, s: f64) -> usize {
+        let line = self.ends.partition_point(|end| end[0] <= s);
+        line.min(self.ends.len().saturating_sub(1))
+    }
+
     /// The time in s that is left after `done_s` of simulated time, while a line is made, at these
     /// overrides of feeds and rapids in percent.
     pub fn left_s(&self, line: usize, done_s: f64, feed: f64, rapid: f64) -> f64 {
@@ -93,6 +99,10 @@ mod tests {
             [0.0, 1.0, 3.0, 3.0, 5.0, 6.0]
         );
         assert_eq!(times.total_s(), 6.0);
+        assert_eq!(
+            [0.0, 0.9, 1.0, 4.0, 9.0].map(|s| times.line_at(s)),
+            [2, 2, 3, 5, 6]
+        );
         assert_eq!(times.left_s(3, 3.0, 100.0, 100.0), 3.0);
         assert_eq!(times.left_s(3, 3.0, 200.0, 25.0), 1.5);
         // One of the six seconds is a rapid.

@@ -328,9 +328,8 @@ impl Driver<'_> {
         let is_moving = self.session.state() == Some(State::Run);
         let is_held = self.session.is_held();
         let free = self.session.status().and_then(|status| status.free);
-        let waiting = free.map_or(0, |(moves, _)| {
-            self.queue_moves.saturating_sub(moves.into())
-        });
+        let waiting = free.map(|(moves, _)| self.queue_moves.saturating_sub(moves.into()));
+        let most_waiting = self.queue_moves;
         let percent = |name: &str| {
             let overrides = self.state.overrides.as_ref();
             overrides
@@ -340,7 +339,15 @@ impl Driver<'_> {
         let (feed, rapid) = (percent("feed"), percent("rapid"));
         let running = &mut *self.running;
         let program = Arc::clone(running.program.as_ref()?);
-        let line = running.line(waiting);
+        // Reports without the room in the queue (bit 1 of `$10`) leave the time to tell the line.
+        let timed = program.times.as_ref().filter(|_| waiting.is_none());
+        let line = match (timed, running.line(0)) {
+            (Some(times), Some(last)) if running.phase != Phase::Done => {
+                Some(times.line_at(running.done_s).min(last))
+            }
+            (Some(_), last) => last,
+            (None, _) => running.line(waiting.unwrap_or(most_waiting)),
+        };
         let now = Instant::now();
         let passed = running
             .turned_at
@@ -359,7 +366,10 @@ impl Driver<'_> {
                 .and_then(|last| program.lines.get(last))
                 .map_or(0, |(line, _)| *line);
             if running.phase != Phase::Done {
-                let least = times.end_s(line.saturating_sub(1));
+                let least = match timed {
+                    Some(_) => 0.0,
+                    None => times.end_s(line.saturating_sub(1)),
+                };
                 let most = times.end_s(last).max(least);
                 running.done_s = running.done_s.clamp(least, most);
             }
