@@ -101,9 +101,9 @@ impl<const N: usize> Config<N> {
         // No axis exceeds its step rate on average over the move.
         let mut least_q16 = 0;
         let mut ways = [0; N];
-        // Of axes with the same steps and rate, only the one with the longest way counts: each
-        // division takes a thousand instructions on a Cortex-M0.
-        let (first, mut longest) = (self.axes.first(), 0);
+        // An axis that is like the first one and has a shorter way does not count: each division
+        // takes a thousand instructions on a Cortex-M0.
+        let mut longest = 0;
         let axes = segment.from.iter().zip(to).zip(&self.axes);
         for ((number, straight), ((from, to), axis)) in (0..N).zip(&mut ways).zip(axes) {
             let way = match &round {
@@ -114,16 +114,16 @@ impl<const N: usize> Config<N> {
                     *straight
                 }
             };
-            let is_alike =
-                |first: &Axis| first.scale == axis.scale && first.max_rate_hz == axis.max_rate_hz;
-            if first.is_some_and(is_alike) {
-                longest = longest.max(way);
-            } else {
-                least_q16 = axis.least_q16(way, hz).max(least_q16);
+            let is_alike = self.axes.first().is_some_and(|first| {
+                first.scale == axis.scale && first.max_rate_hz == axis.max_rate_hz
+            });
+            if is_alike && way <= longest {
+                continue;
             }
-        }
-        if let Some(first) = first {
-            least_q16 = first.least_q16(longest, hz).max(least_q16);
+            if is_alike {
+                longest = way;
+            }
+            least_q16 = axis.least_q16(way, hz).max(least_q16);
         }
         let mut around = round.map_or(0, |round| round.around_nm);
         if let (Command::Arc { arc, .. }, None) = (&segment.command, round) {
