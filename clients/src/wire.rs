@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 #[derive(Debug)]
 pub enum Wire<E> {
     /// A simulated device. Its time passes only while a client waits, at any speed or at that of a
-    /// [`Pace`].
+    /// `Pace`.
     Simulated {
         /// The device.
         device: Box<E>,
