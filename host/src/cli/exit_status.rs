@@ -7,7 +7,7 @@ use clap::{Command, CommandFactory};
 const USAGE: &str = "2 bad command line or file";
 
 /// The exit statuses of each command, between those that all have.
-const STATUSES: [(&str, &str); 22] = [
+const STATUSES: [(&str, &str); 23] = [
     ("run", "1 the program has errors, or steps were lost"),
     (
         "check",
@@ -39,6 +39,7 @@ const STATUSES: [(&str, &str); 22] = [
         "1 out of tolerance, 3 error in measuring, 4 collision of the probe, 5 end switch",
     ),
     ("emulate", ""),
+    ("serve", ""),
     ("tune", "1 the experiment has failed"),
     ("calibrate", "1 the machine has failed"),
     ("reproduce", ""),
