@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import os
 import shutil
 import socket
@@ -18,7 +17,7 @@ from collections.abc import Callable
 from pathlib import Path
 from types import TracebackType
 
-from emulated import Emulated
+from emulated import Emulated, spiral
 
 LINES = 10_000
 # Several seconds of motion in one of real time.
@@ -26,17 +25,6 @@ SPEED = "8"
 # A computer that is busy with other work needs longer than the machine does.
 PATIENCE_S = 240.0
 Vector = tuple[float, float, float]
-
-
-def spiral() -> str:
-    """Short lines that end at X3 Y4."""
-    lines = ["G21 G90", "G1 F2400 X0 Y0"]
-    for number in range(LINES):
-        angle = number / 20
-        radius = number / LINES * 8
-        lines.append(f"G1 X{radius * math.cos(angle):.3f} Y{radius * math.sin(angle):.3f}")
-    lines += ["G0 X3 Y4", "M2"]
-    return "\n".join(lines) + "\n"
 
 
 def free_port() -> int:
@@ -173,7 +161,7 @@ class InItsWindow(unittest.TestCase):
             sender.idle_at((0, 0, 0))
 
             program = Path(emulated.folder.name) / "spiral.nc"
-            program.write_text(spiral())
+            program.write_text(spiral(LINES))
             sender.send(cmd=f"LOAD {program}")
             sender.send(cmd="RUN")
             sender.until_state("Run")
