@@ -17,14 +17,23 @@ const FINDINGS: u64 = 200;
 const MOST_EVENTS: f64 = 2e8;
 
 /// What a program is checked against.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Surroundings {
     /// Settings of the controller.
     pub settings: BTreeMap<u16, String>,
-    /// Work zero in machine coordinates, mm.
+    /// Work zero in machine coordinates, mm. Empty: it is not known.
     pub zero_mm: Vec<f64>,
     /// Position in machine coordinates, mm.
     pub at_mm: Vec<f64>,
+}
+
+impl Surroundings {
+    /// Whether a program that was checked in others may be run in these: on the same machine and
+    /// with the same work zero, as far as it is known. It may begin at any position.
+    pub fn are_those_of(&self, others: &Self) -> bool {
+        let is_known = !self.zero_mm.is_empty() && !others.zero_mm.is_empty();
+        self.settings == others.settings && (!is_known || self.zero_mm == others.zero_mm)
+    }
 }
 
 /// A program.
@@ -34,6 +43,8 @@ pub struct Loaded {
     pub name: String,
     /// Its text.
     pub text: Vec<u8>,
+    /// What it was checked against.
+    pub around: Surroundings,
     /// The lines that the controller gets, with their numbers.
     pub lines: Vec<(usize, String)>,
     /// Lines of the text.
@@ -95,6 +106,7 @@ impl Loaded {
         Ok(Self {
             name: name.to_owned(),
             text,
+            around: around.clone(),
             lines,
             count,
             errors: findings.errors,
