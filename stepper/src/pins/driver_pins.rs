@@ -11,8 +11,9 @@ use crate::Levels;
 ///
 /// One driver is [`LevelPins`](crate::LevelPins) or
 /// [`StepDirectionPins`](crate::StepDirectionPins). Several drivers are a tuple of up to eight such
-/// values, each of its own type, or an array of values of one type. [`PortPins`](crate::PortPins) writes all drivers at once, if their pins are
-/// on one port. Implement it for what else a board has, such as a shift register.
+/// values, each of its own type, or an array of values of one type.
+/// [`PortPins`](crate::PortPins) writes all drivers at once, if their pins are on one port.
+/// Implement it for what else a board has, such as a shift register.
 ///
 /// # Examples
 /// ```
