@@ -15,8 +15,8 @@
 //! other than the one it sends stops at once, and only the master tries again.
 //!
 //! [`Turnaround`] and [`Echo`] own neither a port nor a clock. `EnablePin` drives the pin, `NbPort`
-//! is a complete port on `embedded-hal-nb`, `IoPort` is one on `embedded-io`, and `AsyncIoPort` one on
-//! `embedded-io-async`. Each of these four exists only with its feature.
+//! is a complete port on `embedded-hal-nb`, `IoPort` is one on `embedded-io`, and `AsyncIoPort` is
+//! one on `embedded-io-async`. Each of these four exists only with its feature.
 //!
 //! # Source
 //!
