@@ -18,8 +18,8 @@ use tokio::sync::mpsc::channel;
 pub const MOST_BYTES: usize = 32 * 1024 * 1024;
 /// The driver answers within this time.
 const ANSWER: Duration = Duration::from_secs(5);
-/// Grbl sends the work zero in one of thirty reports, and there are twenty in a second. A controller
-/// that never sends it reports positions from the work zero.
+/// Grbl sends the work zero in one of thirty reports, and there are twenty in a second. A
+/// controller that never sends it reports positions from the work zero.
 const WORK_ZERO: Duration = Duration::from_secs(3);
 /// Interval of the requests for the work zero.
 const AGAIN: Duration = Duration::from_millis(50);
