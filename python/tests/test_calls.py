@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import gc
 import json
+import signal
+import subprocess
+import sys
 import threading
 import time
 from importlib import metadata
@@ -108,7 +111,8 @@ def test_machines(tmp_path: Path) -> None:
     for own in (husillo.Machine(path), husillo.Machine(str(path))):
         assert (own.name, own.axes) == ("own", micromill.axes)
     assert husillo.simulate("G0 X1\n", path).machine == "own"
-    assert hash(husillo.Machine(path)) != hash(micromill) or own == micromill
+    assert husillo.Machine(path) != micromill
+    assert len({husillo.Machine(path), husillo.Machine(str(path)), micromill}) == 2
 
 
 def test_compensation_and_worn_screws() -> None:
@@ -232,6 +236,46 @@ def test_threads_of_runs_end_with_their_readers() -> None:
     while count() > before and time.monotonic() < deadline:
         time.sleep(0.01)
     assert count() <= before
+
+
+# Three million steps on a machine without limits.
+LONG = """
+import husillo, resource
+lines = "".join(f"G1 X{100 * (turn % 2)}\\n" for turn in range(31))
+program = "G21 G90 F6000\\n" + lines + "M2\\n"
+"""
+
+
+def test_memory_does_not_grow_with_the_steps() -> None:
+    code = """
+def most():
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024
+with husillo.stream(program, "free", size=10_000) as parts:
+    next(parts)
+    before = most()
+    print(sum(len(part) for part in parts), most() - before)
+"""
+    done = subprocess.run([sys.executable, "-c", LONG + code], capture_output=True, check=True)
+    entries, growth_mb = map(int, done.stdout.split())
+    assert entries == 3_000_000 - 10_000
+    # All entries take 108 MB.
+    assert growth_mb < 20
+
+
+def test_ctrl_c_ends_a_run() -> None:
+    code = """
+print("begins", flush=True)
+try:
+    husillo.simulate(program, "free")
+except KeyboardInterrupt:
+    print("ends")
+"""
+    with subprocess.Popen([sys.executable, "-c", LONG + code], stdout=subprocess.PIPE) as running:
+        assert running.stdout is not None
+        assert running.stdout.readline() == b"begins\n"
+        time.sleep(0.2)
+        running.send_signal(signal.SIGINT)
+        assert running.communicate(timeout=60)[0] == b"ends\n"
 
 
 def test_the_wheel_has_its_types_and_licences() -> None:
