@@ -20,7 +20,7 @@ mod schema;
 mod steps;
 mod stop;
 
-pub use grbl::sendable_lines;
+pub use grbl::{Before, sendable_lines};
 use job::{load, not_loaded};
 pub use reporting::count;
 

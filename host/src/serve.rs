@@ -13,6 +13,7 @@
 mod access;
 mod axes;
 mod console_lines;
+mod continuation;
 mod control;
 mod controller_machine;
 mod driver;

@@ -4,6 +4,7 @@
 //! changed.
 
 mod by_hand;
+mod going_on;
 mod halting;
 mod hearing;
 mod jogging;
@@ -17,6 +18,7 @@ use super::machine::{Asked, Machine};
 use super::machine_state::{Link, MachineState};
 use super::reply::Reply;
 use super::request::Request;
+use going_on::Making;
 use halting::Halting;
 use husillo_clients::grbl::{Session, Stream};
 use husillo_clients::{StopRequests, Wire};
@@ -163,6 +165,8 @@ struct Driver<'a> {
     session: Session,
     state: &'a mut MachineState,
     zeroing: &'a mut Zeroing,
+    /// A continuation that is being made.
+    making: Option<Making>,
     running: &'a mut Running,
     requests: &'a Receiver<Asked>,
     stream: Stream<Purpose>,
@@ -193,6 +197,7 @@ impl<'a> Driver<'a> {
             session,
             state,
             zeroing: &mut kept.zeroing,
+            making: None,
             running: &mut kept.running,
             requests,
             stream: Stream::new(),
@@ -242,6 +247,7 @@ impl<'a> Driver<'a> {
                 self.carry_out(asked)?;
             }
             self.jog()?;
+            self.take_continuation();
             self.ask_modes();
             self.send_waiting()?;
             self.feed_program()?;
@@ -409,7 +415,11 @@ impl<'a> Driver<'a> {
             Request::Step { move_mm, feed } => self.step(&move_mm, feed, reply),
             Request::Goto { to_mm, frame, feed } => self.go(&to_mm, frame, feed, reply),
             Request::Line { text } => return self.line(&text, reply),
-            Request::Run { confirmed } => self.run(confirmed, reply),
+            Request::Run { confirmed, from } => match from {
+                None => self.run(confirmed, reply),
+                Some(line) if confirmed => self.go_on(line, reply),
+                Some(line) => self.show_from(line, reply),
+            },
             Request::SingleBlock { on } => self.set_single_block(on, reply),
             Request::Breakpoints { lines } => self.set_breakpoints(lines, reply),
             Request::Unload => self.unload(reply),

@@ -7,9 +7,11 @@ use husillo_gcode::Nm;
 use husillo_sim::observers::AXES;
 use husillo_simulator::diagnostics::{Finding, Findings};
 use husillo_simulator::job::{Job, JobError, Options, Text};
+use husillo_simulator::programs::program::Start;
 use husillo_simulator::scene::Scene;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// Findings that a page gets.
 const FINDINGS: u64 = 200;
@@ -35,7 +37,9 @@ pub struct Loaded {
     /// Its text.
     pub text: Vec<u8>,
     /// The lines that the controller gets, with their numbers.
-    pub lines: Vec<(usize, String)>,
+    pub lines: Arc<[(usize, String)]>,
+    /// How it begins.
+    pub start: Start,
     /// Lines of the text.
     pub count: usize,
     /// Errors. With errors it is not run.
@@ -95,7 +99,8 @@ impl Loaded {
         Ok(Self {
             name: name.to_owned(),
             text,
-            lines,
+            lines: lines.into(),
+            start: job.start,
             count,
             errors: findings.errors,
             warnings: findings.warnings,
@@ -106,7 +111,8 @@ impl Loaded {
     }
 }
 
-fn in_nm(mm: &[f64]) -> [Nm; AXES] {
+/// Lengths in nm.
+pub fn in_nm(mm: &[f64]) -> [Nm; AXES] {
     let mut nm = [Nm(0); AXES];
     for (slot, mm) in nm.iter_mut().zip(mm) {
         *slot = Nm((mm * 1e6).round() as i64);

@@ -101,6 +101,9 @@ pub enum Request {
         /// Run it.
         #[serde(default)]
         confirmed: bool,
+        /// From this line on.
+        #[serde(default)]
+        from: Option<usize>,
     },
     /// Wait after each line of the program.
     SingleBlock {

@@ -2,6 +2,7 @@
 
 mod access;
 mod control;
+mod going_on;
 mod hostile;
 mod jogging;
 mod lines;

@@ -1,6 +1,7 @@
 //! A program that is sent: line after line, with breakpoints and holds.
 
 use super::{Driver, From, Purpose};
+use crate::serve::continuation::Continuation;
 use crate::serve::loaded::{Loaded, Surroundings};
 use crate::serve::reply::Reply;
 use husillo_clients::grbl::SYNCHRONISE;
@@ -41,7 +42,17 @@ impl Phase {
 /// The program of a machine.
 #[derive(Debug, Default)]
 pub(in crate::serve) struct Running {
-    program: Option<Arc<Loaded>>,
+    pub(super) program: Option<Arc<Loaded>>,
+    /// The lines that are sent: all of the program, or those of a continuation.
+    lines: Arc<[(usize, String)]>,
+    /// How many of them come before those of the program.
+    before: usize,
+    /// A continuation that was shown.
+    pub(super) continuation: Option<Continuation>,
+    /// Where the machine was when the program was started at its first line, mm.
+    pub(super) begun_mm: Option<Vec<f64>>,
+    /// The line with which an interrupted program goes on.
+    resume_line: Option<usize>,
     /// Number of programs that were loaded.
     loads: u64,
     phase: Phase,
@@ -74,6 +85,7 @@ impl Running {
     /// Loads a program.
     fn load(&mut self, program: Arc<Loaded>) {
         *self = Self {
+            lines: Arc::clone(&program.lines),
             program: Some(program),
             loads: self.loads + 1,
             single_block: self.single_block,
@@ -81,16 +93,18 @@ impl Running {
         };
     }
 
-    fn is_at_breakpoint(&self, lines: &[(usize, String)]) -> bool {
-        let is_marked = |(number, _): &(usize, String)| self.breakpoints.contains(number);
-        let must =
-            (self.single_block && self.next > 0) || lines.get(self.next).is_some_and(is_marked);
+    fn is_at_breakpoint(&self) -> bool {
+        let is_marked = |(number, _): &(usize, String)| {
+            self.next >= self.before && self.breakpoints.contains(number)
+        };
+        let next = self.lines.get(self.next);
+        let must = (self.single_block && self.next > 0) || next.is_some_and(is_marked);
         must && self.passed != self.next + 1
     }
 
     /// The line that is probably being made, if this many moves wait in the controller.
     fn line(&self, moves: usize) -> Option<usize> {
-        let lines = &self.program.as_ref()?.lines;
+        let lines = &self.lines;
         let index = self.answered.saturating_sub(moves + 1);
         match self.phase {
             Phase::Loaded => None,
@@ -121,8 +135,12 @@ impl Driver<'_> {
             .program
             .lock()
             .unwrap_or_else(PoisonError::into_inner) = None;
-        self.running.program = None;
-        self.running.phase = Phase::Loaded;
+        let loads = self.running.loads;
+        *self.running = super::Running {
+            loads,
+            single_block: self.running.single_block,
+            ..super::Running::default()
+        };
         reply.ok();
     }
 
@@ -137,37 +155,14 @@ impl Driver<'_> {
 
     /// Starts the program, or tells what would happen.
     pub(super) fn run(&mut self, is_confirmed: bool, reply: Reply) {
-        let begun = self.takes_lines().and_then(|()| {
-            let program = self.running.program.clone();
-            let program = program.ok_or("no program is loaded")?;
-            if program.errors > 0 {
-                return Err("the program has errors: correct them first".into());
-            }
-            if program.lines.is_empty() {
-                return Err("the program has no commands".into());
-            }
-            match self.session.state() {
-                Some(State::Idle | State::Check) if self.is_quiet() => Ok(program),
-                Some(State::Alarm) => Err("the controller is locked: home or unlock".into()),
-                _ => Err("the machine is not at rest".to_owned()),
-            }
-        });
-        let program = match begun {
+        let program = match self.may_run() {
             Ok(program) => program,
             Err(why) => return reply.error(why),
         };
         if is_confirmed {
-            self.machine
-                .tell(From::Server, format!("{} starts", program.name));
-            let running = &mut *self.running;
-            *running = super::Running {
-                program: Some(program),
-                loads: running.loads,
-                phase: Phase::Running,
-                single_block: running.single_block,
-                breakpoints: std::mem::take(&mut running.breakpoints),
-                ..super::Running::default()
-            };
+            self.running.begun_mm.clone_from(&self.state.machine_mm);
+            let lines = Arc::clone(&program.lines);
+            self.start(&program, lines, 0, "starts");
             return reply.ok();
         }
         reply.data(json!({
@@ -177,6 +172,52 @@ impl Driver<'_> {
             "work_mm": self.state.work_mm,
             "modal": self.state.modal,
         }));
+    }
+
+    /// The program, if it may be run.
+    ///
+    /// # Errors
+    ///
+    /// A sentence about why not.
+    pub(super) fn may_run(&self) -> Result<Arc<Loaded>, String> {
+        self.takes_lines()?;
+        let program = self.running.program.clone();
+        let program = program.ok_or("no program is loaded")?;
+        if program.errors > 0 {
+            return Err("the program has errors: correct them first".into());
+        }
+        if program.lines.is_empty() {
+            return Err("the program has no commands".into());
+        }
+        match self.session.state() {
+            Some(State::Idle | State::Check) if self.is_quiet() => Ok(program),
+            Some(State::Alarm) => Err("the controller is locked: home or unlock".into()),
+            _ => Err("the machine is not at rest".to_owned()),
+        }
+    }
+
+    /// Begins to send these lines, `before` of which come before those of the program.
+    pub(super) fn start(
+        &mut self,
+        program: &Arc<Loaded>,
+        lines: Arc<[(usize, String)]>,
+        before: usize,
+        how: &str,
+    ) {
+        let text = format!("{} {how}", program.name);
+        self.machine.tell(From::Server, text);
+        let running = &mut *self.running;
+        *running = super::Running {
+            program: Some(Arc::clone(program)),
+            lines,
+            before,
+            loads: running.loads,
+            phase: Phase::Running,
+            begun_mm: running.begun_mm.take(),
+            single_block: running.single_block,
+            breakpoints: std::mem::take(&mut running.breakpoints),
+            ..super::Running::default()
+        };
     }
 
     /// Goes on: past a breakpoint, or after a hold.
@@ -213,16 +254,14 @@ impl Driver<'_> {
     ///
     /// The controller is lost.
     pub(super) fn feed_program(&mut self) -> Result<(), String> {
-        let Some(program) = self.running.program.clone() else {
-            return Ok(());
-        };
+        let lines = Arc::clone(&self.running.lines);
         while self.running.phase == Phase::Running && self.halting.is_none() {
             if self.running.is_synchronising {
                 break;
             }
-            let next = program.lines.get(self.running.next);
+            let next = lines.get(self.running.next);
             let (line, purpose) = match next {
-                Some((_, line)) if !self.running.is_at_breakpoint(&program.lines) => {
+                Some((_, line)) if !self.running.is_at_breakpoint() => {
                     (line.as_str(), Purpose::Program)
                 }
                 // All lines before are made when a dwell is answered.
@@ -248,8 +287,7 @@ impl Driver<'_> {
     ///
     /// The controller is lost.
     pub(super) fn program_answered(&mut self, result: Result<(), String>) -> Result<(), String> {
-        let lines = self.running.program.as_ref().map(|program| &program.lines);
-        let line = lines.and_then(|lines| lines.get(self.running.answered).cloned());
+        let line = self.running.lines.get(self.running.answered).cloned();
         match (result, line) {
             (Err(why), Some((number, line))) if self.running.phase != Phase::Failed => {
                 self.fail_program(format!("line {number}, {line}: {why}"));
@@ -265,11 +303,8 @@ impl Driver<'_> {
     pub(super) fn synchronised(&mut self) {
         let running = &mut *self.running;
         running.is_synchronising = false;
-        let count = running
-            .program
-            .as_ref()
-            .map_or(0, |program| program.lines.len());
-        if running.next < count {
+        let count = running.lines.len() - running.before;
+        if running.next < running.lines.len() {
             running.phase = Phase::Waiting;
         } else if running.phase == Phase::Running {
             running.phase = Phase::Done;
@@ -311,13 +346,13 @@ impl Driver<'_> {
         }
     }
 
-    /// Which lines are certainly made.
-    fn lines_made(&self) -> String {
-        let running = &*self.running;
+    /// Which lines are certainly made. The first other one is that with which the program goes on.
+    fn lines_made(&mut self) -> String {
+        let running = &mut *self.running;
         let open = running.answered.saturating_sub(self.queue_moves + 1);
-        let program = running.program.as_ref();
-        match program.and_then(|program| program.lines.get(open)) {
-            Some((number, _)) => format!("all lines before line {number} are made"),
+        running.resume_line = running.lines.get(open).map(|(number, _)| *number);
+        match running.resume_line {
+            Some(number) => format!("all lines before line {number} are made"),
             None => "all lines are made".into(),
         }
     }
@@ -363,7 +398,7 @@ impl Driver<'_> {
         if let (Some(times), Some(line)) = (times, line) {
             let last = running.answered.checked_sub(1);
             let last = last
-                .and_then(|last| program.lines.get(last))
+                .and_then(|last| running.lines.get(last))
                 .map_or(0, |(line, _)| *line);
             if running.phase != Phase::Done {
                 let least = match timed {
@@ -385,7 +420,7 @@ impl Driver<'_> {
             Phase::Running if is_held => "held",
             phase => phase.name(),
         };
-        let before = program.lines.get(running.next).map(|(number, _)| *number);
+        let before = running.lines.get(running.next).map(|(number, _)| *number);
         Some(json!({
             "name": program.name,
             "lines": program.count,
@@ -396,7 +431,7 @@ impl Driver<'_> {
             "line": line,
             "sent": running.next,
             "answered": running.answered,
-            "of": program.lines.len(),
+            "of": running.lines.len(),
             "time_s": total_s,
             "elapsed_s": tenths(running.elapsed.as_secs_f64()),
             "remaining_s": left_s.filter(|_| is_begun).map(tenths),
@@ -405,6 +440,7 @@ impl Driver<'_> {
             "breakpoints": running.breakpoints,
             "waits_before": before.filter(|_| running.phase == Phase::Waiting),
             "message": running.message,
+            "resume_line": running.resume_line,
         }))
     }
 }
