@@ -23,6 +23,7 @@ mod stop;
 pub use grbl::{Before, sendable_lines};
 use job::{load, not_loaded};
 pub use reporting::count;
+pub use run::report;
 
 use crate::backlash;
 use crate::cli::{

@@ -25,6 +25,7 @@ mod page;
 mod program_file;
 mod reply;
 mod request;
+mod run_record;
 mod site;
 mod socket;
 mod timetable;

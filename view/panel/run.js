@@ -46,6 +46,9 @@ export class Run {
         this.times = element("p", { class: "number times" });
         this.current = element("p", { class: "current mono" });
         this.message = element("p", { class: "message" });
+        this.open = element("a", { target: "_blank", rel: "noopener" }, words.report);
+        this.save = element("a", { download: "" }, words.saveReport);
+        this.report = element("p", { class: "items", hidden: true }, this.open, this.save);
         this.confirm = element("div", {
             class: "confirm",
             role: "group",
@@ -62,6 +65,7 @@ export class Run {
             this.times,
             this.current,
             this.message,
+            this.report,
             element(
                 "div",
                 { class: "items" },
@@ -126,6 +130,16 @@ export class Run {
         // What was shown is not what would start.
         if (desk.isUnderWay || this.asked !== this.key) this.confirm.hidden = true;
         this.showProgress(program);
+        this.showReport(program);
+    }
+
+    /** The links to the report of the last run. @param {Running} program */
+    showReport({ runs = 0 }) {
+        const { desk } = this;
+        this.report.hidden = runs === 0 || desk.isUnderWay || !desk.offers.has("report");
+        const { origin, token } = desk.link;
+        const href = `${origin}${desk.path("report")}?token=${token}&run=${runs}`;
+        for (const link of [this.open, this.save]) if (link.href !== href) link.href = href;
     }
 
     /** @param {Running} program */

@@ -208,9 +208,19 @@ test("it shows what runs: line, progress, time, hold and resume", async (t) => {
     await says(page, ".state", "ON HOLD");
     await press(page, "button::-p-aria(Resume)");
     await server.next("resume");
-    const done = { ...LOADED, phase: "done", progress: 1 };
+    const links = () =>
+        page.$$eval('a[href*="/report"]', (all) =>
+            all.filter((one) => one.checkVisibility()).map((one) => one.getAttribute("href"))
+        );
+    assert.deepEqual(await links(), []);
+    const done = { ...LOADED, phase: "done", progress: 1, runs: 3 };
     server.change({ state: "Idle", detail: null, program: done });
     await says(page, ".times", "Done · 100 %");
+    const [open, save] = await links();
+    assert.match(open ?? "", /\/machines\/1\/report\?token=[0-9a-f]{32}&run=3$/);
+    assert.equal(save, open);
+    assert.deepEqual(await violations(page), []);
+    await picture(page, "panel-done");
 });
 
 test("single block, breakpoints, and a start from a line with its state", async (t) => {

@@ -228,6 +228,7 @@ impl<'a> Driver<'a> {
         let lost = "the controller is lost";
         self.drop_lines(lost);
         self.state.program = self.program_shown();
+        self.note_run();
         ended
     }
 
@@ -270,6 +271,7 @@ impl<'a> Driver<'a> {
             self.state.state = Some("Home");
         }
         self.state.program = self.program_shown();
+        self.note_run();
         let is_due = self.published_at.elapsed() >= PUBLISH;
         if is_due && self.published.as_ref() != Some(self.state) {
             self.published_at = Instant::now();

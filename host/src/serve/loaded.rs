@@ -2,11 +2,12 @@
 
 use super::controller_machine::machine;
 use super::timetable::Timetable;
-use crate::app::sendable_lines;
+use crate::app::{report, sendable_lines};
 use husillo_gcode::Nm;
+use husillo_reports::operation::{self, Operation};
 use husillo_sim::observers::AXES;
 use husillo_simulator::diagnostics::{Finding, Findings};
-use husillo_simulator::job::{Job, JobError, Options, Text};
+use husillo_simulator::job::{Job, JobError, Options, Results, Text};
 use husillo_simulator::programs::program::Start;
 use husillo_simulator::scene::Scene;
 use serde_json::{Value, json};
@@ -19,7 +20,7 @@ const FINDINGS: u64 = 200;
 const MOST_EVENTS: f64 = 2e8;
 
 /// What a program is checked against.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Surroundings {
     /// Settings of the controller.
     pub settings: BTreeMap<u16, String>,
@@ -50,6 +51,8 @@ pub struct Loaded {
     pub times: Option<Timetable>,
     /// The text of the scene for the viewer: its element, as in a report.
     pub scene: Option<String>,
+    /// What it was checked against.
+    around: Surroundings,
     /// What the page that has loaded it is told.
     pub report: Value,
 }
@@ -61,11 +64,7 @@ impl Loaded {
     ///
     /// A sentence: the program cannot be sent, or the settings have no sense.
     pub fn new(name: &str, text: Vec<u8>, around: &Surroundings) -> Result<Self, String> {
-        let machine = machine(&around.settings)?;
-        let said = |error: JobError| error.to_string();
-        let program = Text::new(name, text.as_slice());
-        let mut job = Job::new(program, machine, Some("grbl")).map_err(said)?;
-        job.stand(in_nm(&around.zero_mm), in_nm(&around.at_mm));
+        let mut job = job(name, &text, around)?;
         let mut findings = Findings::new(FINDINGS);
         let mut facts = job.check(&mut findings).map_err(said)?;
         let lines = sendable_lines(&text)?;
@@ -101,6 +100,7 @@ impl Loaded {
             text,
             lines: lines.into(),
             start: job.start,
+            around: around.clone(),
             count,
             errors: findings.errors,
             warnings: findings.warnings,
@@ -109,6 +109,50 @@ impl Loaded {
             report,
         })
     }
+
+    /// The report of a simulated run, as `husillo run` writes it, with what became of the program
+    /// on the machine. It simulates the program once more: that takes less than to keep it.
+    ///
+    /// # Errors
+    ///
+    /// A sentence: the simulation is not possible.
+    pub fn page(&self, operation: Operation) -> Result<String, String> {
+        let mut job = job(&self.name, &self.text, &self.around)?;
+        if self.times.is_none() {
+            let title = &job.machine.title;
+            return Ok(operation::html(&self.name, title, &operation));
+        }
+        let mut findings = Findings::new(FINDINGS);
+        let mut facts = job.check(&mut findings).map_err(said)?;
+        let simulated = job.simulate(&mut facts, Options::default(), || {});
+        let simulated = simulated.map_err(said)?;
+        let results = Results {
+            warnings: findings.warnings,
+            ..simulated.results(&job, &facts)
+        };
+        let run = &simulated.run;
+        let take_up_s = run
+            .mechanics
+            .in_seconds(run.observers.statistics.take_up_ticks);
+        let figures = report::figures(&results, &facts, Some(take_up_s));
+        let scene = Scene::of(&job, &simulated, &facts, &findings).map_err(said)?;
+        let (warnings, scene) = (findings.short(), scene.element());
+        let mut page = report::made(&job, &simulated, &results, figures, warnings, scene);
+        page.operation = Some(operation);
+        Ok(husillo_reports::run::html(&page))
+    }
+}
+
+fn said(error: JobError) -> String {
+    error.to_string()
+}
+
+/// A program on the machine of its controller.
+fn job(name: &str, text: &[u8], around: &Surroundings) -> Result<Job, String> {
+    let machine = machine(&around.settings)?;
+    let mut job = Job::new(Text::new(name, text), machine, Some("grbl")).map_err(said)?;
+    job.stand(in_nm(&around.zero_mm), in_nm(&around.at_mm));
+    Ok(job)
 }
 
 /// Lengths in nm.

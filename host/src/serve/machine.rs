@@ -6,6 +6,7 @@ use super::lease::Lease;
 use super::loaded::Loaded;
 use super::reply::Reply;
 use super::request::Request;
+use super::run_record::RunRecord;
 use axum::extract::ws::Utf8Bytes;
 use husillo_clients::StopRequests;
 use serde_json::{Value, json};
@@ -45,6 +46,8 @@ pub struct Machine {
     pub lease: Lease,
     /// The loaded program.
     pub program: Mutex<Option<Arc<Loaded>>>,
+    /// The last run of a program that has ended.
+    pub run: Mutex<Option<Arc<RunRecord>>>,
     requests: SyncSender<Asked>,
     published: Mutex<Published>,
     news: watch::Sender<u64>,
@@ -82,6 +85,7 @@ impl Machine {
             control: Control::new(watch_only),
             lease: Lease::default(),
             program: Mutex::default(),
+            run: Mutex::default(),
             requests,
             published: Mutex::default(),
             news,

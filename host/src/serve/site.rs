@@ -59,6 +59,7 @@ pub fn router(
         .route("/machines", get(list))
         .route("/machines/{number}/program", get(program).post(load))
         .route("/machines/{number}/scene", get(scene))
+        .route("/machines/{number}/report", get(report))
         .layer(DefaultBodyLimit::max(program_file::MOST_BYTES))
         .route("/socket", get(open))
         .route("/{*path}", get(file))
@@ -132,6 +133,18 @@ async fn scene(
 ) -> Response {
     match machine(&site, number, &query, &headers) {
         Ok(machine) => program_file::scene(&machine),
+        Err(refusal) => *refusal,
+    }
+}
+
+async fn report(
+    State(site): State<Arc<Site>>,
+    Path(number): Path<u32>,
+    Query(query): Query<Token>,
+    headers: HeaderMap,
+) -> Response {
+    match machine(&site, number, &query, &headers) {
+        Ok(machine) => program_file::report(&machine).await,
         Err(refusal) => *refusal,
     }
 }

@@ -171,7 +171,7 @@ async fn write(
         "lease_ms": LEASE.as_millis() as u64,
         "renew_ms": 80,
         // Parts of the page beside moving by hand.
-        "offers": ["program", "from", "settings"],
+        "offers": ["program", "from", "report", "settings"],
         "machines": site.described(),
     });
     let mut frames = vec![welcome.to_string().into()];

@@ -9,5 +9,6 @@ mod lines;
 mod links;
 mod page;
 mod programs;
+mod reports;
 mod settings;
 mod watching;

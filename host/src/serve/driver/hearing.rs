@@ -26,6 +26,7 @@ impl Driver<'_> {
                     .tell(From::Controller, format!("ALARM:{number}"));
                 self.alarm = Some(*number);
                 let why = husillo_clients::grbl::alarm(*number);
+                self.note_alarm(&why);
                 self.fail_program(why.clone());
                 self.state.why = Some(why);
                 if self.halting.is_none() {

@@ -4,6 +4,7 @@ use super::{Driver, From, Purpose};
 use crate::serve::continuation::Continuation;
 use crate::serve::loaded::{Loaded, Surroundings};
 use crate::serve::reply::Reply;
+use crate::serve::run_record::RunRecord;
 use husillo_clients::grbl::SYNCHRONISE;
 use husillo_transports::grbl::{Realtime, State};
 use serde_json::{Value, json};
@@ -51,6 +52,12 @@ pub(in crate::serve) struct Running {
     pub(super) continuation: Option<Continuation>,
     /// Where the machine was when the program was started at its first line, mm.
     pub(super) begun_mm: Option<Vec<f64>>,
+    /// What has become of it, for its report.
+    record: Option<RunRecord>,
+    /// The phase and the overrides that were noted in it.
+    noted: (&'static str, Option<Value>),
+    /// Number of runs that have ended. The last one has a report.
+    runs: u64,
     /// The line with which an interrupted program goes on.
     resume_line: Option<usize>,
     /// Number of programs that were loaded.
@@ -82,12 +89,21 @@ impl Running {
         )
     }
 
+    /// The phase, as pages get it.
+    fn phase_name(&self, is_held: bool) -> &'static str {
+        match self.phase {
+            Phase::Running if is_held => "held",
+            phase => phase.name(),
+        }
+    }
+
     /// Loads a program.
     fn load(&mut self, program: Arc<Loaded>) {
         *self = Self {
             lines: Arc::clone(&program.lines),
             program: Some(program),
             loads: self.loads + 1,
+            runs: self.runs,
             single_block: self.single_block,
             ..Self::default()
         };
@@ -135,9 +151,10 @@ impl Driver<'_> {
             .program
             .lock()
             .unwrap_or_else(PoisonError::into_inner) = None;
-        let loads = self.running.loads;
+        let (loads, runs) = (self.running.loads, self.running.runs);
         *self.running = super::Running {
             loads,
+            runs,
             single_block: self.running.single_block,
             ..super::Running::default()
         };
@@ -207,11 +224,17 @@ impl Driver<'_> {
         let text = format!("{} {how}", program.name);
         self.machine.tell(From::Server, text);
         let running = &mut *self.running;
+        let from = lines
+            .first()
+            .filter(|_| before > 0)
+            .map(|(number, _)| *number);
         *running = super::Running {
             program: Some(Arc::clone(program)),
             lines,
             before,
             loads: running.loads,
+            runs: running.runs,
+            record: Some(RunRecord::new(Arc::clone(program), from)),
             phase: Phase::Running,
             begun_mm: running.begun_mm.take(),
             single_block: running.single_block,
@@ -357,6 +380,63 @@ impl Driver<'_> {
         }
     }
 
+    /// An alarm has come.
+    pub(super) fn note_alarm(&mut self, why: &str) {
+        if let Some(record) = &mut self.running.record {
+            record.alarm(format!("alarm: {why}"));
+        }
+    }
+
+    /// Notes what has changed in a run, and publishes its record when it has ended.
+    pub(super) fn note_run(&mut self) {
+        let phase = self.running.phase_name(self.session.is_held());
+        let overrides = self.state.overrides.clone();
+        let shown = self.state.program.as_ref();
+        let line = shown
+            .and_then(|program| program["line"].as_u64())
+            .unwrap_or(0);
+        let running = &mut *self.running;
+        let Some(record) = &mut running.record else {
+            return;
+        };
+        let (before, percents) = std::mem::replace(&mut running.noted, (phase, overrides.clone()));
+        if let (true, Some(all)) = (percents != overrides, &overrides) {
+            record.event(format!(
+                "overrides: feed {} %, rapids {} %, spindle {} %",
+                all["feed"], all["rapid"], all["spindle"]
+            ));
+        }
+        match phase {
+            _ if phase == before => {}
+            "held" => record.stop(format!("held at line {line}")),
+            "stopping" => record.stop(format!("STOP at line {line}")),
+            "waiting" => {
+                let next = running
+                    .lines
+                    .get(running.next)
+                    .map_or(0, |(number, _)| *number);
+                record.event(format!("waits before line {next}"));
+            }
+            "running" if ["held", "waiting"].contains(&before) => record.event("goes on"),
+            _ => {}
+        }
+        if running.is_active() {
+            return;
+        }
+        if let Some(mut record) = running.record.take() {
+            let made = [running.answered, running.lines.len()];
+            let result = running.message.as_deref().unwrap_or(phase);
+            record.end(result, made, running.elapsed.as_secs_f64());
+            running.runs += 1;
+            let mut last = self
+                .machine
+                .run
+                .lock()
+                .unwrap_or_else(PoisonError::into_inner);
+            *last = Some(Arc::new(record));
+        }
+    }
+
     /// What pages are told about the program. Progress goes on by the simulated time, between the
     /// line that is made and the last one that is answered.
     pub(super) fn program_shown(&mut self) -> Option<Value> {
@@ -416,10 +496,7 @@ impl Driver<'_> {
         let progress = total_s
             .filter(|total| *total > 0.0)
             .map(|total| running.done_s / total);
-        let phase = match running.phase {
-            Phase::Running if is_held => "held",
-            phase => phase.name(),
-        };
+        let phase = running.phase_name(is_held);
         let before = running.lines.get(running.next).map(|(number, _)| *number);
         Some(json!({
             "name": program.name,
@@ -441,6 +518,7 @@ impl Driver<'_> {
             "waits_before": before.filter(|_| running.phase == Phase::Waiting),
             "message": running.message,
             "resume_line": running.resume_line,
+            "runs": running.runs,
         }))
     }
 }
