@@ -89,7 +89,7 @@ impl Driver<'_> {
         let state = &*self.state;
         let places = state.zero_mm.clone().zip(state.machine_mm.clone());
         let (zero_mm, at_mm) = places.ok_or("the position of the machine is not known")?;
-        if self.modes_are_due || !self.stream.is_empty() || state.modal.is_empty() {
+        if self.modes_are_pending() || state.modal.is_empty() {
             return Err("the controller has not reported its modes yet: try again".into());
         }
         let begun_mm = self.running.begun_mm.clone();
