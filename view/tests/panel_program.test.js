@@ -257,7 +257,8 @@ test("an interrupted program is offered to go on, with the line and its state", 
     const goOn = "button::-p-text(Go on from line)";
     assert.equal(await page.$eval(goOn, (one) => one.checkVisibility()), false);
     const stopped = { ...LOADED, phase: "stopped", resume_line: 6 };
-    server.change({ program: { ...stopped, message: "stopped; all lines before line 6 are made" } });
+    const message = "stopped; all lines before line 6 are made";
+    server.change({ program: { ...stopped, message } });
     server.verbs.run = ({ from }) => ({ ...FROM_LINE, from });
     await press(page, "button::-p-aria(Go on from line 6)");
     assert.equal((await server.next("run")).from, 6);

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { join } from "node:path";
 import { test } from "node:test";
-import { PICTURES, picture, violations } from "husillo/tests/browser.js";
+import { PICTURES, open, picture, violations } from "husillo/tests/browser.js";
 import { press, says } from "husillo/tests/panels.js";
 import { home, served, state, until } from "husillo/tests/served.js";
 
@@ -102,4 +102,16 @@ test("a stopped run goes on from its line, with the state shown first", async (t
     );
     assert.equal(String(done.work_mm), "0,0,0");
     assert.equal(done.program.resume_line, null);
+    assert.equal(done.program.runs, 2);
+    await picture(page, "serve-done");
+    const link = await page.waitForSelector("a::-p-text(Report of the run)");
+    const address = await link?.evaluate((one) => /** @type {any} */ (one).href);
+    const report = await open(t, { address, width: 1280, height: 1400 });
+    await report.waitForSelector('.stage[data-drawn="whole"]');
+    const text = await report.evaluate(() => document.body.textContent ?? "");
+    for (const what of ["On the machine", "part.nc", "from line", "lines made", "alarms0"]) {
+        assert.ok(text.includes(what), what);
+    }
+    assert.deepEqual(await violations(report), []);
+    await picture(report, "serve-report");
 });

@@ -230,7 +230,7 @@ mod tests {
         inches.begun_mm[1] = -70.0;
         let lines = before("G1 X1 F10\nX2\n", 2, inches);
         assert_eq!(lines[0], "G21 G90 G94 G17 G55");
-        assert_eq!(lines[2], "G0 X25.400000 Y30");
+        assert_eq!(lines[2], "G0 X25.4 Y30");
         assert_eq!(lines.last().unwrap(), "G17 G20 G90 G94 G1");
     }
 
@@ -239,7 +239,9 @@ mod tests {
         let refused = |text: &str, from| Continuation::new(&loaded(text), from, now()).unwrap_err();
         assert!(refused("G0 X1\n", 2).contains("no command"));
         assert!(refused("G92 X3\nG0 X1\n", 2).contains("work zero"));
-        assert!(refused("G2 X1 Y1 R5 F100\nX3 Y3 R5\n", 2).contains("its own code"));
+        assert!(refused("G0 X0 Y0\nG2 X1 Y1 R5 F100\nX3 Y3 R5\n", 3).contains("its own code"));
+        let elsewhere = "G2 X1 Y1 I5 J0 F100\nG0 X3\n";
+        assert!(refused(elsewhere, 2).contains("errors"), "{elsewhere}");
         let program = loaded("G55\nT2\nG0 X1\nX2\n");
         let shown = Continuation::new(&program, 4, now()).unwrap();
         assert_eq!(

@@ -2,11 +2,12 @@
 
 use super::loaded::Loaded;
 use super::machine::Machine;
+use super::page::REPORT_POLICY;
 use super::reply::Reply;
 use super::request::Request;
 use axum::body::Bytes;
 use axum::http::StatusCode;
-use axum::http::header::{CONTENT_DISPOSITION, CONTENT_TYPE};
+use axum::http::header::{CONTENT_DISPOSITION, CONTENT_SECURITY_POLICY, CONTENT_TYPE};
 use axum::response::{IntoResponse, Response};
 use serde_json::{Value, json};
 use std::sync::mpsc::sync_channel;
@@ -106,6 +107,7 @@ pub async fn report(machine: &Machine) -> Response {
             let headers = [
                 (CONTENT_TYPE, "text/html; charset=utf-8"),
                 (CONTENT_DISPOSITION, name.as_str()),
+                (CONTENT_SECURITY_POLICY, REPORT_POLICY),
             ];
             (headers, page).into_response()
         }

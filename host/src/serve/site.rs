@@ -73,7 +73,9 @@ async fn checked(State(site): State<Arc<Site>>, request: Request, next: Next) ->
         Ok(()) => next.run(request).await,
         Err(refusal) => refusal.into_response(),
     };
-    answer.headers_mut().extend(page::headers());
+    for (name, value) in page::headers() {
+        answer.headers_mut().entry(name).or_insert(value);
+    }
     answer
 }
 

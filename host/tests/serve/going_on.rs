@@ -131,3 +131,31 @@ fn a_stopped_run_goes_on() {
     until_phase(&mut page, "done");
     page.until_at("work_mm", 0, 60.0);
 }
+
+/// The work zero is not the machine zero: the approach is in work coordinates.
+#[test]
+fn it_goes_on_from_another_work_zero() {
+    let served = Served::new(&["--speed", "10"]);
+    let mut page = served.operator();
+    page.done(json!({"do": "goto", "to_mm": {"x": -40, "y": -30, "z": -5}, "feed": 3000}));
+    page.until_at("machine_mm", 0, -40.0);
+    page.until_state("Idle");
+    page.done(json!({"do": "zero", "at_mm": {"x": 0, "y": 0, "z": 0}}));
+    page.until_at("work_mm", 0, 0.0);
+    served.load(page.client, "part.nc", PART);
+    let plan = shown(&mut page, 9);
+    assert_eq!(plan["state"]["work_mm"], json!([10.0, 5.0, -1.0]));
+    assert_eq!(
+        (&plan["before"][1], &plan["before"][2]),
+        (&json!("G0 Z2"), &json!("G0 X10 Y5"))
+    );
+    page.done(json!({"do": "run", "from": 9, "confirmed": true}));
+    until_phase(&mut page, "done");
+    page.until_at("work_mm", 1, 9.0);
+    page.until_at("machine_mm", 0, -35.0);
+    page.until_at("machine_mm", 2, -6.0);
+    // A shift of the work zero in the program cannot be restored.
+    served.load(page.client, "shifted.nc", "G92 X3\nG0 X1\nX2\n");
+    let why = page.refused(json!({"do": "run", "from": 3}));
+    assert!(why.contains("work zero"), "{why}");
+}

@@ -1,7 +1,7 @@
 //! Moves that probe. The plate of the simulated machine is at Z -10 mm.
 
 use super::page::{Page, Served};
-use serde_json::json;
+use serde_json::{Value, json};
 use std::time::Duration;
 
 /// The modes that the controller has reported, when it stands.
@@ -55,11 +55,14 @@ fn without_a_contact_it_is_an_alarm_and_beside_it_is_not() {
     assert_eq!(page.states[0]["undo"], 0);
 }
 
+fn probe(axis: &str, by_mm: f64, feed: f64) -> Value {
+    json!({"do": "probe", "axis": axis, "by_mm": by_mm, "feed": feed})
+}
+
 #[test]
 fn what_has_no_sense_or_no_control_is_refused() {
     let served = Served::new(&[]);
     let mut page = served.operator();
-    let probe = |axis: &str, by: f64, feed: f64| json!({"do": "probe", "axis": axis, "by_mm": by, "feed": feed});
     for request in [
         probe("q", 1.0, 100.0),
         probe("z", 0.0, 100.0),

@@ -38,6 +38,15 @@ fn a_run_has_a_report() {
     let (head, report) = answer.split_once("\r\n\r\n").unwrap();
     assert!(head.starts_with("HTTP/1.1 200"), "{head}");
     assert!(head.contains("filename=\"a--part--20"), "{head}");
+    // Its scripts reach no server.
+    let policies = head
+        .lines()
+        .filter(|line| line.starts_with("content-security-policy"));
+    let policies: Vec<_> = policies.collect();
+    assert!(
+        policies.len() == 1 && policies[0].contains("default-src 'none'"),
+        "{head}"
+    );
     // The report of `husillo run`, with the viewer.
     assert!(report.contains("id=\"scene\"") && report.contains("Tool path in X and Y"));
     for what in [

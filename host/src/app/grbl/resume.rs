@@ -63,6 +63,8 @@ pub struct Before {
     pub modal: Modal<AXES>,
     /// The highest Z of the lines before, at least 0, in work coordinates.
     highest: Nm,
+    /// The lines before do not move the work zero, and set no tool length.
+    is_plain: bool,
 }
 
 impl Before {
@@ -71,7 +73,8 @@ impl Before {
     ///
     /// # Errors
     ///
-    /// The text cannot be read. Errors of the program are not reported again.
+    /// The text cannot be read. Or the lines before have an error, because the program begins at
+    /// another position than that of its check: an arc has no radius there.
     pub fn line(
         from: usize,
         text: &[u8],
@@ -95,11 +98,18 @@ impl Before {
         };
         let modal = program::walk(&mut source, name, start, &mut findings, each);
         let modal = modal.map_err(|error| error.to_string())?;
+        if findings.errors > 0 {
+            return Err("the lines before have errors at the position of the machine".into());
+        }
         // Machine coordinates less this are work coordinates.
         let zero = modal.position()[2].0 - modal.work_position()[2].0;
         let highest = highest.map_or(0, |Nm(high)| high - zero);
         let end = modal.work_position()[2];
+        let own = start.frames.get(usize::from(modal.work_system()));
+        let zero = own.copied().flatten().unwrap_or(start.zero);
+        let is_plain = modal.work_offset() == zero && modal.tool_length() == [Nm(0); AXES];
         Ok(Self {
+            is_plain,
             highest: Nm(highest).max(end).max(Nm(0)),
             modal,
         })
@@ -113,6 +123,11 @@ impl Before {
     ///
     /// A sentence about a state that such lines cannot restore.
     pub fn approach(&self, present: Option<Nm>, next: &str) -> Result<Vec<String>, &'static str> {
+        if !self.is_plain {
+            return Err(
+                "the lines before move the work zero or set a tool length: begin at line 1",
+            );
+        }
         // A line with a code needs no motion of the lines before.
         let has_code = next.contains(['G', 'g']);
         let high = present.map_or(self.highest, |present| self.highest.max(present));
@@ -121,9 +136,6 @@ impl Before {
 }
 
 fn approach(modal: &Modal<AXES>, high: Nm, has_code: bool) -> Result<Vec<String>, &'static str> {
-    if [modal.work_offset(), modal.tool_length()] != [[Nm(0); AXES]; 2] {
-        return Err("the lines before move the work zero or set a tool length: begin at line 1");
-    }
     let [x, y, z, ..] = modal.work_position();
     let mut lines = vec![
         format!("G21 G90 G94 G17 G{}", 54 + modal.work_system()),
