@@ -58,6 +58,7 @@ export interface Options {
 export interface Machine {
     name: string;
     title: string;
+    ticks_per_second: number;
     axes: { letter: string; step_nm: number; travel_nm: [number, number] | null }[];
 }
 
@@ -97,6 +98,8 @@ export interface Results {
     ticks: number;
     ticks_per_second: number;
     nm_per_step: number[];
+    /** Position of work zero in machine coordinates at the end. */
+    zero_nm: number[];
     /** From work zero. */
     end_nm: number[];
     min_nm: number[];

@@ -33,6 +33,8 @@ use crate::cli::{
 use crate::console;
 use crate::console::reporter::Reporter;
 use crate::drill;
+#[cfg(unix)]
+use crate::emulate;
 use crate::input;
 use crate::measuring::{self, Stopped};
 use crate::methods::interpolate;
@@ -280,6 +282,7 @@ fn tune_servo(args: &Tune, out: &mut dyn Write) -> Result<u8, Failure> {
     ended(result)
 }
 
+#[cfg(unix)]
 fn emulate(args: &Emulate) -> Result<u8, Failure> {
     let out = &mut console::stdout();
     // It is complete however the emulation ends.
@@ -289,41 +292,41 @@ fn emulate(args: &Emulate) -> Result<u8, Failure> {
     done
 }
 
+#[cfg(not(unix))]
+fn emulate(_: &Emulate) -> Result<u8, Failure> {
+    ended(Err(Stopped::Usage(
+        "this system has no pseudo-terminals".into(),
+    )))
+}
+
 /// Emulates a machine. The file of its events is one of `outputs`.
+#[cfg(unix)]
 fn emulate_into(args: &Emulate, outputs: &mut Outputs, out: &mut dyn Write) -> Result<u8, Failure> {
-    #[cfg(unix)]
-    {
-        let microfactory = microfactory(&args.machine)?;
-        match (&microfactory, args.machine.as_str()) {
-            (Some(_), _) => args.expect_microfactory()?,
-            (None, "micromill" | "grbl" | "grblhal") => args.expect_micromill()?,
-            (None, "drill") => args.expect_drill()?,
-            _ => args.expect_network()?,
+    let microfactory = microfactory(&args.machine)?;
+    match (&microfactory, args.machine.as_str()) {
+        (Some(_), _) => args.expect_microfactory()?,
+        (None, "micromill" | "grbl" | "grblhal") => args.expect_micromill()?,
+        (None, "drill") => args.expect_drill()?,
+        _ => args.expect_network()?,
+    }
+    let made = match &args.steps {
+        Some(path) => Some(Box::new(outputs.create(path)?) as Box<dyn Write>),
+        None => None,
+    };
+    let served = match (&microfactory, args.machine.as_str()) {
+        (Some(settings), _) => emulate::microfactory::emulate(args, settings, made, out),
+        (None, "micromill") => emulate::micromill::emulate(args, made, out),
+        (None, "grbl" | "grblhal") => {
+            let settings = match &args.mechanics {
+                Some(name) => crate::grbl::settings(&load(name)?)?,
+                None => husillo_transports::grbl::Settings::DEFAULT,
+            };
+            emulate::grbl::emulate(args, settings, made, out)
         }
-        let made = match &args.steps {
-            Some(path) => Some(Box::new(outputs.create(path)?) as Box<dyn Write>),
-            None => None,
-        };
-        let served = match (&microfactory, args.machine.as_str()) {
-            (Some(settings), _) => microfactory::emulate(args, settings, made, out),
-            (None, "micromill") => micromill::emulate(args, made, out),
-            (None, "grbl" | "grblhal") => {
-                let settings = match &args.mechanics {
-                    Some(name) => crate::grbl::settings(&load(name)?)?,
-                    None => husillo_transports::grbl::Settings::DEFAULT,
-                };
-                crate::grbl::emulate(args, settings, made, out)
-            }
-            (None, "drill") => drill::emulate(args, made, out),
-            _ => return ended(measuring::emulate(args, out)),
-        };
-        Ok(served.map(|()| OK)?)
-    }
-    #[cfg(not(unix))]
-    {
-        args.expect_network()?;
-        ended(measuring::emulate(args, out))
-    }
+        (None, "drill") => emulate::drill::emulate(args, made, out),
+        _ => return ended(measuring::emulate(args, out)),
+    };
+    Ok(served.map(|()| OK)?)
 }
 
 fn calibrate(args: &Calibrate, out: &mut dyn Write) -> Result<u8, Failure> {

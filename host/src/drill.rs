@@ -26,10 +26,8 @@ use crate::output::Outputs;
 use husillo_clients::drill::{
     Action, BAUD, Client, ClientError, End, Hand, Operator, Part, Place, Sender, sentence,
 };
-use husillo_sim::device::drill::Device;
 use husillo_simulator::text::name;
 use husillo_transports::drill::Failure as LinkFailure;
-use std::io::{self, Write};
 
 /// Writes what `save` read back.
 fn keep(file: &str, bytes: &[u8]) -> Result<(), String> {
@@ -185,31 +183,4 @@ fn again(arguments: impl Iterator<Item = String>) -> String {
         is_number = is_from;
     }
     text
-}
-
-/// `husillo emulate drill`; what it makes goes to `steps`, where there is that.
-///
-/// # Errors
-///
-/// The port, the file of steps or `out`, named in the error.
-#[cfg(unix)]
-pub fn emulate(
-    args: &crate::cli::Emulate,
-    steps: Option<Box<dyn Write>>,
-    out: &mut dyn Write,
-) -> io::Result<()> {
-    let baud = args.baud.unwrap_or(BAUD);
-    let mut device = Device::new(baud, args.faithful);
-    if steps.is_some() {
-        device = device.with_rows();
-    }
-    let name = format!("Drill, {baud} baud,");
-    let hint = "husillo send board.drl -m drill --port {port}";
-    crate::emulate::terminal::serve(
-        &mut device,
-        args,
-        steps,
-        out,
-        [&name, hint, &Device::panel()],
-    )
 }

@@ -1,4 +1,7 @@
-//! Simulated controllers behind a port.
+//! `husillo emulate`: simulated controllers behind a port.
 
-#[cfg(unix)]
+pub mod drill;
+pub mod grbl;
+pub mod microfactory;
+pub mod micromill;
 pub mod terminal;

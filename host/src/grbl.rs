@@ -1,45 +1,15 @@
-//! `emulate grbl`, a Grbl controller on a simulated mill, and `jog -m grbl`.
+//! Grbl controllers: the settings of a machine file, and `husillo jog -m grbl`.
 
 use crate::by_hand;
-use crate::cli::{Emulate, Jog};
+use crate::cli::Jog;
 use crate::console::reporter::Reporter;
 use crate::console::sharing::share;
 use crate::console::stop::stop_requests;
 use husillo_clients::grbl::{Action, BAUD, Hand, open};
 use husillo_gcode::Dialect;
-use husillo_sim::device::grbl::Device;
 use husillo_simulator::machines::machine_file::MachineFile;
 use husillo_simulator::programs::setup;
 use husillo_transports::grbl::Settings;
-use std::io;
-
-/// Runs the device; its events go to `steps`, if it is given. `machine` is the mill whose axes it
-/// has, by default those of Grbl's generic settings.
-///
-/// # Errors
-///
-/// The port, the file of steps or `out`, named in the error.
-pub fn emulate(
-    args: &Emulate,
-    settings: Settings,
-    steps: Option<Box<dyn io::Write>>,
-    out: &mut dyn io::Write,
-) -> io::Result<()> {
-    let baud = args.baud.unwrap_or(BAUD);
-    let is_hal = args.machine == "grblhal";
-    let mut device = match is_hal {
-        true => Device::grblhal(baud, settings),
-        false => Device::new(baud, settings),
-    };
-    if steps.is_some() {
-        device = device.with_rows();
-    }
-    let protocol = if is_hal { "grblHAL" } else { "Grbl 1.1" };
-    let name = format!("{protocol}, {baud} baud,");
-    let hint = "any sender of Grbl, at {port}";
-    let panel = Device::panel();
-    crate::emulate::terminal::serve(&mut device, args, steps, out, [&name, hint, &panel])
-}
 
 /// The settings of a mill: steps, rates, ramps and travel of its axes.
 ///

@@ -24,8 +24,8 @@ mod backlash;
 mod by_hand;
 mod cli;
 mod drill;
-mod emulate;
 #[cfg(unix)]
+mod emulate;
 mod grbl;
 mod holes;
 mod input;

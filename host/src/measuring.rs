@@ -10,11 +10,14 @@ mod action;
 mod calibrating;
 mod calibration_file;
 mod direction;
+#[cfg(unix)]
+mod emulated;
 mod halt;
 mod help;
 pub mod interrupt;
 pub mod machine_file;
 pub mod memory_file;
+#[cfg(unix)]
 mod module_list;
 mod motor_file;
 mod piece_file;
@@ -24,23 +27,24 @@ mod routine;
 mod session;
 
 pub use calibrating::{calibrate_axis, calibrate_squareness};
+#[cfg(unix)]
+pub use emulated::emulate;
 pub use halt::halt;
 
-use crate::cli::{Emulate, Measure, Results};
+use crate::cli::{Measure, Results};
 use crate::console::stop::INTERRUPTED;
 use action::Action;
 use husillo_metrology::Error;
 use husillo_metrology::calibration::Calibrated;
 use husillo_metrology::heads::{Head, Machine, Prober as _, Stylus};
-use husillo_metrology::simulated::{IO_PANEL, Mounted, NetworkModule, PANEL, SimulatedNetwork};
-use husillo_sim::text::counted;
+use husillo_metrology::simulated::Mounted;
 use husillo_simulator::machines::machine_file::LoadError;
 use husillo_simulator::text::json::write_line;
 use interrupt::{Interrupt, User};
 use result_row::{CSV_HEAD, ResultRow};
 use routine::{Ending, Routine};
 use session::{AnyPort, Session};
-use std::io::{self, BufRead, BufReader, ErrorKind, Write};
+use std::io::{self, BufRead, BufReader, Write};
 
 /// Why a command on a measuring machine has failed.
 pub enum Stopped {
@@ -381,57 +385,4 @@ pub fn error_text(error: &Error) -> String {
         Some(help) => format!("error: {error}\n  help: {help}"),
         None => format!("error: {error}"),
     }
-}
-
-/// `husillo emulate`: runs until it is stopped.
-///
-/// # Errors
-///
-/// [`Stopped`].
-#[cfg(unix)]
-pub fn emulate(args: &Emulate, out: &mut dyn Write) -> Result<(), Stopped> {
-    let machine = machine_file::load(&args.machine).map_err(Stopped::File)?;
-    let piece = mounted(args.piece.as_deref(), &machine)?;
-    let motor = |address| machine.motor(address);
-    let modules = match &args.modules {
-        Some(list) => Some(module_list::modules(list, motor)?),
-        None => None,
-    };
-    let emulated = match &modules {
-        Some(modules) => SimulatedNetwork::of_modules(modules, &args.contact, piece)?,
-        None => SimulatedNetwork::of_machine(&machine, &args.contact, piece)?,
-    };
-    let emulated = emulated.with_ends(&args.end)?;
-    let mut emulated = emulated.with_noise(args.noise).with_reset_ms(args.reset_ms);
-    if args.fast {
-        emulated = emulated.without_byte_times();
-    }
-    let count = modules.as_ref().map_or(machine.modules().into(), Vec::len);
-    let modules_text = counted(count, "module");
-    let name = format!("{}: {modules_text}", machine.title);
-    let hint = format!("husillo measure -m {} --port {{port}} status", args.machine);
-    let is_io = |module: &NetworkModule| matches!(module, NetworkModule::Io { .. });
-    let has_io = modules.iter().flatten().any(is_io);
-    let panel = if has_io {
-        format!("{PANEL}, {IO_PANEL}")
-    } else {
-        PANEL.to_owned()
-    };
-    let heading = [&name[..], &hint, &panel];
-    crate::emulate::terminal::serve(&mut emulated, args, None, out, heading).map_err(|error| {
-        match error.kind() {
-            ErrorKind::BrokenPipe => Stopped::Output(error),
-            _ => Stopped::Machine(format!("error: {error}")),
-        }
-    })
-}
-
-/// `husillo emulate` on a system without pseudo-terminals.
-///
-/// # Errors
-///
-/// Always.
-#[cfg(not(unix))]
-pub fn emulate(_: &Emulate, _: &mut dyn Write) -> Result<(), Stopped> {
-    Err(Stopped::Usage("this system has no pseudo-terminals".into()))
 }

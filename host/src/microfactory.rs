@@ -17,10 +17,8 @@ use crate::console::stop::stop_requests;
 use husillo_clients::microfactory::crew::{self, What};
 use husillo_clients::microfactory::{Action, BAUD, LEASE, Links, Settings, shares};
 use husillo_controllers::MicrofactoryConfig;
-use husillo_sim::device::microfactory::Device;
 use husillo_sim::text::counted;
 use husillo_simulator::machines::machine_file::MachineFile;
-use std::io::{self, Write};
 
 /// The figure of a device without another one: the original's square with its diagonal, 1000 steps
 /// wide.
@@ -174,46 +172,14 @@ fn lease_of(lease_ms: Option<u16>, answers: bool) -> Result<u8, String> {
         .map_err(|_| format!("--lease {ms}: the lease of a microfactory is at most 2550 ms"))
 }
 
-fn figure_of(file: Option<&str>, settings: &Settings) -> Result<Vec<[i16; 2]>, String> {
-    file.map_or_else(
-        || Ok(FIGURE.to_vec()),
-        |file| Ok(figure::load(file, settings)?.moves),
-    )
-}
-
-/// `husillo emulate microfactory`; its events go to `steps`, if it is given.
+/// The figure of a file, or that of a device without one.
 ///
 /// # Errors
 ///
-/// The figure, the port, the file of steps or `out`, named in the error.
-#[cfg(unix)]
-pub fn emulate(
-    args: &crate::cli::Emulate,
-    settings: &Settings,
-    steps: Option<Box<dyn Write>>,
-    out: &mut dyn Write,
-) -> io::Result<()> {
-    let figure = figure_of(args.figure.as_deref(), settings).map_err(io::Error::other)?;
-    let baud = args.baud.unwrap_or(BAUD);
-    let device = Device::new(
-        settings.config,
-        settings.table,
-        settings.pull_out_ticks,
-        &figure,
-        !args.faithful,
-        baud,
-        args.machines,
-    );
-    let mut device = device.map_err(io::Error::other)?;
-    if steps.is_some() {
-        device = device.with_rows();
-    }
-    let hint = "husillo jog --port {port} home";
-    crate::emulate::terminal::serve(
-        &mut device,
-        args,
-        steps,
-        out,
-        ["Microfactory", hint, &Device::panel()],
+/// A sentence about the file.
+pub fn figure_of(file: Option<&str>, settings: &Settings) -> Result<Vec<[i16; 2]>, String> {
+    file.map_or_else(
+        || Ok(FIGURE.to_vec()),
+        |file| Ok(figure::load(file, settings)?.moves),
     )
 }

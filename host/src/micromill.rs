@@ -15,37 +15,8 @@ use crate::console::sharing::share;
 use crate::console::stop::stop_requests;
 use husillo_clients::micromill::{Action, BAUD, Frame, Hand, LEASE_MS, LengthUnit, open};
 use husillo_machine::Config;
-use husillo_sim::device::micromill::Device;
 use husillo_transports::micromill::{Line, Order};
 use std::fmt::Write as _;
-use std::io;
-
-/// `husillo emulate micromill`; its events go to `steps`, if it is given.
-///
-/// # Errors
-///
-/// The port, the file of steps or `out`, named in the error.
-#[cfg(unix)]
-pub fn emulate(
-    args: &crate::cli::Emulate,
-    steps: Option<Box<dyn io::Write>>,
-    out: &mut dyn io::Write,
-) -> io::Result<()> {
-    let baud = args.baud.unwrap_or(BAUD);
-    let mut device = Device::new(baud);
-    if steps.is_some() {
-        device = device.with_rows();
-    }
-    let name = format!("Micro mill, {baud} baud,");
-    let hint = "husillo jog -m micromill --port {port} home";
-    crate::emulate::terminal::serve(
-        &mut device,
-        args,
-        steps,
-        out,
-        [&name, hint, &Device::panel()],
-    )
-}
 
 /// The lines as the text of a file: one string per line.
 pub fn text(lines: &[(usize, Line)]) -> String {

@@ -5,7 +5,7 @@ use husillo_machine::{
     Axis, AxisRamp, Config, Equipment, Event, Machine, Scale, SmoothRamp, backlash::Backlash,
     interp::Path,
 };
-use husillo_methods::motion::{Course, Figures, Profile, Rule, Settings};
+use husillo_methods::motion::{Course, Figures, Piece, Profile, Rule, Settings};
 
 const ACCELERATION: f64 = 500.0;
 
@@ -207,4 +207,33 @@ fn the_jerk_is_that_of_the_machine() {
         "{}",
         given.seconds
     );
+}
+
+/// A picture has no gaps: every column from the start to the end has the values of its time.
+#[test]
+fn every_column_has_values() {
+    let ramp = Piece {
+        seconds: 0.7,
+        acceleration: 10.0,
+        ..Piece::default()
+    };
+    let cruise = Piece {
+        seconds: 3.1,
+        speed: 7.0,
+        ..Piece::default()
+    };
+    let profile = Profile {
+        pieces: vec![ramp, cruise],
+        ..Profile::default()
+    };
+    for count in 1..500 {
+        let width = profile.seconds() / count as f64;
+        for (number, column) in profile.columns(count, width).iter().enumerate() {
+            let (begin, end) = (number as f64 * width, (number + 1) as f64 * width);
+            let [low, high] = [begin, end].map(|at| 10.0 * at.min(0.7));
+            assert!((column[0].low - low).abs() < 1e-9, "{count}: {number}");
+            assert!((column[0].high - high).abs() < 1e-9, "{count}: {number}");
+            assert!(column[1].low <= column[1].high && column[2].low <= column[2].high);
+        }
+    }
 }

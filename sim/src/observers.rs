@@ -127,6 +127,25 @@ impl<O: Observer> Observer for Option<O> {
     }
 }
 
+/// An observer of another crate.
+impl<O: Observer + ?Sized> Observer for Box<O> {
+    fn begin(&mut self, begun: &Begun<'_>) {
+        (**self).begin(begun);
+    }
+
+    fn step(&mut self, now: &Now<'_>) -> io::Result<()> {
+        (**self).step(now)
+    }
+
+    fn dwell(&mut self, ticks: u64) {
+        (**self).dwell(ticks);
+    }
+
+    fn finish(&mut self) -> io::Result<()> {
+        (**self).finish()
+    }
+}
+
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;

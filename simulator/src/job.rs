@@ -3,6 +3,7 @@
 //! [`Job`] is all that a program needs that works with programs, such as the page for browsers. The
 //! modules of [`crate::programs`] and [`crate::simulation`] are its parts.
 
+mod columns;
 mod compare;
 mod losses;
 mod place;
@@ -12,6 +13,7 @@ mod run;
 mod steps;
 mod zero;
 
+pub use columns::{Batches, Columns, Kind};
 pub use program::{Program, Text};
 pub use results::{Order, Results, Touch};
 pub use run::{Options, Simulated};

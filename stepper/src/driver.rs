@@ -82,6 +82,16 @@ impl Driver {
         }
     }
 
+    /// The number of inputs. HOME of the L297 is an output.
+    #[must_use]
+    pub const fn inputs(self) -> usize {
+        match self {
+            Driver::Pbl3717a | Driver::A3988 | Driver::L297 => 6,
+            Driver::Unipolar => 4,
+            Driver::PhasePair => 3,
+        }
+    }
+
     /// The names machine files use: `pbl3717a`, `a3988`, `l297`, `unipolar`, `phase-pair`.
     #[must_use]
     pub fn by_name(name: &str) -> Option<Driver> {

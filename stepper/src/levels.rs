@@ -38,4 +38,10 @@ impl Levels {
     pub const fn is_high(self, bit: u32) -> bool {
         bit < 8 && self.0 & (1 << bit) != 0
     }
+
+    /// The inputs whose levels differ from `shown`; all of them if that is unknown.
+    #[cfg(feature = "embedded-hal")]
+    pub(crate) fn changed(shown: Option<Levels>, levels: Levels) -> Levels {
+        Levels(shown.map_or(0xFF, |shown| levels.0 ^ shown.0))
+    }
 }

@@ -9,7 +9,8 @@
 //!       └──► Microstep ────► [i16; 2]         coil currents of a sine drive
 //! ```
 //!
-//! The crate owns no pin and no clock: levels are data. The feature `embedded-hal` adds the pins.
+//! The crate owns no pin and no clock: levels are data. The feature `embedded-hal` adds the pins:
+//! `StepPulses` makes pulses at pins of any types.
 //!
 //! ```
 //! use husillo_stepper::{CoilDriver, Driver, Mode, Sequencer};
@@ -51,7 +52,10 @@ pub use levels::Levels;
 pub use microstep::Microstep;
 pub use motors::{Idle, Motors};
 #[cfg(feature = "embedded-hal")]
-pub use pins::{LevelPins, StepDirectionPins, Switch, Unwired};
+pub use pins::{
+    DriverPins, LevelPins, OutputPins, PinCount, PinError, Port, PortBits, PortPins,
+    StepDirectionPins, StepPulses, Switch, Unwired,
+};
 pub use pulse_timing::{PulseNanoseconds, PulseTiming};
 pub use sequencer::{Mode, Sequencer, Unsupported};
 pub use sine::{AMPLITUDE, sine};

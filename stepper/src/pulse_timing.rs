@@ -47,6 +47,18 @@ impl PulseNanoseconds {
         low: 1000,
     };
 
+    /// The times of the DRV8825: 650 ns set-up and hold, 1.9 us high and low. From ENABLE to the
+    /// first rise of STEP 650 ns pass too, which is the set-up time.
+    ///
+    /// # Source
+    /// Texas Instruments, DRV8825 data sheet (SLVSA73), timing requirements.
+    pub const DRV8825: PulseNanoseconds = PulseNanoseconds {
+        setup: 650,
+        hold: 650,
+        high: 1900,
+        low: 1900,
+    };
+
     /// Converts to ticks of a timer of `timer_hz`, rounded up, so that no time is too short.
     #[must_use]
     pub const fn ticks(self, timer_hz: u32) -> PulseTiming {

@@ -21,8 +21,8 @@
 //! ```
 //!
 //! The crate owns neither a port nor a clock. Bytes are passed in and out. Time is an argument in
-//! microseconds (`u32`, wrapping). The features `embedded-hal-nb` and `embedded-io` connect
-//! [`rs485`] to a serial port with a driver-enable pin.
+//! microseconds (`u32`, wrapping). The features `embedded-hal-nb`, `embedded-io` and
+//! `embedded-io-async` connect [`rs485`] to a serial port with a driver-enable pin.
 //!
 //! # Examples
 //!

@@ -15,8 +15,8 @@
 //! other than the one it sends stops at once, and only the master tries again.
 //!
 //! [`Turnaround`] and [`Echo`] own neither a port nor a clock. `EnablePin` drives the pin, `NbPort`
-//! is a complete port on `embedded-hal-nb`, and `IoPort` is one on `embedded-io`. Each of these
-//! three exists only with its feature.
+//! is a complete port on `embedded-hal-nb`, `IoPort` is one on `embedded-io`, and `AsyncIoPort` is
+//! one on `embedded-io-async`. Each of these four exists only with its feature.
 //!
 //! # Source
 //!
@@ -26,6 +26,8 @@
 mod echo;
 #[cfg(feature = "embedded-io")]
 mod io;
+#[cfg(feature = "embedded-io-async")]
+mod io_async;
 #[cfg(feature = "embedded-hal-nb")]
 mod nb;
 #[cfg(feature = "embedded-hal")]
@@ -35,6 +37,8 @@ mod turnaround;
 pub use echo::{Echo, Heard};
 #[cfg(feature = "embedded-io")]
 pub use io::{IoError, IoPort};
+#[cfg(feature = "embedded-io-async")]
+pub use io_async::AsyncIoPort;
 #[cfg(feature = "embedded-hal-nb")]
 pub use nb::{NbError, NbPort};
 #[cfg(feature = "embedded-hal")]

@@ -313,4 +313,135 @@ mod ports {
             );
         }
     }
+
+    #[cfg(feature = "embedded-io-async")]
+    mod io_async {
+        use super::*;
+        use core::future::{Future, poll_fn};
+        use core::pin::pin;
+        use core::task::{Context, Poll, Waker};
+        use embedded_io_async::{ErrorType, Read, ReadReady, Write};
+        use husillo_transports::rs485::{AsyncIoPort, IoError};
+
+        /// The same wire, for a task: a write is pending once, a read until there is a byte.
+        struct Waiting(Port);
+
+        impl ErrorType for Waiting {
+            type Error = Infallible;
+        }
+
+        impl Read for Waiting {
+            async fn read(&mut self, bytes: &mut [u8]) -> Result<usize, Infallible> {
+                poll_fn(|_| match self.0.0.borrow_mut().receive.pop_front() {
+                    None => Poll::Pending,
+                    Some(byte) => {
+                        bytes[0] = byte;
+                        Poll::Ready(Ok(1))
+                    }
+                })
+                .await
+            }
+        }
+
+        impl Write for Waiting {
+            async fn write(&mut self, bytes: &[u8]) -> Result<usize, Infallible> {
+                pend_once().await;
+                self.0.0.borrow_mut().send(bytes[0]);
+                Ok(1)
+            }
+
+            async fn flush(&mut self) -> Result<(), Infallible> {
+                pend_once().await;
+                self.0.0.borrow_mut().events.push(Event::Complete);
+                Ok(())
+            }
+        }
+
+        impl ReadReady for Waiting {
+            fn read_ready(&mut self) -> Result<bool, Infallible> {
+                Ok(!self.0.0.borrow().receive.is_empty())
+            }
+        }
+
+        async fn pend_once() {
+            let mut is_over = false;
+            poll_fn(|_| match std::mem::replace(&mut is_over, true) {
+                true => Poll::Ready(()),
+                false => Poll::Pending,
+            })
+            .await;
+        }
+
+        fn poll<T>(future: core::pin::Pin<&mut impl Future<Output = T>>) -> Poll<T> {
+            future.poll(&mut Context::from_waker(Waker::noop()))
+        }
+
+        /// Polls to the end, which must come within 50 polls.
+        fn run<T>(future: impl Future<Output = T>) -> (T, u32) {
+            let mut future = pin!(future);
+            for polls in 1..50 {
+                if let Poll::Ready(value) = poll(future.as_mut()) {
+                    return (value, polls);
+                }
+            }
+            panic!("still pending")
+        }
+
+        fn port(wire: &Rc<RefCell<Wire>>, hears_itself: bool) -> AsyncIoPort<Waiting, Pin, 4> {
+            AsyncIoPort::new(
+                Waiting(Port(wire.clone())),
+                EnablePin::active_high(Pin(wire.clone())),
+                Echo::new(hears_itself),
+            )
+        }
+
+        #[test]
+        fn a_message_is_sent_and_its_echo_dropped() {
+            for returns in [true, false] {
+                let wire = wire(returns, None);
+                let mut port = port(&wire, returns);
+                let (sent, polls) = run(port.send(&[0xAA, 1, 0x0E, 0x0F, 0, 0]));
+                assert_eq!((sent, polls), (Ok(()), 8), "six writes and the flush");
+                let events = wire.borrow().events.clone();
+                assert_eq!(events.first(), Some(&Event::Driving(true)));
+                assert_eq!(events[7..], [Event::Complete, Event::Driving(false)]);
+                {
+                    let mut receiving = pin!(port.receive());
+                    assert_eq!(poll(receiving.as_mut()), Poll::Pending);
+                    wire.borrow_mut().receive.extend([0x19, 0x1A]);
+                    assert_eq!(poll(receiving.as_mut()), Poll::Ready(Ok(0x19)));
+                }
+                assert_eq!(run(port.receive()), (Ok(0x1A), 1));
+            }
+        }
+
+        #[test]
+        fn a_collision_ends_the_message_and_lets_the_line_go() {
+            let wire = wire(true, Some(0));
+            let mut port = port(&wire, true);
+            let (sent, _) = run(port.send(&[0xAA, 0xAA, 0xAA]));
+            assert_eq!(sent, Err(IoError::Collision));
+            assert_eq!(
+                wire.borrow().events,
+                [
+                    Event::Driving(true),
+                    Event::Sent(0xAA),
+                    Event::Complete,
+                    Event::Driving(false)
+                ]
+            );
+        }
+
+        #[test]
+        fn a_dropped_message_lets_the_line_go() {
+            let wire = wire(true, None);
+            let mut port = port(&wire, true);
+            {
+                let mut sending = pin!(port.send(&[0xAA, 0xAA]));
+                assert_eq!(poll(sending.as_mut()), Poll::Pending);
+                assert_eq!(wire.borrow().events, [Event::Driving(true)]);
+            }
+            assert_eq!(wire.borrow().events.last(), Some(&Event::Driving(false)));
+        }
+    }
 }

@@ -10,7 +10,4 @@
 pub mod calls;
 pub mod memory;
 mod message;
-mod options;
 mod runs;
-mod tables;
-mod tune;

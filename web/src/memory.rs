@@ -10,7 +10,6 @@
 #![allow(unsafe_code)]
 
 use crate::calls;
-use crate::message::Failed;
 use std::cell::RefCell;
 use std::sync::Once;
 
@@ -68,11 +67,7 @@ pub extern "C" fn husillo_forget() {
 #[unsafe(no_mangle)]
 pub extern "C" fn husillo_panic() -> *const u8 {
     let reason = REASON.with(|reason| std::mem::take(&mut *reason.borrow_mut()));
-    keep(
-        Failed::from(format!("fault in husillo: {reason}"))
-            .answer()
-            .bytes(),
-    )
+    keep(calls::failure(format!("fault in husillo: {reason}")))
 }
 
 fn keep(answer: Vec<u8>) -> *const u8 {

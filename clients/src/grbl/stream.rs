@@ -1,4 +1,4 @@
-//! Lines on their way: sent, and not answered.
+//! The lines that are sent and not yet answered.
 
 use husillo_transports::grbl::{RECEIVE_BYTES, Window};
 use std::collections::VecDeque;
@@ -18,7 +18,7 @@ impl<T> Default for Stream<T> {
 }
 
 impl<T> Stream<T> {
-    /// No line is on its way.
+    /// Creates it without lines.
     pub const fn new() -> Self {
         Self {
             // Grbl's buffer holds one byte less than Grbl reports.
@@ -28,7 +28,7 @@ impl<T> Stream<T> {
     }
 
     /// Whether the receive buffer of the controller has room for a line. A line that is longer than
-    /// the buffer has room if no other line is on its way.
+    /// the buffer has room if all other lines are answered.
     pub fn has_room(&self, line: &str) -> bool {
         let fits = usize::from(self.window.bytes()) + line.len() + 1 < usize::from(RECEIVE_BYTES);
         fits || self.purposes.is_empty()

@@ -1,9 +1,9 @@
 //! The panic handler. A program in which anything can panic does not link.
 //!
-//! The USB crates can panic, so a program with the feature `usb` links. A panic ends the steps and
-//! switches the outputs off. The host then receives nothing more.
+//! The USB crates can panic, so a program with the feature `usb` links, as does one with `panics`.
+//! A panic ends the steps and switches the outputs off. The host then receives nothing more.
 
-#[cfg(not(feature = "usb"))]
+#[cfg(not(any(feature = "usb", feature = "panics")))]
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
     unsafe extern "C" {
@@ -13,12 +13,13 @@ fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
     unsafe { a_panic_is_left_in_the_firmware() }
 }
 
-#[cfg(feature = "usb")]
+#[cfg(any(feature = "usb", feature = "panics"))]
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
-    cortex_m::interrupt::disable();
-    crate::chosen::switch(0);
-    loop {
-        cortex_m::asm::wfi();
-    }
+    crate::uninterrupted(|_| {
+        crate::chosen::switch(0);
+        loop {
+            crate::wfi();
+        }
+    })
 }

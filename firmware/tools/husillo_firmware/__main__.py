@@ -1,5 +1,5 @@
-"""The command line of all checks: `firmware/check NAME ...`, `firmware/qemu PRODUCT ...`
-and `firmware/image PRODUCT BOARD`."""
+"""The command line of all checks: `firmware/check NAME ...`, `firmware/qemu PRODUCT ...`,
+`firmware/image PRODUCT BOARD` and `firmware/cycles SOURCE`."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import sys
 from importlib import import_module
 
 from husillo_firmware import boards, build, image, qemu
+from proofs.cycles import table
 
 CHECKS = {
     "micromill": "products.micromill.check",
@@ -17,6 +18,7 @@ CHECKS = {
     "servo_module": "products.servo_module.check",
     "grbl": "products.grbl.check",
     "counts": "proofs.counts.check",
+    "cycles": "proofs.cycles.check",
     "sizes": "proofs.sizes.check",
 }
 
@@ -56,6 +58,8 @@ def main(arguments: list[str]) -> int:
         run(arguments[1:])
     if arguments[:1] == ["image"]:
         return image.main(arguments[1:])
+    if arguments[:1] == ["cycles-table"]:
+        return table.main(arguments[1:])
     if not arguments or arguments[0] not in CHECKS:
         print(f"firmware/check {'|'.join(CHECKS)} [--help]", file=sys.stderr)
         return 2

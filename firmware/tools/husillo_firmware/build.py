@@ -13,6 +13,8 @@ FIRMWARE = Path(__file__).resolve().parents[2]
 
 # Products whose events are optimised for speed, on boards with enough flash.
 LEVELS = {("micromill", "mps2-an386"): "3"}
+# Programs that are optimised for speed on every board, as the counted ones are.
+FAST = {"cycles"}
 # The code of the micro mill's events is generic and is instantiated in the crate `micromill`, so
 # this crate has another level.
 OWN = {("micromill", "microbit"): 'profile.release.package.micromill.opt-level="s"'}
@@ -39,7 +41,8 @@ def elf(program: str, board: Board) -> Path:
 def firmware(program: str, board: Board, features: str = "") -> Path:
     """Builds a firmware for a board."""
     key = program, board.name
-    environment = {"CARGO_PROFILE_RELEASE_OPT_LEVEL": LEVELS.get(key, board.level)}
+    level = "3" if program in FAST else LEVELS.get(key, board.level)
+    environment = {"CARGO_PROFILE_RELEASE_OPT_LEVEL": level}
     if board.file:
         environment["BOARD"] = board.file
     own = ["--config", OWN[key]] if key in OWN else []

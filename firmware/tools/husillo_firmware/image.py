@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from husillo_firmware.build import cargo, target_folder
+from husillo_firmware.build import FAST, cargo, target_folder
 from husillo_firmware.elf import Elf
 
 MAGIC = 0x0A324655, 0x9E5D5157, 0x0AB16F30
@@ -86,7 +86,7 @@ def main(arguments: list[str]) -> int:
         *("build", "-q", "--release", "-p", chosen.product, "--target", board.target),
         *("--features", board.features),
         BOARD=f"src/{chosen.board}.rs",
-        CARGO_PROFILE_RELEASE_OPT_LEVEL=board.level,
+        CARGO_PROFILE_RELEASE_OPT_LEVEL="3" if chosen.product in FAST else board.level,
     )
     filled = pages(Elf(target_folder() / board.target / "release" / chosen.product))
     suffix, file = (

@@ -60,6 +60,7 @@ fn simulate_job(job: &mut Job, args: &RunArgs) -> Result<u8, Failure> {
         pushes: args.lose.clone(),
         symmetry_mm: args.symmetry,
         trace: files.trace.take(),
+        observer: None,
     };
     let template = "Simulating [{bar:36}] {percent} % {human_pos} steps";
     let mut progress = Progress::new(template, Some(facts.events as u64));

@@ -5,7 +5,6 @@ use super::{ERRORS, Failure, OK, ended, jog, microfactory};
 use crate::cli::{Jog, Stop};
 use crate::console::reporter::Reporter;
 use crate::measuring::{self, Stopped};
-use serde_json::json;
 
 /// A port, and the machine at it.
 struct Place {
@@ -114,7 +113,7 @@ fn released(args: &Stop, is_well: &mut bool, out: &mut Reporter<'_>) -> Vec<Plac
         let holder = &held.holder;
         let text = format!("`husillo {}` (process {})", holder.command, holder.process);
         eprintln!("{}: {text} is stopping the machine", holder.port);
-        out.object(&json!({
+        out.object(&serde_json::json!({
             "kind": "holder",
             "port": holder.port,
             "machine": holder.machine,

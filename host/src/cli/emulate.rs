@@ -83,6 +83,7 @@ pub struct Emulate {
     pub speed: f64,
 }
 
+#[cfg(unix)]
 impl Emulate {
     /// Refuses options that do not apply to a drill.
     ///

@@ -50,6 +50,7 @@ impl<'a> Reporter<'a> {
     /// # Errors
     ///
     /// It cannot be written.
+    #[cfg(unix)]
     pub fn tried(&mut self, line: &str, object: &Value) -> io::Result<()> {
         match self.format {
             Output::Text => writeln!(self.out, "{line}")?,

@@ -24,10 +24,19 @@ const MOST_EVENTS: f64 = 2e8;
 pub struct Surroundings {
     /// Settings of the controller.
     pub settings: BTreeMap<u16, String>,
-    /// Work zero in machine coordinates, mm.
+    /// Work zero in machine coordinates, mm. Empty: it is not known.
     pub zero_mm: Vec<f64>,
     /// Position in machine coordinates, mm.
     pub at_mm: Vec<f64>,
+}
+
+impl Surroundings {
+    /// Whether a program that was checked in others may be run in these: on the same machine and
+    /// with the same work zero, as far as it is known. It may begin at any position.
+    pub fn are_those_of(&self, others: &Self) -> bool {
+        let is_known = !self.zero_mm.is_empty() && !others.zero_mm.is_empty();
+        self.settings == others.settings && (!is_known || self.zero_mm == others.zero_mm)
+    }
 }
 
 /// A program.
@@ -37,6 +46,8 @@ pub struct Loaded {
     pub name: String,
     /// Its text.
     pub text: Vec<u8>,
+    /// What it was checked against.
+    pub around: Surroundings,
     /// The lines that the controller gets, with their numbers.
     pub lines: Arc<[(usize, String)]>,
     /// How it begins.
@@ -51,8 +62,6 @@ pub struct Loaded {
     pub times: Option<Timetable>,
     /// The text of the scene for the viewer: its element, as in a report.
     pub scene: Option<String>,
-    /// What it was checked against.
-    around: Surroundings,
     /// What the page that has loaded it is told.
     pub report: Value,
 }

@@ -1,6 +1,6 @@
 //! The program of a machine, as pages send and fetch it.
 
-use super::loaded::Loaded;
+use super::loaded::{Loaded, Surroundings};
 use super::machine::Machine;
 use super::page::REPORT_POLICY;
 use super::reply::Reply;
@@ -12,13 +12,18 @@ use axum::response::{IntoResponse, Response};
 use serde_json::{Value, json};
 use std::sync::mpsc::sync_channel;
 use std::sync::{Arc, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use tokio::sync::mpsc::channel;
 
 /// Longest program, bytes.
 pub const MOST_BYTES: usize = 32 * 1024 * 1024;
 /// The driver answers within this time.
 const ANSWER: Duration = Duration::from_secs(5);
+/// Grbl sends the work zero in one of thirty reports, and there are twenty in a second. A
+/// controller that never sends it reports positions from the work zero.
+const WORK_ZERO: Duration = Duration::from_secs(3);
+/// Interval of the requests for the work zero.
+const AGAIN: Duration = Duration::from_millis(50);
 
 /// Checks, simulates and loads a program for its machine.
 pub async fn load(machine: Arc<Machine>, client: u64, name: String, body: Bytes) -> Response {
@@ -118,13 +123,24 @@ pub async fn report(machine: &Machine) -> Response {
 
 /// Checks and simulates a program in a thread of its own.
 fn checked(machine: &Machine, client: u64, name: &str, text: Vec<u8>) -> Result<Loaded, String> {
+    // A controller that has just been connected has not yet told all.
+    let end = Instant::now() + WORK_ZERO;
+    let mut around = surroundings(machine, client)?;
+    while (around.zero_mm.is_empty() || around.settings.is_empty()) && Instant::now() < end {
+        std::thread::sleep(AGAIN);
+        around = surroundings(machine, client)?;
+    }
+    Loaded::new(name, text, &around)
+}
+
+/// What a program is checked against, from the driver.
+fn surroundings(machine: &Machine, client: u64) -> Result<Surroundings, String> {
     let (to, around) = sync_channel(1);
     let (nobody, _) = channel(1);
     let request = Request::Surroundings(to);
     machine.ask(client, request, Reply::new(Value::Null, nobody));
     let around = around.recv_timeout(ANSWER);
-    let around = around.map_err(|_| "the machine does not answer".to_owned())?;
-    Loaded::new(name, text, &around)
+    around.map_err(|_| "the machine does not answer".to_owned())
 }
 
 fn refused(status: StatusCode, why: &str) -> Response {

@@ -57,9 +57,7 @@ pub fn router(
     Router::new()
         .route("/", get(|| async { page::file("") }))
         .route("/machines", get(list))
-        .route("/machines/{number}/program", get(program).post(load))
-        .route("/machines/{number}/scene", get(scene))
-        .route("/machines/{number}/report", get(report))
+        .route("/machines/{number}/{part}", get(part).post(load))
         .layer(DefaultBodyLimit::max(program_file::MOST_BYTES))
         .route("/socket", get(open))
         .route("/{*path}", get(file))
@@ -115,45 +113,29 @@ fn machine(
     found.cloned().ok_or_else(none)
 }
 
-async fn program(
+/// What a machine has: the text of its program, the scene of it, or the report of the last run.
+async fn part(
     State(site): State<Arc<Site>>,
-    Path(number): Path<u32>,
+    Path((number, part)): Path<(u32, String)>,
     Query(query): Query<Token>,
     headers: HeaderMap,
 ) -> Response {
-    match machine(&site, number, &query, &headers) {
-        Ok(machine) => program_file::text(&machine),
-        Err(refusal) => *refusal,
+    match (machine(&site, number, &query, &headers), part.as_str()) {
+        (Err(refusal), _) => *refusal,
+        (Ok(machine), "program") => program_file::text(&machine),
+        (Ok(machine), "scene") => program_file::scene(&machine),
+        (Ok(machine), "report") => program_file::report(&machine).await,
+        _ => no_part(),
     }
 }
 
-async fn scene(
-    State(site): State<Arc<Site>>,
-    Path(number): Path<u32>,
-    Query(query): Query<Token>,
-    headers: HeaderMap,
-) -> Response {
-    match machine(&site, number, &query, &headers) {
-        Ok(machine) => program_file::scene(&machine),
-        Err(refusal) => *refusal,
-    }
-}
-
-async fn report(
-    State(site): State<Arc<Site>>,
-    Path(number): Path<u32>,
-    Query(query): Query<Token>,
-    headers: HeaderMap,
-) -> Response {
-    match machine(&site, number, &query, &headers) {
-        Ok(machine) => program_file::report(&machine).await,
-        Err(refusal) => *refusal,
-    }
+fn no_part() -> Response {
+    (StatusCode::NOT_FOUND, "a machine has no such part\n").into_response()
 }
 
 async fn load(
     State(site): State<Arc<Site>>,
-    Path(number): Path<u32>,
+    Path((number, part)): Path<(u32, String)>,
     Query(query): Query<Token>,
     headers: HeaderMap,
     body: Bytes,
@@ -162,6 +144,9 @@ async fn load(
         Ok(machine) => machine,
         Err(refusal) => return *refusal,
     };
+    if part != "program" {
+        return no_part();
+    }
     let client = headers
         .get("x-husillo-client")
         .and_then(|value| value.to_str().ok()?.parse().ok());

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import subprocess
 import tempfile
@@ -12,6 +13,17 @@ from types import TracebackType
 # Clients give a module 50 to 200 ms to answer. A computer that is busy with other work may let an
 # emulated module miss that, so a session is tried several times.
 SESSIONS = 5
+
+
+def spiral(count: int) -> str:
+    """A program of short lines: a spiral of this many, which ends at X3 Y4."""
+    lines = ["G21 G90", "G1 F2400 X0 Y0"]
+    for number in range(count):
+        angle = number / 20
+        radius = number / count * 8
+        lines.append(f"G1 X{radius * math.cos(angle):.3f} Y{radius * math.sin(angle):.3f}")
+    lines += ["G0 X3 Y4", "M2"]
+    return "\n".join(lines) + "\n"
 
 
 class Emulated:

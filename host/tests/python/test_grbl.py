@@ -2,31 +2,19 @@
 
 from __future__ import annotations
 
-import math
 import threading
 import time
 import unittest
 from pathlib import Path
 
 import serial  # type: ignore[import-untyped]
-from emulated import Emulated
+from emulated import Emulated, spiral
 from grbl_streamer import GrblStreamer as Streamer  # type: ignore[import-not-found]
 from pygrbl_streamer import GrblStreamer as PyStreamer  # type: ignore[import-not-found]
 
 LINES = 2000
 # Several seconds of motion in one of real time.
 SPEED = "8"
-
-
-def program() -> str:
-    """A spiral of short lines that ends at X3 Y4."""
-    lines = ["G21 G90", "G1 F1500 X0 Y0"]
-    for number in range(LINES):
-        angle = number / 20
-        radius = number / LINES * 5
-        lines.append(f"G1 X{radius * math.cos(angle):.3f} Y{radius * math.sin(angle):.3f}")
-    lines += ["G0 X3 Y4", "M30"]
-    return "\n".join(lines) + "\n"
 
 
 def prepared(port: str) -> None:
@@ -69,7 +57,7 @@ class Senders(unittest.TestCase):
             time.sleep(1)
             grbl.poll_start()
             grbl.incremental_streaming = False
-            grbl.write(program())
+            grbl.write(spiral(LINES))
             grbl.job_run()
             time.sleep(1)
             grbl.hold()
@@ -91,7 +79,7 @@ class Senders(unittest.TestCase):
         with Emulated("grbl", "--speed", SPEED) as emulated:
             prepared(emulated.port)
             file = Path(emulated.folder.name) / "spiral.nc"
-            file.write_text(program())
+            file.write_text(spiral(LINES))
             errors: list[str] = []
             grbl = PyStreamer(emulated.port, 115200)
             grbl.error_callback = errors.append

@@ -90,6 +90,33 @@ fn a_program_with_errors_is_not_run() {
     assert!(why.contains("errors"), "{why}");
 }
 
+/// What was checked is what is run.
+#[test]
+fn a_program_is_checked_again_after_a_change() {
+    let served = Served::new(&["--speed", "20"]);
+    let mut page = served.operator();
+    assert_eq!(
+        served
+            .load(page.client, "part.nc", "G21 G90\nG1 X1 F600\n")
+            .0,
+        200
+    );
+    page.done(json!({"do": "run"}));
+    page.done(json!({"do": "zero", "at_mm": {"x": 5}}));
+    page.until_at("work_mm", 0, 5.0);
+    let why = page.refused(json!({"do": "run", "confirmed": true}));
+    assert!(why.contains("load it again"), "{why}");
+    assert_eq!(
+        served
+            .load(page.client, "part.nc", "G21 G90\nG1 X1 F600\n")
+            .0,
+        200
+    );
+    page.done(json!({"do": "run"}));
+    page.done(json!({"do": "settings_save", "values": {"110": "5000"}}));
+    page.refused(json!({"do": "run", "confirmed": true}));
+}
+
 #[test]
 fn only_the_operator_loads_a_program() {
     let served = Served::new(&[]);

@@ -97,29 +97,22 @@ impl Profile {
     #[must_use]
     pub fn columns(&self, count: usize, column_seconds: f64) -> Vec<[Band; 3]> {
         let mut columns = vec![[Band::EMPTY; 3]; count];
+        let last = count.saturating_sub(1);
         let mut start = 0.0;
         for piece in &self.pieces {
-            let mut at = start;
             let end = start + piece.seconds;
-            // The ends of the piece, and the borders of columns within it.
-            loop {
-                let time = at - start;
-                let values = [
-                    piece.speed_at(time),
-                    piece.acceleration_at(time),
-                    piece.jerk,
-                ];
-                let column = (at / column_seconds) as usize;
-                if let Some(bands) = columns.get_mut(column.min(count.saturating_sub(1))) {
-                    for (band, value) in bands.iter_mut().zip(values) {
-                        band.add(value);
-                    }
+            let within = |at: f64| ((at / column_seconds) as usize).min(last);
+            for (column, bands) in (columns.iter_mut().enumerate())
+                .take(within(end) + 1)
+                .skip(within(start))
+            {
+                let border = column as f64 * column_seconds;
+                for at in [border.max(start), (border + column_seconds).min(end)] {
+                    let time = at - start;
+                    bands[0].add(piece.speed_at(time));
+                    bands[1].add(piece.acceleration_at(time));
+                    bands[2].add(piece.jerk);
                 }
-                if at >= end {
-                    break;
-                }
-                let next = (column + 1) as f64 * column_seconds;
-                at = if next > at { next.min(end) } else { end };
             }
             start = end;
         }

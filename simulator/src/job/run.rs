@@ -6,8 +6,8 @@ use crate::programs::check::Facts;
 use crate::programs::feeder;
 use crate::programs::setup::{self, ClosedEngine};
 use crate::simulation::run::Run;
-use husillo_sim::observers::AXES;
 use husillo_sim::observers::symmetry::Symmetry;
+use husillo_sim::observers::{AXES, Observer};
 use std::io::Write;
 
 /// How a program is simulated.
@@ -22,6 +22,8 @@ pub struct Options {
     pub symmetry_mm: Option<f64>,
     /// Receives every step as text.
     pub trace: Option<Box<dyn Write>>,
+    /// Follows every step.
+    pub observer: Option<Box<dyn Observer>>,
 }
 
 impl Default for Options {
@@ -32,6 +34,7 @@ impl Default for Options {
             pushes: Vec::new(),
             symmetry_mm: None,
             trace: None,
+            observer: None,
         }
     }
 }
@@ -74,8 +77,8 @@ impl Job {
     ///
     /// # Errors
     ///
-    /// The program cannot be read, the trace cannot be written, a driver does not have the step
-    /// mode of the machine, or a probe finds nothing.
+    /// The program cannot be read, the trace cannot be written, the observer has failed, a driver
+    /// does not have the step mode of the machine, or a probe finds nothing.
     pub fn simulate(
         &self,
         facts: &mut Facts,
@@ -88,6 +91,7 @@ impl Job {
         let mut machine = self.engine(options.compensation)?;
         run.start_at(machine.position_steps());
         run.set_pushes(&options.pushes);
+        run.observers.additional = options.observer;
         run.observers.symmetry = options.symmetry_mm.map(|mm| {
             let [x, y, ..] = run.mechanics.nm_per_step();
             Symmetry::new(mm * 1e6, [x, y])

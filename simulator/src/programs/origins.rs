@@ -31,15 +31,40 @@ impl Origins {
     /// not foresee have line 0: those that depend on a contact.
     pub fn lines<'m>(&self, ends: impl Iterator<Item = &'m [i64; AXES]>) -> Vec<u32> {
         let mut next = 0;
-        ends.map(|to| {
-            let wanted = key(&to.map(Nm));
-            let ahead = self.commands.iter().skip(next).take(MOST_LEFT_OUT);
-            let found = ahead.clone().position(|(_, key)| *key == wanted);
-            let Some(distance) = found else { return 0 };
-            next += distance + 1;
-            self.commands[next - 1].0
-        })
-        .collect()
+        ends.map(|to| self.line(&mut next, &to.map(Nm))).collect()
+    }
+
+    /// The same, one move after the other.
+    pub const fn into_lines(self) -> Lines {
+        Lines {
+            origins: self,
+            next: 0,
+        }
+    }
+
+    /// The line of a move to `to`. It is searched from number `next` on.
+    fn line(&self, next: &mut usize, to: &[Nm; AXES]) -> u32 {
+        let wanted = key(to);
+        let mut ahead = self.commands.iter().skip(*next).take(MOST_LEFT_OUT);
+        let Some(distance) = ahead.position(|(_, key)| *key == wanted) else {
+            return 0;
+        };
+        *next += distance + 1;
+        self.commands[*next - 1].0
+    }
+}
+
+/// The lines of the moves of a run, asked for in their order.
+#[derive(Debug, Default)]
+pub struct Lines {
+    origins: Origins,
+    next: usize,
+}
+
+impl Lines {
+    /// The line of the next move, which ends at `to`; 0 as in [`Origins::lines`].
+    pub fn line(&mut self, to: &[Nm; AXES]) -> u32 {
+        self.origins.line(&mut self.next, to)
     }
 }
 
@@ -79,5 +104,7 @@ mod tests {
         );
         let run = [10, 11, 99, 10, 30, 40].map(end);
         assert_eq!(origins.lines(run.iter()), [1, 4, 0, 5, 6, 0]);
+        let mut lines = origins.into_lines();
+        assert_eq!(run.map(|to| lines.line(&to.map(Nm))), [1, 4, 0, 5, 6, 0]);
     }
 }

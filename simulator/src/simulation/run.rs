@@ -38,6 +38,8 @@ pub struct Observers {
     /// Comparison of the two sides of the work, if requested.
     pub symmetry: Option<Symmetry>,
     trace: Option<Trace<Box<dyn Write>>>,
+    /// An observer of the caller.
+    pub additional: Option<Box<dyn Observer>>,
 }
 
 /// Calls a method of each observer directly. There are millions of steps, and dynamic calls would
@@ -45,7 +47,7 @@ pub struct Observers {
 macro_rules! each {
     ($observers:ident, $observer:ident => $call:expr) => {{
         each!(@ $call, $observer, $observers: statistics deviation picture speed recording phases);
-        each!(@ $call, $observer, $observers: symmetry trace);
+        each!(@ $call, $observer, $observers: symmetry trace additional);
     }};
     (@ $call:expr, $observer:ident, $observers:ident: $($name:ident)*) => {$({
         let $observer = &mut $observers.$name;
@@ -123,6 +125,7 @@ impl Run {
             phases: Phases::new(setup::phases(machine), machine.timer_hz, mechanics.levels()),
             symmetry: None,
             trace: trace.transpose().map_err(|error| error.to_string())?,
+            additional: None,
         };
         let step = machine.axes[0].step;
         Ok(Self {

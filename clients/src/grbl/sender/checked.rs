@@ -1,5 +1,5 @@
-//! Lines with numbers and checksums. A line that is lost or changed on the way is sent again, and
-//! no line is carried out twice.
+//! Lines with numbers and checksums. A line that the link loses or changes is sent again, and no
+//! line is carried out twice.
 
 use super::{Operator, SYNCHRONISE, Sender, Sent, described};
 use crate::grbl::session::Heard;
@@ -11,12 +11,12 @@ const QUIET: Duration = Duration::from_millis(100);
 /// Without an answer for this time the controller is asked for the number of its next line. The
 /// time doubles with each question, because a long move may be the reason.
 const PATIENCE: Duration = Duration::from_secs(1);
-/// Asks for the number of the next line. It may be changed on the way without harm.
+/// Asks for the number of the next line. It moves nothing, so the link may change it without harm.
 const QUESTION: &[u8] = b"$L\n";
 /// Bytes of the receive buffer that are kept free for questions.
 const RESERVE: usize = 12;
 
-/// The lines on their way.
+/// The lines of a program, and how many of them are sent and accepted.
 #[derive(Debug)]
 struct Flow {
     /// With number and checksum.

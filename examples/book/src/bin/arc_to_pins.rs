@@ -5,7 +5,8 @@ use husillo_book::{clock::Clock, pin::Pin};
 use husillo_interp::{ArcMove, Direction, Interpolator, Moves, Path, Rim};
 use husillo_planner::Timer;
 use husillo_stepper::{
-    CoilDriver, Driver, LevelPins, Mode, PulseNanoseconds, Sequencer, StepDirectionPins,
+    CoilDriver, Driver, DriverPins, LevelPins, Mode, PulseNanoseconds, Sequencer,
+    StepDirectionPins, StepPulses,
 };
 use std::error::Error;
 
@@ -33,17 +34,18 @@ fn main() -> Result<(), Box<dyn Error>> {
     // ANCHOR: coils
     // Each A3988 has six inputs: PH, I0 and I1 of both coils.
     let inputs: [[Pin; 6]; 2] = Default::default();
-    let mut pins = inputs.clone().map(LevelPins::new);
+    let [x, y] = inputs.clone();
+    let mut pins = (
+        LevelPins::of(Driver::A3988, x)?,
+        LevelPins::of(Driver::A3988, y)?,
+    );
     let mut motors = [Sequencer::new(Driver::A3988, Mode::Full)?; 2];
     let mut delay = Clock::default();
-    for (pins, motor) in pins.iter_mut().zip(&motors) {
-        pins.write(motor.levels())?; // the phase at rest
-    }
-    for (wait_us, deltas) in events()? {
+    pins.write(&motors.each_ref().map(CoilDriver::levels))?; // the phase at rest
+    for (wait_us, [dx, dy]) in events()? {
         delay.delay_us(wait_us);
-        for axis in [0, 1] {
-            pins[axis].write(motors[axis].step(deltas[axis]))?;
-        }
+        let [x, y] = &mut motors;
+        pins.write(&[x.step(dx), y.step(dy)])?;
     }
     // ANCHOR_END: coils
     println!(
@@ -61,23 +63,19 @@ fn main() -> Result<(), Box<dyn Error>> {
     // ANCHOR: pulses
     // An A4988 has STEP and DIR, and a low ENABLE switches it on.
     let (steps, directions, enables): ([Pin; 2], [Pin; 2], [Pin; 2]) = Default::default();
-    let mut drivers = [0, 1].map(|axis| {
+    let drivers = [0, 1].map(|axis| {
         let [step, direction, enable] = [&steps, &directions, &enables].map(|pins| &pins[axis]);
-        StepDirectionPins::active_low(
-            step.clone(),
-            direction.clone(),
-            enable.clone(),
-            PulseNanoseconds::A4988,
-        )
+        StepDirectionPins::active_low(step.clone(), direction.clone(), enable.clone())
     });
+    let mut motors = StepPulses::new(drivers, [PulseNanoseconds::A4988; 2]);
     let mut delay = Clock::default();
     let (mut made, mut due_ns) = ([0_u32; 2], 0);
     for (wait_us, deltas) in events()? {
         // The pulses take their time from the wait.
         due_ns += 1000 * u64::from(wait_us);
         delay.delay_ns((due_ns - delay.ns()) as u32);
+        motors.step(&deltas, &mut delay)?;
         for axis in [0, 1] {
-            drivers[axis].step(deltas[axis], &mut delay)?;
             made[axis] += u32::from(deltas[axis].unsigned_abs());
         }
     }

@@ -7,15 +7,16 @@ use embedded_storage::nor_flash::NorFlash;
 use husillo_book::{clock::Clock, flash::Flash, pin::Pin, serial::Serial};
 use husillo_controllers::{Controller, Grbl, GrblEvent, GrblInputs, GrblMemory, GrblOptions};
 use husillo_stepper::{
-    Idle, Levels, Motors, PulseNanoseconds, StepDirection, StepDirectionPins, Unwired,
+    DriverPins, Idle, Levels, Motors, PinError, PulseNanoseconds, StepDirection, StepDirectionPins,
+    StepPulses, Unwired,
 };
 use husillo_store::Store;
 use std::convert::Infallible;
 
 // ANCHOR: board
 /// What the board has. Every pin may have a type of its own.
-struct Board<S, D, E, L, P, T, F> {
-    drivers: [StepDirectionPins<S, D, Unwired<Infallible>>; 3],
+struct Board<D, E, L, P, T, F> {
+    drivers: StepPulses<D, 3>,
     /// ENABLE of all drivers: high switches them off.
     disable: E,
     limits: [L; 3],
@@ -27,10 +28,9 @@ struct Board<S, D, E, L, P, T, F> {
 // ANCHOR_END: board
 
 // ANCHOR: run
-impl<S, D, E, L, P, T, F> Board<S, D, E, L, P, T, F>
+impl<D, E, L, P, T, F> Board<D, E, L, P, T, F>
 where
-    S: OutputPin<Error = Infallible>,
-    D: OutputPin<Error = Infallible>,
+    D: DriverPins<3, Error = PinError>,
     E: OutputPin<Error = Infallible>,
     L: InputPin<Error = Infallible>,
     P: InputPin<Error = Infallible>,
@@ -65,7 +65,7 @@ where
         &mut self,
         grbl: &mut Grbl,
         motors: &mut Motors<3, StepDirection>,
-    ) -> Result<bool, Infallible> {
+    ) -> Result<bool, PinError> {
         while self.serial.read_ready()? {
             let mut byte = [0];
             self.serial.read(&mut byte)?;
@@ -79,15 +79,14 @@ where
         let inputs = self.inputs()?;
         // Writes levels after a wait.
         let (drivers, clock) = (&mut self.drivers, &mut self.clock);
+        let mut written = Ok(());
         let present = |ticks, levels: &[Levels; 3]| {
             clock.delay_us(ticks);
-            for (driver, levels) in drivers.iter_mut().zip(levels) {
-                let Ok(()) = driver.write(*levels, clock);
-            }
+            written = written.and(drivers.write(levels, clock));
         };
         let Some(event) = grbl.next_event(0, &inputs) else {
             motors.end_pulses(present); // no STEP stays high while nothing moves
-            return Ok(false);
+            return written.and(Ok(false));
         };
         match event {
             GrblEvent::Step { wait_ticks, delta } => {
@@ -104,12 +103,13 @@ where
             // No spindle, no coolant on this board.
             _ => {}
         }
-        Ok(true)
+        written.and(Ok(true))
     }
 }
 // ANCHOR_END: run
 
-type Mock = Board<Pin, Pin, Pin, Pin, Pin, Serial, Flash>;
+type Driver = StepDirectionPins<Pin, Pin, Unwired>;
+type Mock = Board<(Driver, Driver, Driver), Pin, Pin, Pin, Serial, Flash>;
 
 /// A board with its pins outside: STEP and DIR of each axis.
 fn board(serial: &Serial, flash: Flash, steps: &[Pin; 3], directions: &[Pin; 3]) -> Mock {
@@ -118,12 +118,14 @@ fn board(serial: &Serial, flash: Flash, steps: &[Pin; 3], directions: &[Pin; 3])
     limits.iter().for_each(|pin| pin.set(true));
     let driver = |axis: usize| {
         let (step, direction) = (steps[axis].clone(), directions[axis].clone());
-        StepDirectionPins::active_low(step, direction, Unwired::new(), PulseNanoseconds::A4988)
+        StepDirectionPins::active_low(step, direction, Unwired)
     };
+    // On a chip, every pin has its own type.
+    let drivers = (driver(0), driver(1), driver(2));
     let probe = Pin::default();
     probe.set(true);
     Board {
-        drivers: [0, 1, 2].map(driver),
+        drivers: StepPulses::new(drivers, [PulseNanoseconds::A4988; 3]),
         disable: Pin::default(),
         limits,
         probe,
@@ -134,7 +136,7 @@ fn board(serial: &Serial, flash: Flash, steps: &[Pin; 3], directions: &[Pin; 3])
     // ANCHOR_END: wiring
 }
 
-fn main() -> Result<(), Infallible> {
+fn main() -> Result<(), PinError> {
     let serial = Serial::default();
     let (steps, directions): ([Pin; 3], [Pin; 3]) = Default::default();
     let mut flash = Flash::default();

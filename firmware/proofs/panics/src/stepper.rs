@@ -6,8 +6,9 @@ use core::hint::black_box;
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::{ErrorType, InputPin, OutputPin};
 use husillo_stepper::{
-    CoilDriver, Drive, Driver, L297, LevelPins, Levels, Microstep, Mode, Motors, PulseNanoseconds,
-    PulseTiming, Sequencer, StepDirection, StepDirectionPins, StepToggle, Switch, Unwired, sine,
+    CoilDriver, Drive, Driver, DriverPins, L297, LevelPins, Levels, Microstep, Mode, Motors,
+    OutputPins, Port, PortBits, PortPins, PulseNanoseconds, PulseTiming, Sequencer, StepDirection,
+    StepDirectionPins, StepPulses, StepToggle, Switch, Unwired, sine,
 };
 
 /// Keeps every function in the program.
@@ -23,6 +24,7 @@ pub fn keep() {
         <Drive as CoilDriver>::set_reduced as *const (),
         Driver::currents as *const (),
         Driver::pins as *const (),
+        Driver::inputs as *const (),
         Driver::by_name as *const (),
         L297::new as *const (),
         L297::set as *const (),
@@ -80,21 +82,79 @@ pub fn keep() {
         <StepToggle as CoilDriver>::levels as *const (),
         <StepToggle as CoilDriver>::set_enabled as *const (),
         <StepToggle as CoilDriver>::set_reduced as *const (),
-        LevelPins::<Pin, 6>::new as *const (),
-        LevelPins::<Pin, 6>::write as *const (),
-        LevelPins::<Pin, 6>::release as *const (),
+        <[Pin; 6] as OutputPins>::set as *const (),
+        <(Pin, Pin, Pin, Pin) as OutputPins>::set as *const (),
+        LevelPins::<[Pin; 6]>::new as *const (),
+        LevelPins::<[Pin; 6]>::of as *const (),
+        <LevelPins<[Pin; 6]> as DriverPins<1>>::write as *const (),
+        LevelPins::<[Pin; 6]>::release as *const (),
         StepDirectionPins::<Pin, Pin, Pin>::active_low as *const (),
         StepDirectionPins::<Pin, Pin, Pin>::active_high as *const (),
-        StepDirectionPins::<Pin, Pin, Pin>::write::<Delay> as *const (),
-        StepDirectionPins::<Pin, Pin, Pin>::step::<Delay> as *const (),
+        StepDirectionPins::<Pin, Pin, Pin>::inverted as *const (),
+        <StepDirectionPins<Pin, Pin, Pin> as DriverPins<1>>::write as *const (),
         StepDirectionPins::<Pin, Pin, Pin>::release as *const (),
-        Unwired::<Infallible>::new as *const (),
-        <Unwired<Infallible> as OutputPin>::set_low as *const (),
-        <Unwired<Infallible> as OutputPin>::set_high as *const (),
+        <Unwired as OutputPin>::set_low as *const (),
+        <Unwired as OutputPin>::set_high as *const (),
+        <Axes as DriverPins<3>>::write as *const (),
+        <[StepDirectionPins<Pin, Pin, Unwired>; 3] as DriverPins<3>>::write as *const (),
+        <&mut Axes as DriverPins<3>>::write as *const (),
+        PortBits::new as *const (),
+        PortBits::active_low as *const (),
+        PortBits::active_high as *const (),
+        PortBits::inverted as *const (),
+        PortPins::<Register, 3>::new as *const (),
+        PortPins::<Register, 3>::release as *const (),
+        <PortPins<Register, 3> as DriverPins<3>>::write as *const (),
+        <&mut Register as Port>::write as *const (),
+        StepPulses::<Axes, 3>::new as *const (),
+        StepPulses::<Axes, 3>::with_enable_ns as *const (),
+        StepPulses::<Axes, 3>::step::<Delay> as *const (),
+        StepPulses::<Axes, 3>::write::<Delay> as *const (),
+        StepPulses::<Axes, 3>::set_enabled::<Delay> as *const (),
+        StepPulses::<Axes, 3>::release as *const (),
+        step_async as *const (),
+        set_enabled_async as *const (),
         Switch::<Pin>::active_high as *const (),
         Switch::<Pin>::active_low as *const (),
         Switch::<Pin>::is_closed as *const (),
     ]);
+}
+
+/// Three drivers of different kinds.
+type Axes = (
+    StepDirectionPins<Pin, Pin, Pin>,
+    StepDirectionPins<Pin, Pin, Unwired>,
+    LevelPins<(Pin, Pin, Pin, Pin)>,
+);
+
+type Pulses = StepPulses<Axes, 3>;
+
+/// Polls a future once.
+fn poll<T>(future: impl Future<Output = T>) -> bool {
+    let mut context = core::task::Context::from_waker(core::task::Waker::noop());
+    core::pin::pin!(future).poll(&mut context).is_ready()
+}
+
+fn step_async(motors: &mut Pulses, delta: &[i8; 3], delay: &mut Delay) -> bool {
+    poll(StepPulses::step_async(motors, delta, delay))
+}
+
+/// It awaits `write_async`. A future that two functions await is not inlined, and then its check
+/// against a poll after its end remains.
+fn set_enabled_async(motors: &mut Pulses, on: bool, delay: &mut Delay) -> bool {
+    poll(StepPulses::set_enabled_async(motors, on, delay))
+}
+
+/// A port in memory.
+pub struct Register(u32);
+
+impl Port for Register {
+    type Error = Infallible;
+
+    fn write(&mut self, high: u32, low: u32) -> Result<(), Infallible> {
+        self.0 = black_box(self.0 & !low | high);
+        Ok(())
+    }
 }
 
 /// A pin that keeps its level in memory.

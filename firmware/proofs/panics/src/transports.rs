@@ -14,7 +14,7 @@ use husillo_transports::nmc::{
     Receiver, Reply, Startup, Status, Timing, Trajectory, flush_byte, reported_velocity,
     unseen_pairs_in_halves,
 };
-use husillo_transports::rs485::{Echo, EnablePin, IoPort, NbPort, Turnaround};
+use husillo_transports::rs485::{AsyncIoPort, Echo, EnablePin, IoPort, NbPort, Turnaround};
 
 /// Keeps every function in the program.
 #[unsafe(export_name = "transports")]
@@ -78,6 +78,11 @@ pub fn keep() {
         Host::start as *const (),
         Host::timing as *const (),
         Host::transmit as *const (),
+        AsyncIoPort::<Port, Pin, 8>::echo as *const (),
+        AsyncIoPort::<Port, Pin, 8>::new as *const (),
+        AsyncIoPort::<Port, Pin, 8>::release as *const (),
+        send_async as *const (),
+        receive_async as *const (),
         IoPort::<Port, Pin, 8>::echo as *const (),
         IoPort::<Port, Pin, 8>::new as *const (),
         IoPort::<Port, Pin, 8>::receive as *const (),
@@ -213,6 +218,49 @@ impl embedded_io::Write for Port {
 impl embedded_io::ReadReady for Port {
     fn read_ready(&mut self) -> Result<bool, embedded_io::ErrorKind> {
         black_box(Ok(true))
+    }
+}
+
+/// Polls a future once.
+fn poll<T>(future: impl Future<Output = T>) -> bool {
+    let mut context = core::task::Context::from_waker(core::task::Waker::noop());
+    core::pin::pin!(future).poll(&mut context).is_ready()
+}
+
+fn send_async(port: &mut AsyncIoPort<Port, Pin, 8>, message: &[u8]) -> bool {
+    poll(AsyncIoPort::send(port, message))
+}
+
+fn receive_async(port: &mut AsyncIoPort<Port, Pin, 8>) -> bool {
+    poll(AsyncIoPort::receive(port))
+}
+
+/// A future that is at once ready.
+fn ready<T: Copy>(value: T) -> impl Future<Output = T> {
+    core::future::poll_fn(move |_| core::task::Poll::Ready(black_box(value)))
+}
+
+impl embedded_io_async::Read for Port {
+    fn read(
+        &mut self,
+        bytes: &mut [u8],
+    ) -> impl Future<Output = Result<usize, embedded_io::ErrorKind>> {
+        black_box(bytes);
+        ready(Ok(1))
+    }
+}
+
+impl embedded_io_async::Write for Port {
+    fn write(
+        &mut self,
+        bytes: &[u8],
+    ) -> impl Future<Output = Result<usize, embedded_io::ErrorKind>> {
+        black_box(bytes);
+        ready(Ok(1))
+    }
+
+    fn flush(&mut self) -> impl Future<Output = Result<(), embedded_io::ErrorKind>> {
+        ready(Ok(()))
     }
 }
 

@@ -203,6 +203,11 @@ impl Driver<'_> {
         if program.errors > 0 {
             return Err("the program has errors: correct them first".into());
         }
+        if !self.surroundings().are_those_of(&program.around) {
+            let why = "the work zero or a setting has changed since the program was checked: \
+                       load it again";
+            return Err(why.into());
+        }
         if program.lines.is_empty() {
             return Err("the program has no commands".into());
         }

@@ -1,14 +1,9 @@
-//! Comparisons of interpolators, and drill files.
+//! Comparisons of interpolators.
 
-use crate::calls::listed;
-use crate::message::{Answer, Failed};
-use crate::options::Options;
-use husillo_holes::{Metric, Work};
+use super::{Answer, Failed, Options};
 use husillo_interp::{ArcMove, Direction, Rim};
 use husillo_methods::method::AXES;
 use husillo_methods::{Comparer, Move, Weights};
-use husillo_simulator::diagnostics::Findings;
-use husillo_simulator::holes::{self, Setup, listing};
 use serde::Deserialize;
 use serde_json::json;
 
@@ -88,6 +83,10 @@ impl One {
 }
 
 /// Compares the methods for one move, or for the moves of a program.
+///
+/// # Errors
+///
+/// There is nothing to compare, or the program has errors.
 pub fn compare(of: &Compared, program: &[u8]) -> Result<Answer, Failed> {
     let weights = of.weights.as_deref().unwrap_or("3,3,3,1");
     let weights = Weights::parse(weights).ok_or_else(|| {
@@ -117,46 +116,5 @@ pub fn compare(of: &Compared, program: &[u8]) -> Result<Answer, Failed> {
         "methods": comparison.rows,
         "notes": comparison.notes,
     });
-    listed("husillo.compare/1", &body)
-}
-
-/// How a drill file is read.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Holes {
-    #[serde(default = "unnamed")]
-    name: String,
-    /// Holes in an order with short ways.
-    #[serde(default)]
-    shortest: bool,
-    /// Depth of the holes in mm: the program in G-code is made as well.
-    depth_mm: Option<f64>,
-}
-
-fn unnamed() -> String {
-    "board.drl".to_owned()
-}
-
-/// The holes of a drill file. The data is the program in G-code.
-pub fn holes(of: &Holes, text: &[u8]) -> Result<Answer, Failed> {
-    let mut findings = Findings::new(1000);
-    let mut board = holes::read(text, &of.name, &Setup::default(), &mut findings);
-    if of.shortest {
-        board.sort_shortest(Metric::Straight);
-    }
-    let mut answer = Answer::default();
-    listing::print_json(&board, &findings, &mut answer.text)?;
-    if let Some(depth) = of.depth_mm {
-        let depth_nm = (depth * 1e6).round();
-        if !(1.0..=1e9).contains(&depth_nm) {
-            return Err(format!("a depth of {depth} mm is not above 0 and below 1 m").into());
-        }
-        if findings.errors > 0 {
-            return Err(Failed::refused(&of.name, &findings));
-        }
-        let work = Work::to_depth(depth_nm as i64);
-        work.check(&board).map_err(|error| error.to_string())?;
-        work.write(&board, &of.name, &mut answer.data)?;
-    }
-    Ok(answer)
+    Answer::listed("husillo.compare/1", &body)
 }

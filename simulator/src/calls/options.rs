@@ -1,10 +1,10 @@
-//! What a request says about a program.
+//! What a call says about a program.
 
-use crate::message::Failed;
-use husillo_simulator::diagnostics::Findings;
-use husillo_simulator::job::{Job, Text};
-use husillo_simulator::machines::machine_file::{LoadError, MachineFile};
-use husillo_simulator::programs::library::{Files, Subroutines};
+use super::Failed;
+use crate::diagnostics::Findings;
+use crate::job::{Job, Text};
+use crate::machines::machine_file::{LoadError, MachineFile};
+use crate::programs::library::{Files, Subroutines};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::io::{self, BufRead};
@@ -25,12 +25,17 @@ pub struct Options {
     machine: String,
     /// The text of a machine file, instead.
     machine_text: Option<String>,
+    /// Name of that file in messages.
+    #[serde(default = "machine_file")]
+    machine_file: String,
     dialect: Option<String>,
     zero: Option<String>,
     /// Most findings.
     limit: Option<u64>,
+    /// The controller compensates backlash.
     #[serde(default = "yes")]
     pub compensation: bool,
+    /// The screws have the backlash of `[simulated_backlash]` of the machine file.
     #[serde(default)]
     pub worn: bool,
     /// Files of subroutines by name.
@@ -40,6 +45,10 @@ pub struct Options {
 
 fn unnamed() -> String {
     "program.nc".to_owned()
+}
+
+fn machine_file() -> String {
+    "machine.toml".to_owned()
 }
 
 fn free() -> String {
@@ -57,9 +66,13 @@ impl Options {
     }
 
     /// The machine.
+    ///
+    /// # Errors
+    ///
+    /// There is no such machine, or its file has mistakes.
     pub fn machine(&self) -> Result<MachineFile, Failed> {
         let made = match &self.machine_text {
-            Some(text) => MachineFile::parse("machine.toml", text).map_err(LoadError::Findings),
+            Some(text) => MachineFile::parse(&self.machine_file, text).map_err(LoadError::Findings),
             None => MachineFile::load(&self.machine, |_| Err(io::ErrorKind::NotFound.into())),
         };
         made.map_err(|error| match error {
@@ -72,6 +85,10 @@ impl Options {
     }
 
     /// The job of a program, placed.
+    ///
+    /// # Errors
+    ///
+    /// The machine or an option is wrong, or the program cannot be read.
     pub fn job(&self, program: &[u8]) -> Result<Job, Failed> {
         let program = Pasted {
             text: Text::new(&*self.name, program),
@@ -91,7 +108,7 @@ struct Pasted {
     files: Rc<BTreeMap<String, String>>,
 }
 
-impl husillo_simulator::job::Program for Pasted {
+impl crate::job::Program for Pasted {
     fn name(&self) -> &str {
         self.text.name()
     }

@@ -1,7 +1,6 @@
 //! A servo axis on the simulated test stand.
 
-use crate::calls::listed;
-use crate::message::{Answer, Failed};
+use super::{Answer, Failed};
 use husillo_metrology::simulated::one_axis;
 use husillo_metrology::tuning::{self, Direct, Method, Outcome, RelaySettings, Stand};
 use husillo_pid::tuning::Rule;
@@ -54,6 +53,10 @@ const fn size() -> i32 {
 }
 
 /// Makes the experiment: its figures, and the traces in us and counts.
+///
+/// # Errors
+///
+/// A gain or the length of the step is out of range.
 pub fn tune(of: &Experiment) -> Result<Answer, Failed> {
     let machine = one_axis();
     let mut settings = machine.axis('X')?;
@@ -93,7 +96,7 @@ pub fn tune(of: &Experiment) -> Result<Answer, Failed> {
     outcome.sample_ms = stand.sample_us() * 1e-3;
     outcome.aborted = result.err().map(|failed| failed.to_string());
     let traces: Vec<Value> = stand.traces.iter().map(trace).collect();
-    listed(
+    Answer::listed(
         "husillo.tune/1",
         &json!({"outcome": outcome, "traces": traces}),
     )
