@@ -542,6 +542,7 @@ mod tests {
         let mut motor = Motor::new('X', "pbl3717a, full".to_owned(), coils);
         motor.steps = vec![(0, [1000, 1000]), (5000, [1000, -1000])];
         let report = Report {
+            operation: None,
             program: "<script>.nc".to_owned(),
             machine: "test".to_owned(),
             figures: vec![("events", "1".to_owned())],
