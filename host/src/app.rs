@@ -20,9 +20,10 @@ mod schema;
 mod steps;
 mod stop;
 
-pub use grbl::sendable_lines;
+pub use grbl::{Before, sendable_lines};
 use job::{load, not_loaded};
 pub use reporting::count;
+pub use run::report;
 
 use crate::backlash;
 use crate::cli::{

@@ -13,6 +13,7 @@
 mod access;
 mod axes;
 mod console_lines;
+mod continuation;
 mod control;
 mod controller_machine;
 mod driver;
@@ -20,10 +21,12 @@ mod lease;
 mod loaded;
 mod machine;
 mod machine_state;
+mod macros;
 mod page;
 mod program_file;
 mod reply;
 mod request;
+mod run_record;
 mod site;
 mod socket;
 mod timetable;
@@ -38,6 +41,7 @@ use driver::Port;
 use husillo_clients::grbl::BAUD;
 use husillo_transports::grbl::Settings;
 use machine::Machine;
+use macros::MacroFile;
 use serde_json::json;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -71,12 +75,20 @@ async fn serve_pages(
     let listener = TcpListener::bind(&args.listen).await.map_err(of_address)?;
     let address = listener.local_addr().map_err(of_address)?;
     let access = Access::new(address, &args.host).map_err(Failure::Usage)?;
+    let macros = MacroFile::new(args.macros.as_deref()).map_err(Failure::Usage)?;
+    let macros = Arc::new(macros);
     let (news, _) = watch::channel(0);
     let mut machines = Vec::new();
     for (number, port) in (1..).zip(&args.port) {
         let baud = args.baud.unwrap_or(BAUD);
         share("grbl", port, baud);
-        let (machine, requests) = Machine::new(number, port, args.watch_only, news.clone());
+        let (machine, requests) = Machine::new(
+            number,
+            port,
+            args.watch_only,
+            Arc::clone(&macros),
+            news.clone(),
+        );
         let machine = Arc::new(machine);
         let port = Port::new(port, baud, settings, args.speed);
         driver::start(Arc::clone(&machine), port, requests);

@@ -8,6 +8,7 @@ pub mod chart;
 pub mod frame;
 pub mod methods;
 pub mod motion;
+pub mod operation;
 pub mod originals;
 pub mod routine;
 pub mod run;

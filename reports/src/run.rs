@@ -3,6 +3,7 @@
 
 use crate::chart;
 use crate::frame;
+use crate::operation::{self, Operation};
 use crate::text::escape;
 use crate::text::{length, millimetres};
 use husillo_sim::observers::drawing::{Class, Drawing, Point};
@@ -18,6 +19,8 @@ pub struct Report {
     pub program: String,
     /// Title of the machine.
     pub machine: String,
+    /// What became of it on a machine, if it was made on one.
+    pub operation: Option<Operation>,
     /// Rows of the table of figures: name and value.
     pub figures: Vec<(&'static str, String)>,
     /// One row per axis.
@@ -66,6 +69,10 @@ pub struct AxisRow {
 /// Writes the report.
 pub fn html(report: &Report) -> String {
     let mut page = String::new();
+    if let Some(operation) = &report.operation {
+        operation::section(&mut page, operation);
+        page.push_str("<h2>Simulated</h2>\n");
+    }
     frame::figures(&mut page, report.figures.iter().cloned());
     warnings(&mut page, &report.warnings);
     page.push_str("<section id=\"viewer\" hidden></section>\n<div class=\"still\">\n");
@@ -535,6 +542,7 @@ mod tests {
         let mut motor = Motor::new('X', "pbl3717a, full".to_owned(), coils);
         motor.steps = vec![(0, [1000, 1000]), (5000, [1000, -1000])];
         let report = Report {
+            operation: None,
             program: "<script>.nc".to_owned(),
             machine: "test".to_owned(),
             figures: vec![("events", "1".to_owned())],

@@ -40,6 +40,8 @@ const MOST_LINES = 2000;
  * @property {number[]} breakpoints
  * @property {number | null} waits_before
  * @property {string | null} message
+ * @property {number} [runs] how many have ended: the last one has a report
+ * @property {number | null} [resume_line] the line with which an interrupted program goes on
  *
  * @typedef {object} State
  * @property {number} number

@@ -49,11 +49,10 @@ export class Program {
         this.chooser = element("label", { class: "file" }, words.openFile, this.file);
         this.edit = button(words.edit, () => this.toggleEditor());
         this.unload = button(words.unload, () => desk.command("unload"));
-        this.report = element("a", { target: "_blank", rel: "noopener" }, words.report);
         this.drop = element(
             "div",
             { class: "drop" },
-            element("div", { class: "items" }, this.chooser, this.edit, this.unload, this.report),
+            element("div", { class: "items" }, this.chooser, this.edit, this.unload),
             element("p", { class: "soft" }, words.dropHelp)
         );
         this.summary = element("p", { class: "summary", role: "status" });
@@ -174,10 +173,6 @@ export class Program {
         disable(this.check, !may);
         disable(this.unload, !may || !program);
         disable(this.edit, !program);
-        this.report.hidden = !program || program.errors > 0 || !desk.offers.has("report");
-        const token = desk.link.token;
-        const href = `${desk.link.origin}${desk.path("report")}?token=${token}`;
-        if (this.report.href !== href) this.report.href = href;
         if (desk.state === undefined) return;
         const key = program ? `${desk.machine?.info.machine}/${program.load}` : "none";
         if (key === this.shown) return;

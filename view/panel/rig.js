@@ -97,19 +97,9 @@ export class LinkedRig {
      * @param {number} feed
      */
     async beside(axis, by, feed) {
-        const before = this.desk.state?.modal ?? [];
-        const line = `G21G91G38.3${axis.toUpperCase()}${by}F${feed}`;
-        const count = this.desk.state?.probe?.count ?? 0;
-        await this.send("line", { text: line });
-        await this.until(
-            () =>
-                this.desk.state?.state === "Idle" &&
-                (this.desk.state.probe?.count ?? 0) > count
-        );
-        const touched = this.desk.state?.probe?.touched;
-        // Units, distances and kind of motion as they were.
-        const modes = before.filter((code) => /^G(0|1|20|21|90|91)$/.test(code));
-        await this.send("line", { text: modes.join("") || "G90" });
+        const fields = { axis, by_mm: by, feed, beside: true };
+        const { touched } = await this.send("probe", fields);
+        await this.until(() => this.desk.state?.state === "Idle");
         if (touched) throw new Error(this.words.contact);
     }
 

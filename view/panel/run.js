@@ -6,6 +6,7 @@
 import { button, element } from "husillo/viewer/element.js";
 import { duration } from "husillo/viewer/quantity.js";
 import { disable, fill, put, toggle } from "husillo/panel/change.js";
+import { lineState } from "husillo/panel/line_state.js";
 
 /** @typedef {import("husillo/panel/desk.js").Desk} Desk */
 /** @typedef {import("husillo/panel/desk.js").Running} Running */
@@ -29,6 +30,7 @@ export class Run {
         /** @type {string[]} */
         this.lines = [];
         this.start = button(words.startAsk, () => this.ask(), { class: "main" });
+        this.goOn = button("", () => this.ask(desk.state?.program?.resume_line ?? undefined));
         this.pause = button(words.pause, () => desk.command("hold"));
         this.resume = button(words.resume, () => desk.command("resume"));
         this.from = element("input", { inputmode: "numeric", size: 6 });
@@ -44,6 +46,9 @@ export class Run {
         this.times = element("p", { class: "number times" });
         this.current = element("p", { class: "current mono" });
         this.message = element("p", { class: "message" });
+        this.open = element("a", { target: "_blank", rel: "noopener" }, words.report);
+        this.save = element("a", { download: "" }, words.saveReport);
+        this.report = element("p", { class: "items", hidden: true }, this.open, this.save);
         this.confirm = element("div", {
             class: "confirm",
             role: "group",
@@ -54,12 +59,13 @@ export class Run {
         this.root = element(
             "div",
             { hidden: true },
-            element("div", { class: "items" }, this.start, this.pause, this.resume),
+            element("div", { class: "items" }, this.start, this.goOn, this.pause, this.resume),
             this.confirm,
             this.progress,
             this.times,
             this.current,
             this.message,
+            this.report,
             element(
                 "div",
                 { class: "items" },
@@ -96,7 +102,7 @@ export class Run {
     }
 
     show() {
-        const { desk } = this;
+        const { desk, words } = this;
         const { state } = desk;
         const program = state?.program;
         this.root.hidden = !program;
@@ -108,6 +114,10 @@ export class Run {
         disable(this.start, !mayStart);
         disable(this.fromButton, !mayStart);
         this.fromField.hidden = this.fromButton.hidden = !desk.offers.has("from");
+        const resumeLine = program.resume_line ?? null;
+        this.goOn.hidden = resumeLine === null || desk.isUnderWay || this.fromButton.hidden;
+        disable(this.goOn, !mayStart);
+        put(this.goOn, `${words.goOnFrom} ${resumeLine}`);
         disable(this.pause, state.link !== "up" || state.state !== "Run");
         const waits = program.phase === "waiting" || state.state === "Hold";
         disable(this.resume, !desk.mayCommand || !(waits || state.state === "Door"));
@@ -120,6 +130,16 @@ export class Run {
         // What was shown is not what would start.
         if (desk.isUnderWay || this.asked !== this.key) this.confirm.hidden = true;
         this.showProgress(program);
+        this.showReport(program);
+    }
+
+    /** The links to the report of the last run. @param {Running} program */
+    showReport({ runs = 0 }) {
+        const { desk } = this;
+        this.report.hidden = runs === 0 || desk.isUnderWay || !desk.offers.has("report");
+        const { origin, token } = desk.link;
+        const href = `${origin}${desk.path("report")}?token=${token}&run=${runs}`;
+        for (const link of [this.open, this.save]) if (link.href !== href) link.href = href;
     }
 
     /** @param {Running} program */
@@ -162,31 +182,32 @@ export class Run {
         }
         const { key } = this;
         const fields = from === undefined ? {} : { from };
-        const modal = from === undefined ? undefined : await desk.command("preview_from", fields);
-        if (modal === undefined && from !== undefined) return;
         const plan = await desk.command("run", { ...fields, confirmed: false });
         if (!plan || key !== this.key) return;
         this.asked = key;
         confirm.hidden = false;
-        confirm.replaceChildren(...this.plan(plan, modal), this.answers(fields));
+        confirm.replaceChildren(...this.plan(plan), this.answers(fields));
+        confirm.scrollIntoView({ block: "nearest" });
         // Not on the button: a key that is hit by chance starts nothing.
         confirm.focus();
     }
 
-    /**
-     * @param {any} plan
-     * @param {any} modal
-     */
-    plan(plan, modal) {
-        const { words } = this;
+    /** What a start does, as elements. @param {any} plan */
+    plan(plan) {
+        const { desk, words } = this;
         const first = this.lineText(plan.from ?? 1);
-        const before = plan.before ?? modal?.lines ?? [];
+        const before = plan.before ?? [];
         const time = plan.time_s === null ? "" : `, ${duration(plan.time_s)}`;
         return [
             element("strong", {}, `${words.startAsk} ${plan.name}`),
             element("p", {}, `${plan.lines} ${words.linesToSend}${time}`),
             ...(plan.from ? [element("p", {}, `${words.line} ${plan.from}: ${first}`)] : []),
-            ...(modal?.modal ? [element("p", {}, `${words.modal}: ${modes(modal.modal)}`)] : []),
+            ...(plan.state
+                ? [
+                      element("p", {}, words.stateBefore),
+                      lineState(plan.state, desk.machine?.info.axes ?? [], words),
+                  ]
+                : []),
             ...(before.length
                 ? [
                       element("p", {}, words.sentBefore),
@@ -235,17 +256,4 @@ export class Run {
         const lines = now.includes(line) ? now.filter((one) => one !== line) : [...now, line];
         this.desk.command("breakpoints", { lines: lines.sort((a, b) => a - b) });
     }
-}
-
-/**
- * The modal state as words, whether it comes as a list or by name.
- *
- * @param {any} modal
- */
-function modes(modal) {
-    if (Array.isArray(modal)) return modal.join(" ");
-    return Object.entries(modal)
-        .filter(([, value]) => value !== null)
-        .map(([name, value]) => (/^[A-Z]/.test(String(value)) ? value : `${name} ${value}`))
-        .join(" ");
 }

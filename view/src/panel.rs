@@ -53,16 +53,15 @@ const SCRIPT: &str = "text/javascript; charset=utf-8";
 pub const PANEL: &[Asset] = assets![
     "panel/change.js" "panel/console.js" "panel/desk.js" "panel/english.js" "panel/fixes.js"
     "panel/gamepad.js" "panel/header.js" "panel/hold.js" "panel/jog.js" "panel/keys.js"
-    "panel/link.js" "panel/macros.js" "panel/main.js" "panel/notices.js" "panel/page.js"
-    "panel/positions.js" "panel/preview.js" "panel/probing.js" "panel/program.js" "panel/rig.js"
-    "panel/run.js" "panel/settings.js" "panel/spanish.js" "panel/speeds.js" "panel/states.js"
-    "panel/stop.js" "panel/tabs.js" "panel/units.js" "panel/wizard.js" "panel/words.js"
-    "viewer/camera.js" "viewer/canvas.js" "viewer/charts.js" "viewer/container.js"
-    "viewer/element.js" "viewer/look.js" "viewer/material.js" "viewer/modal.js"
-    "viewer/model.js" "viewer/overlay.js" "viewer/path.js" "viewer/pathview.js" "viewer/pick.js"
-    "viewer/program.js" "viewer/quantity.js" "viewer/rulers.js" "viewer/scene.js"
-    "viewer/segments.js" "viewer/stock.js" "viewer/timeline.js" "viewer/values.js"
-    "viewer/viewer.js" "viewer/webgl.js" "viewer/words.js"
+    "panel/line_state.js" "panel/link.js" "panel/macros.js" "panel/main.js" "panel/notices.js"
+    "panel/page.js" "panel/positions.js" "panel/preview.js" "panel/probing.js" "panel/program.js"
+    "panel/rig.js" "panel/run.js" "panel/settings.js" "panel/spanish.js" "panel/speeds.js"
+    "panel/states.js" "panel/stop.js" "panel/tabs.js" "panel/units.js" "panel/wizard.js"
+    "panel/words.js" "viewer/camera.js" "viewer/canvas.js" "viewer/charts.js" "viewer/container.js"
+    "viewer/element.js" "viewer/look.js" "viewer/material.js" "viewer/modal.js" "viewer/model.js"
+    "viewer/overlay.js" "viewer/path.js" "viewer/pathview.js" "viewer/pick.js" "viewer/program.js"
+    "viewer/quantity.js" "viewer/rulers.js" "viewer/scene.js" "viewer/segments.js" "viewer/stock.js"
+    "viewer/timeline.js" "viewer/values.js" "viewer/viewer.js" "viewer/webgl.js" "viewer/words.js"
 ];
 
 #[cfg(test)]

@@ -31,6 +31,22 @@ const LOADED = {
     message: null,
 };
 
+/** What a start at a line would do. */
+const FROM_LINE = {
+    name: "part.nc",
+    lines: 10,
+    time_s: 20,
+    before: ["G21 G90 G94 G17 G54", "G0 Z5", "M3 S12000"],
+    state: {
+        modal: ["G17", "G21", "G90", "G94", "G1", "G54", "M3", "M9"],
+        offset: "G54",
+        tool: 2,
+        programmed: { feed: 900, rpm: 12000 },
+        work_mm: [52, 40, -4],
+    },
+    warnings: ["the lines before select another tool: put it in first"],
+};
+
 const WRONG = PART.replace("G1 Z-2 F300", "G1 Z-2 U4 F300");
 const FINDING = {
     code: "E0201",
@@ -192,9 +208,19 @@ test("it shows what runs: line, progress, time, hold and resume", async (t) => {
     await says(page, ".state", "ON HOLD");
     await press(page, "button::-p-aria(Resume)");
     await server.next("resume");
-    const done = { ...LOADED, phase: "done", progress: 1 };
+    const links = () =>
+        page.$$eval('a[href*="/report"]', (all) =>
+            all.filter((one) => one.checkVisibility()).map((one) => one.getAttribute("href"))
+        );
+    assert.deepEqual(await links(), []);
+    const done = { ...LOADED, phase: "done", progress: 1, runs: 3 };
     server.change({ state: "Idle", detail: null, program: done });
     await says(page, ".times", "Done · 100 %");
+    const [open, save] = await links();
+    assert.match(open ?? "", /\/machines\/1\/report\?token=[0-9a-f]{32}&run=3$/);
+    assert.equal(save, open);
+    assert.deepEqual(await violations(page), []);
+    await picture(page, "panel-done");
 });
 
 test("single block, breakpoints, and a start from a line with its state", async (t) => {
@@ -207,20 +233,45 @@ test("single block, breakpoints, and a start from a line with its state", async 
     assert.deepEqual((await server.next("breakpoints")).lines, [8]);
     server.change({ program: { ...LOADED, breakpoints: [8], single_block: true } });
     await says(page, "body", "Do not wait before line 8");
-    server.verbs.preview_from = ({ from }) => ({
-        from,
-        lines: ["G21 G90 G17", "M3 S12000", "G0 Z5"],
-        modal: { motion: "G1", plane: "G17", feed: 900 },
-    });
-    server.verbs.run = ({ from }) => ({ name: "part.nc", lines: 10, time_s: 20, from });
+    server.verbs.run = ({ from }) => ({ ...FROM_LINE, from });
     await press(page, "button::-p-aria(Start from line 8)");
-    assert.equal((await server.next("preview_from")).from, 8);
-    await says(page, ".confirm", "G1 G17 feed 900");
+    const asked = await server.next("run");
+    assert.deepEqual([asked.from, asked.confirmed], [8, false]);
+    await says(page, ".confirm", "line at feed (G1)");
+    await says(page, ".confirm", "per minute (G94), 900 mm/min");
+    await says(page, ".confirm", "clockwise (M3), 12000 rpm");
+    await says(page, ".confirm", "X 52.000  Y 40.000  Z -4.000 mm");
     await says(page, ".confirm", "M3 S12000");
     await says(page, ".confirm", "Line 8: G2 X60 Y40 I-8 J0 Z-4");
-    await server.next("run");
+    await says(page, ".confirm .error", "another tool");
+    assert.deepEqual(await violations(page), []);
+    await picture(page, "panel-from-line");
     await press(page, "button::-p-aria(Start now)");
-    assert.deepEqual((await server.next("run")).from, 8);
+    const started = await server.next("run");
+    assert.deepEqual([started.from, started.confirmed], [8, true]);
+});
+
+test("an interrupted program is offered to go on, with the line and its state", async (t) => {
+    const { page, server } = await loaded(t, PART);
+    await drawn(page);
+    const goOn = "button::-p-text(Go on from line)";
+    assert.equal(await page.$eval(goOn, (one) => one.checkVisibility()), false);
+    const stopped = { ...LOADED, phase: "stopped", resume_line: 6 };
+    const message = "stopped; all lines before line 6 are made";
+    server.change({ program: { ...stopped, message } });
+    server.verbs.run = ({ from }) => ({ ...FROM_LINE, from });
+    await press(page, "button::-p-aria(Go on from line 6)");
+    assert.equal((await server.next("run")).from, 6);
+    await says(page, ".confirm", "Line 6: ");
+    await press(page, "button::-p-aria(Cancel)");
+    assert.equal(server.count("run"), 0);
+    server.change({ program: { ...stopped, phase: "running" } });
+    await page.waitForFunction(
+        () =>
+            ![...document.querySelectorAll("button")].some(
+                (one) => one.textContent?.includes("Go on from") && one.checkVisibility()
+            )
+    );
 });
 
 test("a program and its findings survive a reload, on a telephone too", async (t) => {

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { join } from "node:path";
 import { test } from "node:test";
-import { PICTURES, picture, violations } from "husillo/tests/browser.js";
+import { PICTURES, open, picture, violations } from "husillo/tests/browser.js";
 import { press, says } from "husillo/tests/panels.js";
 import { home, served, state, until } from "husillo/tests/served.js";
 
@@ -71,4 +71,47 @@ test("findings, fix, preview, run, hold, resume, override and STOP", async (t) =
     await page.setViewport({ width: 360, height: 740 });
     await page.screenshot({ path: join(PICTURES, "serve-telephone.png"), fullPage: true });
     assert.ok((await page.evaluate(() => document.documentElement.scrollWidth)) <= 360);
+});
+
+test("a stopped run goes on from its line, with the state shown first", async (t) => {
+    const { page } = await served(t);
+    await home(page);
+    await page.type("input.mono", "G53 G0 X-60 Y-60 Z-20\n");
+    await until(page, (now) => now.machine_mm[1] < -59 && now.state === "Idle");
+    await press(page, "button::-p-aria(Zero all axes)");
+    await until(page, ({ undo }) => undo === 1);
+    await drop(page, PART.replace("G0 X5 Y5", "G0 X5 Y5\nM3 S500"));
+    await page.waitForSelector('.stage[data-drawn="whole"]');
+    await press(page, "button::-p-aria(Start …)");
+    await press(page, "button::-p-aria(Start now)");
+    await until(page, ({ program, work_mm }) => program?.line >= 4 && work_mm[0] > 8);
+    await page.keyboard.press("Escape");
+    const stopped = await until(page, ({ state, program }) =>
+        state === "Idle" && program.phase === "stopped"
+    );
+    await press(page, `button::-p-aria(Go on from line ${stopped.program.resume_line})`);
+    await says(page, ".confirm", "State before this line:");
+    await says(page, ".confirm", "absolute (G90)");
+    await says(page, ".confirm", "G0 Z0");
+    assert.equal(String((await state(page)).work_mm), String(stopped.work_mm));
+    assert.deepEqual(await violations(page), []);
+    await picture(page, "serve-from-line");
+    await press(page, "button::-p-aria(Start now)");
+    const done = await until(page, ({ state, program }) =>
+        state === "Idle" && program.phase === "done"
+    );
+    assert.equal(String(done.work_mm), "0,0,0");
+    assert.equal(done.program.resume_line, null);
+    assert.equal(done.program.runs, 2);
+    await picture(page, "serve-done");
+    const link = await page.waitForSelector("a::-p-text(Report of the run)");
+    const address = await link?.evaluate((one) => /** @type {any} */ (one).href);
+    const report = await open(t, { address, width: 1280, height: 1400 });
+    await report.waitForSelector('.stage[data-drawn="whole"]');
+    const text = await report.evaluate(() => document.body.textContent ?? "");
+    for (const what of ["On the machine", "part.nc", "from line", "lines made", "alarms0"]) {
+        assert.ok(text.includes(what), what);
+    }
+    assert.deepEqual(await violations(report), []);
+    await picture(report, "serve-report");
 });

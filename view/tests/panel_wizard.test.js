@@ -246,3 +246,17 @@ test("macros are kept, changed and run", async (t) => {
         () => !document.querySelector("#part-macros ul")?.textContent?.includes("Park")
     );
 });
+
+test("what the server does not offer is not shown", async (t) => {
+    const { page } = await panel(t, {}, {
+        prepare: (server) => {
+            server.offers = ["settings"];
+        },
+    });
+    const isShown = (/** @type {string} */ place) =>
+        page.$eval(place, (one) => one.checkVisibility());
+    assert.equal(await isShown("#tab-settings"), true);
+    assert.equal(await isShown("#tab-probing"), false);
+    assert.equal(await isShown("#tab-macros"), false);
+    assert.equal(await isShown(".drop"), false);
+});

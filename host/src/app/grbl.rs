@@ -2,6 +2,8 @@
 
 mod resume;
 
+pub use resume::Before;
+
 use super::job::{Job, load, whole};
 use super::milling::failed;
 use super::reporting::{MOST_PRINTED, verdict, with_some_findings};

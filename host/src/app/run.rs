@@ -1,6 +1,6 @@
 //! `run`: checks, simulates and draws a program, and prints a summary.
 
-mod report;
+pub mod report;
 mod summary;
 
 use super::choice;

@@ -2,6 +2,7 @@
 
 use super::Output;
 use clap::Args;
+use std::path::PathBuf;
 
 /// `husillo serve`.
 #[derive(Debug, Args)]
@@ -28,6 +29,10 @@ pub struct Serve {
     /// Simulated machines run this many times as fast as real ones
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = factor)]
     pub speed: f64,
+    /// File with the macros of the page [default: husillo/macros.toml in the folder of
+    /// configurations, such as ~/.config]
+    #[arg(long, value_name = "FILE")]
+    pub macros: Option<PathBuf>,
     /// End after this time instead of at Ctrl-C
     #[arg(long = "for", value_name = "SECONDS", value_parser = seconds)]
     pub seconds: Option<f64>,

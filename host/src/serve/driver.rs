@@ -4,11 +4,14 @@
 //! changed.
 
 mod by_hand;
+mod going_on;
 mod halting;
 mod hearing;
 mod jogging;
 mod overriding;
+mod probing;
 mod running;
+mod sequence;
 mod setting_up;
 mod zeroing;
 
@@ -17,6 +20,7 @@ use super::machine::{Asked, Machine};
 use super::machine_state::{Link, MachineState};
 use super::reply::Reply;
 use super::request::Request;
+use going_on::Making;
 use halting::Halting;
 use husillo_clients::grbl::{Session, Stream};
 use husillo_clients::{StopRequests, Wire};
@@ -24,6 +28,8 @@ use husillo_sim::device::grbl::Device;
 use husillo_transports::grbl::{Realtime, Settings, State};
 use jogging::Jogging;
 use running::Running;
+use sequence::Sequence;
+use serde_json::Value;
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use std::sync::mpsc::Receiver;
@@ -132,12 +138,18 @@ enum Purpose {
     Asked(Reply),
     /// For a page: homing.
     Home(Reply),
-    /// For a page: a new work zero. The work zero before it can be restored.
-    Zero(Reply, zeroing::Zero),
+    /// For a page: a new work zero, with the data of the answer. The work zero before it can be
+    /// restored.
+    Zero(Reply, zeroing::Zero, Value),
     /// For a page: the restored work zero.
     Undo(Reply),
     /// A part of a jog.
     Jog,
+    /// A line of a macro or of a move that probes.
+    Sequence {
+        /// It homes.
+        is_home: bool,
+    },
     /// A line of the program.
     Program,
     /// To know when the lines before are made.
@@ -163,12 +175,15 @@ struct Driver<'a> {
     session: Session,
     state: &'a mut MachineState,
     zeroing: &'a mut Zeroing,
+    /// A continuation that is being made.
+    making: Option<Making>,
     running: &'a mut Running,
     requests: &'a Receiver<Asked>,
     stream: Stream<Purpose>,
     /// Lines that wait for room in the controller.
     waiting: VecDeque<(String, Purpose)>,
     jogging: Jogging,
+    sequence: Option<Sequence>,
     halting: Option<Halting>,
     /// Number of the last alarm.
     alarm: Option<u16>,
@@ -178,6 +193,8 @@ struct Driver<'a> {
     settings: BTreeMap<u16, String>,
     /// The modes may have changed.
     modes_are_due: bool,
+    /// Requests that wait for the modes.
+    postponed: VecDeque<Asked>,
     published: Option<MachineState>,
     published_at: Instant,
 }
@@ -193,16 +210,19 @@ impl<'a> Driver<'a> {
             session,
             state,
             zeroing: &mut kept.zeroing,
+            making: None,
             running: &mut kept.running,
             requests,
             stream: Stream::new(),
             waiting: VecDeque::new(),
             jogging: Jogging::default(),
+            sequence: None,
             halting: None,
             alarm: None,
             queue_moves: QUEUE,
             settings: BTreeMap::new(),
             modes_are_due: true,
+            postponed: VecDeque::new(),
             published: None,
             published_at: Instant::now(),
         }
@@ -223,6 +243,7 @@ impl<'a> Driver<'a> {
         let lost = "the controller is lost";
         self.drop_lines(lost);
         self.state.program = self.program_shown();
+        self.note_run();
         ended
     }
 
@@ -242,7 +263,10 @@ impl<'a> Driver<'a> {
                 self.carry_out(asked)?;
             }
             self.jog()?;
+            self.take_continuation();
+            self.feed_sequence();
             self.ask_modes();
+            self.carry_out_postponed()?;
             self.send_waiting()?;
             self.feed_program()?;
             if let Some(heard) = self.session.turn()? {
@@ -264,6 +288,7 @@ impl<'a> Driver<'a> {
             self.state.state = Some("Home");
         }
         self.state.program = self.program_shown();
+        self.note_run();
         let is_due = self.published_at.elapsed() >= PUBLISH;
         if is_due && self.published.as_ref() != Some(self.state) {
             self.published_at = Instant::now();
@@ -296,7 +321,7 @@ impl<'a> Driver<'a> {
             if !matches!(purpose, Purpose::Jog | Purpose::Known) {
                 self.machine.tell(From::Host, line.as_str());
             }
-            if matches!(purpose, Purpose::Home(_)) {
+            if is_home(&purpose) {
                 self.session.allow_silence(Some(HOMING));
             }
             self.session.put(format!("{line}\n").as_bytes())?;
@@ -334,9 +359,27 @@ impl<'a> Driver<'a> {
         }
     }
 
+    /// Whether the modes will be known soon.
+    fn modes_are_pending(&self) -> bool {
+        self.modes_are_due || !self.stream.is_empty() || !self.waiting.is_empty()
+    }
+
+    /// Carries out the requests that have waited for the modes.
+    fn carry_out_postponed(&mut self) -> Result<(), String> {
+        if self.modes_are_pending() && self.stands().is_ok() {
+            return Ok(());
+        }
+        while let Some(asked) = self.postponed.pop_front() {
+            match self.machine.control.operator() == Some(asked.client) {
+                true => self.carry_out(asked)?,
+                false => asked.reply.error("take control first"),
+            }
+        }
+        Ok(())
+    }
+
     /// Whether homing is on its way.
     fn is_homing(&self) -> bool {
-        let is_home = |purpose: &Purpose| matches!(purpose, Purpose::Home(_));
         self.session.state() == Some(State::Home) || self.stream.purposes().any(is_home)
     }
 
@@ -354,23 +397,33 @@ impl<'a> Driver<'a> {
             match purpose {
                 Purpose::Asked(reply)
                 | Purpose::Home(reply)
-                | Purpose::Zero(reply, _)
+                | Purpose::Zero(reply, ..)
                 | Purpose::Undo(reply)
                 | Purpose::Settings(reply) => reply.error(why),
                 Purpose::Jog
                 | Purpose::Known
                 | Purpose::Program
+                | Purpose::Sequence { .. }
                 | Purpose::Synchronise
                 | Purpose::Written => {}
             }
         }
+        for asked in self.postponed.drain(..) {
+            asked.reply.error(why);
+        }
         self.jogging.forget();
+        self.end_sequence(why);
         self.end_program(why);
         self.session.allow_silence(None);
     }
 
     /// Carries out a request of a page.
     fn carry_out(&mut self, asked: Asked) -> Result<(), String> {
+        let must_wait = asked.request.needs_modes() && self.modes_are_pending();
+        if must_wait && self.stands().is_ok() && self.postponed.len() < WAITING {
+            self.postponed.push_back(asked);
+            return Ok(());
+        }
         let Asked {
             client,
             request,
@@ -409,7 +462,11 @@ impl<'a> Driver<'a> {
             Request::Step { move_mm, feed } => self.step(&move_mm, feed, reply),
             Request::Goto { to_mm, frame, feed } => self.go(&to_mm, frame, feed, reply),
             Request::Line { text } => return self.line(&text, reply),
-            Request::Run { confirmed } => self.run(confirmed, reply),
+            Request::Run { confirmed, from } => match from {
+                None => self.run(confirmed, reply),
+                Some(line) if confirmed => self.go_on(line, reply),
+                Some(line) => self.show_from(line, reply),
+            },
             Request::SingleBlock { on } => self.set_single_block(on, reply),
             Request::Breakpoints { lines } => self.set_breakpoints(lines, reply),
             Request::Unload => self.unload(reply),
@@ -421,7 +478,12 @@ impl<'a> Driver<'a> {
             Request::Settings => self.by_hand("$$", reply, Purpose::Settings),
             Request::SettingsDiff { values } => reply.data(self.settings_diff(&values)),
             Request::SettingsSave { values } => self.save_settings(&values, reply),
+            Request::Probe(asked) => self.probe(&asked, reply),
+            Request::MacroRun { name } => self.run_macro(&name, reply),
             Request::Stop
+            | Request::Macros
+            | Request::MacroSave { .. }
+            | Request::MacroDelete { .. }
             | Request::Take { .. }
             | Request::Give
             | Request::Renew { .. }
@@ -429,4 +491,11 @@ impl<'a> Driver<'a> {
         }
         Ok(())
     }
+}
+
+const fn is_home(purpose: &Purpose) -> bool {
+    matches!(
+        purpose,
+        Purpose::Home(_) | Purpose::Sequence { is_home: true }
+    )
 }

@@ -2,14 +2,17 @@
 
 use super::controller_machine::machine;
 use super::timetable::Timetable;
-use crate::app::sendable_lines;
+use crate::app::{report, sendable_lines};
 use husillo_gcode::Nm;
+use husillo_reports::operation::{self, Operation};
 use husillo_sim::observers::AXES;
 use husillo_simulator::diagnostics::{Finding, Findings};
-use husillo_simulator::job::{Job, JobError, Options, Text};
+use husillo_simulator::job::{Job, JobError, Options, Results, Text};
+use husillo_simulator::programs::program::Start;
 use husillo_simulator::scene::Scene;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// Findings that a page gets.
 const FINDINGS: u64 = 200;
@@ -46,7 +49,9 @@ pub struct Loaded {
     /// What it was checked against.
     pub around: Surroundings,
     /// The lines that the controller gets, with their numbers.
-    pub lines: Vec<(usize, String)>,
+    pub lines: Arc<[(usize, String)]>,
+    /// How it begins.
+    pub start: Start,
     /// Lines of the text.
     pub count: usize,
     /// Errors. With errors it is not run.
@@ -68,11 +73,7 @@ impl Loaded {
     ///
     /// A sentence: the program cannot be sent, or the settings have no sense.
     pub fn new(name: &str, text: Vec<u8>, around: &Surroundings) -> Result<Self, String> {
-        let machine = machine(&around.settings)?;
-        let said = |error: JobError| error.to_string();
-        let program = Text::new(name, text.as_slice());
-        let mut job = Job::new(program, machine, Some("grbl")).map_err(said)?;
-        job.stand(in_nm(&around.zero_mm), in_nm(&around.at_mm));
+        let mut job = job(name, &text, around)?;
         let mut findings = Findings::new(FINDINGS);
         let mut facts = job.check(&mut findings).map_err(said)?;
         let lines = sendable_lines(&text)?;
@@ -106,8 +107,9 @@ impl Loaded {
         Ok(Self {
             name: name.to_owned(),
             text,
+            lines: lines.into(),
+            start: job.start,
             around: around.clone(),
-            lines,
             count,
             errors: findings.errors,
             warnings: findings.warnings,
@@ -116,9 +118,54 @@ impl Loaded {
             report,
         })
     }
+
+    /// The report of a simulated run, as `husillo run` writes it, with what became of the program
+    /// on the machine. It simulates the program once more: that takes less than to keep it.
+    ///
+    /// # Errors
+    ///
+    /// A sentence: the simulation is not possible.
+    pub fn page(&self, operation: Operation) -> Result<String, String> {
+        let mut job = job(&self.name, &self.text, &self.around)?;
+        if self.times.is_none() {
+            let title = &job.machine.title;
+            return Ok(operation::html(&self.name, title, &operation));
+        }
+        let mut findings = Findings::new(FINDINGS);
+        let mut facts = job.check(&mut findings).map_err(said)?;
+        let simulated = job.simulate(&mut facts, Options::default(), || {});
+        let simulated = simulated.map_err(said)?;
+        let results = Results {
+            warnings: findings.warnings,
+            ..simulated.results(&job, &facts)
+        };
+        let run = &simulated.run;
+        let take_up_s = run
+            .mechanics
+            .in_seconds(run.observers.statistics.take_up_ticks);
+        let figures = report::figures(&results, &facts, Some(take_up_s));
+        let scene = Scene::of(&job, &simulated, &facts, &findings).map_err(said)?;
+        let (warnings, scene) = (findings.short(), scene.element());
+        let mut page = report::made(&job, &simulated, &results, figures, warnings, scene);
+        page.operation = Some(operation);
+        Ok(husillo_reports::run::html(&page))
+    }
 }
 
-fn in_nm(mm: &[f64]) -> [Nm; AXES] {
+fn said(error: JobError) -> String {
+    error.to_string()
+}
+
+/// A program on the machine of its controller.
+fn job(name: &str, text: &[u8], around: &Surroundings) -> Result<Job, String> {
+    let machine = machine(&around.settings)?;
+    let mut job = Job::new(Text::new(name, text), machine, Some("grbl")).map_err(said)?;
+    job.stand(in_nm(&around.zero_mm), in_nm(&around.at_mm));
+    Ok(job)
+}
+
+/// Lengths in nm.
+pub fn in_nm(mm: &[f64]) -> [Nm; AXES] {
     let mut nm = [Nm(0); AXES];
     for (slot, mm) in nm.iter_mut().zip(mm) {
         *slot = Nm((mm * 1e6).round() as i64);

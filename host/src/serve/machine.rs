@@ -4,8 +4,10 @@ use super::console_lines::{ConsoleLines, From};
 use super::control::Control;
 use super::lease::Lease;
 use super::loaded::Loaded;
+use super::macros::MacroFile;
 use super::reply::Reply;
 use super::request::Request;
+use super::run_record::RunRecord;
 use axum::extract::ws::Utf8Bytes;
 use husillo_clients::StopRequests;
 use serde_json::{Value, json};
@@ -45,6 +47,10 @@ pub struct Machine {
     pub lease: Lease,
     /// The loaded program.
     pub program: Mutex<Option<Arc<Loaded>>>,
+    /// The last run of a program that has ended.
+    pub run: Mutex<Option<Arc<RunRecord>>>,
+    /// The macros, which all machines share.
+    pub macros: Arc<MacroFile>,
     requests: SyncSender<Asked>,
     published: Mutex<Published>,
     news: watch::Sender<u64>,
@@ -71,6 +77,7 @@ impl Machine {
         number: u32,
         port: &str,
         watch_only: bool,
+        macros: Arc<MacroFile>,
         news: watch::Sender<u64>,
     ) -> (Self, Receiver<Asked>) {
         let (requests, asked) = sync_channel(WAITING);
@@ -82,6 +89,8 @@ impl Machine {
             control: Control::new(watch_only),
             lease: Lease::default(),
             program: Mutex::default(),
+            run: Mutex::default(),
+            macros,
             requests,
             published: Mutex::default(),
             news,

@@ -9,7 +9,13 @@ const POLICY: &str = "default-src 'self'; connect-src 'self'; style-src 'self' '
                       worker-src 'self' blob:; frame-ancestors 'none'; base-uri 'none'; \
                       form-action 'none'";
 
-/// Headers of every answer.
+/// What a report may load: nothing, and it reaches no server. Its modules are in itself.
+pub const REPORT_POLICY: &str = "default-src 'none'; script-src 'unsafe-inline' \
+                                 'wasm-unsafe-eval' data:; \
+                                 style-src 'unsafe-inline'; img-src data: blob:; \
+                                 frame-ancestors 'none'; base-uri 'none'; form-action 'none'";
+
+/// Headers of every answer that has none of its own.
 pub fn headers() -> [(HeaderName, HeaderValue); 5] {
     [
         (

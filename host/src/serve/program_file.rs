@@ -2,11 +2,12 @@
 
 use super::loaded::{Loaded, Surroundings};
 use super::machine::Machine;
+use super::page::REPORT_POLICY;
 use super::reply::Reply;
 use super::request::Request;
 use axum::body::Bytes;
 use axum::http::StatusCode;
-use axum::http::header::CONTENT_TYPE;
+use axum::http::header::{CONTENT_DISPOSITION, CONTENT_SECURITY_POLICY, CONTENT_TYPE};
 use axum::response::{IntoResponse, Response};
 use serde_json::{Value, json};
 use std::sync::mpsc::sync_channel;
@@ -92,6 +93,31 @@ pub fn scene(machine: &Machine) -> Response {
     match program.as_ref().and_then(|program| program.scene.clone()) {
         Some(scene) => ([(CONTENT_TYPE, "text/plain")], scene).into_response(),
         None => refused(StatusCode::NOT_FOUND, "there is no picture of a program"),
+    }
+}
+
+/// The report of the last run.
+pub async fn report(machine: &Machine) -> Response {
+    let run = {
+        let run = machine.run.lock().unwrap_or_else(PoisonError::into_inner);
+        run.clone()
+    };
+    let Some(run) = run else {
+        return refused(StatusCode::NOT_FOUND, "no run has ended yet");
+    };
+    let name = format!("inline; filename=\"{}\"", run.file_name());
+    let made = tokio::task::spawn_blocking(move || run.program.page(run.operation())).await;
+    match made {
+        Ok(Ok(page)) => {
+            let headers = [
+                (CONTENT_TYPE, "text/html; charset=utf-8"),
+                (CONTENT_DISPOSITION, name.as_str()),
+                (CONTENT_SECURITY_POLICY, REPORT_POLICY),
+            ];
+            (headers, page).into_response()
+        }
+        Ok(Err(why)) => refused(StatusCode::INTERNAL_SERVER_ERROR, &why),
+        Err(_) => refused(StatusCode::INTERNAL_SERVER_ERROR, "the report has failed"),
     }
 }
 

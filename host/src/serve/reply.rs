@@ -42,6 +42,14 @@ impl Reply {
         );
     }
 
+    /// Answers with data or an error.
+    pub fn result(self, result: Result<Value, String>) {
+        match result {
+            Ok(data) => self.data(data),
+            Err(why) => self.error(why),
+        }
+    }
+
     /// Answers with a result or an error.
     pub fn with(self, result: Result<(), impl AsRef<str>>) {
         match result {

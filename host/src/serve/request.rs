@@ -101,6 +101,9 @@ pub enum Request {
         /// Run it.
         #[serde(default)]
         confirmed: bool,
+        /// From this line on.
+        #[serde(default)]
+        from: Option<usize>,
     },
     /// Wait after each line of the program.
     SingleBlock {
@@ -114,6 +117,27 @@ pub enum Request {
     },
     /// Forget the loaded program.
     Unload,
+    /// Move an axis until the probe touches.
+    Probe(Probe),
+    /// List the macros.
+    Macros,
+    /// Add or replace a macro.
+    MacroSave {
+        /// Its name.
+        name: String,
+        /// Its lines.
+        text: String,
+    },
+    /// Remove a macro.
+    MacroDelete {
+        /// Its name.
+        name: String,
+    },
+    /// Send the lines of a macro, one after the other.
+    MacroRun {
+        /// Its name.
+        name: String,
+    },
     /// List the settings.
     Settings,
     /// Tell what these settings would change.
@@ -134,6 +158,26 @@ pub enum Request {
     /// Tell what a program is checked against. Pages cannot ask for this.
     #[serde(skip)]
     Surroundings(SyncSender<Surroundings>),
+}
+
+/// A move until the probe touches.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Probe {
+    /// Letter of the axis.
+    pub axis: char,
+    /// Longest way, mm, with its sign.
+    pub by_mm: f64,
+    /// Speed, mm/min.
+    pub feed: f64,
+    /// Way back after the contact, mm.
+    #[serde(default)]
+    pub back_mm: f64,
+    /// The work coordinate of the contact, mm.
+    #[serde(default)]
+    pub set_mm: Option<f64>,
+    /// No contact is expected: it ends the move where it is, and changes nothing else.
+    #[serde(default)]
+    pub beside: bool,
 }
 
 /// Coordinates of a position.
@@ -172,12 +216,17 @@ pub enum Accessory {
 }
 
 impl Request {
+    /// Whether it needs the modes of the controller.
+    pub const fn needs_modes(&self) -> bool {
+        matches!(self, Self::Probe(_) | Self::Run { from: Some(_), .. })
+    }
+
     /// Whether a client needs control for it.
     pub const fn needs_control(&self) -> bool {
-        use Request::{Hold, Settings, SettingsDiff, Stop, Take};
+        use Request::{Hold, Macros, Settings, SettingsDiff, Stop, Take};
         !matches!(
             self,
-            Stop | Take { .. } | Hold | Settings | SettingsDiff { .. }
+            Stop | Take { .. } | Hold | Macros | Settings | SettingsDiff { .. }
         )
     }
 }

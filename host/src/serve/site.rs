@@ -71,7 +71,9 @@ async fn checked(State(site): State<Arc<Site>>, request: Request, next: Next) ->
         Ok(()) => next.run(request).await,
         Err(refusal) => refusal.into_response(),
     };
-    answer.headers_mut().extend(page::headers());
+    for (name, value) in page::headers() {
+        answer.headers_mut().entry(name).or_insert(value);
+    }
     answer
 }
 
@@ -111,7 +113,7 @@ fn machine(
     found.cloned().ok_or_else(none)
 }
 
-/// What a machine has loaded: the text of the program, or its scene.
+/// What a machine has: the text of its program, the scene of it, or the report of the last run.
 async fn part(
     State(site): State<Arc<Site>>,
     Path((number, part)): Path<(u32, String)>,
@@ -122,6 +124,7 @@ async fn part(
         (Err(refusal), _) => *refusal,
         (Ok(machine), "program") => program_file::text(&machine),
         (Ok(machine), "scene") => program_file::scene(&machine),
+        (Ok(machine), "report") => program_file::report(&machine).await,
         _ => no_part(),
     }
 }

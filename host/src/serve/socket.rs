@@ -143,6 +143,11 @@ fn asked_of(machine: &Machine, client: u64, request: Request, reply: Reply) {
             machine.lease.begin(client, jog, Instant::now());
             machine.ask(client, request, reply);
         }
+        Request::Macros | Request::MacroSave { .. } | Request::MacroDelete { .. } => {
+            // A file may be slow, and a stop must not wait for it.
+            let macros = Arc::clone(&machine.macros);
+            tokio::task::spawn_blocking(move || reply.result(macros.carry_out(&request)));
+        }
         _ => machine.ask(client, request, reply),
     }
 }
@@ -171,7 +176,7 @@ async fn write(
         "lease_ms": LEASE.as_millis() as u64,
         "renew_ms": 80,
         // Parts of the page beside moving by hand.
-        "offers": ["program", "settings"],
+        "offers": ["program", "from", "report", "probing", "settings", "macros"],
         "machines": site.described(),
     });
     let mut frames = vec![welcome.to_string().into()];

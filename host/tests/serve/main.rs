@@ -2,11 +2,15 @@
 
 mod access;
 mod control;
+mod going_on;
 mod hostile;
 mod jogging;
 mod lines;
 mod links;
+mod macros;
 mod page;
+mod probing;
 mod programs;
+mod reports;
 mod settings;
 mod watching;

@@ -71,6 +71,7 @@ pub fn made(
         .map(|([x0, x1], [y0, y1])| [[x0, y0], [x1, y1]]);
     Report {
         program: job.name().to_owned(),
+        operation: None,
         machine: job.machine.title.clone(),
         figures,
         axes,

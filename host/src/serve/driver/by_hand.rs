@@ -35,6 +35,9 @@ impl Driver<'_> {
         if self.running.is_active() {
             return Err("a program runs".into());
         }
+        if self.sequence.is_some() {
+            return Err("a macro or a move that probes is under way".into());
+        }
         if self.jogging.is_active() {
             return Err("the machine jogs".into());
         }

@@ -18,6 +18,7 @@ impl Driver<'_> {
                 if self.session.state() != Some(State::Alarm) {
                     self.alarm = None;
                 }
+                self.sequence_reported();
             }
             Heard::Ok => self.answered(None)?,
             Heard::Refused(number) => self.answered(Some(*number))?,
@@ -26,7 +27,9 @@ impl Driver<'_> {
                     .tell(From::Controller, format!("ALARM:{number}"));
                 self.alarm = Some(*number);
                 let why = husillo_clients::grbl::alarm(*number);
+                self.note_alarm(&why);
                 self.fail_program(why.clone());
+                self.end_sequence(&why);
                 self.state.why = Some(why);
                 if self.halting.is_none() {
                     // After some alarms the controller answers only after a reset. Nothing moves.
@@ -76,12 +79,13 @@ impl Driver<'_> {
                 self.session.allow_silence(None);
                 reply.with(result);
             }
-            Purpose::Zero(reply, before) => {
-                if result.is_ok() {
+            Purpose::Zero(reply, before, data) => match result {
+                Ok(()) => {
                     self.zeroing.keep(before);
+                    reply.data(data);
                 }
-                reply.with(result);
-            }
+                Err(why) => reply.error(why),
+            },
             Purpose::Undo(reply) => {
                 if result.is_ok() {
                     self.zeroing.restored();
@@ -89,6 +93,10 @@ impl Driver<'_> {
                 reply.with(result);
             }
             Purpose::Jog => self.jog_answered(result),
+            Purpose::Sequence { .. } => {
+                self.session.allow_silence(None);
+                return self.sequence_answered(result);
+            }
             Purpose::Program => return self.program_answered(result),
             Purpose::Synchronise => self.synchronised(),
             Purpose::Settings(reply) => match result {

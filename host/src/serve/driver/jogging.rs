@@ -138,8 +138,11 @@ impl Driver<'_> {
     pub(super) fn jog(&mut self) -> Result<(), String> {
         let is_by_hand = self.halting.is_none() && !self.running.is_active();
         if self.machine.take_left() && is_by_hand {
-            // A move that has just been sent may not be in a report yet.
-            self.cancel_jog("its operator has gone")?;
+            match self.sequence.is_some() {
+                true => self.begin_halt(false, "its operator has gone")?,
+                // A move that has just been sent may not be in a report yet.
+                false => self.cancel_jog("its operator has gone")?,
+            }
         }
         if self.halting.is_some() {
             self.jogging.next = None;

@@ -1,8 +1,10 @@
 //! A program that is sent: line after line, with breakpoints and holds.
 
 use super::{Driver, From, Purpose};
+use crate::serve::continuation::Continuation;
 use crate::serve::loaded::{Loaded, Surroundings};
 use crate::serve::reply::Reply;
+use crate::serve::run_record::RunRecord;
 use husillo_clients::grbl::SYNCHRONISE;
 use husillo_transports::grbl::{Realtime, State};
 use serde_json::{Value, json};
@@ -41,7 +43,23 @@ impl Phase {
 /// The program of a machine.
 #[derive(Debug, Default)]
 pub(in crate::serve) struct Running {
-    program: Option<Arc<Loaded>>,
+    pub(super) program: Option<Arc<Loaded>>,
+    /// The lines that are sent: all of the program, or those of a continuation.
+    lines: Arc<[(usize, String)]>,
+    /// How many of them come before those of the program.
+    before: usize,
+    /// A continuation that was shown.
+    pub(super) continuation: Option<Continuation>,
+    /// Where the machine was when the program was started at its first line, mm.
+    pub(super) begun_mm: Option<Vec<f64>>,
+    /// What has become of it, for its report.
+    record: Option<RunRecord>,
+    /// The phase and the overrides that were noted in it.
+    noted: (&'static str, Option<Value>),
+    /// Number of runs that have ended. The last one has a report.
+    runs: u64,
+    /// The line with which an interrupted program goes on.
+    resume_line: Option<usize>,
     /// Number of programs that were loaded.
     loads: u64,
     phase: Phase,
@@ -71,26 +89,38 @@ impl Running {
         )
     }
 
+    /// The phase, as pages get it.
+    fn phase_name(&self, is_held: bool) -> &'static str {
+        match self.phase {
+            Phase::Running if is_held => "held",
+            phase => phase.name(),
+        }
+    }
+
     /// Loads a program.
     fn load(&mut self, program: Arc<Loaded>) {
         *self = Self {
+            lines: Arc::clone(&program.lines),
             program: Some(program),
             loads: self.loads + 1,
+            runs: self.runs,
             single_block: self.single_block,
             ..Self::default()
         };
     }
 
-    fn is_at_breakpoint(&self, lines: &[(usize, String)]) -> bool {
-        let is_marked = |(number, _): &(usize, String)| self.breakpoints.contains(number);
-        let must =
-            (self.single_block && self.next > 0) || lines.get(self.next).is_some_and(is_marked);
+    fn is_at_breakpoint(&self) -> bool {
+        let is_marked = |(number, _): &(usize, String)| {
+            self.next >= self.before && self.breakpoints.contains(number)
+        };
+        let next = self.lines.get(self.next);
+        let must = (self.single_block && self.next > 0) || next.is_some_and(is_marked);
         must && self.passed != self.next + 1
     }
 
     /// The line that is probably being made, if this many moves wait in the controller.
     fn line(&self, moves: usize) -> Option<usize> {
-        let lines = &self.program.as_ref()?.lines;
+        let lines = &self.lines;
         let index = self.answered.saturating_sub(moves + 1);
         match self.phase {
             Phase::Loaded => None,
@@ -121,8 +151,13 @@ impl Driver<'_> {
             .program
             .lock()
             .unwrap_or_else(PoisonError::into_inner) = None;
-        self.running.program = None;
-        self.running.phase = Phase::Loaded;
+        let (loads, runs) = (self.running.loads, self.running.runs);
+        *self.running = super::Running {
+            loads,
+            runs,
+            single_block: self.running.single_block,
+            ..super::Running::default()
+        };
         reply.ok();
     }
 
@@ -137,42 +172,14 @@ impl Driver<'_> {
 
     /// Starts the program, or tells what would happen.
     pub(super) fn run(&mut self, is_confirmed: bool, reply: Reply) {
-        let begun = self.takes_lines().and_then(|()| {
-            let program = self.running.program.clone();
-            let program = program.ok_or("no program is loaded")?;
-            if program.errors > 0 {
-                return Err("the program has errors: correct them first".into());
-            }
-            if !self.surroundings().are_those_of(&program.around) {
-                let why = "the work zero or a setting has changed since the program was checked: \
-                           load it again";
-                return Err(why.into());
-            }
-            if program.lines.is_empty() {
-                return Err("the program has no commands".into());
-            }
-            match self.session.state() {
-                Some(State::Idle | State::Check) if self.is_quiet() => Ok(program),
-                Some(State::Alarm) => Err("the controller is locked: home or unlock".into()),
-                _ => Err("the machine is not at rest".to_owned()),
-            }
-        });
-        let program = match begun {
+        let program = match self.may_run() {
             Ok(program) => program,
             Err(why) => return reply.error(why),
         };
         if is_confirmed {
-            self.machine
-                .tell(From::Server, format!("{} starts", program.name));
-            let running = &mut *self.running;
-            *running = super::Running {
-                program: Some(program),
-                loads: running.loads,
-                phase: Phase::Running,
-                single_block: running.single_block,
-                breakpoints: std::mem::take(&mut running.breakpoints),
-                ..super::Running::default()
-            };
+            self.running.begun_mm.clone_from(&self.state.machine_mm);
+            let lines = Arc::clone(&program.lines);
+            self.start(&program, lines, 0, "starts");
             return reply.ok();
         }
         reply.data(json!({
@@ -182,6 +189,63 @@ impl Driver<'_> {
             "work_mm": self.state.work_mm,
             "modal": self.state.modal,
         }));
+    }
+
+    /// The program, if it may be run.
+    ///
+    /// # Errors
+    ///
+    /// A sentence about why not.
+    pub(super) fn may_run(&self) -> Result<Arc<Loaded>, String> {
+        self.takes_lines()?;
+        let program = self.running.program.clone();
+        let program = program.ok_or("no program is loaded")?;
+        if program.errors > 0 {
+            return Err("the program has errors: correct them first".into());
+        }
+        if !self.surroundings().are_those_of(&program.around) {
+            let why = "the work zero or a setting has changed since the program was checked: \
+                       load it again";
+            return Err(why.into());
+        }
+        if program.lines.is_empty() {
+            return Err("the program has no commands".into());
+        }
+        match self.session.state() {
+            Some(State::Idle | State::Check) if self.is_quiet() => Ok(program),
+            Some(State::Alarm) => Err("the controller is locked: home or unlock".into()),
+            _ => Err("the machine is not at rest".to_owned()),
+        }
+    }
+
+    /// Begins to send these lines, `before` of which come before those of the program.
+    pub(super) fn start(
+        &mut self,
+        program: &Arc<Loaded>,
+        lines: Arc<[(usize, String)]>,
+        before: usize,
+        how: &str,
+    ) {
+        let text = format!("{} {how}", program.name);
+        self.machine.tell(From::Server, text);
+        let running = &mut *self.running;
+        let from = lines
+            .first()
+            .filter(|_| before > 0)
+            .map(|(number, _)| *number);
+        *running = super::Running {
+            program: Some(Arc::clone(program)),
+            lines,
+            before,
+            loads: running.loads,
+            runs: running.runs,
+            record: Some(RunRecord::new(Arc::clone(program), from)),
+            phase: Phase::Running,
+            begun_mm: running.begun_mm.take(),
+            single_block: running.single_block,
+            breakpoints: std::mem::take(&mut running.breakpoints),
+            ..super::Running::default()
+        };
     }
 
     /// Goes on: past a breakpoint, or after a hold.
@@ -218,16 +282,14 @@ impl Driver<'_> {
     ///
     /// The controller is lost.
     pub(super) fn feed_program(&mut self) -> Result<(), String> {
-        let Some(program) = self.running.program.clone() else {
-            return Ok(());
-        };
+        let lines = Arc::clone(&self.running.lines);
         while self.running.phase == Phase::Running && self.halting.is_none() {
             if self.running.is_synchronising {
                 break;
             }
-            let next = program.lines.get(self.running.next);
+            let next = lines.get(self.running.next);
             let (line, purpose) = match next {
-                Some((_, line)) if !self.running.is_at_breakpoint(&program.lines) => {
+                Some((_, line)) if !self.running.is_at_breakpoint() => {
                     (line.as_str(), Purpose::Program)
                 }
                 // All lines before are made when a dwell is answered.
@@ -253,8 +315,7 @@ impl Driver<'_> {
     ///
     /// The controller is lost.
     pub(super) fn program_answered(&mut self, result: Result<(), String>) -> Result<(), String> {
-        let lines = self.running.program.as_ref().map(|program| &program.lines);
-        let line = lines.and_then(|lines| lines.get(self.running.answered).cloned());
+        let line = self.running.lines.get(self.running.answered).cloned();
         match (result, line) {
             (Err(why), Some((number, line))) if self.running.phase != Phase::Failed => {
                 self.fail_program(format!("line {number}, {line}: {why}"));
@@ -270,11 +331,8 @@ impl Driver<'_> {
     pub(super) fn synchronised(&mut self) {
         let running = &mut *self.running;
         running.is_synchronising = false;
-        let count = running
-            .program
-            .as_ref()
-            .map_or(0, |program| program.lines.len());
-        if running.next < count {
+        let count = running.lines.len() - running.before;
+        if running.next < running.lines.len() {
             running.phase = Phase::Waiting;
         } else if running.phase == Phase::Running {
             running.phase = Phase::Done;
@@ -316,14 +374,71 @@ impl Driver<'_> {
         }
     }
 
-    /// Which lines are certainly made.
-    fn lines_made(&self) -> String {
-        let running = &*self.running;
+    /// Which lines are certainly made. The first other one is that with which the program goes on.
+    fn lines_made(&mut self) -> String {
+        let running = &mut *self.running;
         let open = running.answered.saturating_sub(self.queue_moves + 1);
-        let program = running.program.as_ref();
-        match program.and_then(|program| program.lines.get(open)) {
-            Some((number, _)) => format!("all lines before line {number} are made"),
+        running.resume_line = running.lines.get(open).map(|(number, _)| *number);
+        match running.resume_line {
+            Some(number) => format!("all lines before line {number} are made"),
             None => "all lines are made".into(),
+        }
+    }
+
+    /// An alarm has come.
+    pub(super) fn note_alarm(&mut self, why: &str) {
+        if let Some(record) = &mut self.running.record {
+            record.alarm(format!("alarm: {why}"));
+        }
+    }
+
+    /// Notes what has changed in a run, and publishes its record when it has ended.
+    pub(super) fn note_run(&mut self) {
+        let phase = self.running.phase_name(self.session.is_held());
+        let overrides = self.state.overrides.clone();
+        let shown = self.state.program.as_ref();
+        let line = shown
+            .and_then(|program| program["line"].as_u64())
+            .unwrap_or(0);
+        let running = &mut *self.running;
+        let Some(record) = &mut running.record else {
+            return;
+        };
+        let (before, percents) = std::mem::replace(&mut running.noted, (phase, overrides.clone()));
+        if let (true, Some(all)) = (percents != overrides, &overrides) {
+            record.event(format!(
+                "overrides: feed {} %, rapids {} %, spindle {} %",
+                all["feed"], all["rapid"], all["spindle"]
+            ));
+        }
+        match phase {
+            _ if phase == before => {}
+            "held" => record.stop(format!("held at line {line}")),
+            "stopping" => record.stop(format!("STOP at line {line}")),
+            "waiting" => {
+                let next = running
+                    .lines
+                    .get(running.next)
+                    .map_or(0, |(number, _)| *number);
+                record.event(format!("waits before line {next}"));
+            }
+            "running" if ["held", "waiting"].contains(&before) => record.event("goes on"),
+            _ => {}
+        }
+        if running.is_active() {
+            return;
+        }
+        if let Some(mut record) = running.record.take() {
+            let made = [running.answered, running.lines.len()];
+            let result = running.message.as_deref().unwrap_or(phase);
+            record.end(result, made, running.elapsed.as_secs_f64());
+            running.runs += 1;
+            let mut last = self
+                .machine
+                .run
+                .lock()
+                .unwrap_or_else(PoisonError::into_inner);
+            *last = Some(Arc::new(record));
         }
     }
 
@@ -368,7 +483,7 @@ impl Driver<'_> {
         if let (Some(times), Some(line)) = (times, line) {
             let last = running.answered.checked_sub(1);
             let last = last
-                .and_then(|last| program.lines.get(last))
+                .and_then(|last| running.lines.get(last))
                 .map_or(0, |(line, _)| *line);
             if running.phase != Phase::Done {
                 let least = match timed {
@@ -386,11 +501,8 @@ impl Driver<'_> {
         let progress = total_s
             .filter(|total| *total > 0.0)
             .map(|total| running.done_s / total);
-        let phase = match running.phase {
-            Phase::Running if is_held => "held",
-            phase => phase.name(),
-        };
-        let before = program.lines.get(running.next).map(|(number, _)| *number);
+        let phase = running.phase_name(is_held);
+        let before = running.lines.get(running.next).map(|(number, _)| *number);
         Some(json!({
             "name": program.name,
             "lines": program.count,
@@ -401,7 +513,7 @@ impl Driver<'_> {
             "line": line,
             "sent": running.next,
             "answered": running.answered,
-            "of": program.lines.len(),
+            "of": running.lines.len(),
             "time_s": total_s,
             "elapsed_s": tenths(running.elapsed.as_secs_f64()),
             "remaining_s": left_s.filter(|_| is_begun).map(tenths),
@@ -410,6 +522,8 @@ impl Driver<'_> {
             "breakpoints": running.breakpoints,
             "waits_before": before.filter(|_| running.phase == Phase::Waiting),
             "message": running.message,
+            "resume_line": running.resume_line,
+            "runs": running.runs,
         }))
     }
 }

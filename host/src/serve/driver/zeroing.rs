@@ -4,6 +4,7 @@ use super::{Driver, Purpose};
 use crate::serve::axes::Axes;
 use crate::serve::reply::Reply;
 use husillo_transports::grbl::State;
+use serde_json::Value;
 use std::collections::VecDeque;
 
 /// Work zeros that can be restored.
@@ -45,13 +46,20 @@ impl Zeroing {
 impl Driver<'_> {
     /// Gives the present position new work coordinates.
     pub(super) fn zero(&mut self, at: &Axes, reply: Reply) {
+        match at.checked(self.state.axes.len()) {
+            Ok(at) => self.zero_axes(&at, Value::Null, reply),
+            Err(why) => reply.error(why),
+        }
+    }
+
+    /// Gives the present position new work coordinates. `data` is the answer.
+    pub(super) fn zero_axes(&mut self, at: &[(usize, f64)], data: Value, reply: Reply) {
         let asked = self.is_at_rest().and_then(|(system, zero, _)| {
-            let at = at.checked(self.state.axes.len())?;
             let before = at
                 .iter()
                 .filter_map(|(axis, _)| Some((*axis, *zero.get(*axis)?)))
                 .collect();
-            let line = self.set_position(&system, &at)?;
+            let line = self.set_position(&system, at)?;
             Ok((
                 line,
                 Zero {
@@ -61,7 +69,7 @@ impl Driver<'_> {
             ))
         });
         match asked {
-            Ok((line, before)) => self.send(line, Purpose::Zero(reply, before)),
+            Ok((line, before)) => self.send(line, Purpose::Zero(reply, before, data)),
             Err(why) => reply.error(why),
         }
     }

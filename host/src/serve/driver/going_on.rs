@@ -1,0 +1,104 @@
+//! A program that begins at one of its lines: the state there is shown first.
+
+use super::Driver;
+use crate::serve::continuation::{Circumstances, Continuation};
+use crate::serve::loaded::Loaded;
+use crate::serve::reply::Reply;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
+
+/// A continuation that is being made, and who has asked for it.
+#[derive(Debug)]
+pub(super) struct Making {
+    made: Receiver<Result<Continuation, String>>,
+    program: Arc<Loaded>,
+    reply: Reply,
+}
+
+impl Driver<'_> {
+    /// Tells what a start at this line would do. Nothing moves. The lines before are read in
+    /// another thread, because a stop must not wait for them.
+    pub(super) fn show_from(&mut self, line: usize, reply: Reply) {
+        let asked = self
+            .may_run()
+            .and_then(|program| Ok((program, self.circumstances()?)));
+        let (program, now) = match asked {
+            Ok(asked) => asked,
+            Err(why) => return reply.error(why),
+        };
+        let (to, made) = sync_channel(1);
+        let making = Making {
+            made,
+            program: Arc::clone(&program),
+            reply,
+        };
+        std::thread::spawn(move || {
+            // If nobody waits any more, nobody needs it.
+            let _ = to.send(Continuation::new(&program, line, now));
+        });
+        if let Some(before) = self.making.replace(making) {
+            before.reply.error("another line was asked for");
+        }
+    }
+
+    /// Answers with a continuation that has been made.
+    pub(super) fn take_continuation(&mut self) {
+        let Some(making) = self.making.take() else {
+            return;
+        };
+        let present = self.running.program.as_ref();
+        let is_loaded = present.is_some_and(|program| Arc::ptr_eq(program, &making.program));
+        match making.made.try_recv() {
+            _ if !is_loaded => making.reply.error("another program was loaded"),
+            Err(TryRecvError::Empty) => self.making = Some(making),
+            Err(TryRecvError::Disconnected) => {
+                making.reply.error("the lines before cannot be read");
+            }
+            Ok(Err(why)) => making.reply.error(why),
+            Ok(Ok(continuation)) => {
+                making.reply.data(continuation.described(&making.program));
+                self.running.continuation = Some(continuation);
+            }
+        }
+    }
+
+    /// Starts the program at a line, exactly as it was shown.
+    pub(super) fn go_on(&mut self, line: usize, reply: Reply) {
+        let shown = self.may_run().and_then(|program| {
+            let now = self.circumstances()?;
+            let shown = self.running.continuation.take();
+            let shown = shown.filter(|shown| shown.is_shown(line, &now));
+            let shown = shown.ok_or(
+                "what was shown is not what would happen: the machine has moved, or its modes or \
+                 the line differ; look at it again",
+            )?;
+            Ok((program, shown))
+        });
+        let (program, shown) = match shown {
+            Ok(shown) => shown,
+            Err(why) => return reply.error(why),
+        };
+        let lines = Arc::from(shown.lines(&program));
+        let how = format!("goes on from line {}", shown.from);
+        self.start(&program, lines, shown.before.len(), &how);
+        reply.ok();
+    }
+
+    /// What the machine is like.
+    fn circumstances(&self) -> Result<Circumstances, String> {
+        let state = &*self.state;
+        let places = state.zero_mm.clone().zip(state.machine_mm.clone());
+        let (zero_mm, at_mm) = places.ok_or("the position of the machine is not known")?;
+        if self.modes_are_pending() || state.modal.is_empty() {
+            return Err("the controller has not reported its modes yet: try again".into());
+        }
+        let begun_mm = self.running.begun_mm.clone();
+        Ok(Circumstances {
+            begun_mm: begun_mm.unwrap_or_else(|| at_mm.clone()),
+            zero_mm,
+            at_mm,
+            modal: state.modal.clone(),
+            tool: state.tool,
+        })
+    }
+}
