@@ -5,7 +5,7 @@ import { join } from "node:path";
 import { test } from "node:test";
 import { picture, violations } from "husillo/tests/browser.js";
 import { press, says } from "husillo/tests/panels.js";
-import { isIdle, served, state, until } from "husillo/tests/served.js";
+import { isIdle, served, until } from "husillo/tests/served.js";
 
 test("the probe is tried, then the height of a plate becomes the work zero", async (t) => {
     const { page } = await served(t);
@@ -28,8 +28,7 @@ test("the probe is tried, then the height of a plate becomes the work zero", asy
     });
     await press(page, "button::-p-aria(Start measuring)");
     await says(page, ".result", "Done: the height is set");
-    const done = await state(page);
-    assert.equal(done.undo, 1);
+    const done = await until(page, ({ undo }) => undo === 1);
     const plate = done.work_mm[2] - done.machine_mm[2] - 10;
     assert.ok(Math.abs(plate - 1.5) < 0.05, `the plate is at ${plate} mm`);
     assert.ok(done.modal.includes("G90"), "the distances are what they were");

@@ -193,6 +193,8 @@ struct Driver<'a> {
     settings: BTreeMap<u16, String>,
     /// The modes may have changed.
     modes_are_due: bool,
+    /// The work zero may have changed. The next report contains it then.
+    zero_is_due: bool,
     /// Requests that wait for the modes.
     postponed: VecDeque<Asked>,
     published: Option<MachineState>,
@@ -222,6 +224,7 @@ impl<'a> Driver<'a> {
             queue_moves: QUEUE,
             settings: BTreeMap::new(),
             modes_are_due: true,
+            zero_is_due: true,
             postponed: VecDeque::new(),
             published: None,
             published_at: Instant::now(),
@@ -359,9 +362,12 @@ impl<'a> Driver<'a> {
         }
     }
 
-    /// Whether the modes will be known soon.
+    /// Whether the modes and the work zero will be known soon.
     fn modes_are_pending(&self) -> bool {
-        self.modes_are_due || !self.stream.is_empty() || !self.waiting.is_empty()
+        self.modes_are_due
+            || self.zero_is_due
+            || !self.stream.is_empty()
+            || !self.waiting.is_empty()
     }
 
     /// Carries out the requests that have waited for the modes.

@@ -216,9 +216,9 @@ pub enum Accessory {
 }
 
 impl Request {
-    /// Whether it needs the modes of the controller.
+    /// Whether it needs the modes and the work zero of the controller.
     pub const fn needs_modes(&self) -> bool {
-        matches!(self, Self::Probe(_) | Self::Run { from: Some(_), .. })
+        matches!(self, Self::Probe(_) | Self::Run { .. })
     }
 
     /// Whether a client needs control for it.

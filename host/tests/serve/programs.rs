@@ -228,3 +228,16 @@ fn a_program_that_leaves_the_machine_is_refused() {
     let (_, report) = served.load(page.client, "far.nc", "G21 G90\nG1 X-250 F600\nX-310\n");
     assert_eq!(report["errors"], 0, "{report}");
 }
+
+/// A work zero counts from its answer on, not from the next report.
+#[test]
+fn a_program_is_checked_with_the_work_zero_just_set() {
+    let served = Served::new(&[]);
+    let mut page = served.operator();
+    for x in 1..12 {
+        page.done(json!({"do": "zero", "at_mm": {"x": x}}));
+        let (status, _) = served.load(page.client, "part.nc", "G21 G90\nG1 X1 F600\n");
+        assert_eq!(status, 200);
+        page.done(json!({"do": "run"}));
+    }
+}

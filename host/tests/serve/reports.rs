@@ -56,7 +56,7 @@ fn a_run_has_a_report() {
         "<td>waits before line 4</td>",
         "<td>goes on</td>",
         "feed 50 %",
-        "5 lines made",
+        "5 lines made; work X 0.000 Y 0.000 Z 0.000 mm",
     ] {
         assert!(report.contains(what), "{what}");
     }

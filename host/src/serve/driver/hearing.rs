@@ -14,11 +14,13 @@ impl Driver<'_> {
     pub(super) fn hear(&mut self, heard: Heard) -> Result<(), String> {
         match &heard {
             Heard::Status(_) => {
+                self.zero_is_due = false;
                 self.state.report(&self.session, self.alarm);
                 if self.session.state() != Some(State::Alarm) {
                     self.alarm = None;
                 }
                 self.sequence_reported();
+                self.program_reported();
             }
             Heard::Ok => self.answered(None)?,
             Heard::Refused(number) => self.answered(Some(*number))?,
@@ -66,6 +68,7 @@ impl Driver<'_> {
         if is_shown {
             self.machine.tell(From::Controller, text);
             self.modes_are_due = true;
+            self.zero_is_due = true;
         }
         let result = refused.map_or(Ok(()), |number| Err(described(number)));
         match purpose {

@@ -70,6 +70,8 @@ pub(in crate::serve) struct Running {
     passed: usize,
     /// The lines before the next one are made, when the dwell that was sent is answered.
     is_synchronising: bool,
+    /// All lines are made. The next report of the controller has the last position.
+    is_made: bool,
     single_block: bool,
     breakpoints: BTreeSet<usize>,
     message: Option<String>,
@@ -163,9 +165,10 @@ impl Driver<'_> {
 
     /// What a program is checked against.
     pub(super) fn surroundings(&self) -> Surroundings {
+        let zero_mm = self.state.zero_mm.clone().filter(|_| !self.zero_is_due);
         Surroundings {
             settings: self.settings.clone(),
-            zero_mm: self.state.zero_mm.clone().unwrap_or_default(),
+            zero_mm: zero_mm.unwrap_or_default(),
             at_mm: self.state.machine_mm.clone().unwrap_or_default(),
         }
     }
@@ -330,21 +333,33 @@ impl Driver<'_> {
     /// All lines that were sent are made.
     pub(super) fn synchronised(&mut self) {
         let running = &mut *self.running;
-        running.is_synchronising = false;
-        let count = running.lines.len() - running.before;
         if running.next < running.lines.len() {
+            running.is_synchronising = false;
             running.phase = Phase::Waiting;
         } else if running.phase == Phase::Running {
-            running.phase = Phase::Done;
-            let times = running
-                .program
-                .as_ref()
-                .and_then(|program| program.times.as_ref());
-            running.done_s = times.map_or(running.done_s, |times| times.total_s());
-            let message = format!("{count} lines made; {}", self.session.stands());
-            self.machine.tell(From::Server, message.as_str());
-            self.running.message = Some(message);
+            // Until then no further line is sent.
+            running.is_made = true;
         }
+    }
+
+    /// The controller has reported. A program that is made ends with this position.
+    pub(super) fn program_reported(&mut self) {
+        let running = &mut *self.running;
+        if !std::mem::take(&mut running.is_made) {
+            return;
+        }
+        running.is_synchronising = false;
+        if running.phase != Phase::Running {
+            return;
+        }
+        running.phase = Phase::Done;
+        let program = running.program.as_ref();
+        let times = program.and_then(|program| program.times.as_ref());
+        running.done_s = times.map_or(running.done_s, |times| times.total_s());
+        let count = running.lines.len() - running.before;
+        let message = format!("{count} lines made; {}", self.session.stands());
+        self.machine.tell(From::Server, message.as_str());
+        self.running.message = Some(message);
     }
 
     /// The program cannot go on.
@@ -368,6 +383,7 @@ impl Driver<'_> {
     /// The machine stands after a stop, or its lines are lost.
     pub(super) fn end_program(&mut self, why: &str) {
         self.running.is_synchronising = false;
+        self.running.is_made = false;
         match self.running.phase {
             Phase::Stopping => self.running.phase = Phase::Stopped,
             _ => self.fail_program(why.to_owned()),
