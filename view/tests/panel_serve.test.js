@@ -13,7 +13,8 @@ test("connect, home, jog and release, zero and undo", async (t) => {
     await page.$eval('[data-jog="X-"]', (one) => one.scrollIntoView({ block: "center" }));
     await page.hover('[data-jog="X-"]');
     await page.mouse.down();
-    await until(page, ({ machine_mm }) => machine_mm[0] < before.machine_mm[0] - 2);
+    // On a busy computer the page may not renew its lease in time, so that the jog is short.
+    await until(page, ({ machine_mm }) => machine_mm[0] < before.machine_mm[0] - 0.2);
     const released = Date.now();
     await page.mouse.up();
     const stopped = await until(page, isIdle);

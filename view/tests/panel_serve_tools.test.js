@@ -28,7 +28,8 @@ test("the probe is tried, then the height of a plate becomes the work zero", asy
     });
     await press(page, "button::-p-aria(Start measuring)");
     await says(page, ".result", "Done: the height is set");
-    const done = await until(page, ({ undo }) => undo === 1);
+    // The next report has the new work zero.
+    const done = await until(page, ({ undo, zero_mm }) => undo === 1 && zero_mm[2] !== 0);
     const plate = done.work_mm[2] - done.machine_mm[2] - 10;
     assert.ok(Math.abs(plate - 1.5) < 0.05, `the plate is at ${plate} mm`);
     assert.ok(done.modal.includes("G90"), "the distances are what they were");
