@@ -14,7 +14,7 @@ color:var(--soft)}\
 svg{display:block;width:100%;height:auto;background:var(--ground);border:1px solid var(--line)}\
 table{border-collapse:collapse;font-variant-numeric:tabular-nums}\
 th,td{padding:.25rem .9rem .25rem 0;text-align:right;border-bottom:1px solid var(--line)}\
-th:first-child,td:first-child{text-align:left}th{font-weight:600;color:var(--soft)}\
+th:first-child,td:first-child,.events *{text-align:left}th{font-weight:600;color:var(--soft)}\
 dl{display:grid;grid-template-columns:repeat(auto-fill,minmax(11rem,1fr));gap:.8rem;margin:1rem 0}\
 dl div{background:var(--panel);border:1px solid var(--line);border-radius:6px;padding:.5rem .8rem}\
 dt{color:var(--soft);font-size:.85rem}dd{margin:0;font-size:1.15rem;\

@@ -20,7 +20,9 @@ pub fn section(page: &mut String, operation: &Operation) {
     page.push_str("<section><h2>On the machine</h2>\n");
     frame::figures(page, operation.figures.iter().cloned());
     if !operation.events.is_empty() {
-        page.push_str("<table><thead><tr><th>Time</th><th>Event</th></tr></thead><tbody>\n");
+        page.push_str(
+            "<table class=\"events\"><thead><tr><th>Time</th><th>Event</th></tr></thead><tbody>\n",
+        );
         for (when, what) in &operation.events {
             // Writing to a String cannot fail.
             let _ = writeln!(
