@@ -74,6 +74,48 @@ fn noisy(port: &str, state: u64, wrong: &Arc<AtomicUsize>) -> String {
     address
 }
 
+/// A link to this port that loses the first `$L=0`, and the `ok` of the second one.
+fn forgetful(port: &str) -> String {
+    let target = port.strip_prefix("tcp:").unwrap().to_owned();
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = format!("tcp:{}", listener.local_addr().unwrap());
+    thread::spawn(move || {
+        let (mut client, mut server) = (
+            listener.accept().unwrap().0,
+            TcpStream::connect(&target).unwrap(),
+        );
+        let (mut to_client, mut to_server) =
+            (client.try_clone().unwrap(), server.try_clone().unwrap());
+        let ends = Arc::new(AtomicUsize::new(0));
+        let seen = Arc::clone(&ends);
+        thread::spawn(move || {
+            let mut bytes = [0; 256];
+            while let Ok(count @ 1..) = client.read(&mut bytes) {
+                let is_end = bytes[..count].windows(4).any(|window| window == b"$L=0");
+                if is_end && seen.fetch_add(1, Ordering::Relaxed) == 0 {
+                    continue;
+                }
+                to_server.write_all(&bytes[..count]).unwrap();
+            }
+            let _ = to_server.shutdown(std::net::Shutdown::Both);
+        });
+        let mut bytes = [0; 1];
+        let mut line = Vec::new();
+        while let Ok(1) = server.read(&mut bytes) {
+            line.push(bytes[0]);
+            if bytes == *b"\n" {
+                if line == b"ok\r\n" && ends.load(Ordering::Relaxed) == 2 {
+                    ends.store(3, Ordering::Relaxed);
+                } else {
+                    to_client.write_all(&line).unwrap();
+                }
+                line.clear();
+            }
+        }
+    });
+    address
+}
+
 /// The first bytes are right: the dialogue before the program is not checked.
 fn carry(mut from: TcpStream, mut to: TcpStream, mut noise: Noise) {
     let (mut bytes, mut passed) = ([0; 256], 0);
@@ -136,6 +178,13 @@ fn each_line_is_made_once_over_a_link_with_noise() {
         assert_eq!(differs, None, "seed {seed}");
         assert_eq!(made.len(), clean.len(), "seed {seed}");
     }
+}
+
+/// What no checksum protects is repeated.
+#[test]
+fn the_end_of_checked_lines_may_be_lost() {
+    let made = steps("noise-end", forgetful, &["--checked"]);
+    assert_eq!(made, steps("noise-end-clean", str::to_owned, &[]));
 }
 
 #[test]

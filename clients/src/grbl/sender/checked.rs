@@ -13,6 +13,8 @@ const QUIET: Duration = Duration::from_millis(100);
 const PATIENCE: Duration = Duration::from_secs(1);
 /// Asks for the number of the next line. It moves nothing, so the link may change it without harm.
 const QUESTION: &[u8] = b"$L\n";
+/// A command without a checksum is sent up to this many times.
+const TRIES: u32 = 5;
 /// Bytes of the receive buffer that are kept free for questions.
 const RESERVE: usize = 12;
 
@@ -47,7 +49,7 @@ impl Sender {
         operator: &mut dyn Operator,
     ) -> Result<Sent, String> {
         let mut flow = Flow::new(lines, self.session.elapsed())?;
-        if let Err(why) = self.session.request("$L=1") {
+        if let Err(why) = self.switch("$L=1\n") {
             return Err(format!("the controller has no checked lines: {why}"));
         }
         self.answered = 0;
@@ -80,12 +82,34 @@ impl Sender {
                 operator.progress(answered);
             }
         }
-        self.session.request("$L=0")?;
+        self.switch("$L=0\n")?;
         let status = self.session.fresh_status()?;
         Ok(Sent {
             lines: lines.len(),
             status,
         })
+    }
+
+    /// Switches checked lines on or off. No checksum protects this command and its answer, so it is
+    /// repeated until an answer says that it is carried out.
+    fn switch(&mut self, command: &str) -> Result<(), String> {
+        let mut why = "it does not answer".to_owned();
+        for _ in 0..TRIES {
+            self.session.put(command.as_bytes())?;
+            let asked_at = self.session.elapsed();
+            while self.session.elapsed().saturating_sub(asked_at) < PATIENCE {
+                match self.session.turn()? {
+                    Some(Heard::Ok) => return Ok(()),
+                    Some(Heard::Refused(number)) => {
+                        why = described(number);
+                        break;
+                    }
+                    Some(Heard::Alarm(number)) => return Err(self.session.alarmed(number)),
+                    _ => {}
+                }
+            }
+        }
+        Err(why)
     }
 
     /// Sends what fits into the receive buffer of the controller, or a question.
