@@ -62,7 +62,7 @@ pub use sine::{AMPLITUDE, sine};
 pub use step_direction::{Busy, Present, StepDirection};
 pub use step_toggle::StepToggle;
 
-/// The README's example, as a doctest.
-#[cfg(doctest)]
+/// The examples of the README, as doctests. Some need the feature.
+#[cfg(all(doctest, feature = "embedded-hal"))]
 #[doc = include_str!("../README.md")]
 struct Readme;
