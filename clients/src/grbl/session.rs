@@ -61,6 +61,26 @@ impl Heard {
     }
 }
 
+/// Why a line was not accepted.
+enum Unanswered {
+    /// The number of the error.
+    Refused(u16),
+    /// There is no answer in time.
+    Silent,
+    /// The line must not be sent again: a sentence about the port, the controller or the stop.
+    Ended(String),
+}
+
+impl Unanswered {
+    fn sentence(self) -> String {
+        match self {
+            Self::Refused(number) => described(number),
+            Self::Silent => "the controller does not answer this line".into(),
+            Self::Ended(why) => why,
+        }
+    }
+}
+
 /// The host's end of the link.
 #[derive(Debug)]
 pub struct Session {
@@ -160,27 +180,60 @@ impl Session {
     ///
     /// The line is refused, motion is interrupted, the port fails, or a stop is requested.
     pub fn request(&mut self, line: &str) -> Result<Vec<String>, String> {
+        self.ask(line, Duration::MAX).map_err(Unanswered::sentence)
+    }
+
+    /// Sends a line as [`request`](Self::request) does, over a link that may lose or change the
+    /// line or its answer. So it is sent up to `tries` times, each time after a refusal or after
+    /// `patience` without an answer. It must do no harm if it is carried out twice.
+    ///
+    /// # Errors
+    ///
+    /// As [`request`](Self::request). In addition, there is no answer.
+    pub fn request_repeatedly(
+        &mut self,
+        line: &str,
+        patience: Duration,
+        tries: u32,
+    ) -> Result<Vec<String>, String> {
+        let mut last = Unanswered::Silent;
+        for _ in 0..tries {
+            match self.ask(line, patience) {
+                Ok(lines) => return Ok(lines),
+                Err(Unanswered::Ended(why)) => return Err(why),
+                Err(other) => last = other,
+            }
+        }
+        Err(last.sentence())
+    }
+
+    fn ask(&mut self, line: &str, patience: Duration) -> Result<Vec<String>, Unanswered> {
         if let Some(state) = self.state().filter(|_| self.is_held()) {
             let name = state.name();
-            return Err(format!(
+            return Err(Unanswered::Ended(format!(
                 "the controller answers no line in the state {name}: `husillo stop -m grbl` ends it"
-            ));
+            )));
         }
-        self.put(format!("{line}\n").as_bytes())?;
+        let begin = self.elapsed();
+        self.put(format!("{line}\n").as_bytes())
+            .map_err(Unanswered::Ended)?;
         let mut lines = Vec::new();
-        loop {
+        while self.elapsed().saturating_sub(begin) < patience {
             if self.is_stopped() {
-                return Err(self.halt());
+                return Err(Unanswered::Ended(self.halt()));
             }
-            match self.turn()? {
+            match self.turn().map_err(Unanswered::Ended)? {
                 Some(Heard::Ok) => return Ok(lines),
-                Some(Heard::Refused(number)) => return Err(described(number)),
-                Some(Heard::Alarm(number)) => return Err(self.alarmed(number)),
-                Some(Heard::Started(_)) => return Err("the controller was reset".into()),
+                Some(Heard::Refused(number)) => return Err(Unanswered::Refused(number)),
+                Some(Heard::Alarm(number)) => return Err(Unanswered::Ended(self.alarmed(number))),
+                Some(Heard::Started(_)) => {
+                    return Err(Unanswered::Ended("the controller was reset".into()));
+                }
                 Some(Heard::Text(text)) => lines.push(text),
                 Some(Heard::Status(_)) | None => {}
             }
         }
+        Err(Unanswered::Silent)
     }
 
     /// Receives for a short time at most. Requests a status report if one is due.

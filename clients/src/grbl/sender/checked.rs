@@ -49,7 +49,7 @@ impl Sender {
         operator: &mut dyn Operator,
     ) -> Result<Sent, String> {
         let mut flow = Flow::new(lines, self.session.elapsed())?;
-        if let Err(why) = self.switch("$L=1\n") {
+        if let Err(why) = self.switch("$L=1") {
             return Err(format!("the controller has no checked lines: {why}"));
         }
         self.answered = 0;
@@ -82,7 +82,7 @@ impl Sender {
                 operator.progress(answered);
             }
         }
-        self.switch("$L=0\n")?;
+        self.switch("$L=0")?;
         let status = self.session.fresh_status()?;
         Ok(Sent {
             lines: lines.len(),
@@ -90,26 +90,10 @@ impl Sender {
         })
     }
 
-    /// Switches checked lines on or off. No checksum protects this command and its answer, so it is
-    /// repeated until an answer says that it is carried out.
+    /// Switches checked lines on or off. No checksum protects this command and its answer.
     fn switch(&mut self, command: &str) -> Result<(), String> {
-        let mut why = "it does not answer".to_owned();
-        for _ in 0..TRIES {
-            self.session.put(command.as_bytes())?;
-            let asked_at = self.session.elapsed();
-            while self.session.elapsed().saturating_sub(asked_at) < PATIENCE {
-                match self.session.turn()? {
-                    Some(Heard::Ok) => return Ok(()),
-                    Some(Heard::Refused(number)) => {
-                        why = described(number);
-                        break;
-                    }
-                    Some(Heard::Alarm(number)) => return Err(self.session.alarmed(number)),
-                    _ => {}
-                }
-            }
-        }
-        Err(why)
+        let answer = self.session.request_repeatedly(command, PATIENCE, TRIES);
+        answer.map(|_| ())
     }
 
     /// Sends what fits into the receive buffer of the controller, or a question.
