@@ -2,7 +2,6 @@
 
 use super::Output;
 use clap::Args;
-use std::path::PathBuf;
 
 /// `husillo serve`.
 #[derive(Debug, Args)]
@@ -32,7 +31,7 @@ pub struct Serve {
     /// File with the macros of the page [default: husillo/macros.toml in the folder of
     /// configurations, such as ~/.config]
     #[arg(long, value_name = "FILE")]
-    pub macros: Option<PathBuf>,
+    pub macros: Option<String>,
     /// End after this time instead of at Ctrl-C
     #[arg(long = "for", value_name = "SECONDS", value_parser = seconds)]
     pub seconds: Option<f64>,

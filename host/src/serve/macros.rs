@@ -2,11 +2,15 @@
 
 use super::request::Request;
 use crate::app::sendable_lines;
+use crate::input;
+use crate::output::Outputs;
+use husillo_simulator::text::name;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use std::path::{Path, PathBuf};
+use std::fs;
+use std::io::ErrorKind;
+use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
-use std::{fs, io};
 
 /// Macros in a file.
 const MOST: usize = 200;
@@ -28,7 +32,10 @@ pub struct Macro {
 /// The file with the macros. It is read again for each request, so that it can be edited meanwhile.
 #[derive(Debug)]
 pub struct MacroFile {
-    path: PathBuf,
+    /// Its path, as the text of a name.
+    path: String,
+    /// Its folder, if this is the file of the user: it is made with the file.
+    folder: Option<PathBuf>,
     /// Held while the file is changed.
     changing: Mutex<()>,
 }
@@ -47,16 +54,23 @@ impl MacroFile {
     /// # Errors
     ///
     /// The file is no list of macros, or the user has no such folder.
-    pub fn new(path: Option<&Path>) -> Result<Self, String> {
-        let path = match path {
-            Some(path) => path.to_owned(),
-            None => folder()
-                .ok_or("where the configuration is kept is not known: add --macros FILE")?
-                .join("husillo")
-                .join("macros.toml"),
+    pub fn new(path: Option<&str>) -> Result<Self, String> {
+        let (path, folder) = match path {
+            Some(path) => (path.to_owned(), None),
+            None => {
+                let why = "where the configuration is kept is not known: add --macros FILE";
+                let folder = folder().ok_or(why)?.join("husillo");
+                (
+                    name::text(folder.join("macros.toml").as_os_str()),
+                    Some(folder),
+                )
+            }
         };
-        let changing = Mutex::default();
-        let file = Self { path, changing };
+        let file = Self {
+            path,
+            folder,
+            changing: Mutex::default(),
+        };
         file.list()?;
         Ok(file)
     }
@@ -82,9 +96,9 @@ impl MacroFile {
     ///
     /// A sentence about the file.
     pub fn list(&self) -> Result<Vec<Macro>, String> {
-        let text = match fs::read_to_string(&self.path) {
+        let text = match input::read_to_string(&self.path) {
             Ok(text) => text,
-            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
+            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Vec::new()),
             Err(error) => return Err(self.named(error)),
         };
         let content: Content = toml::from_str(&text).map_err(|error| self.named(error))?;
@@ -146,20 +160,23 @@ impl MacroFile {
         }
     }
 
-    /// Replaces the file by one that is whole.
+    /// Replaces the file.
     fn write(&self, macros: Vec<Macro>) -> Result<Vec<Macro>, String> {
         let content = Content { macros };
         let text = toml::to_string_pretty(&content).map_err(|error| self.named(error))?;
-        let part = self.path.with_extension("toml.part");
-        let written = (self.path.parent().map_or(Ok(()), fs::create_dir_all))
-            .and_then(|()| fs::write(&part, text))
-            .and_then(|()| fs::rename(&part, &self.path));
-        written.map_err(|error| self.named(error))?;
+        if let Some(folder) = &self.folder {
+            fs::create_dir_all(folder).map_err(|error| self.named(error))?;
+        }
+        // It replaces the file that was read.
+        let mut outputs = Outputs::rewriting();
+        let written = outputs.write(&self.path, text.as_bytes());
+        let written = written.and_then(|()| outputs.finish());
+        written.map_err(|error| error.to_string())?;
         Ok(content.macros)
     }
 
     fn named(&self, error: impl std::fmt::Display) -> String {
-        format!("{}: {error}", self.path.display())
+        format!("{}: {error}", self.path)
     }
 }
 
@@ -198,8 +215,10 @@ mod tests {
     #[test]
     fn macros_are_kept_in_a_file() {
         let folder = std::env::temp_dir().join(format!("husillo-macros-{}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
         let path = folder.join("deep").join("macros.toml");
-        let file = MacroFile::new(Some(&path)).unwrap();
+        let path = path.to_str().unwrap();
+        let file = MacroFile::new(Some(path)).unwrap();
         assert_eq!(file.list(), Ok(Vec::new()));
         file.save("Park", "G53 G0 Z0 (up)\n\nG53 G0 X-5 Y-5\n")
             .unwrap();
@@ -207,9 +226,9 @@ mod tests {
         assert_eq!(file.lines("Park").unwrap(), ["G53G0Z0", "G53G0X-5Y-5"]);
         assert_eq!(file.save("Park", "G0X1").unwrap().len(), 2);
         // Another one reads the same.
-        let other = MacroFile::new(Some(&path)).unwrap();
+        let other = MacroFile::new(Some(path)).unwrap();
         assert_eq!(other.lines("Park").unwrap(), ["G0X1"]);
-        assert!(fs::read_to_string(&path).unwrap().starts_with("[[macro]]"));
+        assert!(fs::read_to_string(path).unwrap().starts_with("[[macro]]"));
         assert_eq!(other.delete("Park").unwrap()[0].name, "Lift");
         assert!(file.delete("Park").is_err() && file.lines("Park").is_err());
         let far = "G1".repeat(50);
@@ -222,8 +241,8 @@ mod tests {
         ] {
             assert!(file.save(name, text).is_err(), "{name} {text}");
         }
-        fs::write(&path, "[[macro]]\nnaem = \"x\"\n").unwrap();
-        assert!(MacroFile::new(Some(&path)).unwrap_err().contains("naem"));
+        fs::write(path, "[[macro]]\nnaem = \"x\"\n").unwrap();
+        assert!(MacroFile::new(Some(path)).unwrap_err().contains("naem"));
         fs::remove_dir_all(&folder).unwrap();
     }
 }

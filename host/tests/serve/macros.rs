@@ -2,7 +2,8 @@
 
 use super::page::Served;
 use serde_json::json;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::process::Command;
 use std::time::Duration;
 
 /// A file for macros, removed at the end.
@@ -94,7 +95,7 @@ fn they_end_at_the_first_error_and_with_stop() {
         json!({"do": "step", "move_mm": {"x": 1}, "feed": 60}),
     ] {
         let why = page.refused(request);
-        assert!(why.contains("under way"), "{why}");
+        assert!(why.contains("runs"), "{why}");
     }
     page.done(json!({"do": "stop"}));
     page.until("a second stop", |page| {
@@ -108,15 +109,40 @@ fn they_end_at_the_first_error_and_with_stop() {
     assert!(page.has_line("the macro long: stopped"));
 }
 
+/// What the program says about a file for macros that it does not take.
+fn refused(file: &Path) -> String {
+    let output = Command::new(env!("CARGO_BIN_EXE_husillo"))
+        .args(["serve", "--listen", "127.0.0.1:0", "--for", "1", "--macros"])
+        .arg(file)
+        .output()
+        .unwrap();
+    assert!(!output.status.success());
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
 #[test]
 fn a_file_with_a_mistake_is_said_at_the_start() {
     let kept = Kept::new("wrong");
     std::fs::write(&kept.0, "[[macro]]\nname = \"a\"\ntxt = \"b\"\n").unwrap();
-    let output = std::process::Command::new(env!("CARGO_BIN_EXE_husillo"))
-        .args(["serve", "--listen", "127.0.0.1:0", "--for", "1", "--macros"])
-        .arg(&kept.0)
-        .output()
-        .unwrap();
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(!output.status.success() && said.contains("txt"), "{said}");
+    let said = refused(&kept.0);
+    assert!(said.contains("txt"), "{said}");
+}
+
+#[test]
+fn an_endless_file_is_refused() {
+    let said = refused(Path::new("/dev/zero"));
+    assert!(said.contains("/dev/zero"), "{said}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_link_to_the_file_stays_a_link() {
+    let (kept, link) = (Kept::new("linked"), Kept::new("link"));
+    std::fs::write(&kept.0, "").unwrap();
+    std::os::unix::fs::symlink(&kept.0, &link.0).unwrap();
+    let served = link.served(&[]);
+    let mut page = served.operator();
+    page.done(json!({"do": "macro_save", "name": "park", "text": "G53 G0 Z-1"}));
+    assert!(std::fs::symlink_metadata(&link.0).unwrap().is_symlink());
+    assert!(std::fs::read_to_string(&kept.0).unwrap().contains("park"));
 }
