@@ -126,7 +126,7 @@ export class Desk {
         return this.isOperator && this.state?.link === "up";
     }
 
-    /** Whether a program is under way, held or waiting. */
+    /** Whether a program runs, is held or waits. */
     get isUnderWay() {
         const phase = this.state?.program?.phase ?? "";
         return ["running", "held", "waiting", "stopping"].includes(phase);

@@ -21,10 +21,10 @@
  * @property {(length: number) => Promise<void>} offset sets the tool length offset
  *
  * @typedef {object} Values what the operator gives: mm, and mm/min
- * @property {number} distance longest way of a search
+ * @property {number} distance longest distance of a search
  * @property {number} searchFeed of the first touch
  * @property {number} touchFeed of the second touch, which counts
- * @property {number} retract way back after a touch
+ * @property {number} retract distance back after a touch
  * @property {number} thickness of the plate
  * @property {number} tip diameter of the tool or of the ball
  * @property {number} depth how far below the start the sides are touched
@@ -54,7 +54,7 @@ export const VALUES = {
  */
 async function touchTwice(rig, { retract, searchFeed, touchFeed }, axis, by, set) {
     await rig.touch(axis, by, searchFeed, retract);
-    // Twice the way back: the first contact was a little beyond the part.
+    // Twice the distance back: the first contact was a little beyond the part.
     return rig.touch(axis, Math.sign(by) * 2 * retract, touchFeed, retract, set);
 }
 

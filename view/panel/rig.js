@@ -4,7 +4,7 @@
 
 /** @typedef {import("husillo/panel/probing.js").Axis} Axis */
 
-/** Rate of the moves without a part in their way, mm/min. */
+/** Rate of the moves that meet no part, mm/min. */
 const RATE = 600;
 
 /** A cycle was stopped by the operator. */
@@ -117,7 +117,7 @@ export class LinkedRig {
      */
     async to(axis, position) {
         const now = this.desk.state?.machine_mm?.["xyz".indexOf(axis)];
-        // Without a way there is no motion to wait for.
+        // Without a distance there is no motion to wait for.
         if (now !== undefined && Math.abs(now - position) < 0.001) return;
         const to = { [axis]: Math.round(position * 10_000) / 10_000 };
         await this.move("goto", { to_mm: to, frame: "machine", feed: RATE });

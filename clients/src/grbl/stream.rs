@@ -52,7 +52,7 @@ impl<T> Stream<T> {
         self.purposes.front()
     }
 
-    /// The purposes of all lines on their way, in the order of the answers.
+    /// The purposes of all lines without an answer, in the order of the answers.
     pub fn purposes(&self) -> impl Iterator<Item = &T> {
         self.purposes.iter()
     }

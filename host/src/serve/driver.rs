@@ -352,7 +352,7 @@ impl<'a> Driver<'a> {
         self.session.put(&[byte.byte()])
     }
 
-    /// Asks for the modes, when nothing else is on the way.
+    /// Asks for the modes, when all lines are answered.
     fn ask_modes(&mut self) {
         let is_idle = matches!(self.session.state(), Some(State::Idle | State::Alarm))
             && !self.running.is_active();
@@ -384,18 +384,19 @@ impl<'a> Driver<'a> {
         Ok(())
     }
 
-    /// Whether homing is on its way.
+    /// Whether the machine homes, or a line that homes is not answered.
     fn is_homing(&self) -> bool {
         self.session.state() == Some(State::Home) || self.stream.purposes().any(is_home)
     }
 
-    /// Whether no line waits or is on its way but those whose answer this program wants to know.
+    /// Whether all lines are answered, except those that this program itself has sent to know
+    /// something.
     fn is_quiet(&self) -> bool {
         let is_known = |purpose: &Purpose| matches!(purpose, Purpose::Known);
         self.stream.purposes().all(is_known) && self.waiting.iter().all(|(_, of)| is_known(of))
     }
 
-    /// Forgets all lines that wait or are on the way. Those who asked are told why.
+    /// Forgets all lines that wait or are not answered. Those who asked get the reason.
     fn drop_lines(&mut self, why: &str) {
         let waiting = self.waiting.drain(..).map(|(_, purpose)| purpose);
         let purposes: Vec<_> = self.stream.clear().chain(waiting).collect();

@@ -59,7 +59,7 @@ impl Reply {
     }
 }
 
-/// Sends an answer. A client with too many answers on the way does not read: its socket notices
+/// Sends an answer. A client for which too many answers wait does not read: its socket notices
 /// that and closes, because the queue is full.
 fn send(to: &Sender<Utf8Bytes>, frame: &Value) {
     let _ = to.try_send(frame.to_string().into());

@@ -165,11 +165,11 @@ pub enum Request {
 pub struct Probe {
     /// Letter of the axis.
     pub axis: char,
-    /// Longest way, mm, with its sign.
+    /// Longest distance, mm, with the sign of its direction.
     pub by_mm: f64,
     /// Speed, mm/min.
     pub feed: f64,
-    /// Way back after the contact, mm.
+    /// Distance back after the contact, mm.
     #[serde(default)]
     pub back_mm: f64,
     /// The work coordinate of the contact, mm.

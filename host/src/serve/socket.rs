@@ -27,7 +27,7 @@ const SILENCE: Duration = Duration::from_secs(30);
 const BLOCKED: Duration = Duration::from_secs(15);
 /// Shortest interval between two rounds of states.
 const ROUND: Duration = Duration::from_millis(33);
-/// Answers on the way to a client.
+/// Answers that wait for a client.
 const ANSWERS: usize = 256;
 /// Codes with which a socket is closed.
 const TOO_SLOW: u16 = 4001;

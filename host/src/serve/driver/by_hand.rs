@@ -36,7 +36,7 @@ impl Driver<'_> {
             return Err("a program runs".into());
         }
         if self.sequence.is_some() {
-            return Err("a macro or a move that probes is under way".into());
+            return Err("a macro or a move that probes runs".into());
         }
         if self.jogging.is_active() {
             return Err("the machine jogs".into());

@@ -57,7 +57,7 @@ impl Driver<'_> {
                 false => Ok(()),
             };
         }
-        // The first report may have been on its way before the hold.
+        // The controller may have sent the first report before it received the hold.
         let stands = halting.reports >= 2 && !self.session.is_in_motion();
         let is_pressed_again = self.machine.stop.count() > halting.requests;
         if stands || is_pressed_again || halting.at_once || halting.begun.elapsed() > HOLD {

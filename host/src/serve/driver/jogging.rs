@@ -1,8 +1,8 @@
 //! Jogs that go on while the page renews their lease.
 //!
 //! Grbl has no jog without an end. The motion is made of short jogs, one after the other. So few of
-//! them wait in the controller that it stops by itself if this program is lost: the way of 200 ms,
-//! and the way on which the axes brake.
+//! them wait in the controller that it stops by itself if this program is lost: those of 200 ms, and
+//! of the distance in which the axes brake.
 
 use super::{Driver, From, Purpose};
 use crate::serve::axes::{Axes, feed, words};
@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 
 /// Time of motion that is sent ahead, s, in addition to the time in which the axes brake.
 const AHEAD_S: f64 = 0.2;
-/// Parts of the way that is sent ahead.
+/// Parts of the distance that is sent ahead.
 const PARTS: f64 = 4.0;
 /// Shortest part, mm.
 const SHORTEST_MM: f64 = 0.01;
@@ -108,7 +108,7 @@ impl Driver<'_> {
         Ok(())
     }
 
-    /// The speed that the axes reach, mm/min, and the way that is sent ahead, mm.
+    /// The speed that the axes reach, mm/min, and the distance that is sent ahead, mm.
     fn pace(&self, direction: &[(usize, f64)], speed: f64) -> (f64, f64) {
         let setting = |first: u16, axis: usize, default: f64| {
             let number = first + u16::try_from(axis).unwrap_or(0);
@@ -175,8 +175,8 @@ impl Driver<'_> {
         self.put(Realtime::JogCancel)
     }
 
-    /// Waits for the end of a jog that was cancelled. A part that was on its way to the controller
-    /// is carried out after the byte that cancels, so that byte is sent again.
+    /// Waits for the end of a jog that was cancelled. A part that the controller receives
+    /// after the byte that cancels is carried out, so that byte is sent again.
     fn finish_jog(&mut self) -> Result<(), String> {
         let Some(cancelled_at) = self.jogging.cancelled_at else {
             return Ok(());
@@ -212,9 +212,9 @@ impl Driver<'_> {
         }
     }
 
-    /// Sends the next part if little of the way is left.
+    /// Sends the next part if little of the distance is left.
     fn extend_jog(&mut self) {
-        // An answered part is in the queue. So at most one part is on its way to the controller.
+        // An answered part is in the queue. So at most one part is sent and not answered.
         if self.has_parts() {
             return;
         }
@@ -234,7 +234,7 @@ impl Driver<'_> {
         if held.sent_mm - made + part_mm > held.ahead_mm + SHORTEST_MM {
             return;
         }
-        let rounded = |way: f64, part: f64| (way * part * 1e3).round() / 1e3;
+        let rounded = |distance: f64, part: f64| (distance * part * 1e3).round() / 1e3;
         let end_mm = held.sent_mm + part_mm;
         let by: Vec<_> = held
             .direction
@@ -257,7 +257,7 @@ impl Driver<'_> {
         }
     }
 
-    /// Whether a part waits or is on its way.
+    /// Whether a part waits or is not answered.
     fn has_parts(&self) -> bool {
         let is_part = |purpose: &Purpose| matches!(purpose, Purpose::Jog);
         self.stream.purposes().any(is_part) || self.waiting.iter().any(|(_, of)| is_part(of))

@@ -6,7 +6,7 @@ use crate::serve::axes::{LETTERS, feed, words};
 use crate::serve::reply::Reply;
 use crate::serve::request::Probe;
 
-/// Longest way of a search, and of the way back, mm.
+/// Longest distance of a search, and back after the contact, mm.
 const LONGEST_MM: f64 = 1000.0;
 
 impl Driver<'_> {
@@ -29,12 +29,17 @@ impl Driver<'_> {
         let axes = LETTERS.iter().take(self.state.axes.len());
         let axis = axes.into_iter().position(|letter| *letter == asked.axis);
         let axis = axis.ok_or_else(|| format!("this machine has no axis `{}`", asked.axis))?;
-        let way = asked.by_mm.abs();
-        if !(0.001..=LONGEST_MM).contains(&way) {
-            return Err(format!("by {} mm is no way to probe", asked.by_mm));
+        if !(0.001..=LONGEST_MM).contains(&asked.by_mm.abs()) {
+            let distance = asked.by_mm.abs();
+            return Err(format!(
+                "a search of {distance} mm: 0.001 to {LONGEST_MM} mm are possible"
+            ));
         }
         if !(0.0..=LONGEST_MM).contains(&asked.back_mm) {
-            return Err(format!("{} mm is no way back", asked.back_mm));
+            let distance = asked.back_mm;
+            return Err(format!(
+                "{distance} mm back after the contact: 0 to {LONGEST_MM} mm are possible"
+            ));
         }
         if asked
             .set_mm

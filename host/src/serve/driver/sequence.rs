@@ -7,22 +7,18 @@ use husillo_transports::grbl::State;
 use serde_json::Value;
 use std::collections::VecDeque;
 
-/// Reports of a machine at rest until its position is that after the last line. The first one may
-/// have been on its way before.
-const SETTLED: u32 = 2;
-
 /// Lines, each of which is sent when the one before was accepted.
 #[derive(Debug)]
 pub(super) struct Sequence {
-    /// What it is, for messages.
+    /// Its name in messages.
     name: String,
     lines: VecDeque<String>,
-    /// The line that is on its way.
+    /// The line that is sent and not answered.
     sent: Option<String>,
     /// Lines that were accepted.
     accepted: usize,
-    /// Reports of a machine at rest after the last line.
-    reports: Option<u32>,
+    /// All lines are made. The next report has the position after the last one.
+    is_made: bool,
     then: Then,
     reply: Reply,
 }
@@ -53,7 +49,7 @@ impl Sequence {
             lines: all,
             sent: None,
             accepted: 0,
-            reports: None,
+            is_made: false,
             then,
             reply,
         }
@@ -80,7 +76,7 @@ impl Driver<'_> {
         }
     }
 
-    /// Whether the machine stands, and nothing is on its way to it.
+    /// Whether the machine stands, and all lines are answered.
     ///
     /// # Errors
     ///
@@ -101,7 +97,7 @@ impl Driver<'_> {
         let Some(sequence) = &mut self.sequence else {
             return;
         };
-        if sequence.sent.is_some() || sequence.reports.is_some() {
+        if sequence.sent.is_some() || sequence.is_made {
             return;
         }
         match sequence.lines.pop_front() {
@@ -110,7 +106,7 @@ impl Driver<'_> {
                 let is_home = (line.get(..2)).is_some_and(|head| head.eq_ignore_ascii_case("$H"));
                 self.send(line, Purpose::Sequence { is_home });
             }
-            None => sequence.reports = Some(0),
+            None => sequence.is_made = true,
         }
     }
 
@@ -136,18 +132,9 @@ impl Driver<'_> {
         }
     }
 
-    /// A report has come. After the last line the position is known when the machine stands.
+    /// The controller has reported. A sequence that is made ends with this position.
     pub(super) fn sequence_reported(&mut self) {
-        let stands = self.session.state() == Some(State::Idle);
-        let reports = self.sequence.as_mut().and_then(|all| all.reports.as_mut());
-        let Some(reports) = reports.filter(|_| stands) else {
-            return;
-        };
-        *reports += 1;
-        if *reports < SETTLED {
-            return;
-        }
-        if let Some(sequence) = self.sequence.take() {
+        if let Some(sequence) = self.sequence.take_if(|sequence| sequence.is_made) {
             match sequence.then {
                 Then::Answer => sequence.reply.ok(),
                 Then::Contact(axis, set) => self.touched(axis, set, sequence.reply),
