@@ -1,5 +1,6 @@
-//! The counters of a Cortex-M core: the cycle counter of its debug unit, and SysTick. A Cortex-M0 has
-//! no cycle counter, nor does QEMU, where it stays at 0. The Cortex-M0 of an nRF51 has no SysTick
+//! The counters of a Cortex-M core: the cycle counter of its debug unit, and SysTick.
+//!
+//! A Cortex-M0 has no cycle counter. In QEMU it stays at 0. The Cortex-M0 of an nRF51 has no SysTick
 //! either.
 //!
 //! # Source

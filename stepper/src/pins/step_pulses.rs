@@ -15,8 +15,8 @@ use crate::{Levels, PulseNanoseconds};
 ///   [`StepDirection`](crate::StepDirection), which give the times themselves. It waits only where
 ///   ENABLE or DIR changes together with the rise of STEP.
 ///
-/// Both have an async form with the feature `embedded-hal-async`. A dropped future leaves the pins as
-/// they are, before or after the rise of STEP. The next call first waits for the longest of all
+/// Both have an async form with the feature `embedded-hal-async`. A dropped future leaves the pins
+/// as they are, before or after the rise of STEP. The next call first waits for the longest of all
 /// times, so no pulse is cut short. The caller does not know whether the motors have stepped.
 ///
 /// # Examples
@@ -239,7 +239,7 @@ impl<P: DriverPins<N>, const N: usize> StepPulses<P, N> {
             *low = Levels(Levels::ENABLE.0 | direction);
             *high = *low;
             let changed = Levels::changed(shown, *low);
-            // STEP may be high: at the first call, in a pulse of `write`, or after a dropped future.
+            // STEP may be high: at the first call, in a pulse of `write`, after a dropped future.
             if changed.contains(Levels::STEP) {
                 setup_ns = setup_ns.max(times.low);
             }
