@@ -100,7 +100,7 @@ tried::made: made (of a macro)
 """
 
 # What is changed in the library, and what the comparison prints of it.
-EDITS = (
+EDITS: tuple[tuple[str, str, list[str] | None], ...] = (
     ("    fn rest(&self) {}\n", "", ["- tried::Work::rest: fn rest(&self)"]),
     ("-> u32\nwhere\n    T: Copy,\n{", "-> u32 {", None),
     ("LIMIT: u32 = 7", "LIMIT: u32 = 8", None),

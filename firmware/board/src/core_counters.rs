@@ -1,7 +1,7 @@
 //! The counters of a Cortex-M core: the cycle counter of its debug unit, and SysTick.
 //!
-//! A Cortex-M0 has no cycle counter. In QEMU it stays at 0. The Cortex-M0 of an nRF51 has no SysTick
-//! either.
+//! A Cortex-M0 has no cycle counter. In QEMU it stays at 0. The Cortex-M0 of an nRF51 has no
+//! SysTick either.
 //!
 //! # Source
 //! Armv7-M Architecture Reference Manual, B3.3, C1.6.5 and C1.8.
