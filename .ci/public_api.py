@@ -40,6 +40,10 @@ class Crate:
         # Items that are being listed, so that a re-export of a parent ends.
         self.open: set[str] = set()
 
+    def record(self) -> str:
+        """The API, sorted, a line for each item."""
+        return "".join(f"{line}\n" for line in sorted(set(self.listed(self.root, ""))))
+
     def text(self, item: Item) -> str:
         """The text of an item in its source, on one line. Empty: a macro made it."""
         span = item["span"]
@@ -63,8 +67,10 @@ class Crate:
         """The text of an item up to one of these characters outside of brackets, or its name."""
         name = item["name"] or ""
         text = self.text(item)
-        # The fields of a tuple have numbers for names, which are not in the text.
-        if not name.isdigit() and not re.search(rf"\b{re.escape(name)}\b", text):
+        # The text of an item that a macro makes is the call of the macro, or has not the name. The
+        # fields of a tuple have numbers for names, which are not in the text.
+        is_call = re.match(r"[\w:]+!", text)
+        if is_call or (not name.isdigit() and not re.search(rf"\b{re.escape(name)}\b", text)):
             return f"{name} (of a macro)"
         depth = 0
         for at, letter in enumerate(text):
@@ -113,6 +119,9 @@ class Crate:
                 yield f"{here}: has private fields"
         elif isinstance(form, dict):
             yield from self.all(form["tuple"], here)
+            # A private field has no number.
+            if None in form["tuple"]:
+                yield f"{here}: has private fields"
         yield from self.impls(inner["impls"], here)
 
     def of_enum(self, item: Item, inner: Item, path: str) -> Iterator[str]:
@@ -160,7 +169,7 @@ class Crate:
 
 
 def apis(names: list[str]) -> dict[str, str]:
-    """The API of each crate, sorted, a line for each item."""
+    """The API of each crate."""
     flags = f"{os.environ.get('RUSTDOCFLAGS', '')} -Z unstable-options --output-format json"
     chosen = [word for name in names for word in ("-p", name)]
     command = ["cargo", "+nightly", "doc", "-q", "--no-deps", "--all-features", *chosen]
@@ -173,10 +182,14 @@ def apis(names: list[str]) -> dict[str, str]:
         raise SystemExit("rustdoc failed")
     found = {}
     for name in names:
-        crate = Crate(TARGET / "doc" / f"{name.replace('-', '_')}.json")
-        lines = sorted(set(crate.listed(crate.root, "")))
-        found[name] = "".join(f"{line}\n" for line in lines)
+        found[name] = Crate(TARGET / "doc" / f"{name.replace('-', '_')}.json").record()
     return found
+
+
+def changes(before: str, after: str) -> list[str]:
+    """The lines that are gone, with `- `, and those that came, with `+ `."""
+    lines = difflib.ndiff(before.splitlines(), after.splitlines())
+    return [line for line in lines if line.startswith(("- ", "+ "))]
 
 
 def main() -> int:
@@ -192,14 +205,10 @@ def main() -> int:
             API.mkdir(parents=True, exist_ok=True)
             path.write_text(text)
         before = path.read_text() if path.exists() else ""
-        changes = [
-            line
-            for line in difflib.ndiff(before.splitlines(), text.splitlines())
-            if line.startswith(("- ", "+ "))
-        ]
-        print(f"{name}: {len(text.splitlines())} items, {len(changes)} changes")
-        print(*changes, sep="\n", end="\n" if changes else "")
-        status |= bool(changes)
+        found = changes(before, text)
+        print(f"{name}: {len(text.splitlines())} items, {len(found)} changes")
+        print(*found, sep="\n", end="\n" if found else "")
+        status |= bool(found)
     if status:
         print("if the changes are meant, record them: .ci/run api, with API=--write")
     return status

@@ -40,7 +40,15 @@ impl From<Reason> for PyErr {
     }
 }
 
-/// Reads options.
+/// A mistake of this package.
+pub fn fault() -> PyErr {
+    Reason::from("fault in husillo: a call has ended without a result".to_owned()).into()
+}
+
+/// Reads options. They are read as a value first, so that an error has no place in JSON that the
+/// caller has not written.
 pub fn options<T: DeserializeOwned>(json: &str) -> Result<T, calls::Failed> {
-    serde_json::from_str(json).map_err(|error| format!("options: {error}").into())
+    let value: Result<serde_json::Value, _> = serde_json::from_str(json);
+    let read = value.and_then(T::deserialize);
+    read.map_err(|error| format!("options: {error}").into())
 }

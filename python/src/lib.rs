@@ -1,10 +1,12 @@
 //! The native part of the Python package `husillo`: options in JSON and a program as bytes in,
 //! answers in JSON and columns as bytes out. The package in `source/husillo` gives them types.
 //!
-//! No function holds the interpreter while it computes.
+//! Each function computes in a thread of its own: other Python threads run, and a signal, such as
+//! that of Ctrl-C, ends the call.
 
 mod failure;
 mod stream;
+mod waiting;
 
 use pyo3::prelude::*;
 
@@ -12,6 +14,7 @@ use pyo3::prelude::*;
 #[pymodule(name = "_native")]
 mod native {
     use crate::failure::{self, Reason};
+    use crate::waiting::computed;
     use husillo_simulator::calls;
     use pyo3::prelude::*;
 
@@ -28,44 +31,52 @@ mod native {
 
     /// A machine with its axes and the text of its file.
     #[pyfunction]
-    fn machine(py: Python<'_>, options: &str) -> PyResult<String> {
-        text(py, || calls::machine(&failure::options(options)?))
+    fn machine(py: Python<'_>, options: String) -> PyResult<String> {
+        text(py, move || calls::machine(&failure::options(&options)?))
     }
 
     /// Checks a program or a drill file.
     #[pyfunction]
-    fn check(py: Python<'_>, options: &str, program: &[u8]) -> PyResult<String> {
-        text(py, || calls::check(&failure::options(options)?, program))
+    fn check(py: Python<'_>, options: String, program: Vec<u8>) -> PyResult<String> {
+        text(py, move || {
+            calls::check(&failure::options(&options)?, &program)
+        })
     }
 
     /// The commands of a program: findings, then one command a line.
     #[pyfunction]
-    fn commands(py: Python<'_>, options: &str, program: &[u8]) -> PyResult<(String, String)> {
-        texts(py, || calls::commands(&failure::options(options)?, program))
+    fn commands(py: Python<'_>, options: String, program: Vec<u8>) -> PyResult<(String, String)> {
+        texts(py, move || {
+            calls::commands(&failure::options(&options)?, &program)
+        })
     }
 
     /// Compares methods of interpolation.
     #[pyfunction]
-    fn compare(py: Python<'_>, options: &str, program: &[u8]) -> PyResult<String> {
-        text(py, || calls::compare(&failure::options(options)?, program))
+    fn compare(py: Python<'_>, options: String, program: Vec<u8>) -> PyResult<String> {
+        text(py, move || {
+            calls::compare(&failure::options(&options)?, &program)
+        })
     }
 
     /// Reads a drill file: its holes, and the program in G-code if there is a depth.
     #[pyfunction]
-    fn holes(py: Python<'_>, options: &str, file: &[u8]) -> PyResult<(String, String)> {
-        texts(py, || calls::holes(&failure::options(options)?, file))
+    fn holes(py: Python<'_>, options: String, file: Vec<u8>) -> PyResult<(String, String)> {
+        texts(py, move || {
+            calls::holes(&failure::options(&options)?, &file)
+        })
     }
 
     /// Tunes a servo axis.
     #[pyfunction]
-    fn tune(py: Python<'_>, options: &str) -> PyResult<String> {
-        text(py, || calls::tune(&failure::options(options)?))
+    fn tune(py: Python<'_>, options: String) -> PyResult<String> {
+        text(py, move || calls::tune(&failure::options(&options)?))
     }
 
-    /// The text of an answer, made without the interpreter.
+    /// The text of an answer.
     fn text(
         py: Python<'_>,
-        make: impl Send + FnOnce() -> Result<calls::Answer, calls::Failed>,
+        make: impl FnOnce() -> Result<calls::Answer, calls::Failed> + Send + 'static,
     ) -> PyResult<String> {
         texts(py, make).map(|(text, _)| text)
     }
@@ -73,13 +84,13 @@ mod native {
     /// The text of an answer and its data, which is text as well.
     fn texts(
         py: Python<'_>,
-        make: impl Send + FnOnce() -> Result<calls::Answer, calls::Failed>,
+        make: impl FnOnce() -> Result<calls::Answer, calls::Failed> + Send + 'static,
     ) -> PyResult<(String, String)> {
-        let lossy = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-        let made = py.detach(|| match make() {
-            Ok(answer) => Ok((lossy(&answer.text), lossy(&answer.data))),
-            Err(failed) => Err(Reason::from(failed)),
-        });
-        Ok(made?)
+        let made = computed(py, || {
+            let lossy = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+            let answer = make().map_err(Reason::from)?;
+            Ok((lossy(&answer.text), lossy(&answer.data)))
+        })?;
+        made.map_err(|reason: Reason| reason.into())
     }
 }

@@ -1,22 +1,20 @@
 //! A run whose entries arrive in batches while it is computed.
 
-use crate::failure::{self, Reason};
+use crate::failure::{self, Reason, fault};
+use crate::waiting::received;
 use husillo_simulator::calls::{self, Ready};
 use husillo_simulator::job::{Batches, Columns};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use serde_json::json;
 use std::io;
-use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread;
-use std::time::Duration;
 
 /// Batches that wait for their reader. With the one that is read and the one that is made there
 /// are four in memory.
 const WAITING: usize = 2;
-/// Time between two looks at signals, such as that of Ctrl-C.
-const PATIENCE: Duration = Duration::from_millis(100);
 
 /// What the thread of a run sends.
 enum Message {
@@ -132,26 +130,19 @@ fn run(
     Ok(String::from_utf8_lossy(&answer.text).into_owned())
 }
 
-/// The next message; `None` if there is none any more. A signal, such as that of Ctrl-C, ends the
+/// The next message; `None` if the stream is closed. A signal, such as that of Ctrl-C, ends the
 /// wait.
 fn receive(
     py: Python<'_>,
     messages: &Mutex<Option<Receiver<Message>>>,
 ) -> PyResult<Option<Message>> {
-    loop {
-        let received = py.detach(|| {
-            let messages = lock(messages);
-            let messages = messages.as_ref()?;
-            Some(messages.recv_timeout(PATIENCE))
-        });
-        match received {
-            None => return Ok(None),
-            Some(Ok(message)) => return Ok(Some(message)),
-            Some(Err(RecvTimeoutError::Timeout)) => py.check_signals()?,
-            // The thread has ended without a last message.
-            Some(Err(RecvTimeoutError::Disconnected)) => return Err(fault()),
-        }
-    }
+    received(py, |patience| {
+        let messages = lock(messages);
+        messages
+            .as_ref()
+            .map(|open| open.recv_timeout(patience))
+            .transpose()
+    })
 }
 
 fn bytes<'py>(py: Python<'py>, columns: &Columns) -> Batch<'py> {
@@ -168,10 +159,6 @@ fn bytes<'py>(py: Python<'py>, columns: &Columns) -> Batch<'py> {
         four(&signed(&columns.commanded)),
         four(&signed(&columns.tool)),
     ]
-}
-
-fn fault() -> PyErr {
-    Reason::from("fault in husillo: the run has ended without a result".to_owned()).into()
 }
 
 fn lock<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import gc
 import json
-import signal
 import subprocess
 import sys
 import threading
@@ -133,7 +132,7 @@ def test_a_probe_reports_its_contact() -> None:
     run = husillo.simulate("G21 G90 F60\nG0 Z5\nG38.2 Z-1\nM2\n", "router")
     (touch,) = run.probes
     assert touch.is_touched and len(touch.position_nm) == len(run.axes)
-    # The radius of its ball, less its way to the signal.
+    # The radius of its ball, less its pre-travel.
     assert touch.position_nm[2] == pytest.approx(990_000, abs=run.nm_per_step[2])
 
 
@@ -262,20 +261,34 @@ with husillo.stream(program, "free", size=10_000) as parts:
     assert growth_mb < 20
 
 
-def test_ctrl_c_ends_a_run() -> None:
-    code = """
-print("begins", flush=True)
+@pytest.mark.parametrize(
+    "call",
+    [
+        'simulate(program, "free")',
+        "check(lines)",
+        "commands(lines)",
+        "compare(husillo.Circle(radius=1_000_000))",
+    ],
+)
+def test_ctrl_c_ends_a_call(call: str) -> None:
+    # The whole call takes long enough that its end cannot be mistaken for the end by Ctrl-C.
+    code = f"""
+import _thread, threading, time
+lines = "G21 G90 F60\\n" + "G1 X1 Y2\\nG1 X2 Y3\\n" * 400_000
+begin = time.monotonic()
+husillo.{call}
+whole = time.monotonic() - begin
+begin = time.monotonic()
+threading.Timer(0.1 * whole, _thread.interrupt_main).start()
 try:
-    husillo.simulate(program, "free")
+    husillo.{call}
 except KeyboardInterrupt:
-    print("ends")
+    print(whole, time.monotonic() - begin)
 """
-    with subprocess.Popen([sys.executable, "-c", LONG + code], stdout=subprocess.PIPE) as running:
-        assert running.stdout is not None
-        assert running.stdout.readline() == b"begins\n"
-        time.sleep(0.2)
-        running.send_signal(signal.SIGINT)
-        assert running.communicate(timeout=60)[0] == b"ends\n"
+    done = subprocess.run([sys.executable, "-c", LONG + code], capture_output=True, check=True)
+    whole, interrupted = map(float, done.stdout.split())
+    assert whole > 0.4
+    assert interrupted < 0.6 * whole
 
 
 def test_the_wheel_has_its_types_and_licences() -> None:

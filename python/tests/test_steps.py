@@ -124,8 +124,8 @@ def test_positions_and_speeds_over_time() -> None:
     assert len(times) == len(speeds) == int(np.ceil(run.duration_s / 0.1 - 1e-9))
     middle = speeds[len(speeds) // 2]
     assert middle == pytest.approx(10, rel=0.01)
-    way = speeds.sum() * 0.1
-    assert way == pytest.approx(30, rel=1e-6)
+    distance_mm = speeds.sum() * 0.1
+    assert distance_mm == pytest.approx(30, rel=1e-6)
     with pytest.raises(ValueError, match="tick"):
         steps.speed(0)
 

@@ -52,6 +52,17 @@ fn run<T>(future: impl Future<Output = T>) -> (T, u32) {
     }
 }
 
+/// Polls a future so often and then drops it.
+fn run_for(future: impl Future, polls: u32) {
+    let mut future = pin!(future);
+    for _ in 0..polls {
+        let mut context = Context::from_waker(Waker::noop());
+        if future.as_mut().poll(&mut context).is_ready() {
+            return;
+        }
+    }
+}
+
 /// A port whose pins are channels of the scope: one write is one time.
 struct ScopePort<'a>(&'a Scope);
 
@@ -161,6 +172,34 @@ proptest! {
         }
         prop_assert_eq!(awaited.all(), blocking.all());
         check(&blocking, &walk, times, enable_ns);
+    }
+
+    /// The time that a dropped future has not waited passes at the next call.
+    #[test]
+    fn dropped_futures_cut_no_time_short(
+        walk in walk(), drops in proptest::collection::vec(0_u32..8, 60), times in times(),
+        enable_ns in 0_u32..100_000
+    ) {
+        let scope = Scope::default();
+        let mut motors = StepPulses::new(port(&scope), times).with_enable_ns(enable_ns);
+        let mut timer = Timer(&scope);
+        let mut made = [0; 3];
+        for ((turns_off, delta), polls) in walk.iter().zip(drops) {
+            if *turns_off {
+                run(motors.set_enabled_async(false, &mut timer)).0.unwrap();
+                run_for(motors.set_enabled_async(true, &mut timer), polls % 2 + 1);
+            }
+            let rises = || PINS.map(|[step, ..]| scope.rising_edges(step));
+            let before = rises();
+            run_for(motors.step_async(delta, &mut timer), polls);
+            for (axis, after) in rises().into_iter().enumerate() {
+                made[axis] += i64::from(delta[axis]) * (after - before[axis]) as i64;
+            }
+        }
+        run(motors.step_async(&[1; 3], &mut timer)).0.unwrap();
+        for (axis, made) in made.into_iter().enumerate() {
+            prop_assert_eq!(position(&scope.all(), PINS[axis], times[axis], enable_ns), made + 1);
+        }
     }
 
     /// `Motors` gives the times in ticks, `StepPulses` the rest.

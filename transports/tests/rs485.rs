@@ -129,6 +129,34 @@ mod ports {
         }))
     }
 
+    #[cfg(feature = "embedded-io")]
+    const MESSAGE: [u8; 6] = [0xAA, 1, 0x0E, 0x0F, 0, 0];
+
+    /// The line was driven for `MESSAGE` and released after its last stop bit.
+    #[cfg(feature = "embedded-io")]
+    fn check_message(events: &[Event]) {
+        let bytes = MESSAGE.map(Event::Sent);
+        let (begin, end) = (
+            [Event::Driving(true)],
+            [Event::Complete, Event::Driving(false)],
+        );
+        assert_eq!(events, [&begin[..], &bytes, &end].concat());
+    }
+
+    /// The first byte of `MESSAGE` was spoilt, and no other one was sent.
+    #[cfg(feature = "embedded-io")]
+    fn check_collision(events: &[Event]) {
+        assert_eq!(
+            events,
+            [
+                Event::Driving(true),
+                Event::Sent(MESSAGE[0]),
+                Event::Complete,
+                Event::Driving(false)
+            ]
+        );
+    }
+
     #[cfg(feature = "embedded-hal-nb")]
     mod nb {
         use super::*;
@@ -284,10 +312,8 @@ mod ports {
             for returns in [true, false] {
                 let wire = wire(returns, None);
                 let mut port = port(&wire, returns);
-                port.send(&[0xAA, 1, 0x0E, 0x0F, 0, 0]).expect("sent");
-                let events = wire.borrow().events.clone();
-                assert_eq!(events.first(), Some(&Event::Driving(true)));
-                assert_eq!(events[7..], [Event::Complete, Event::Driving(false)]);
+                port.send(&MESSAGE).expect("sent");
+                check_message(&wire.borrow().events);
                 assert_eq!(port.receive(), Ok(None));
                 wire.borrow_mut().receive.extend([0x19, 0x1A]);
                 assert_eq!(
@@ -301,16 +327,8 @@ mod ports {
         fn a_collision_ends_the_message_and_lets_the_line_go() {
             let wire = wire(true, Some(0));
             let mut port = port(&wire, true);
-            assert_eq!(port.send(&[0xAA, 0xAA, 0xAA]), Err(IoError::Collision));
-            assert_eq!(
-                wire.borrow().events,
-                [
-                    Event::Driving(true),
-                    Event::Sent(0xAA),
-                    Event::Complete,
-                    Event::Driving(false)
-                ]
-            );
+            assert_eq!(port.send(&MESSAGE), Err(IoError::Collision));
+            check_collision(&wire.borrow().events);
         }
     }
 
@@ -400,11 +418,9 @@ mod ports {
             for returns in [true, false] {
                 let wire = wire(returns, None);
                 let mut port = port(&wire, returns);
-                let (sent, polls) = run(port.send(&[0xAA, 1, 0x0E, 0x0F, 0, 0]));
+                let (sent, polls) = run(port.send(&MESSAGE));
                 assert_eq!((sent, polls), (Ok(()), 8), "six writes and the flush");
-                let events = wire.borrow().events.clone();
-                assert_eq!(events.first(), Some(&Event::Driving(true)));
-                assert_eq!(events[7..], [Event::Complete, Event::Driving(false)]);
+                check_message(&wire.borrow().events);
                 {
                     let mut receiving = pin!(port.receive());
                     assert_eq!(poll(receiving.as_mut()), Poll::Pending);
@@ -419,17 +435,8 @@ mod ports {
         fn a_collision_ends_the_message_and_lets_the_line_go() {
             let wire = wire(true, Some(0));
             let mut port = port(&wire, true);
-            let (sent, _) = run(port.send(&[0xAA, 0xAA, 0xAA]));
-            assert_eq!(sent, Err(IoError::Collision));
-            assert_eq!(
-                wire.borrow().events,
-                [
-                    Event::Driving(true),
-                    Event::Sent(0xAA),
-                    Event::Complete,
-                    Event::Driving(false)
-                ]
-            );
+            assert_eq!(run(port.send(&MESSAGE)).0, Err(IoError::Collision));
+            check_collision(&wire.borrow().events);
         }
 
         #[test]
@@ -442,6 +449,20 @@ mod ports {
                 assert_eq!(wire.borrow().events, [Event::Driving(true)]);
             }
             assert_eq!(wire.borrow().events.last(), Some(&Event::Driving(false)));
+            // The byte that was not sent has no echo.
+            wire.borrow_mut().receive.push_back(0x19);
+            assert_eq!(run(port.receive()), (Ok(0x19), 1));
+        }
+
+        #[test]
+        fn many_dropped_messages_leave_room_for_the_next_one() {
+            let wire = wire(true, None);
+            let mut port = port(&wire, true);
+            for _ in 0..5 {
+                let mut sending = pin!(port.send(&[0xAA, 0xAA]));
+                assert_eq!(poll(sending.as_mut()), Poll::Pending);
+            }
+            assert_eq!(run(port.send(&[0xAA, 1])).0, Ok(()));
         }
     }
 }

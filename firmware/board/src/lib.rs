@@ -42,6 +42,8 @@
 #![no_std]
 
 include!(concat!(env!("OUT_DIR"), "/chosen.rs"));
+#[cfg(target_arch = "arm")]
+pub mod core_counters;
 #[cfg(feature = "flash")]
 mod flash;
 #[cfg(target_arch = "arm")]

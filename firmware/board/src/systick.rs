@@ -9,18 +9,14 @@
 use super::CORE_MHZ;
 use crate::{
     CriticalSection, Shared,
-    registers::{read, set},
+    core_counters::{
+        SYSTICK_CONTROL, SYSTICK_LAST, SYSTICK_RELOAD, SYSTICK_VALUE, cycles, start_cycles,
+    },
+    registers::set,
 };
 use cortex_m_rt::exception;
 
-// Armv7-M Architecture Reference Manual, B3.2.4, B3.3, C1.6.5 and C1.8.
-const DEBUG_CONTROL: usize = 0xe000_edfc;
-const HAS_TRACE: u32 = 1 << 24;
-const CYCLES_CONTROL: usize = 0xe000_1000;
-const CYCLES: usize = 0xe000_1004;
-const CONTROL: usize = 0xe000_e010;
-const RELOAD: usize = 0xe000_e014;
-const VALUE: usize = 0xe000_e018;
+// Armv7-M Architecture Reference Manual, B3.2.4.
 const PENDING: usize = 0xe000_ed04;
 /// Counts cycles of the processor, with its interrupt.
 const RUNS: u32 = 0b111;
@@ -28,7 +24,7 @@ const UNPEND: u32 = 1 << 25;
 /// The counter of time counts cycles.
 pub const CLOCKS_PER_US: u32 = CORE_MHZ;
 /// The longest wait: SysTick has 24 bits.
-pub const LONGEST_US: u32 = 0xff_ffff / CLOCKS_PER_US;
+pub const LONGEST_US: u32 = SYSTICK_LAST / CLOCKS_PER_US;
 /// The shortest wait, in clocks.
 const LEAST: u32 = 8;
 
@@ -37,13 +33,12 @@ static LAST: Shared<u32> = Shared::new(0);
 
 /// Starts the counter of time.
 pub fn start() {
-    set(DEBUG_CONTROL, read(DEBUG_CONTROL) | HAS_TRACE);
-    set(CYCLES_CONTROL, read(CYCLES_CONTROL) | 1);
+    start_cycles();
 }
 
 /// The counter of time, which wraps: [`CLOCKS_PER_US`] a microsecond.
 pub fn clock() -> u32 {
-    read(CYCLES)
+    cycles()
 }
 
 /// Calls `on_time` this many microseconds after the end of the previous wait, or at once if that
@@ -66,23 +61,23 @@ pub fn wait(us: u32, section: CriticalSection<'_>) {
             LEAST
         };
         *last = now.wrapping_add(left);
-        set(CONTROL, 0);
-        set(RELOAD, left.max(LEAST));
-        set(VALUE, 0);
-        set(CONTROL, RUNS);
+        set(SYSTICK_CONTROL, 0);
+        set(SYSTICK_RELOAD, left.max(LEAST));
+        set(SYSTICK_VALUE, 0);
+        set(SYSTICK_CONTROL, RUNS);
     });
 }
 
 /// Cancels the wait.
 pub fn stop() {
-    set(CONTROL, 0);
+    set(SYSTICK_CONTROL, 0);
     set(PENDING, UNPEND);
 }
 
 #[exception]
 fn SysTick() {
     // It would begin again.
-    set(CONTROL, 0);
+    set(SYSTICK_CONTROL, 0);
     // Safety: this is an interrupt's handler.
     crate::on_time(unsafe { crate::section() });
 }

@@ -47,7 +47,7 @@ def holes(
 
     :param file: its text, or a path (``pathlib.Path``)
     :param depth_mm: depth of the holes: the program in G-code is made as well
-    :param shortest: puts the holes into an order with short ways
+    :param shortest: puts the holes into an order with short moves
     :raises ProgramError: the depth is out of range, or a depth is given and the file has errors
     """
     if name is None and isinstance(file, Path):

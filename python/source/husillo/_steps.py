@@ -141,9 +141,9 @@ class Steps:
         edges = begin + window_s * np.arange(count + 1)
         linear = [index for index, letter in enumerate(self.axes) if letter in LINEAR]
         # Behind the end the tool stands still: the last window is as long as the others.
-        way = np.diff(self.at(edges)[:, linear], axis=0)
+        moved = np.diff(self.at(edges)[:, linear], axis=0)
         middles = np.asarray(edges[:-1] + window_s / 2, np.float64)
-        return middles, np.asarray(np.linalg.norm(way, axis=1) / window_s, np.float64)
+        return middles, np.asarray(np.linalg.norm(moved, axis=1) / window_s, np.float64)
 
     def columns(self) -> dict[str, NDArray[Any]]:
         """Columns of one dimension by name, as for ``pandas.DataFrame(steps.columns())``."""

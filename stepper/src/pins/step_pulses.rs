@@ -15,8 +15,9 @@ use crate::{Levels, PulseNanoseconds};
 ///   [`StepDirection`](crate::StepDirection), which give the times themselves. It waits only where
 ///   ENABLE or DIR changes together with the rise of STEP.
 ///
-/// Both have an async form with the feature `embedded-hal-async`. A dropped future may cut a pulse
-/// short, so that it is unknown whether the driver has counted it.
+/// Both have an async form with the feature `embedded-hal-async`. A dropped future leaves the pins
+/// as they are, before or after the rise of STEP. The next call first waits for the longest of all
+/// times, so no pulse is cut short. The caller does not know whether the motors have stepped.
 ///
 /// # Examples
 /// ```
@@ -49,6 +50,8 @@ pub struct StepPulses<P, const N: usize> {
     enable_ns: Option<u32>,
     /// The levels written last. Unknown until the first write and after a failed one.
     shown: Option<[Levels; N]>,
+    /// A time is passing. It remains set if the future is dropped meanwhile.
+    is_waiting: bool,
 }
 
 /// Levels to write, and the time until the next ones.
@@ -66,6 +69,7 @@ impl<P: DriverPins<N>, const N: usize> StepPulses<P, N> {
             times,
             enable_ns: None,
             shown: None,
+            is_waiting: false,
         }
     }
 
@@ -89,7 +93,11 @@ impl<P: DriverPins<N>, const N: usize> StepPulses<P, N> {
     /// # Errors
     /// The error of the pins. Some of the motors may have stepped. The next call writes all pins.
     pub fn step<W: DelayNs>(&mut self, delta: &[i8; N], delay: &mut W) -> Result<u32, P::Error> {
-        let mut taken_ns = 0_u32;
+        let mut taken_ns = self.unfinished_ns();
+        if taken_ns > 0 {
+            delay.delay_ns(taken_ns);
+            self.is_waiting = false;
+        }
         for phase in self.pulse(delta).iter().flatten() {
             self.show(&phase.levels)?;
             if phase.wait_ns > 0 {
@@ -113,6 +121,11 @@ impl<P: DriverPins<N>, const N: usize> StepPulses<P, N> {
         levels: &[Levels; N],
         delay: &mut W,
     ) -> Result<(), P::Error> {
+        let unfinished_ns = self.unfinished_ns();
+        if unfinished_ns > 0 {
+            delay.delay_ns(unfinished_ns);
+            self.is_waiting = false;
+        }
         if let Some(before) = self.before(levels) {
             self.show(&before.levels)?;
             delay.delay_ns(before.wait_ns);
@@ -142,6 +155,23 @@ impl<P: DriverPins<N>, const N: usize> StepPulses<P, N> {
         self.pins.write(levels)?;
         self.shown = Some(*levels);
         Ok(())
+    }
+
+    /// The longest of all times if a future was dropped while one of them passed, otherwise 0.
+    fn unfinished_ns(&self) -> u32 {
+        if !self.is_waiting {
+            return 0;
+        }
+        let longest = |ns: u32, times: &PulseNanoseconds| {
+            let PulseNanoseconds {
+                setup,
+                hold,
+                high,
+                low,
+            } = *times;
+            ns.max(setup).max(hold).max(high).max(low)
+        };
+        self.times.iter().fold(self.enable_ns.unwrap_or(0), longest)
     }
 
     /// The levels of each driver that were written last, where they are known.
@@ -209,7 +239,7 @@ impl<P: DriverPins<N>, const N: usize> StepPulses<P, N> {
             *low = Levels(Levels::ENABLE.0 | direction);
             *high = *low;
             let changed = Levels::changed(shown, *low);
-            // STEP may be high: at the first call, in a pulse of `write`, or if one was cut short.
+            // STEP may be high: at the first call, in a pulse of `write`, after a dropped future.
             if changed.contains(Levels::STEP) {
                 setup_ns = setup_ns.max(times.low);
             }
@@ -254,11 +284,17 @@ impl<P: DriverPins<N>, const N: usize> StepPulses<P, N> {
         delta: &[i8; N],
         delay: &mut W,
     ) -> Result<u32, P::Error> {
-        let mut taken_ns = 0_u32;
+        let mut taken_ns = self.unfinished_ns();
+        if taken_ns > 0 {
+            delay.delay_ns(taken_ns).await;
+            self.is_waiting = false;
+        }
         for phase in self.pulse(delta).iter().flatten() {
             self.show(&phase.levels)?;
             if phase.wait_ns > 0 {
+                self.is_waiting = true;
                 delay.delay_ns(phase.wait_ns).await;
+                self.is_waiting = false;
             }
             taken_ns = taken_ns.saturating_add(phase.wait_ns);
         }
@@ -274,9 +310,16 @@ impl<P: DriverPins<N>, const N: usize> StepPulses<P, N> {
         levels: &[Levels; N],
         delay: &mut W,
     ) -> Result<(), P::Error> {
+        let unfinished_ns = self.unfinished_ns();
+        if unfinished_ns > 0 {
+            delay.delay_ns(unfinished_ns).await;
+            self.is_waiting = false;
+        }
         if let Some(before) = self.before(levels) {
             self.show(&before.levels)?;
+            self.is_waiting = true;
             delay.delay_ns(before.wait_ns).await;
+            self.is_waiting = false;
         }
         self.show(levels)
     }

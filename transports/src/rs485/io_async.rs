@@ -17,18 +17,26 @@ pub struct AsyncIoPort<S, P, const N: usize> {
 }
 
 /// Drives the line until it is dropped.
-struct Driving<'a, P: OutputPin>(Option<&'a mut EnablePin<P>>);
+struct Driving<'a, P: OutputPin, const N: usize> {
+    /// `None` after the end of the message.
+    enable: Option<&'a mut EnablePin<P>>,
+    echo: &'a mut Echo<N>,
+}
 
-impl<P: OutputPin> Driving<'_, P> {
+impl<P: OutputPin, const N: usize> Driving<'_, P, N> {
     fn release(mut self) -> Result<(), P::Error> {
-        self.0.take().map_or(Ok(()), |enable| enable.set(false))
+        self.enable
+            .take()
+            .map_or(Ok(()), |enable| enable.set(false))
     }
 }
 
-impl<P: OutputPin> Drop for Driving<'_, P> {
+impl<P: OutputPin, const N: usize> Drop for Driving<'_, P, N> {
     fn drop(&mut self) {
-        if let Some(enable) = self.0.take() {
+        if let Some(enable) = self.enable.take() {
             enable.set(false).ok();
+            // It is unknown which bytes have been sent. One that has not would never be heard.
+            self.echo.silence();
         }
     }
 }
@@ -53,14 +61,18 @@ where
     /// echoes in time.
     ///
     /// A dropped future releases the line at once, so that no other station is blocked. The message
-    /// is then cut, and bytes that the port has buffered are lost.
+    /// is then cut, and bytes that the port has buffered are lost. As after a collision, bytes
+    /// received until the line is silent are invalid: they may be echoes.
     ///
     /// # Errors
     /// [`IoError`]. After a collision the rest of the message is not sent.
     pub async fn send(&mut self, message: &[u8]) -> Result<(), IoError<S::Error, P::Error>> {
         self.enable.set(true).map_err(IoError::Pin)?;
-        let driving = Driving(Some(&mut self.enable));
-        let sent = write(&mut self.serial, &mut self.echo, message).await;
+        let driving = Driving {
+            enable: Some(&mut self.enable),
+            echo: &mut self.echo,
+        };
+        let sent = write(&mut self.serial, driving.echo, message).await;
         let flushed = self.serial.flush().await.map_err(IoError::Serial);
         driving.release().map_err(IoError::Pin)?;
         sent.and(flushed)

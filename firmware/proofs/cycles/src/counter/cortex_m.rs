@@ -1,22 +1,17 @@
 //! The cycles of a Cortex-M: by the cycle counter of its debug unit, or by SysTick, which every
 //! Cortex-M0+ of these boards has.
 
+use board::core_counters::{
+    SYSTICK_CONTROL, SYSTICK_LAST, SYSTICK_RELOAD, SYSTICK_VALUE, cycles, start_cycles,
+};
 use board::registers::{read, set};
 
-// Armv7-M Architecture Reference Manual, B3.2.3, B3.3, C1.6.5 and C1.8.
+// Armv7-M Architecture Reference Manual, B3.2.3.
 const CPUID: usize = 0xe000_ed00;
-const DEBUG_CONTROL: usize = 0xe000_edfc;
-const HAS_TRACE: u32 = 1 << 24;
-const CYCLES_CONTROL: usize = 0xe000_1000;
-const CYCLES: usize = 0xe000_1004;
-const CONTROL: usize = 0xe000_e010;
-const RELOAD: usize = 0xe000_e014;
-const VALUE: usize = 0xe000_e018;
 /// SysTick counts cycles of the processor, without an interrupt.
 const RUNS: u32 = 0b101;
-/// SysTick has reached 0 since the last reading of `CONTROL`.
+/// SysTick has reached 0 since the last reading of its control.
 const HAS_WRAPPED: u32 = 1 << 16;
-const LAST: u32 = 0xff_ffff;
 /// SysTick that is still 0 after this many readings stands.
 const READINGS: u32 = 100;
 
@@ -36,15 +31,14 @@ impl Counter {
     pub fn start() -> Self {
         // The architecture: 0xc is Armv6-M, 0xf Armv7-M or Armv8-M with the main extension.
         if read(CPUID) >> 16 & 0xf == 0xf {
-            set(DEBUG_CONTROL, read(DEBUG_CONTROL) | HAS_TRACE);
-            set(CYCLES_CONTROL, read(CYCLES_CONTROL) | 1);
-            let begin = read(CYCLES);
-            if read(CYCLES) != begin {
+            start_cycles();
+            let begin = cycles();
+            if cycles() != begin {
                 return Self::Dwt;
             }
         }
-        set(RELOAD, LAST);
-        set(CONTROL, RUNS);
+        set(SYSTICK_RELOAD, SYSTICK_LAST);
+        set(SYSTICK_CONTROL, RUNS);
         if Self::SysTick.begin() == 0 {
             return Self::Nothing;
         }
@@ -64,13 +58,14 @@ impl Counter {
     #[inline]
     pub fn begin(self) -> u32 {
         match self {
-            Self::Dwt => read(CYCLES),
+            Self::Dwt => cycles(),
             Self::SysTick => {
-                // Any value sets it to 0, and the next cycle to `RELOAD`. This clears the flag.
-                set(VALUE, 0);
-                (0..READINGS).find(|_| read(VALUE) != 0);
-                read(CONTROL);
-                read(VALUE)
+                // Any value sets it to 0, and the next cycle to the reload value. Reading the
+                // control clears `HAS_WRAPPED`.
+                set(SYSTICK_VALUE, 0);
+                (0..READINGS).find(|_| read(SYSTICK_VALUE) != 0);
+                read(SYSTICK_CONTROL);
+                read(SYSTICK_VALUE)
             }
             Self::Nothing => 0,
         }
@@ -80,10 +75,10 @@ impl Counter {
     #[inline]
     pub fn since(self, begin: u32) -> Option<u32> {
         match self {
-            Self::Dwt => Some(read(CYCLES).wrapping_sub(begin)),
+            Self::Dwt => Some(cycles().wrapping_sub(begin)),
             Self::SysTick => {
-                let value = read(VALUE);
-                (read(CONTROL) & HAS_WRAPPED == 0).then(|| begin.wrapping_sub(value))
+                let value = read(SYSTICK_VALUE);
+                (read(SYSTICK_CONTROL) & HAS_WRAPPED == 0).then(|| begin.wrapping_sub(value))
             }
             Self::Nothing => None,
         }
