@@ -1,8 +1,8 @@
 //! Jogs that go on while the page renews their lease.
 //!
 //! Grbl has no jog without an end. The motion is made of short jogs, one after the other. So few of
-//! them wait in the controller that it stops by itself if this program is lost: those of 200 ms, and
-//! of the distance in which the axes brake.
+//! them wait in the controller that it stops by itself if this program is lost: those of 200 ms,
+//! and of the distance in which the axes brake.
 
 use super::{Driver, From, Purpose};
 use crate::serve::axes::{Axes, feed, words};
