@@ -118,7 +118,8 @@ fn table(page: &mut String, features: &[Feature]) {
     page.push_str("</tr></thead><tbody>\n");
     for feature in features {
         let frame = escape(&feature.frame_name);
-        let mut first = Some([&escape(&feature.name), feature.keyword, &frame]);
+        let name = escape(&feature.name);
+        let mut first = Some([&name, feature.keyword, &frame]);
         for dimension in &feature.dimensions {
             row(page, dimension, feature.verdict(dimension), first.take());
         }
