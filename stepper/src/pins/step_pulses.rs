@@ -93,17 +93,10 @@ impl<P: DriverPins<N>, const N: usize> StepPulses<P, N> {
     /// # Errors
     /// The error of the pins. Some of the motors may have stepped. The next call writes all pins.
     pub fn step<W: DelayNs>(&mut self, delta: &[i8; N], delay: &mut W) -> Result<u32, P::Error> {
-        let mut taken_ns = self.unfinished_ns();
-        if taken_ns > 0 {
-            delay.delay_ns(taken_ns);
-            self.is_waiting = false;
-        }
+        let mut taken_ns = self.pass(self.unfinished_ns(), delay);
         for phase in self.pulse(delta).iter().flatten() {
             self.show(&phase.levels)?;
-            if phase.wait_ns > 0 {
-                delay.delay_ns(phase.wait_ns);
-            }
-            taken_ns = taken_ns.saturating_add(phase.wait_ns);
+            taken_ns = taken_ns.saturating_add(self.pass(phase.wait_ns, delay));
         }
         Ok(taken_ns)
     }
@@ -121,14 +114,10 @@ impl<P: DriverPins<N>, const N: usize> StepPulses<P, N> {
         levels: &[Levels; N],
         delay: &mut W,
     ) -> Result<(), P::Error> {
-        let unfinished_ns = self.unfinished_ns();
-        if unfinished_ns > 0 {
-            delay.delay_ns(unfinished_ns);
-            self.is_waiting = false;
-        }
+        self.pass(self.unfinished_ns(), delay);
         if let Some(before) = self.before(levels) {
             self.show(&before.levels)?;
-            delay.delay_ns(before.wait_ns);
+            self.pass(before.wait_ns, delay);
         }
         self.show(levels)
     }
@@ -155,6 +144,15 @@ impl<P: DriverPins<N>, const N: usize> StepPulses<P, N> {
         self.pins.write(levels)?;
         self.shown = Some(*levels);
         Ok(())
+    }
+
+    /// Waits, and returns the time. No other time is passing then.
+    fn pass<W: DelayNs>(&mut self, ns: u32, delay: &mut W) -> u32 {
+        if ns > 0 {
+            delay.delay_ns(ns);
+            self.is_waiting = false;
+        }
+        ns
     }
 
     /// The longest of all times if a future was dropped while one of them passed, otherwise 0.
@@ -284,19 +282,11 @@ impl<P: DriverPins<N>, const N: usize> StepPulses<P, N> {
         delta: &[i8; N],
         delay: &mut W,
     ) -> Result<u32, P::Error> {
-        let mut taken_ns = self.unfinished_ns();
-        if taken_ns > 0 {
-            delay.delay_ns(taken_ns).await;
-            self.is_waiting = false;
-        }
+        let mut taken_ns = self.pass_async(self.unfinished_ns(), delay).await;
         for phase in self.pulse(delta).iter().flatten() {
             self.show(&phase.levels)?;
-            if phase.wait_ns > 0 {
-                self.is_waiting = true;
-                delay.delay_ns(phase.wait_ns).await;
-                self.is_waiting = false;
-            }
-            taken_ns = taken_ns.saturating_add(phase.wait_ns);
+            let passed_ns = self.pass_async(phase.wait_ns, delay).await;
+            taken_ns = taken_ns.saturating_add(passed_ns);
         }
         Ok(taken_ns)
     }
@@ -310,18 +300,26 @@ impl<P: DriverPins<N>, const N: usize> StepPulses<P, N> {
         levels: &[Levels; N],
         delay: &mut W,
     ) -> Result<(), P::Error> {
-        let unfinished_ns = self.unfinished_ns();
-        if unfinished_ns > 0 {
-            delay.delay_ns(unfinished_ns).await;
-            self.is_waiting = false;
-        }
+        self.pass_async(self.unfinished_ns(), delay).await;
         if let Some(before) = self.before(levels) {
             self.show(&before.levels)?;
-            self.is_waiting = true;
-            delay.delay_ns(before.wait_ns).await;
-            self.is_waiting = false;
+            self.pass_async(before.wait_ns, delay).await;
         }
         self.show(levels)
+    }
+
+    /// As `pass`, but other tasks run. If it is dropped, the next call waits again.
+    async fn pass_async<W: embedded_hal_async::delay::DelayNs>(
+        &mut self,
+        ns: u32,
+        delay: &mut W,
+    ) -> u32 {
+        if ns > 0 {
+            self.is_waiting = true;
+            delay.delay_ns(ns).await;
+            self.is_waiting = false;
+        }
+        ns
     }
 
     /// As [`set_enabled`](StepPulses::set_enabled), but other tasks run while it waits.
