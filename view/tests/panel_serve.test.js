@@ -35,6 +35,8 @@ test("connect, home, jog and release, zero and undo", async (t) => {
     await until(page, ({ machine_mm }) => machine_mm[2] === stopped.machine_mm[2] - 1);
     await page.type("input.mono", "G21 G91 G0 X-1.5\n");
     await until(page, ({ machine_mm }) => machine_mm[0] < stopped.machine_mm[0] - 1.4);
+    // A line is refused while the machine moves.
+    await until(page, isIdle);
     await page.type("input.mono", "G90\n");
     await says(page, ".log", "> G90");
     assert.deepEqual(await violations(page), []);
