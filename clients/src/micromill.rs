@@ -15,9 +15,9 @@ mod translate;
 
 pub use action::{Action, Leg, Pace};
 pub use hand::Hand;
-pub use position::{Frame, LengthUnit, position, work_zero};
+pub use position::{Frame, LengthUnit, position, uncounted, work_zero};
 pub use sender::{Sender, Sending, Sent};
-pub use session::Session;
+pub use session::{Session, why};
 pub use translate::{Translated, Translator, translate};
 
 use crate::Wire;

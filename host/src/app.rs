@@ -17,6 +17,7 @@ mod reporting;
 mod reproduce;
 mod run;
 mod schema;
+mod serving;
 mod steps;
 mod stop;
 
@@ -110,8 +111,8 @@ pub fn run(cli: &Cli) -> Result<u8, Failure> {
         }),
         Command::Serve(args) => driven(|out| {
             let mut reporter = Reporter::new(out, args.format, "husillo.serve/1");
-            let settings = grbl::simulated(&args.machine)?;
-            crate::serve::serve(args, settings, &mut reporter)
+            let served = serving::machines(args)?;
+            crate::serve::serve(args, &served, &mut reporter)
         }),
         Command::Stop(args) => driven(|out| {
             let mut reporter = Reporter::new(out, args.format, "husillo.stop/1");

@@ -17,11 +17,13 @@ mod continuation;
 mod control;
 mod controller_machine;
 mod driver;
+mod family;
 mod lease;
 mod loaded;
 mod machine;
 mod machine_state;
 mod macros;
+mod mill_program;
 mod page;
 mod program_file;
 mod reply;
@@ -30,6 +32,7 @@ mod run_record;
 mod site;
 mod socket;
 mod timetable;
+mod tool_path;
 
 use crate::app::Failure;
 use crate::cli::Serve;
@@ -38,8 +41,7 @@ use crate::console::sharing::share;
 use crate::console::stop::{INTERRUPTED, stop_requests, stops_asked};
 use access::Access;
 use driver::Port;
-use husillo_clients::grbl::BAUD;
-use husillo_transports::grbl::Settings;
+pub use family::Family;
 use machine::Machine;
 use macros::MacroFile;
 use serde_json::json;
@@ -53,22 +55,31 @@ const LOOK: Duration = Duration::from_millis(50);
 /// At the end of the program the machines have stopped within this time.
 const END: Duration = Duration::from_secs(10);
 
-/// Serves the page until Ctrl-C. `settings` are those of simulated controllers.
+/// A machine of the command line.
+#[derive(Clone, Debug)]
+pub struct Served {
+    /// Its family.
+    pub family: Family,
+    /// The port of its controller.
+    pub port: String,
+}
+
+/// Serves the page of these machines until Ctrl-C.
 ///
 /// # Errors
 ///
 /// A sentence about the address.
-pub fn serve(args: &Serve, settings: Settings, out: &mut Reporter<'_>) -> Result<u8, Failure> {
+pub fn serve(args: &Serve, served: &[Served], out: &mut Reporter<'_>) -> Result<u8, Failure> {
     stop_requests()?;
     let runtime = tokio::runtime::Builder::new_current_thread()
         .enable_all()
         .build()?;
-    runtime.block_on(serve_pages(args, settings, out))
+    runtime.block_on(serve_pages(args, served, out))
 }
 
 async fn serve_pages(
     args: &Serve,
-    settings: Settings,
+    served: &[Served],
     out: &mut Reporter<'_>,
 ) -> Result<u8, Failure> {
     let of_address = |error| Failure::Usage(format!("{}: {error}", args.listen));
@@ -79,19 +90,24 @@ async fn serve_pages(
     let macros = Arc::new(macros);
     let (news, _) = watch::channel(0);
     let mut machines = Vec::new();
-    for (number, port) in (1..).zip(&args.port) {
-        let baud = args.baud.unwrap_or(BAUD);
-        share("grbl", port, baud);
+    for (number, Served { family, port }) in (1..).zip(served) {
+        let baud = args.baud.unwrap_or(family.baud());
+        share(family.name(), port, baud);
         let (machine, requests) = Machine::new(
             number,
+            family,
             port,
             args.watch_only,
             Arc::clone(&macros),
             news.clone(),
         );
         let machine = Arc::new(machine);
-        let port = Port::new(port, baud, settings, args.speed);
-        driver::start(Arc::clone(&machine), port, requests);
+        let port = Port {
+            name: port.clone(),
+            baud,
+            speed: args.speed,
+        };
+        driver::start(Arc::clone(&machine), family.clone(), port, requests);
         machines.push(machine);
     }
     let link = access.link();

@@ -79,7 +79,10 @@ export class Console {
             ["Idle", "Alarm", "Check", "Jog"].includes(word);
         // The field stays open, so that a line can be written while the machine moves.
         disable(this.send, !may);
-        this.pause.hidden = this.resume.hidden = Boolean(desk.state?.program);
+        const isMill = desk.family === "micromill";
+        this.field.placeholder = isMill ? "G01X01000.00F08;" : "G1 X10 F600";
+        // A mill holds between the lines of a program only.
+        this.pause.hidden = this.resume.hidden = isMill || Boolean(desk.state?.program);
         disable(this.pause, desk.state?.link !== "up" || word !== "Run");
         disable(this.resume, !desk.mayCommand || word !== "Hold");
     }

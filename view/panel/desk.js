@@ -6,6 +6,8 @@ import { Link } from "husillo/panel/link.js";
 
 /** Lines of a console that are kept. */
 const MOST_LINES = 2000;
+/** Points of the way of a tool that are kept. */
+const MOST_POINTS = 100_000;
 
 /**
  * @typedef {object} Info
@@ -14,6 +16,12 @@ const MOST_LINES = 2000;
  * @property {string} port
  * @property {boolean} [is_simulated]
  * @property {string[]} axes
+ * @property {"grbl" | "micromill"} family
+ * @property {string[]} offers what the page can do with it, beside moving it by hand
+ * @property {([number, number] | null)[] | null} [travel_mm] of each axis, from machine zero
+ *
+ * @typedef {[number, number, number, number]} Point of the way of a tool: -1 for its begin, or the
+ * motion that has led there (0 by hand, 1 rapid, 2 feed), then X, Y and Z in nm
  *
  * @typedef {object} Line a line of the console
  * @property {number} number
@@ -71,6 +79,18 @@ const MOST_LINES = 2000;
  * @property {number} undo
  * @property {{at_mm: number[], touched: boolean, count: number} | null} probe
  * @property {Running | null} program
+ * @property {Mill} [mill]
+ *
+ * @typedef {object} Mill what only a micro mill has
+ * @property {boolean} is_homed
+ * @property {number[] | null} motor_steps
+ * @property {number[] | null} backlash_um
+ * @property {number} step_hz
+ * @property {number} motor_rpm
+ * @property {number | null} jog_hz
+ * @property {string} sent
+ * @property {string} echo
+ * @property {string | null} outcome
  */
 
 /** A machine, as the page knows it. */
@@ -82,6 +102,8 @@ export class Machine {
         this.state = /** @type {State | undefined} */ (undefined);
         /** @type {Line[]} */
         this.lines = [];
+        /** The way of its tool. @type {Point[]} */
+        this.path = [];
     }
 }
 
@@ -96,8 +118,6 @@ export class Desk {
         this.machines = new Map();
         /** The machine that is shown. @type {Machine | undefined} */
         this.machine = undefined;
-        /** What the server offers beside moving by hand. @type {Set<string>} */
-        this.offers = new Set();
         /** The last refusal of a request, and whether it is shown. */
         this.refusal = "";
         /** @type {((machine: Machine | undefined) => void)[]} */
@@ -108,6 +128,16 @@ export class Desk {
             frame: (frame) => this.take(frame),
             status: () => this.changed(),
         });
+    }
+
+    /** What the page can do with the shown machine, beside moving it by hand. */
+    get offers() {
+        return new Set(this.machine?.info.offers ?? []);
+    }
+
+    /** The family of the shown machine. */
+    get family() {
+        return this.machine?.info.family ?? "grbl";
     }
 
     /** The state of the shown machine, if the link is up. */
@@ -164,17 +194,19 @@ export class Desk {
 
     /** @param {any} frame */
     take(frame) {
-        if (frame.kind === "welcome") {
-            this.offers = new Set(frame.offers ?? []);
-            this.welcome(frame.machines);
-        }
+        if (frame.kind === "welcome") this.welcome(frame.machines);
         else if (frame.kind === "refusal") this.refuse(frame.text);
         else {
             const machine = this.machines.get(frame.machine);
             if (!machine) return;
             if (frame.kind === "state") machine.state = frame;
             if (frame.kind === "console") this.print(machine, frame.lines);
-            if (frame.kind === "state" && machine === this.machine) this.changed();
+            if (frame.kind === "path") {
+                if (frame.from === 0) machine.path = [];
+                machine.path.push(...frame.points);
+                machine.path.splice(0, Math.max(0, machine.path.length - MOST_POINTS));
+            }
+            if (frame.kind !== "console" && machine === this.machine) this.changed();
         }
     }
 

@@ -17,7 +17,7 @@ const [B, LEFT_SHOULDER, RIGHT_SHOULDER] = [1, 4, 5];
 export class Gamepads {
     /**
      * @param {import("husillo/panel/words.js").Words} words
-     * @param {import("husillo/panel/jog.js").Jog} jog
+     * @param {() => import("husillo/panel/by_hand.js").ByHand} jog that of the shown machine
      * @param {() => void} stop
      */
     constructor(words, jog, stop) {
@@ -29,7 +29,9 @@ export class Gamepads {
         this.root = element("p", { class: "soft", "data-gamepad": "none" });
         put(this.root, window.isSecureContext ? words.gamepadNone : words.gamepadInsecure);
         window.addEventListener("gamepadconnected", () => this.watch());
-        window.addEventListener("gamepaddisconnected", () => jog.hold.release("gamepad", "gone"));
+        window.addEventListener("gamepaddisconnected", () =>
+            jog().hold.release("gamepad", "gone")
+        );
         if (window.isSecureContext && this.pads.length > 0) this.watch();
     }
 
@@ -50,7 +52,8 @@ export class Gamepads {
     }
 
     look() {
-        const { words, jog } = this;
+        const { words } = this;
+        const jog = this.jog();
         const [pad] = this.pads;
         this.root.dataset.gamepad = pad ? "there" : "none";
         const there = `${words.gamepad}: ${pad?.id}. ${words.gamepadHelp}`;

@@ -30,9 +30,9 @@ export class Keys {
      * @param {Desk} desk
      * @param {Words} words
      * @param {{
-     *     jog: import("husillo/panel/jog.js").Jog,
+     *     jog: import("husillo/panel/by_hand.js").ByHand,
+     *     pace: (by: 1 | -1) => void,
      *     positions: import("husillo/panel/positions.js").Positions,
-     *     speeds: import("husillo/panel/speeds.js").Speeds,
      *     start: () => void,
      *     pause: () => void,
      * }} parts
@@ -146,7 +146,7 @@ export class Keys {
             return () => {
                 const feed = parts.jog.feedMm;
                 const to = { [axis.toLowerCase()]: 0 };
-                if (feed) desk.command("goto", { to_mm: to, frame: "work", feed });
+                if (feed !== undefined) desk.command("goto", { to_mm: to, frame: "work", feed });
             };
         }
         if (altKey && code === "Digit0" && may) {
@@ -165,9 +165,9 @@ export class Keys {
             case "-":
                 return () => parts.jog.chooseNext(-1);
             case "[":
-                return () => parts.speeds.overrides[0].change(-10);
+                return () => parts.pace(-1);
             case "]":
-                return () => parts.speeds.overrides[0].change(10);
+                return () => parts.pace(1);
             case "p":
                 return parts.pause;
             default:

@@ -8,6 +8,9 @@ import { Gamepads } from "husillo/panel/gamepad.js";
 import { Header } from "husillo/panel/header.js";
 import { Jog } from "husillo/panel/jog.js";
 import { Keys } from "husillo/panel/keys.js";
+import { Backlash, Confirmation, MillSpeeds } from "husillo/panel/mill.js";
+import { MillJog } from "husillo/panel/mill_jog.js";
+import { MillPlot } from "husillo/panel/mill_plot.js";
 import { Macros } from "husillo/panel/macros.js";
 import { Notices } from "husillo/panel/notices.js";
 import { Positions } from "husillo/panel/positions.js";
@@ -29,9 +32,12 @@ import { Wizard } from "husillo/panel/wizard.js";
 export function fillPage(place, desk, words) {
     const units = new Units();
     const jog = new Jog(desk, words, units);
+    const millJog = new MillJog(desk, words);
+    const jogs = [jog, millJog];
+    const shownJog = () => jogs.find((one) => one.isShown) ?? jog;
     const wizard = new Wizard(desk, words);
     const stop = new Stop(desk, words, () => {
-        jog.hold.end("stop");
+        for (const one of jogs) one.hold.end("stop");
         wizard.stop();
     });
     const header = new Header(desk, words, stop.root);
@@ -49,17 +55,23 @@ export function fillPage(place, desk, words) {
     desk.listen(() => {
         program.root.hidden = !desk.offers.has("program");
         more.offer(desk.offers);
+        speeds.root.hidden = outputs.root.hidden = desk.family !== "grbl";
     });
     const keys = new Keys(desk, words, {
-        jog,
+        get jog() {
+            return shownJog();
+        },
         positions,
-        speeds,
+        pace: (by) => {
+            if (millJog.isShown) millJog.pace(by > 0);
+            else speeds.overrides[0].change(by * 10);
+        },
         start: () => {
             if (desk.offers.has("program")) program.run.ask();
         },
         pause: () => program.run.pauseOrResume(),
     });
-    const pad = new Gamepads(words, jog, () => stop.stop());
+    const pad = new Gamepads(words, shownJog, () => stop.stop());
     keys.root.append(pad.root);
     place.classList.add("panel");
     place.replaceChildren(
@@ -71,7 +83,9 @@ export function fillPage(place, desk, words) {
             element(
                 "div",
                 { class: "column left" },
+                new MillPlot(desk, words).root,
                 program.root,
+                new Confirmation(desk, words).root,
                 lines.root,
                 more.root
             ),
@@ -80,7 +94,10 @@ export function fillPage(place, desk, words) {
                 { class: "column right" },
                 positions.root,
                 jog.root,
+                millJog.root,
                 speeds.root,
+                new MillSpeeds(desk, words, units).root,
+                new Backlash(desk, words).root,
                 outputs.root,
                 keys.root
             )

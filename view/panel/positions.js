@@ -88,6 +88,10 @@ export class Positions {
         const mayZero = desk.mayCommand && !desk.isBusy;
         disable(this.zeroAll, !mayZero);
         disable(this.undo, !mayZero || state?.undo === 0);
+        const isMill = desk.family === "micromill";
+        // A mill sets the zero of all axes at once, and keeps no other one.
+        this.undo.hidden = isMill;
+        put(this.heads[3], isMill ? words.workZero : words.zeroColumn);
         put(this.undo, state?.undo ? `${words.undoZero} (${state.undo})` : words.undoZero);
         this.unitButtons.forEach((one, index) =>
             one.setAttribute("aria-pressed", String(units.unit === ["mm", "in"][index]))
@@ -132,15 +136,17 @@ class Row {
         this.button = button(`${letter} =`, () => this.set(), {
             "aria-label": `${words.setZero} ${letter}`,
         });
-        const cell = element("div", { class: "items" }, this.button, this.value);
-        cell.style.justifyContent = "flex-end";
+        this.setter = element("div", { class: "items" }, this.button, this.value);
+        this.setter.style.justifyContent = "flex-end";
+        this.zero = element("span", { "data-zero": letter });
+        this.zeroOther = element("small");
         this.root = element(
             "tr",
             {},
             element("th", { scope: "row" }, letter),
             element("td", {}, this.work, this.workOther),
             element("td", {}, this.machine, this.machineOther),
-            element("td", {}, cell)
+            element("td", {}, this.setter, this.zero, this.zeroOther)
         );
     }
 
@@ -160,10 +166,18 @@ class Row {
         const last = desk.machine?.state;
         const other = units.unit === "mm" ? "in" : "mm";
         const [work, machine] = [last?.work_mm?.[axis], last?.machine_mm?.[axis]];
-        put(this.work, lengthText(work, units.unit));
-        put(this.workOther, `${lengthText(work, other)} ${other}`);
-        put(this.machine, lengthText(machine, units.unit));
-        put(this.machineOther, `${lengthText(machine, other)} ${other}`);
+        // A mill has a place for it instead of the button, and steps of 0.14 um.
+        const isMill = desk.family === "micromill";
+        this.setter.hidden = isMill;
+        this.zero.hidden = this.zeroOther.hidden = !isMill;
+        const more = isMill ? 2 : 0;
+        put(this.work, lengthText(work, units.unit, more));
+        put(this.workOther, `${lengthText(work, other, more)} ${other}`);
+        put(this.machine, lengthText(machine, units.unit, more));
+        put(this.machineOther, `${lengthText(machine, other, more)} ${other}`);
+        const zero = last?.zero_mm?.[axis];
+        put(this.zero, lengthText(zero, units.unit, more));
+        put(this.zeroOther, `${lengthText(zero, other, more)} ${other}`);
         const isDisabled = !desk.mayCommand || desk.isBusy;
         disable(this.button, isDisabled);
         disable(this.value, isDisabled);

@@ -127,6 +127,22 @@ function ofState(state, words) {
         case "Check":
             return [{ id: "check", kind: "wait", text: words.checkLong }];
         default:
-            return why ? [{ id: "why", kind: "wait", text: why }] : [];
+            return [...ofMill(state, words), ...(why ? [ofWhy(why)] : [])];
     }
+}
+
+/** @param {string} why @returns {Notice} */
+function ofWhy(why) {
+    return { id: "why", kind: "wait", text: why };
+}
+
+/**
+ * @param {State} state
+ * @param {Words} words
+ * @returns {Notice[]}
+ */
+function ofMill({ mill, state }, words) {
+    if (!mill || mill.is_homed || state !== "Idle") return [];
+    const { millUnhomed: text, millUnhomedAdvice: advice } = words;
+    return [{ id: "unhomed", kind: "wait", text, advice }];
 }

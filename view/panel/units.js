@@ -12,12 +12,13 @@ const INCH = 25.4;
  *
  * @param {number | null | undefined} mm
  * @param {Unit} unit
+ * @param {number} [more] places than usual
  */
-export function lengthText(mm, unit) {
+export function lengthText(mm, unit, more = 0) {
     if (mm === null || mm === undefined) return "–";
     const value = unit === "mm" ? mm : mm / INCH;
     // Without the sign of a zero.
-    const places = unit === "mm" ? 3 : 4;
+    const places = (unit === "mm" ? 3 : 4) + more;
     const rounded = Number(value.toFixed(places)) + 0;
     return rounded.toFixed(places);
 }

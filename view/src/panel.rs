@@ -51,13 +51,14 @@ const SCRIPT: &str = "text/javascript; charset=utf-8";
 /// The operator's panel: `index.html`, and every file that it loads. A server sends them at their
 /// paths from one address, and `index.html` at that address itself. Their addresses are relative.
 pub const PANEL: &[Asset] = assets![
-    "panel/change.js" "panel/console.js" "panel/desk.js" "panel/english.js" "panel/fixes.js"
-    "panel/gamepad.js" "panel/header.js" "panel/hold.js" "panel/jog.js" "panel/keys.js"
-    "panel/line_state.js" "panel/link.js" "panel/macros.js" "panel/main.js" "panel/notices.js"
-    "panel/page.js" "panel/positions.js" "panel/preview.js" "panel/probing.js" "panel/program.js"
-    "panel/rig.js" "panel/run.js" "panel/settings.js" "panel/spanish.js" "panel/speeds.js"
-    "panel/states.js" "panel/stop.js" "panel/tabs.js" "panel/units.js" "panel/wizard.js"
-    "panel/words.js" "viewer/camera.js" "viewer/canvas.js" "viewer/charts.js" "viewer/container.js"
+    "panel/by_hand.js" "panel/change.js" "panel/console.js" "panel/desk.js" "panel/english.js"
+    "panel/fixes.js" "panel/gamepad.js" "panel/header.js" "panel/hold.js" "panel/jog.js"
+    "panel/keys.js" "panel/line_state.js" "panel/link.js" "panel/macros.js" "panel/main.js"
+    "panel/mill.js" "panel/mill_jog.js" "panel/mill_plot.js" "panel/notices.js" "panel/page.js"
+    "panel/positions.js" "panel/preview.js" "panel/probing.js" "panel/program.js" "panel/rig.js"
+    "panel/run.js" "panel/settings.js" "panel/spanish.js" "panel/speeds.js" "panel/states.js"
+    "panel/stop.js" "panel/tabs.js" "panel/units.js" "panel/wizard.js" "panel/words.js"
+    "viewer/camera.js" "viewer/canvas.js" "viewer/charts.js" "viewer/container.js"
     "viewer/element.js" "viewer/look.js" "viewer/material.js" "viewer/modal.js" "viewer/model.js"
     "viewer/overlay.js" "viewer/path.js" "viewer/pathview.js" "viewer/pick.js" "viewer/program.js"
     "viewer/quantity.js" "viewer/rulers.js" "viewer/scene.js" "viewer/segments.js" "viewer/stock.js"

@@ -80,6 +80,7 @@ export class FakeServer {
             port: "sim",
             is_simulated: true,
             axes: ["X", "Y", "Z"],
+            family: "grbl",
         }));
         /** @type {Record<string, any>[]} */
         this.states = names.map(() => ({ ...IDLE }));
@@ -167,8 +168,9 @@ export class FakeServer {
         socket.on("message", (data) => this.heard(client, JSON.parse(String(data))));
         const welcome = { kind: "welcome", protocol: 1, version: "0", client };
         const timing = { lease_ms: 250, renew_ms: 80 };
-        const { infos: machines, offers } = this;
-        socket.send(JSON.stringify({ ...welcome, ...timing, offers, machines }));
+        const { offers } = this;
+        const machines = this.infos.map((info) => ({ ...info, offers }));
+        socket.send(JSON.stringify({ ...welcome, ...timing, machines }));
         for (const { machine } of this.infos) this.change({}, machine);
     }
 

@@ -115,7 +115,19 @@ impl Session {
     /// Begins to send an order. Returns `false` if another one is being sent.
     pub fn start(&mut self, order: Order) -> bool {
         let now = self.now();
-        self.host.start(order, now)
+        let is_started = self.host.start(order, now);
+        if is_started && order.is_answered() {
+            self.echo.clear();
+        }
+        is_started
+    }
+
+    /// Begins to stop any motion, whatever is being sent: the string is dropped. The first byte of
+    /// the stop ends a motion. The outcome [`Wrong`](Outcome::Wrong) means that the stop has
+    /// completed a string that was dropped: call this again.
+    pub fn interrupt(&mut self) {
+        self.host = Host::new(self.timing);
+        self.start(Order::Stop);
     }
 
     /// Sends an order and waits for its answer.
@@ -133,7 +145,6 @@ impl Session {
 
     /// Sends an order and waits for its outcome.
     fn outcome(&mut self, order: Order, name: &str) -> Result<Outcome, String> {
-        self.echo.clear();
         if !self.start(order) {
             return Err(format!("{name}: the previous string has not ended"));
         }
@@ -276,10 +287,8 @@ impl Session {
     /// Stops any motion, whatever bytes are on the line. Returns the message about the stop. A
     /// second Ctrl-C ends the wait.
     fn halt(&mut self) -> String {
-        // The string being sent is dropped. The first byte of this order stops the motion at once.
-        self.host = Host::new(self.timing);
+        self.interrupt();
         let start = self.now();
-        self.host.start(Order::Stop, start);
         let why = loop {
             match self.turn(LOOK_US) {
                 Ok(None) => {}

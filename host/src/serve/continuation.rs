@@ -153,7 +153,7 @@ fn warnings(before: &Before, now: &Circumstances) -> Vec<&'static str> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::loaded::Surroundings;
+    use super::super::loaded::{Surroundings, Target};
     use super::*;
 
     const PART: &str = "G21 G90 G94\n(high)\nG0 Z8\nM3 S9000\nG0 X5 Y5\nG1 Z-1 F300\n\
@@ -172,7 +172,7 @@ mod tests {
 
     fn loaded(text: &str) -> Loaded {
         let around = Surroundings {
-            settings: [(100, "400".to_owned())].into(),
+            target: Target::Grbl([(100, "400".to_owned())].into()),
             zero_mm: now().zero_mm,
             at_mm: now().at_mm,
         };

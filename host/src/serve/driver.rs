@@ -1,114 +1,90 @@
 //! The driver of a machine: a thread that owns the link to its controller.
 //!
 //! Each turn it carries out requests, receives for 20 ms at most, and publishes the state if it has
-//! changed.
+//! changed. Each [`Family`] has its own [`Drive`]. This module keeps it going: a lost controller is
+//! tried again.
 
-mod by_hand;
-mod going_on;
-mod halting;
-mod hearing;
-mod jogging;
-mod overriding;
-mod probing;
-mod running;
-mod sequence;
-mod setting_up;
-mod zeroing;
+mod grbl;
+mod micromill;
 
 use super::console_lines::From;
+use super::family::Family;
 use super::machine::{Asked, Machine};
-use super::machine_state::{Link, MachineState};
-use super::reply::Reply;
-use super::request::Request;
-use going_on::Making;
-use halting::Halting;
-use husillo_clients::grbl::{Session, Stream};
-use husillo_clients::{StopRequests, Wire};
-use husillo_sim::device::grbl::Device;
-use husillo_transports::grbl::{Realtime, Settings, State};
-use jogging::Jogging;
-use running::Running;
-use sequence::Sequence;
-use serde_json::Value;
-use std::collections::{BTreeMap, VecDeque};
+use super::machine_state::MachineState;
 use std::sync::Arc;
 use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
-use zeroing::Zeroing;
 
-/// Interval of the requests for a status report.
-const POLL: Duration = Duration::from_millis(50);
 /// Shortest interval between two published states.
 const PUBLISH: Duration = Duration::from_millis(33);
 /// A lost controller is tried again after this time.
 const RETRY: Duration = Duration::from_secs(1);
-/// While it homes, a controller may be silent for this time.
-const HOMING: Duration = Duration::from_secs(180);
-/// Moves that wait in the queue of Grbl.
-const QUEUE: usize = 15;
 /// Lines that wait for the controller.
 const WAITING: usize = 64;
 
 /// Where a controller is.
 #[derive(Debug)]
 pub struct Port {
-    name: String,
-    baud: u32,
-    settings: Settings,
-    speed: f64,
+    /// `sim`, a serial device, or `tcp:HOST:PORT`.
+    pub name: String,
+    /// Bits per second of a serial device.
+    pub baud: u32,
+    /// The speed of a simulated controller, in real time.
+    pub speed: f64,
 }
 
-impl Port {
-    /// A port. The settings and the speed are those of a simulated controller.
-    pub fn new(name: &str, baud: u32, settings: Settings, speed: f64) -> Self {
-        Self {
-            name: name.to_owned(),
-            baud,
-            settings,
-            speed,
-        }
-    }
+/// What a driver works with.
+struct Desk<'a> {
+    machine: &'a Machine,
+    state: &'a mut MachineState,
+    requests: &'a Receiver<Asked>,
+}
 
-    fn open(&self) -> Result<Wire<Device>, String> {
-        if self.name == "sim" {
-            let device = Device::new(self.baud, self.settings);
-            return Ok(Wire::paced(device, self.speed));
-        }
-        Wire::open(&self.name, self.baud).map_err(|error| format!("{}: {error}", self.name))
-    }
+/// Drives the controllers of a family. It keeps what outlasts the loss of a controller.
+trait Drive {
+    /// Connects, and drives until the program ends.
+    ///
+    /// # Errors
+    ///
+    /// The controller cannot be reached, or is lost: a sentence.
+    fn drive(&mut self, port: &Port, desk: Desk<'_>) -> Result<(), String>;
 }
 
 /// Starts the driver of a machine. It runs until [`Machine::end`].
-pub fn start(machine: Arc<Machine>, port: Port, requests: Receiver<Asked>) {
-    std::thread::spawn(move || {
-        let mut state = MachineState::default();
-        let mut kept = Kept::default();
-        publish(&machine, &state);
-        while !machine.is_ending() {
-            let why = connect(&port)
-                .and_then(|session| {
-                    let link = (session, &mut state, &mut kept);
-                    Driver::new(&machine, link, &requests).drive()
-                })
-                .err();
-            let Some(why) = why else { break };
-            if state.why.as_deref() != Some(&why) {
-                machine.tell(From::Server, why.as_str());
-            }
-            state.lost(&why);
-            wait(&machine, &mut state, &requests);
+pub fn start(machine: Arc<Machine>, family: Family, port: Port, requests: Receiver<Asked>) {
+    std::thread::spawn(move || match family {
+        Family::Grbl(settings) => keep(&machine, &port, &requests, grbl::Grbl::new(*settings)),
+        Family::Micromill { file, config } => {
+            keep(
+                &machine,
+                &port,
+                &requests,
+                micromill::Mill::new(file, *config),
+            );
         }
-        machine.set_ended();
     });
 }
 
-/// Opens the port and waits for the controller.
-fn connect(port: &Port) -> Result<Session, String> {
-    // A stop that was requested meanwhile is carried out by the driver.
-    let mut session = Session::new(port.open()?, StopRequests::default());
-    session.poll_every(POLL);
-    session.begin()?;
-    Ok(session)
+/// Drives a machine, and tries again when its controller is lost.
+fn keep(machine: &Machine, port: &Port, requests: &Receiver<Asked>, mut drive: impl Drive) {
+    let mut state = MachineState::default();
+    publish(machine, &state);
+    while !machine.is_ending() {
+        let desk = Desk {
+            machine,
+            state: &mut state,
+            requests,
+        };
+        let Err(why) = drive.drive(port, desk) else {
+            break;
+        };
+        if state.why.as_deref() != Some(&why) {
+            machine.tell(From::Server, why.as_str());
+        }
+        state.lost(&why);
+        wait(machine, &mut state, requests);
+    }
+    machine.set_ended();
 }
 
 /// Publishes that the controller is lost, and refuses requests until the next try.
@@ -128,381 +104,32 @@ fn wait(machine: &Machine, state: &mut MachineState, requests: &Receiver<Asked>)
 }
 
 fn publish(machine: &Machine, state: &MachineState) {
-    machine.publish(|number| state.frame(machine.number, number));
+    machine.publish(|number| state.frame(machine.number, machine.family, number));
 }
 
-/// Why a line was sent.
+/// The states that a driver has published.
 #[derive(Debug)]
-enum Purpose {
-    /// For a page.
-    Asked(Reply),
-    /// For a page: homing.
-    Home(Reply),
-    /// For a page: a new work zero, with the data of the answer. The work zero before it can be
-    /// restored.
-    Zero(Reply, zeroing::Zero, Value),
-    /// For a page: the restored work zero.
-    Undo(Reply),
-    /// A part of a jog.
-    Jog,
-    /// A line of a macro or of a move that probes.
-    Sequence {
-        /// It homes.
-        is_home: bool,
-    },
-    /// A line of the program.
-    Program,
-    /// To know when the lines before are made.
-    Synchronise,
-    /// For a page: all settings.
-    Settings(Reply),
-    /// A setting. The list that follows shows whether it was accepted.
-    Written,
-    /// To know the modes or the settings. The console does not show it.
-    Known,
+struct Published {
+    last: Option<MachineState>,
+    at: Instant,
 }
 
-/// What outlasts the loss of a controller.
-#[derive(Debug, Default)]
-struct Kept {
-    zeroing: Zeroing,
-    running: Running,
-}
-
-/// The driver, while its controller answers.
-struct Driver<'a> {
-    machine: &'a Machine,
-    session: Session,
-    state: &'a mut MachineState,
-    zeroing: &'a mut Zeroing,
-    /// A continuation that is being made.
-    making: Option<Making>,
-    running: &'a mut Running,
-    requests: &'a Receiver<Asked>,
-    stream: Stream<Purpose>,
-    /// Lines that wait for room in the controller.
-    waiting: VecDeque<(String, Purpose)>,
-    jogging: Jogging,
-    sequence: Option<Sequence>,
-    halting: Option<Halting>,
-    /// Number of the last alarm.
-    alarm: Option<u16>,
-    /// Moves that wait in the controller at most.
-    queue_moves: usize,
-    /// Values of the settings.
-    settings: BTreeMap<u16, String>,
-    /// The modes may have changed.
-    modes_are_due: bool,
-    /// The work zero may have changed. The next report contains it then.
-    zero_is_due: bool,
-    /// Requests that wait for the modes.
-    postponed: VecDeque<Asked>,
-    published: Option<MachineState>,
-    published_at: Instant,
-}
-
-impl<'a> Driver<'a> {
-    fn new(
-        machine: &'a Machine,
-        (session, state, kept): (Session, &'a mut MachineState, &'a mut Kept),
-        requests: &'a Receiver<Asked>,
-    ) -> Self {
+impl Published {
+    fn new() -> Self {
         Self {
-            machine,
-            session,
-            state,
-            zeroing: &mut kept.zeroing,
-            making: None,
-            running: &mut kept.running,
-            requests,
-            stream: Stream::new(),
-            waiting: VecDeque::new(),
-            jogging: Jogging::default(),
-            sequence: None,
-            halting: None,
-            alarm: None,
-            queue_moves: QUEUE,
-            settings: BTreeMap::new(),
-            modes_are_due: true,
-            zero_is_due: true,
-            postponed: VecDeque::new(),
-            published: None,
-            published_at: Instant::now(),
+            last: None,
+            at: Instant::now(),
         }
     }
 
-    /// Drives until the program ends.
-    ///
-    /// # Errors
-    ///
-    /// The controller is lost: a sentence.
-    fn drive(mut self) -> Result<(), String> {
-        self.state.link = Link::Up;
-        self.state.why = None;
-        self.machine.tell(From::Server, "the controller answers");
-        self.send_known("$I");
-        self.send_known("$$");
-        let ended = self.turns();
-        let lost = "the controller is lost";
-        self.drop_lines(lost);
-        self.state.program = self.program_shown();
-        self.note_run();
-        ended
-    }
-
-    fn turns(&mut self) -> Result<(), String> {
-        loop {
-            if self.machine.is_ending() && !self.session.is_in_motion() && self.halting.is_none() {
-                return Ok(());
-            }
-            if self.machine.is_ending() && self.halting.is_none() {
-                self.machine.stop.request();
-            }
-            self.halt()?;
-            for _ in 0..WAITING {
-                let Ok(asked) = self.requests.try_recv() else {
-                    break;
-                };
-                self.carry_out(asked)?;
-            }
-            self.jog()?;
-            self.take_continuation();
-            self.feed_sequence();
-            self.ask_modes();
-            self.carry_out_postponed()?;
-            self.send_waiting()?;
-            self.feed_program()?;
-            if let Some(heard) = self.session.turn()? {
-                self.hear(heard)?;
-            }
-            self.publish();
+    /// Publishes a state if it has changed, and not too often.
+    fn update(&mut self, machine: &Machine, state: &mut MachineState) {
+        state.operator = machine.control.operator();
+        state.clients = machine.clients();
+        if self.at.elapsed() >= PUBLISH && self.last.as_ref() != Some(state) {
+            self.at = Instant::now();
+            self.last = Some(state.clone());
+            publish(machine, state);
         }
     }
-
-    /// Publishes the state if it has changed, and not too often.
-    fn publish(&mut self) {
-        self.state.operator = self.machine.control.operator();
-        self.state.clients = self.machine.clients();
-        self.state.jog = self.jogging.shown();
-        self.state.stopping = self.halting.is_some();
-        self.state.undo = self.zeroing.count();
-        if self.is_homing() {
-            // Grbl sends no reports while it homes.
-            self.state.state = Some("Home");
-        }
-        self.state.program = self.program_shown();
-        self.note_run();
-        let is_due = self.published_at.elapsed() >= PUBLISH;
-        if is_due && self.published.as_ref() != Some(self.state) {
-            self.published_at = Instant::now();
-            self.published = Some(self.state.clone());
-            publish(self.machine, self.state);
-        }
-    }
-
-    /// Sends a line as soon as the controller has room for it. The console shows it.
-    fn send(&mut self, line: impl Into<String>, purpose: Purpose) {
-        self.waiting.push_back((line.into(), purpose));
-    }
-
-    /// Sends a line whose answer this program wants to know.
-    fn send_known(&mut self, line: &str) {
-        self.waiting.push_back((line.to_owned(), Purpose::Known));
-    }
-
-    /// Sends the lines for which the controller has room.
-    fn send_waiting(&mut self) -> Result<(), String> {
-        // A held controller takes lines and does not answer them.
-        while self.halting.is_none() {
-            let next = self.waiting.front();
-            if !next.is_some_and(|(line, _)| self.stream.has_room(line)) {
-                break;
-            }
-            let Some((line, purpose)) = self.waiting.pop_front() else {
-                break;
-            };
-            if !matches!(purpose, Purpose::Jog | Purpose::Known) {
-                self.machine.tell(From::Host, line.as_str());
-            }
-            if is_home(&purpose) {
-                self.session.allow_silence(Some(HOMING));
-            }
-            self.session.put(format!("{line}\n").as_bytes())?;
-            self.stream.sent(&line, purpose);
-        }
-        Ok(())
-    }
-
-    /// Sends a byte that takes effect at once.
-    fn put(&mut self, byte: Realtime) -> Result<(), String> {
-        let name = match byte {
-            Realtime::Reset => "0x18 (reset)",
-            Realtime::Hold => "! (hold)",
-            Realtime::Resume => "~ (resume)",
-            Realtime::JogCancel => "0x85 (jog cancel)",
-            Realtime::Feed(_) => "feed override",
-            Realtime::Rapid(_) => "rapid override",
-            Realtime::Spindle(_) => "spindle override",
-            Realtime::SpindleStop => "0x9E (spindle stop)",
-            Realtime::Flood => "0xA0 (flood)",
-            Realtime::Mist => "0xA1 (mist)",
-            Realtime::Door | Realtime::Status | Realtime::Unknown(_) => "",
-        };
-        self.machine.tell(From::Host, name);
-        self.session.put(&[byte.byte()])
-    }
-
-    /// Asks for the modes, when all lines are answered.
-    fn ask_modes(&mut self) {
-        let is_idle = matches!(self.session.state(), Some(State::Idle | State::Alarm))
-            && !self.running.is_active();
-        if self.modes_are_due && is_idle && self.stream.is_empty() && self.waiting.is_empty() {
-            self.modes_are_due = false;
-            self.send_known("$G");
-        }
-    }
-
-    /// Whether the modes and the work zero will be known soon.
-    fn modes_are_pending(&self) -> bool {
-        self.modes_are_due
-            || self.zero_is_due
-            || !self.stream.is_empty()
-            || !self.waiting.is_empty()
-    }
-
-    /// Carries out the requests that have waited for the modes.
-    fn carry_out_postponed(&mut self) -> Result<(), String> {
-        if self.modes_are_pending() && self.stands().is_ok() {
-            return Ok(());
-        }
-        while let Some(asked) = self.postponed.pop_front() {
-            match self.machine.control.operator() == Some(asked.client) {
-                true => self.carry_out(asked)?,
-                false => asked.reply.error("take control first"),
-            }
-        }
-        Ok(())
-    }
-
-    /// Whether the machine homes, or a line that homes is not answered.
-    fn is_homing(&self) -> bool {
-        self.session.state() == Some(State::Home) || self.stream.purposes().any(is_home)
-    }
-
-    /// Whether all lines are answered, except those that this program itself has sent to know
-    /// something.
-    fn is_quiet(&self) -> bool {
-        let is_known = |purpose: &Purpose| matches!(purpose, Purpose::Known);
-        self.stream.purposes().all(is_known) && self.waiting.iter().all(|(_, of)| is_known(of))
-    }
-
-    /// Forgets all lines that wait or are not answered. Those who asked get the reason.
-    fn drop_lines(&mut self, why: &str) {
-        let waiting = self.waiting.drain(..).map(|(_, purpose)| purpose);
-        let purposes: Vec<_> = self.stream.clear().chain(waiting).collect();
-        for purpose in purposes {
-            match purpose {
-                Purpose::Asked(reply)
-                | Purpose::Home(reply)
-                | Purpose::Zero(reply, ..)
-                | Purpose::Undo(reply)
-                | Purpose::Settings(reply) => reply.error(why),
-                Purpose::Jog
-                | Purpose::Known
-                | Purpose::Program
-                | Purpose::Sequence { .. }
-                | Purpose::Synchronise
-                | Purpose::Written => {}
-            }
-        }
-        for asked in self.postponed.drain(..) {
-            asked.reply.error(why);
-        }
-        self.jogging.forget();
-        self.end_sequence(why);
-        self.end_program(why);
-        self.session.allow_silence(None);
-    }
-
-    /// Carries out a request of a page.
-    fn carry_out(&mut self, asked: Asked) -> Result<(), String> {
-        let must_wait = asked.request.needs_modes() && self.modes_are_pending();
-        if must_wait && self.stands().is_ok() && self.postponed.len() < WAITING {
-            self.postponed.push_back(asked);
-            return Ok(());
-        }
-        let Asked {
-            client,
-            request,
-            reply,
-        } = asked;
-        if self.halting.is_some() {
-            reply.error("the machine is being stopped");
-            return Ok(());
-        }
-        match request {
-            Request::Hold => return self.put(Realtime::Hold).map(|()| reply.ok()),
-            Request::Resume => return self.resume(reply),
-            Request::Reset => {
-                reply.ok();
-                return self.begin_halt(true, "the controller was reset");
-            }
-            Request::Override { what, percent } => {
-                let done = self.set_override(what, percent)?;
-                reply.with(done);
-            }
-            Request::Toggle { what } => {
-                let done = self.toggle(what)?;
-                reply.with(done);
-            }
-            Request::Jog { jog, axes, feed } => {
-                let begun = self.begin_jog(client, jog, &axes, feed);
-                if begun.is_err() {
-                    self.machine.lease.release(client, jog);
-                }
-                reply.with(begun);
-            }
-            Request::UndoZero => self.undo_zero(reply),
-            Request::Zero { at_mm } => self.zero(&at_mm, reply),
-            Request::Unlock => self.by_hand("$X", reply, Purpose::Asked),
-            Request::Home { axis } => self.home(axis, reply),
-            Request::Step { move_mm, feed } => self.step(&move_mm, feed, reply),
-            Request::Goto { to_mm, frame, feed } => self.go(&to_mm, frame, feed, reply),
-            Request::Line { text } => return self.line(&text, reply),
-            Request::Run { confirmed, from } => match from {
-                None => self.run(confirmed, reply),
-                Some(line) if confirmed => self.go_on(line, reply),
-                Some(line) => self.show_from(line, reply),
-            },
-            Request::SingleBlock { on } => self.set_single_block(on, reply),
-            Request::Breakpoints { lines } => self.set_breakpoints(lines, reply),
-            Request::Unload => self.unload(reply),
-            Request::Load(program) => self.load(program, reply),
-            Request::Surroundings(to) => {
-                // If nobody waits any more, nobody needs them.
-                let _ = to.try_send(self.surroundings());
-            }
-            Request::Settings => self.by_hand("$$", reply, Purpose::Settings),
-            Request::SettingsDiff { values } => reply.data(self.settings_diff(&values)),
-            Request::SettingsSave { values } => self.save_settings(&values, reply),
-            Request::Probe(asked) => self.probe(&asked, reply),
-            Request::MacroRun { name } => self.run_macro(&name, reply),
-            Request::Stop
-            | Request::Macros
-            | Request::MacroSave { .. }
-            | Request::MacroDelete { .. }
-            | Request::Take { .. }
-            | Request::Give
-            | Request::Renew { .. }
-            | Request::Release { .. } => {}
-        }
-        Ok(())
-    }
-}
-
-const fn is_home(purpose: &Purpose) -> bool {
-    matches!(
-        purpose,
-        Purpose::Home(_) | Purpose::Sequence { is_home: true }
-    )
 }

@@ -1,6 +1,7 @@
 //! A program that a page has loaded: its findings, its lines, and its times.
 
 use super::controller_machine::machine;
+use super::mill_program;
 use super::timetable::Timetable;
 use crate::app::{report, sendable_lines};
 use husillo_gcode::Nm;
@@ -8,6 +9,7 @@ use husillo_reports::operation::{self, Operation};
 use husillo_sim::observers::AXES;
 use husillo_simulator::diagnostics::{Finding, Findings};
 use husillo_simulator::job::{Job, JobError, Options, Results, Text};
+use husillo_simulator::machines::machine_file::MachineFile;
 use husillo_simulator::programs::program::Start;
 use husillo_simulator::scene::Scene;
 use serde_json::{Value, json};
@@ -19,11 +21,31 @@ const FINDINGS: u64 = 200;
 /// A program with more step events has no times and no picture: its simulation would take minutes.
 const MOST_EVENTS: f64 = 2e8;
 
+/// The controller that a program is for.
+#[derive(Clone, Debug)]
+pub enum Target {
+    /// Grbl, with its settings.
+    Grbl(BTreeMap<u16, String>),
+    /// The micro mill.
+    Micromill(Arc<MachineFile>),
+}
+
+impl Target {
+    /// Whether a program that was checked for another one may be run on this one.
+    fn is(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Grbl(ours), Self::Grbl(others)) => ours == others,
+            (Self::Micromill(ours), Self::Micromill(others)) => Arc::ptr_eq(ours, others),
+            _ => false,
+        }
+    }
+}
+
 /// What a program is checked against.
 #[derive(Clone, Debug)]
 pub struct Surroundings {
-    /// Settings of the controller.
-    pub settings: BTreeMap<u16, String>,
+    /// The controller.
+    pub target: Target,
     /// Work zero in machine coordinates, mm. Empty: it is not known.
     pub zero_mm: Vec<f64>,
     /// Position in machine coordinates, mm.
@@ -35,7 +57,16 @@ impl Surroundings {
     /// with the same work zero, as far as it is known. It may begin at any position.
     pub fn are_those_of(&self, others: &Self) -> bool {
         let is_known = !self.zero_mm.is_empty() && !others.zero_mm.is_empty();
-        self.settings == others.settings && (!is_known || self.zero_mm == others.zero_mm)
+        self.target.is(&others.target) && (!is_known || self.zero_mm == others.zero_mm)
+    }
+
+    /// Whether the controller has told all that it tells.
+    pub fn are_complete(&self) -> bool {
+        match &self.target {
+            Target::Grbl(settings) => !self.zero_mm.is_empty() && !settings.is_empty(),
+            // Before it is homed, a mill does not know where it is.
+            Target::Micromill(_) => true,
+        }
     }
 }
 
@@ -76,9 +107,20 @@ impl Loaded {
         let mut job = job(name, &text, around)?;
         let mut findings = Findings::new(FINDINGS);
         let mut facts = job.check(&mut findings).map_err(said)?;
-        let lines = sendable_lines(&text)?;
+        let (lines, further) = match &around.target {
+            Target::Grbl(_) => (sendable_lines(&text)?, Vec::new()),
+            Target::Micromill(_) => mill_program::strings(&job)?,
+        };
+        let of = |severity: &str| {
+            further
+                .iter()
+                .filter(|one| one["severity"] == severity)
+                .count()
+        };
+        let (mut errors, warnings) = (of("error") as u64, of("warning") as u64);
+        errors += findings.errors;
         let (mut times, mut scene) = (None, None);
-        if findings.errors == 0 && facts.events <= MOST_EVENTS {
+        if errors == 0 && facts.events <= MOST_EVENTS {
             let simulated = job.simulate(&mut facts, Options::default(), || {});
             let simulated = simulated.map_err(said)?;
             let moves = &simulated.run.observers.recording.moves;
@@ -94,12 +136,18 @@ impl Loaded {
             scene = Some(whole.text());
         }
         let count = text.split(|byte| *byte == b'\n').count();
-        let listed: Vec<_> = findings.kept().iter().map(described).collect();
+        let warnings = findings.warnings + warnings;
+        let listed: Vec<_> = findings
+            .kept()
+            .iter()
+            .map(described)
+            .chain(further)
+            .collect();
         let report = json!({
             "name": name,
             "lines": count,
-            "errors": findings.errors,
-            "warnings": findings.warnings,
+            "errors": errors,
+            "warnings": warnings,
             "is_complete": findings.hidden() == 0,
             "findings": listed,
             "time_s": times.as_ref().map(Timetable::total_s),
@@ -111,8 +159,8 @@ impl Loaded {
             start: job.start,
             around: around.clone(),
             count,
-            errors: findings.errors,
-            warnings: findings.warnings,
+            errors,
+            warnings,
             times,
             scene,
             report,
@@ -152,15 +200,27 @@ impl Loaded {
     }
 }
 
-fn said(error: JobError) -> String {
+pub fn said(error: JobError) -> String {
     error.to_string()
 }
 
 /// A program on the machine of its controller.
-fn job(name: &str, text: &[u8], around: &Surroundings) -> Result<Job, String> {
-    let machine = machine(&around.settings)?;
-    let mut job = Job::new(Text::new(name, text), machine, Some("grbl")).map_err(said)?;
+pub fn job(name: &str, text: &[u8], around: &Surroundings) -> Result<Job, String> {
+    let text = Text::new(name, text);
+    let mut job = match &around.target {
+        Target::Grbl(settings) => Job::new(text, machine(settings)?, Some("grbl")),
+        // The name of the program tells its language.
+        Target::Micromill(file) => Job::new(text, MachineFile::clone(file), None),
+    }
+    .map_err(said)?;
     job.stand(in_nm(&around.zero_mm), in_nm(&around.at_mm));
+    let is_known = !around.zero_mm.is_empty();
+    if let (Target::Micromill(_), false) = (&around.target, is_known) {
+        // Where its limits are is known after homing. It is checked again when it starts.
+        for axis in &mut job.config.axes {
+            axis.travel = None;
+        }
+    }
     Ok(job)
 }
 
@@ -195,7 +255,7 @@ mod tests {
         let settings = [(100, "400"), (101, "400"), (102, "400"), (110, "6000")];
         let settings = settings.map(|(number, value)| (number, value.to_owned()));
         let around = Surroundings {
-            settings: settings.into(),
+            target: Target::Grbl(settings.into()),
             zero_mm: vec![0.0; 3],
             at_mm: vec![0.0; 3],
         };

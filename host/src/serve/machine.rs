@@ -2,12 +2,14 @@
 
 use super::console_lines::{ConsoleLines, From};
 use super::control::Control;
+use super::family::Family;
 use super::lease::Lease;
 use super::loaded::Loaded;
 use super::macros::MacroFile;
 use super::reply::Reply;
 use super::request::Request;
 use super::run_record::RunRecord;
+use super::tool_path::ToolPath;
 use axum::extract::ws::Utf8Bytes;
 use husillo_clients::StopRequests;
 use serde_json::{Value, json};
@@ -35,6 +37,12 @@ pub struct Asked {
 pub struct Machine {
     /// Its number, from 1.
     pub number: u32,
+    /// The name of its family.
+    pub family: &'static str,
+    /// What the pages can do with it, besides moving it by hand.
+    offers: &'static [&'static str],
+    /// The travel of its axes, mm.
+    travel_mm: Option<[Option<[f64; 2]>; 3]>,
     /// Its port.
     pub port: String,
     /// Requests to stop it.
@@ -45,6 +53,8 @@ pub struct Machine {
     pub control: Control,
     /// The lease of a jog.
     pub lease: Lease,
+    /// The way of its tool, as far as its controller reports steps.
+    pub path: ToolPath,
     /// The loaded program.
     pub program: Mutex<Option<Arc<Loaded>>>,
     /// The last run of a program that has ended.
@@ -75,6 +85,7 @@ impl Machine {
     /// state or line of a console.
     pub fn new(
         number: u32,
+        family: &Family,
         port: &str,
         watch_only: bool,
         macros: Arc<MacroFile>,
@@ -83,11 +94,15 @@ impl Machine {
         let (requests, asked) = sync_channel(WAITING);
         let machine = Self {
             number,
+            family: family.name(),
+            offers: family.offers(),
+            travel_mm: family.travel_mm(),
             port: port.to_owned(),
             stop: StopRequests::default(),
             console: ConsoleLines::new(),
             control: Control::new(watch_only),
             lease: Lease::default(),
+            path: ToolPath::default(),
             program: Mutex::default(),
             run: Mutex::default(),
             macros,
@@ -107,6 +122,9 @@ impl Machine {
         let is_simulated = self.port == "sim";
         json!({
             "machine": self.number,
+            "family": self.family,
+            "offers": self.offers,
+            "travel_mm": self.travel_mm,
             "name": self.port,
             "port": self.port,
             "is_simulated": is_simulated,
@@ -131,6 +149,12 @@ impl Machine {
     /// Appends a line to the console.
     pub fn tell(&self, from: From, text: impl Into<String>) {
         self.console.push(from, text);
+        self.news
+            .send_modify(|number| *number = number.wrapping_add(1));
+    }
+
+    /// The way of the tool has changed.
+    pub fn drawn(&self) {
         self.news
             .send_modify(|number| *number = number.wrapping_add(1));
     }

@@ -52,6 +52,32 @@ pub struct MachineState {
     pub undo: usize,
     pub probe: Option<Value>,
     pub program: Option<Value>,
+    /// What only a micro mill has.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mill: Option<MillState>,
+}
+
+/// What only a micro mill has.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct MillState {
+    /// Whether its position is known.
+    pub is_homed: bool,
+    /// Positions of the motors in steps: from machine zero, or from switching on.
+    pub motor_steps: Option<[i32; 3]>,
+    /// The backlash that it takes up, um.
+    pub backlash_um: Option<[i64; 3]>,
+    /// Steps per second of the fastest motor.
+    pub step_hz: u32,
+    /// Turns per minute of the fastest motor.
+    pub motor_rpm: u32,
+    /// Steps per second of the present jog.
+    pub jog_hz: Option<u16>,
+    /// The last string that was sent.
+    pub sent: String,
+    /// What the controller has echoed of it.
+    pub echo: String,
+    /// What has become of it: `moving`, `done`, or why not.
+    pub outcome: Option<&'static str>,
 }
 
 impl MachineState {
@@ -141,11 +167,12 @@ impl MachineState {
     }
 
     /// The frame of this state.
-    pub fn frame(&self, machine: u32, number: u64) -> String {
+    pub fn frame(&self, machine: u32, family: &'static str, number: u64) -> String {
         #[derive(Serialize)]
         struct Frame<'a> {
             kind: &'static str,
             machine: u32,
+            family: &'static str,
             number: u64,
             #[serde(flatten)]
             state: &'a MachineState,
@@ -153,6 +180,7 @@ impl MachineState {
         let frame = Frame {
             kind: "state",
             machine,
+            family,
             number,
             state: self,
         };
@@ -238,10 +266,14 @@ mod tests {
         };
         state.lost("unplugged");
         assert_eq!((state.machine_mm.clone(), state.state), (None, None));
-        let frame: Value = serde_json::from_str(&state.frame(2, 9)).unwrap();
+        let frame: Value = serde_json::from_str(&state.frame(2, "grbl", 9)).unwrap();
         assert_eq!(frame["link"], "lost");
         assert_eq!(frame["machine"], 2);
-        assert_eq!(frame["number"], 9);
+        assert_eq!(
+            (&frame["family"], &frame["number"]),
+            (&"grbl".into(), &9.into())
+        );
+        assert_eq!(frame.get("mill"), None);
         assert_eq!(frame["axes"][0], "X");
     }
 }

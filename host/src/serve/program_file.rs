@@ -126,7 +126,7 @@ fn checked(machine: &Machine, client: u64, name: &str, text: Vec<u8>) -> Result<
     // A controller that has just been connected has not yet told all.
     let end = Instant::now() + WORK_ZERO;
     let mut around = surroundings(machine, client)?;
-    while (around.zero_mm.is_empty() || around.settings.is_empty()) && Instant::now() < end {
+    while !around.are_complete() && Instant::now() < end {
         std::thread::sleep(AGAIN);
         around = surroundings(machine, client)?;
     }

@@ -42,8 +42,17 @@ pub enum Request {
         jog: u64,
         /// Direction.
         axes: Axes,
-        /// Speed along the path, mm/min.
+        /// Speed along the path, mm/min. A micro mill has none.
+        #[serde(default)]
         feed: f64,
+        /// Steps per second of the axis of a micro mill, instead of its jog speed.
+        #[serde(default)]
+        hz: Option<u16>,
+    },
+    /// Make the present jog of a micro mill faster or slower.
+    Pace {
+        /// Or slower.
+        faster: bool,
     },
     /// Renew the lease of a jog.
     Renew {
@@ -59,8 +68,19 @@ pub enum Request {
     Step {
         /// Distance, mm.
         move_mm: Axes,
-        /// Speed along the path, mm/min.
+        /// Speed along the path, mm/min. A micro mill has none.
+        #[serde(default)]
         feed: f64,
+    },
+    /// Move the motors of a micro mill by whole steps, one axis after the other.
+    Steps {
+        /// Steps, with the sign of their direction.
+        steps: Axes,
+    },
+    /// Set the backlash that a micro mill takes up.
+    Backlash {
+        /// Backlash, um.
+        um: Axes,
     },
     /// Move to a position.
     Goto {
@@ -69,7 +89,8 @@ pub enum Request {
         /// Its coordinates.
         #[serde(default)]
         frame: Frame,
-        /// Speed along the path, mm/min.
+        /// Speed along the path, mm/min. A micro mill has none.
+        #[serde(default)]
         feed: f64,
     },
     /// Give the present position new work coordinates.

@@ -9,6 +9,7 @@ use super::machine::Machine;
 use super::reply::Reply;
 use super::request::Request;
 use super::site::Site;
+use super::tool_path::PathSeen;
 use axum::extract::ws::{CloseFrame, Message, Utf8Bytes, WebSocket};
 use futures_util::stream::{SplitSink, SplitStream};
 use futures_util::{SinkExt as _, StreamExt as _};
@@ -175,8 +176,6 @@ async fn write(
         "client": client,
         "lease_ms": LEASE.as_millis() as u64,
         "renew_ms": 80,
-        // Parts of the page beside moving by hand.
-        "offers": ["program", "from", "report", "probing", "settings", "macros"],
         "machines": site.described(),
     });
     let mut frames = vec![welcome.to_string().into()];
@@ -253,6 +252,7 @@ async fn close(mut sink: SplitSink<WebSocket, Message>) {
 struct Seen {
     state: u64,
     line: u64,
+    path: PathSeen,
 }
 
 impl Seen {
@@ -274,10 +274,19 @@ impl Seen {
             });
             frames.push(frame.to_string().into());
         }
+        if let Some(part) = machine.path.after(&mut self.path) {
+            let frame = json!({
+                "kind": "path",
+                "machine": machine.number,
+                "from": part.from,
+                "points": part.points,
+            });
+            frames.push(frame.to_string().into());
+        }
         frames
     }
 
     fn has_more(&self, machine: &Machine) -> bool {
-        machine.console.after(self.line).is_some()
+        machine.console.after(self.line).is_some() || machine.path.has_more(self.path)
     }
 }

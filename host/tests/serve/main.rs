@@ -8,6 +8,7 @@ mod jogging;
 mod lines;
 mod links;
 mod macros;
+mod micromill;
 mod page;
 mod probing;
 mod programs;

@@ -85,12 +85,16 @@ impl Served {
             client: 0,
             states: Vec::new(),
             lines: Vec::new(),
+            path: Vec::new(),
             answers: Vec::new(),
             next: 1,
         };
         page.until("a welcome", |page| (page.client > 0).then_some(()));
         page.until("states", |page| {
-            let are_up = |state: &Value| state["link"] == "up" && !state["work_mm"].is_null();
+            // A mill that is not homed has no position.
+            let are_up = |state: &Value| {
+                state["link"] == "up" && (!state["work_mm"].is_null() || state["mill"].is_object())
+            };
             let is_complete = !page.states.is_empty() && page.states.iter().all(are_up);
             is_complete.then_some(())
         });
@@ -122,6 +126,8 @@ pub struct Page {
     pub states: Vec<Value>,
     /// All lines of the consoles.
     pub lines: Vec<Value>,
+    /// The points of the way of machine 1.
+    pub path: Vec<Value>,
     answers: Vec<Value>,
     next: u64,
 }
@@ -157,6 +163,13 @@ impl Page {
             Some("console") => {
                 let lines = frame["lines"].as_array_mut().unwrap();
                 self.lines.append(lines);
+            }
+            Some("path") => {
+                if frame["from"] == 0 {
+                    self.path.clear();
+                }
+                let points = frame["points"].as_array_mut().unwrap();
+                self.path.append(points);
             }
             Some("answer") => self.answers.push(frame),
             kind => panic!("a frame of the kind {kind:?}"),

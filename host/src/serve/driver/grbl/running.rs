@@ -2,7 +2,7 @@
 
 use super::{Driver, From, Purpose};
 use crate::serve::continuation::Continuation;
-use crate::serve::loaded::{Loaded, Surroundings};
+use crate::serve::loaded::{Loaded, Surroundings, Target};
 use crate::serve::reply::Reply;
 use crate::serve::run_record::RunRecord;
 use husillo_clients::grbl::SYNCHRONISE;
@@ -167,7 +167,7 @@ impl Driver<'_> {
     pub(super) fn surroundings(&self) -> Surroundings {
         let zero_mm = self.state.zero_mm.clone().filter(|_| !self.zero_is_due);
         Surroundings {
-            settings: self.settings.clone(),
+            target: Target::Grbl(self.settings.clone()),
             zero_mm: zero_mm.unwrap_or_default(),
             at_mm: self.state.machine_mm.clone().unwrap_or_default(),
         }

@@ -1,0 +1,57 @@
+//! The families of controllers that the pages operate.
+
+use husillo_machine::Config;
+use husillo_simulator::machines::machine_file::MachineFile;
+use husillo_transports::grbl::Settings;
+use std::sync::Arc;
+
+/// A family of controllers: those with one protocol, and with one panel in the page.
+#[derive(Clone, Debug)]
+pub enum Family {
+    /// Controllers that speak Grbl's protocol. The settings are those of a simulated one.
+    Grbl(Box<Settings>),
+    /// The micro mill.
+    Micromill {
+        /// Its description.
+        file: Arc<MachineFile>,
+        /// Its steps.
+        config: Box<Config<3>>,
+    },
+}
+
+impl Family {
+    /// Its name, as pages get it.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::Grbl(_) => "grbl",
+            Self::Micromill { .. } => "micromill",
+        }
+    }
+
+    /// What the pages can do with it, besides moving it by hand.
+    pub const fn offers(&self) -> &'static [&'static str] {
+        match self {
+            Self::Grbl(_) => &["program", "from", "report", "probing", "settings", "macros"],
+            Self::Micromill { .. } => &["program", "from", "report"],
+        }
+    }
+
+    /// The travel of its axes from machine zero, mm, as far as it is known without the controller.
+    pub fn travel_mm(&self) -> Option<[Option<[f64; 2]>; 3]> {
+        match self {
+            Self::Grbl(_) => None,
+            Self::Micromill { config, .. } => Some(config.axes.map(|axis| {
+                let travel = axis.travel?;
+                Some(travel.map(|nm| nm.0 as f64 / 1e6))
+            })),
+        }
+    }
+
+    /// Rate of its serial line, bits/s.
+    pub const fn baud(&self) -> u32 {
+        match self {
+            Self::Grbl(_) => husillo_clients::grbl::BAUD,
+            Self::Micromill { .. } => husillo_clients::micromill::BAUD,
+        }
+    }
+}

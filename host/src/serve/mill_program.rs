@@ -1,0 +1,83 @@
+//! A program as strings of the micro mill.
+
+use super::loaded::{Surroundings, job, said};
+use husillo_clients::micromill::{Translated, Translator};
+use husillo_simulator::diagnostics::Findings;
+use husillo_simulator::job::Job;
+use husillo_simulator::programs::{program, setup};
+use husillo_transports::micromill::{Line, Order};
+use serde_json::{Value, json};
+
+/// The string of a line, with its `;`.
+pub fn string(line: Line) -> String {
+    String::from_utf8_lossy(Order::Line(line).text().bytes()).into_owned()
+}
+
+/// The strings of a checked program, each with the number of its line, and what was dropped or
+/// changed, as findings.
+///
+/// # Errors
+///
+/// A sentence: the program cannot be read.
+pub fn strings(job: &Job) -> Result<(Vec<(usize, String)>, Vec<Value>), String> {
+    let made = translated(job)?;
+    let finding = |severity: &str, (line, message): &(usize, String)| {
+        json!({
+            "code": "mill",
+            "severity": severity,
+            "line": line,
+            "column": 1,
+            "message": message,
+        })
+    };
+    let errors = made.errors.iter().map(|one| finding("error", one));
+    let notes = made.notes.iter().map(|one| finding("warning", one));
+    let strings = made.lines.iter();
+    Ok((
+        strings
+            .map(|(number, line)| (*number, string(*line)))
+            .collect(),
+        errors.chain(notes).collect(),
+    ))
+}
+
+/// A program as the lines that the mill makes from where it stands.
+///
+/// # Errors
+///
+/// A sentence about its first error.
+pub fn lines(name: &str, text: &[u8], around: &Surroundings) -> Result<Translated, String> {
+    let mut job = job(name, text, around)?;
+    let mut findings = Findings::new(200).up_to_error();
+    job.check(&mut findings).map_err(said)?;
+    if findings.errors > 0 {
+        let last = findings.kept().last();
+        let why = last.map(|one| format!("line {}: {}", one.line_and_column().0, one.message));
+        return Err(why.unwrap_or_else(|| "the program has errors".into()));
+    }
+    let made = translated(&job)?;
+    match made.errors.first() {
+        Some((line, message)) => Err(format!("line {line}: {message}")),
+        None => Ok(made),
+    }
+}
+
+fn translated(job: &Job) -> Result<Translated, String> {
+    let config = setup::first_three(&job.config);
+    let [zero, at] = [job.start.zero, job.start.at].map(setup::three);
+    let mut translator = Translator::new(&config, zero, at);
+    let mut source = job.open().map_err(said)?;
+    program::walk(
+        &mut source,
+        job.name(),
+        job.start,
+        // The check has found the errors of the program.
+        &mut Findings::new(0),
+        |meaning, command, _, _| {
+            translator.push_command(meaning.at.line, command);
+            Ok(())
+        },
+    )
+    .map_err(|error| error.to_string())?;
+    Ok(translator.take())
+}
