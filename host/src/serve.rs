@@ -8,7 +8,7 @@
 //!
 //! Each machine has a thread with a [`driver`], which owns the link. The pages run in one thread.
 //! [`machine`] is what both share. A state replaces the state before it, so a slow page holds
-//! nothing up.
+//! nothing up. [`mtconnect`] reads the same states for others than pages.
 
 mod access;
 mod axes;
@@ -24,6 +24,7 @@ mod machine;
 mod machine_state;
 mod macros;
 mod mill_program;
+mod mtconnect;
 mod page;
 mod program_file;
 mod reply;
@@ -45,6 +46,7 @@ pub use family::Family;
 use machine::Machine;
 use macros::MacroFile;
 use serde_json::json;
+use std::io::Write as _;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use tokio::net::TcpListener;
@@ -70,6 +72,14 @@ pub struct Served {
 ///
 /// A sentence about the address.
 pub fn serve(args: &Serve, served: &[Served], out: &mut Reporter<'_>) -> Result<u8, Failure> {
+    if args.mtconnect_devices {
+        let machines = (1..).zip(served);
+        let described: Vec<_> = machines
+            .map(|(number, Served { family, port })| machine::described(number, family, port))
+            .collect();
+        write!(out, "{}", mtconnect::document(&described, &host_name()))?;
+        return Ok(super::app::OK);
+    }
     stop_requests()?;
     let runtime = tokio::runtime::Builder::new_current_thread()
         .enable_all()
@@ -110,6 +120,11 @@ async fn serve_pages(
         driver::start(Arc::clone(&machine), family.clone(), port, requests);
         machines.push(machine);
     }
+    if let Some(address) = &args.mtconnect {
+        let of_address = |error| Failure::Usage(format!("{address}: {error}"));
+        let listener = TcpListener::bind(address).await.map_err(of_address)?;
+        tokio::spawn(mtconnect::serve(listener, machines.clone(), news.clone()));
+    }
     let link = access.link();
     out.tell(
         format!("Open {link}\nCtrl-C stops the machines and ends"),
@@ -140,4 +155,15 @@ async fn ended(machines: &[Arc<Machine>], seconds: Option<f64>) {
     while machines.iter().any(|machine| !machine.is_ended()) && begun.elapsed() < END {
         tokio::time::sleep(LOOK).await;
     }
+}
+
+/// The name of this computer.
+fn host_name() -> String {
+    #[cfg(unix)]
+    let name = nix::unistd::gethostname().ok();
+    #[cfg(not(unix))]
+    let name = std::env::var_os("COMPUTERNAME");
+    let name = name.map(|name| name.to_string_lossy().into_owned());
+    name.filter(|name| !name.is_empty())
+        .unwrap_or_else(|| "husillo".to_owned())
 }

@@ -39,12 +39,8 @@ pub struct Machine {
     pub number: u32,
     /// The name of its family.
     pub family: &'static str,
-    /// What the pages can do with it, besides moving it by hand.
-    offers: &'static [&'static str],
-    /// The travel of its axes, mm.
-    travel_mm: Option<[Option<[f64; 2]>; 3]>,
-    /// Its port.
-    pub port: String,
+    /// What others are told about it at first.
+    described: Value,
     /// Requests to stop it.
     pub stop: StopRequests,
     /// Its console.
@@ -80,6 +76,20 @@ pub struct Published {
     pub frame: Utf8Bytes,
 }
 
+/// What others are told about a machine at first.
+pub fn described(number: u32, family: &Family, port: &str) -> Value {
+    json!({
+        "machine": number,
+        "family": family.name(),
+        "offers": family.offers(),
+        "travel_mm": family.travel_mm(),
+        "name": port,
+        "port": port,
+        "is_simulated": port == "sim",
+        "axes": ["X", "Y", "Z"],
+    })
+}
+
 impl Machine {
     /// A machine, and the requests for its driver. The number behind `news` changes with each new
     /// state or line of a console.
@@ -95,9 +105,7 @@ impl Machine {
         let machine = Self {
             number,
             family: family.name(),
-            offers: family.offers(),
-            travel_mm: family.travel_mm(),
-            port: port.to_owned(),
+            described: described(number, family, port),
             stop: StopRequests::default(),
             console: ConsoleLines::new(),
             control: Control::new(watch_only),
@@ -119,17 +127,7 @@ impl Machine {
 
     /// What a page is told about it at first.
     pub fn described(&self) -> Value {
-        let is_simulated = self.port == "sim";
-        json!({
-            "machine": self.number,
-            "family": self.family,
-            "offers": self.offers,
-            "travel_mm": self.travel_mm,
-            "name": self.port,
-            "port": self.port,
-            "is_simulated": is_simulated,
-            "axes": ["X", "Y", "Z"],
-        })
+        self.described.clone()
     }
 
     /// Passes a request on to the driver.

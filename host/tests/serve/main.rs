@@ -2,6 +2,8 @@
 
 mod access;
 mod control;
+#[path = "../emulated/mod.rs"]
+mod emulated;
 mod going_on;
 mod hostile;
 mod jogging;
@@ -9,6 +11,7 @@ mod lines;
 mod links;
 mod macros;
 mod micromill;
+mod mtconnect;
 mod page;
 mod probing;
 mod programs;
