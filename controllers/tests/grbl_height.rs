@@ -467,8 +467,8 @@ fn circle_words(lines: &[String]) -> String {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(300))]
 
-    /// X and Y make the steps of the program. Z is within 2 steps of the surface at each of them, and
-    /// within 0.7 at rest. Steps of Z keep their distance in time.
+    /// X and Y make the steps of the program. Z is within 2 steps of the surface at each of them,
+    /// and within 0.7 at rest. Steps of Z keep their distance in time.
     #[test]
     fn z_follows_the_surface(map in map(), lines in prop::collection::vec(line(), 1..8)) {
         let lines = circle_words(&lines);

@@ -117,8 +117,8 @@ impl GrblRig {
         }
     }
 
-    /// Tilts the plate below a probe that Z closes. It rises by these numbers of steps of Z per 1000
-    /// steps along X and along Y, from the position at power-on.
+    /// Tilts the plate below a probe that Z closes. It rises by these numbers of steps of Z per
+    /// 1000 steps along X and along Y, from the position at power-on.
     pub const fn tilt(&mut self, per_mille: [i64; 2]) {
         self.tilt_per_mille = per_mille;
     }

@@ -80,8 +80,8 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         config
     }
 
-    /// Switches the map on. Nothing moves: the position that is reported for Z changes by the height
-    /// at the present place.
+    /// Switches the map on. Nothing moves: the position that is reported for Z changes by the
+    /// height at the present place.
     ///
     /// Returns `false` without a map, or if its grid cannot be represented in steps.
     pub(super) fn switch_map_on(&mut self) -> bool {

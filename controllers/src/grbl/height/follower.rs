@@ -105,7 +105,7 @@ impl Follower {
         self.correction
     }
 
-    /// Returns the step of the motor of Z for an event of the engine that ends at `x` and `y`, after
+    /// Returns the step of the motor of Z for an event of the engine that ends at `xy` after
     /// `wait_us`, and steps Z by `delta` in the program.
     pub(super) fn step(&mut self, map: &HeightMap, xy: [i32; 2], delta: i8, wait_us: u32) -> i8 {
         let wanted = delta.saturating_add(self.due(map, xy));
@@ -119,7 +119,7 @@ impl Follower {
         step
     }
 
-    /// Whether a step is due before the next event of the engine, and the time until it may be made.
+    /// Returns the time until a step that had to wait may be made. `None`: no step is due.
     pub(super) fn late_us(&self) -> Option<u32> {
         let left = self.spacing_us.saturating_sub(self.since_us).max(1);
         self.is_late.then_some(left)
@@ -162,8 +162,8 @@ impl Follower {
         }
     }
 
-    /// Returns the height at a place times the area of its cell, and this area. Outside the grid the
-    /// height is that of the nearest place of its edge.
+    /// Returns the height at a place times the area of its cell, and this area. Outside the grid
+    /// the height is that of the nearest place of its edge.
     fn volume(&mut self, map: &HeightMap, x: i32, y: i32) -> (i64, i64) {
         let [columns, rows] = &self.lines;
         let [column, row] = self.cell;

@@ -181,7 +181,8 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         usize::from(row.wrapping_mul(columns).wrapping_add(column)) // below 256
     }
 
-    /// Returns the place of the point that is measured as number `count`, or `None` behind the last.
+    /// Returns the place of the point that is measured as number `count`, or `None` behind the
+    /// last.
     fn survey_place(&self, count: u16) -> Option<[Nm; 2]> {
         let map = &self.memory.map;
         let [columns, _] = map.points;
