@@ -199,6 +199,8 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         self.probe = ([0; 3], false);
         self.contact = None;
         self.is_cancelling = false;
+        #[cfg(feature = "height-map")]
+        self.drop_map();
         self.modal = Modal::new(self.options.dialect());
         self.load_places();
         self.drop_moves();
