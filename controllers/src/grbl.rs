@@ -144,6 +144,8 @@ pub struct Grbl<const QUEUE: usize = 15> {
     inputs: GrblInputs,
     /// Steps of the program that were made.
     steps: [i32; 3],
+    /// An axis has made a step since all were at rest.
+    has_stepped: bool,
     /// The event that was returned and is not made yet: its wait, and the steps that it counts.
     pending: Option<(u32, [i8; 3])>,
     /// The rest of a long wait, and the step after it.
@@ -211,6 +213,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             flags: Flags::default(),
             inputs: GrblInputs::default(),
             steps: [0; 3],
+            has_stepped: false,
             pending: None,
             rest: None,
             start_us: 0,
@@ -460,6 +463,7 @@ impl<const QUEUE: usize> Controller for Grbl<QUEUE> {
             return;
         }
         if let Some((wait_us, delta)) = self.pending.take() {
+            self.has_stepped |= delta != [0; 3];
             for (steps, delta) in self.steps.iter_mut().zip(delta) {
                 *steps = steps.wrapping_add(delta.into());
             }

@@ -191,8 +191,10 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         }
     }
 
-    /// Starts the time after which the motors are switched off.
+    /// Handles axes that have come to rest: starts the time after which the motors are switched
+    /// off.
     pub(super) fn rest_motors(&mut self) {
+        self.has_stepped = false;
         let delay = self.settings().whole(1);
         self.idle_us = (delay != 255).then_some(delay.wrapping_mul(1000));
         if self.idle_us == Some(0) {
