@@ -1,6 +1,6 @@
 /**
- * What motion by hand has in common on all machines: a pad of buttons and keys that are held or make
- * steps, and the sizes of the steps.
+ * What motion by hand has in common on all machines: a pad of buttons and keys that are held or
+ * make steps, and the sizes of the steps.
  */
 
 import { button, element } from "husillo/viewer/element.js";

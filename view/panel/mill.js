@@ -1,5 +1,5 @@
 /**
- * What only a micro mill has: the string that was sent beside its echo, its speeds, and its backlash.
+ * What only a micro mill has: the string that was sent beside its echo, its speeds, its backlash.
  */
 
 import { button, element } from "husillo/viewer/element.js";

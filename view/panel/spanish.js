@@ -153,7 +153,8 @@ export const SPANISH = {
     motorSteps: "Pasos de los motores",
     backlash: "Juego",
     setBacklash: "Fijar",
-    backlashHelp: "Se compensa después de buscar el origen, cada vez que un eje invierte su sentido.",
+    backlashHelp:
+        "Se compensa después de buscar el origen, cada vez que un eje invierte su sentido.",
     plot: "Gráfica en vivo",
     fitPath: "Ajustar al recorrido",
     fitArea: "Ajustar al área de trabajo",

@@ -90,7 +90,8 @@ test("a mill is homed, jogged, stepped, zeroed, sent a line, and stopped", async
     await says(page, '[data-zero="X"]', zeroed.zero_mm[0].toFixed(5));
     // A string, and its confirmation.
     await page.type("input.mono", "G01X00100.00F14;\n");
-    await until(page, ({ state, work_mm }) => state === "Idle" && Math.abs(work_mm[0] - 0.1) < 1e-3);
+    const isThere = (/** @type {any} */ { work_mm: [x] }) => Math.abs(x - 0.1) < 1e-3;
+    await until(page, (state) => isIdle(state) && isThere(state));
     assert.equal(await textOf(page, '[data-value="sent"]'), "G01X00100.00F14;");
     assert.equal(await textOf(page, '[data-value="echo"]'), "G01X00100.00F14;");
     await says(page, '[data-value="outcome"]', "done");
