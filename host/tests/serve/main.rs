@@ -1,6 +1,7 @@
 //! `husillo serve`, as a page calls it.
 
 mod access;
+mod broker;
 mod control;
 #[path = "../emulated/mod.rs"]
 mod emulated;
@@ -10,6 +11,8 @@ mod jogging;
 mod lines;
 mod links;
 mod macros;
+mod mqtt;
+mod mqtt_jobs;
 mod mtconnect;
 mod page;
 mod probing;
