@@ -12,10 +12,13 @@ fn served(broker: &Broker, options: &[&str]) -> Served {
     Served::with(&[options, &own].concat(), &broker.state())
 }
 
-/// Unlocks machine 1 and leaves it to the broker.
-fn unlocked(served: &Served) -> Page {
+/// Unlocks machine 1 and leaves it to the broker, which has reached the server.
+fn unlocked(served: &Served, host: &mut Host) -> Page {
+    host.until("the machine", |one| one.kind == "DBIRTH");
     let mut page = served.operator();
     page.done(json!({"do": "give"}));
+    // A move by hand would end first.
+    page.pass(Duration::from_millis(500));
     page
 }
 
@@ -38,7 +41,7 @@ fn a_job_that_is_doubled_runs_once() {
     };
     let mut host = Host::new(&broker);
     let served = served(&broker, &["--speed", "5"]);
-    let mut page = unlocked(&served);
+    let mut page = unlocked(&served, &mut host);
     for _ in 0..5 {
         host.job("order-1", STEP);
     }
@@ -63,7 +66,7 @@ fn a_job_that_is_doubled_runs_once() {
     host.until_job("order-3", "done");
     drop((served, page));
     let served = self::served(&broker, &["--speed", "5"]);
-    let mut page = unlocked(&served);
+    let mut page = unlocked(&served, &mut host);
     host.write(topic, &[("Job/Id", "order-4")], false);
     assert!(
         host.until_job("order-4", "refused")
@@ -80,12 +83,12 @@ fn a_job_is_not_run_again_by_another_server() {
     };
     let mut host = Host::new(&broker);
     let first = served(&broker, &["--speed", "5"]);
-    drop(unlocked(&first));
+    drop(unlocked(&first, &mut host));
     host.job("order/1", STEP);
     host.until_job("order/1", "done");
     drop(first);
     let second = served(&broker, &["--speed", "5"]);
-    let mut page = unlocked(&second);
+    let mut page = unlocked(&second, &mut host);
     host.job("order/1", STEP);
     let told = host.until_job("order/1", "done");
     assert_eq!(told.kind, "DDATA");
@@ -103,6 +106,7 @@ fn a_refused_job_stays_refused() {
     let mut host = Host::new(&broker);
     let served = served(&broker, &["--speed", "5"]);
     let mut page = served.page();
+    host.until("the machine", |one| one.kind == "DBIRTH");
     host.job("locked", STEP);
     assert!(
         host.until_job("locked", "refused")
@@ -119,6 +123,7 @@ fn a_refused_job_stays_refused() {
             .contains("another client is in control")
     );
     page.done(json!({"do": "give"}));
+    page.pass(Duration::from_millis(500));
     host.job("wrong", "G21 G90\nG2 X1 Y1 F100\n");
     assert!(
         host.until_job("wrong", "refused")
@@ -155,7 +160,7 @@ fn a_job_in_which_the_server_was_lost_is_offered_and_not_run() {
     };
     let mut host = Host::new(&broker);
     let mut first = served(&broker, &[]);
-    let mut page = unlocked(&first);
+    let mut page = unlocked(&first, &mut host);
     let long: String = (1..=40).map(|x| format!("G1 X{x} F900\n")).collect();
     host.job("long", &long);
     page.until("motion", |page| (page.at("work_mm", 0) > 8.0).then_some(()));
@@ -168,10 +173,11 @@ fn a_job_in_which_the_server_was_lost_is_offered_and_not_run() {
     assert!(took < Duration::from_secs(5), "{took:?}");
     drop((first, page));
     let second = served(&broker, &[]);
+    let mut page = unlocked(&second, &mut host);
+    host.job("long", &long);
     let offered = host.until_job("long", "interrupted");
     let line = offered.number("Job/Line");
     assert!((5.0..40.0).contains(&line), "{offered:?}");
-    let mut page = unlocked(&second);
     page.until("the offer", |page| {
         (page.states[0]["program"]["resume_line"] == line).then_some(())
     });
@@ -193,7 +199,7 @@ fn a_job_in_which_the_server_was_lost_is_offered_and_not_run() {
     // It is not offered again.
     drop((second, page));
     let third = served(&broker, &[]);
-    let mut page = unlocked(&third);
+    let mut page = unlocked(&third, &mut host);
     host.job("long", &long);
     host.until_job("long", "interrupted");
     assert_eq!(made(&mut page), (0, 0.0));
