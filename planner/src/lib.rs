@@ -28,6 +28,7 @@ mod s_curve;
 mod servo;
 mod surface_speed;
 mod trapezoid;
+mod waits;
 mod wide;
 
 pub use arc_limits::ArcLimits;
@@ -49,3 +50,4 @@ pub use surface_speed::SurfaceSpeed;
 pub use tangent::Tangent;
 pub use timer::Timer;
 pub use trapezoid::Trapezoid;
+pub use waits::Waits;
