@@ -1,6 +1,7 @@
 //! The command line: commands, options and their help texts.
 
 mod calibrate;
+mod cell;
 mod compare;
 mod drilling;
 mod emulate;
@@ -14,6 +15,7 @@ mod stop;
 mod tune;
 
 pub use calibrate::{AxisArgs, BacklashArgs, Calibrate, CirclesArgs, SquarenessArgs, What};
+pub use cell::Cell;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use compare::COMPARE_HELP;
 pub use compare::Compare;

@@ -8,7 +8,7 @@
 //!
 //! Each machine has a thread with a [`driver`], which owns the link. The pages run in one thread.
 //! [`machine`] is what both share. A state replaces the state before it, so a slow page holds
-//! nothing up. [`mtconnect`] reads the same states for others than pages.
+//! nothing up. [`mqtt`] and [`mtconnect`] read the same states for others than pages.
 
 mod access;
 mod axes;
@@ -24,6 +24,7 @@ mod machine;
 mod machine_state;
 mod macros;
 mod mill_program;
+mod mqtt;
 mod mtconnect;
 mod page;
 mod program_file;
@@ -125,6 +126,13 @@ async fn serve_pages(
         let listener = TcpListener::bind(address).await.map_err(of_address)?;
         tokio::spawn(mtconnect::serve(listener, machines.clone(), news.clone()));
     }
+    let broker = match &args.cell.mqtt {
+        Some(url) => {
+            let link = mqtt::Link::start(url, &args.cell, &machines, &news);
+            Some(link.map_err(Failure::Usage)?)
+        }
+        None => None,
+    };
     let link = access.link();
     out.tell(
         format!("Open {link}\nCtrl-C stops the machines and ends"),
@@ -134,6 +142,9 @@ async fn serve_pages(
     tokio::select! {
         ended = axum::serve(listener, site) => ended?,
         () = ended(&machines, args.seconds) => {}
+    }
+    if let Some(broker) = broker {
+        broker.end().await;
     }
     Ok(match stops_asked() {
         0 => super::app::OK,

@@ -1,6 +1,6 @@
 //! `husillo serve`: its arguments.
 
-use super::Output;
+use super::{Cell, Output};
 use clap::Args;
 
 /// `husillo serve`.
@@ -39,6 +39,8 @@ pub struct Serve {
     /// Print the file of devices for the agent of MTConnect, and end
     #[arg(long)]
     pub mtconnect_devices: bool,
+    #[command(flatten)]
+    pub cell: Cell,
     /// End after this time instead of at Ctrl-C
     #[arg(long = "for", value_name = "SECONDS", value_parser = seconds)]
     pub seconds: Option<f64>,

@@ -197,8 +197,9 @@ fn absolute(name: &str) -> String {
     path.map_or_else(|_| name.to_owned(), |path| path.display().to_string())
 }
 
-/// `$XDG_STATE_HOME/husillo`, or `~/.local/state/husillo`.
-fn folder() -> Option<PathBuf> {
+/// The folder for what this program remembers: `$XDG_STATE_HOME/husillo`, or
+/// `~/.local/state/husillo`.
+pub fn folder() -> Option<PathBuf> {
     let absolute = |name| {
         let path = PathBuf::from(std::env::var_os(name)?);
         path.is_absolute().then_some(path)

@@ -95,6 +95,8 @@ pub struct Loaded {
     pub scene: Option<String>,
     /// What the page that has loaded it is told.
     pub report: Value,
+    /// The line with which it goes on, if it was interrupted before.
+    pub resume_line: Option<usize>,
 }
 
 impl Loaded {
@@ -164,6 +166,7 @@ impl Loaded {
             times,
             scene,
             report,
+            resume_line: None,
         })
     }
 

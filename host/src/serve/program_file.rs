@@ -25,25 +25,52 @@ const WORK_ZERO: Duration = Duration::from_secs(3);
 /// Interval of the requests for the work zero.
 const AGAIN: Duration = Duration::from_millis(50);
 
-/// Checks, simulates and loads a program for its machine.
+/// Checks, simulates and loads a program for its machine, as a page asks for it.
 pub async fn load(machine: Arc<Machine>, client: u64, name: String, body: Bytes) -> Response {
     let name: String = name.chars().filter(|c| !c.is_control()).take(200).collect();
-    if std::str::from_utf8(&body).is_err() && body.contains(&0) {
-        return refused(StatusCode::BAD_REQUEST, "this file is not a text");
-    }
     if machine.control.operator() != Some(client) {
         return refused(StatusCode::FORBIDDEN, "take control first");
     }
+    match place(&machine, client, &name, body.to_vec(), None).await {
+        Ok(program) => {
+            let report = program.report.to_string();
+            ([(CONTENT_TYPE, "application/json")], report).into_response()
+        }
+        Err((status, why)) => refused(status, &why),
+    }
+}
+
+/// Checks, simulates and loads a program. `resume` is the line with which it goes on, if it was
+/// interrupted before.
+///
+/// # Errors
+///
+/// A sentence, and the status that a page gets.
+pub async fn place(
+    machine: &Arc<Machine>,
+    client: u64,
+    name: &str,
+    text: Vec<u8>,
+    resume: Option<usize>,
+) -> Result<Arc<Loaded>, (StatusCode, String)> {
+    if std::str::from_utf8(&text).is_err() && text.contains(&0) {
+        return Err((StatusCode::BAD_REQUEST, "this file is not a text".into()));
+    }
     let made = {
-        let machine = Arc::clone(&machine);
-        tokio::task::spawn_blocking(move || checked(&machine, client, &name, body.to_vec())).await
+        let (machine, name) = (Arc::clone(machine), name.to_owned());
+        tokio::task::spawn_blocking(move || checked(&machine, client, &name, text)).await
     };
-    let program = match made {
-        Ok(Ok(program)) => Arc::new(program),
-        Ok(Err(why)) => return refused(StatusCode::BAD_REQUEST, &why),
+    let mut program = match made {
+        Ok(Ok(program)) => program,
+        Ok(Err(why)) => return Err((StatusCode::BAD_REQUEST, why)),
         // The simulation of a program has a mistake of ours.
-        Err(_) => return refused(StatusCode::INTERNAL_SERVER_ERROR, "the check has failed"),
+        Err(_) => {
+            let why = "the check has failed".into();
+            return Err((StatusCode::INTERNAL_SERVER_ERROR, why));
+        }
     };
+    program.resume_line = resume;
+    let program = Arc::new(program);
     let (to, mut answers) = channel(1);
     let request = Request::Load(Arc::clone(&program));
     machine.ask(client, request, Reply::new(json!(0), to));
@@ -51,22 +78,19 @@ pub async fn load(machine: Arc<Machine>, client: u64, name: String, body: Bytes)
     let answer: Value = match answer {
         Ok(Some(answer)) => serde_json::from_str(&answer).unwrap_or_default(),
         _ => {
-            return refused(
-                StatusCode::SERVICE_UNAVAILABLE,
-                "the machine does not answer",
-            );
+            let why = "the machine does not answer".into();
+            return Err((StatusCode::SERVICE_UNAVAILABLE, why));
         }
     };
     if answer["ok"] != true {
         let why = answer["error"].as_str().unwrap_or_default();
-        return refused(StatusCode::CONFLICT, why);
+        return Err((StatusCode::CONFLICT, why.to_owned()));
     }
-    let report = program.report.to_string();
     *machine
         .program
         .lock()
-        .unwrap_or_else(PoisonError::into_inner) = Some(program);
-    ([(CONTENT_TYPE, "application/json")], report).into_response()
+        .unwrap_or_else(PoisonError::into_inner) = Some(Arc::clone(&program));
+    Ok(program)
 }
 
 /// The text of the program.

@@ -151,8 +151,8 @@ async fn load(
         .get("x-husillo-client")
         .and_then(|value| value.to_str().ok()?.parse().ok());
     let name = query.name.unwrap_or_else(|| "program.nc".into());
-    // Clients have numbers from 1.
-    program_file::load(machine, client.unwrap_or(0), name, body).await
+    // No client has this number.
+    program_file::load(machine, client.unwrap_or(u64::MAX), name, body).await
 }
 
 async fn open(

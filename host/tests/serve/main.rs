@@ -1,6 +1,7 @@
 //! `husillo serve`, as a page calls it.
 
 mod access;
+mod broker;
 mod control;
 #[path = "../emulated/mod.rs"]
 mod emulated;
@@ -11,6 +12,8 @@ mod lines;
 mod links;
 mod macros;
 mod micromill;
+mod mqtt;
+mod mqtt_jobs;
 mod mtconnect;
 mod page;
 mod probing;

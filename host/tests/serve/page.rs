@@ -21,10 +21,16 @@ pub struct Served {
 impl Served {
     /// A server with these options, on a free port.
     pub fn new(options: &[&str]) -> Self {
+        Self::with(options, &[])
+    }
+
+    /// The same with these variables of the environment.
+    pub fn with(options: &[&str], variables: &[(&str, &str)]) -> Self {
         let mut process = Command::new(env!("CARGO_BIN_EXE_husillo"))
             .current_dir(env!("CARGO_MANIFEST_DIR"))
-            .args(["serve", "--listen", "127.0.0.1:0", "--for", "900"])
+            .args(["serve", "--listen", "127.0.0.1:0", "--for", "4000"])
             .args(options)
+            .envs(variables.iter().copied())
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
             .spawn()

@@ -44,6 +44,12 @@ fn twenty_pages_watch_for_long() {
     watched(Duration::from_secs(300));
 }
 
+#[test]
+#[ignore = "takes an hour"]
+fn twenty_pages_watch_for_an_hour() {
+    watched(Duration::from_secs(3600));
+}
+
 /// A page that only listens, and answers no request, is not taken for lost: its pongs count.
 #[test]
 #[ignore = "takes a minute and a half"]

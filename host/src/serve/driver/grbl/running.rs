@@ -103,6 +103,7 @@ impl Running {
     fn load(&mut self, program: Arc<Loaded>) {
         *self = Self {
             lines: Arc::clone(&program.lines),
+            resume_line: program.resume_line,
             program: Some(program),
             loads: self.loads + 1,
             runs: self.runs,
