@@ -1,12 +1,12 @@
 /* The time of the motion of programs by the planner of Grbl, on the router of
-   `husillo-bench --bin motion`: 400 steps/mm, 6000 mm/min, 500 mm/s^2, defaults of Grbl for corners
-   and arcs. Only the speeds are planned; no step is made.
+   `husillo-bench --bin motion`. Only the speeds are planned; no step is made.
 
      motion FILE...    prints file, refused lines, blocks and seconds */
 #include <stdio.h>
 
 #include "grbl.h"
 
+#include "program.h"
 #include "surroundings.h"
 
 static double minutes;
@@ -49,48 +49,17 @@ void coolant_sync(uint8_t mode) {
     stand();
 }
 
-static void begin(void) {
-    switch_on();
-    for (int axis = 0; axis < N_AXIS; axis++) {
-        settings.steps_per_mm[axis] = 400;
-        settings.max_rate[axis] = 6000;
-        settings.acceleration[axis] = 500.0 * 60 * 60;
-        sys_position[axis] = 0;
-    }
-    settings.junction_deviation = DEFAULT_JUNCTION_DEVIATION;
-    sys.state = STATE_IDLE;
-    sys.f_override = sys.r_override = sys.spindle_speed_ovr = 100;
-    minutes = speed_sqr = blocks = 0;
-    plan_reset();
-    plan_sync_position();
-}
-
-/* Removes blanks and comments, and makes capitals. */
-static void clean(char *line) {
-    char *to = line;
-    int is_comment = 0;
-    for (const char *next = line; *next && *next != ';'; next++) {
-        if (*next == '(') is_comment = 1;
-        if (!is_comment && *next > ' ') *to++ = *next >= 'a' && *next <= 'z' ? *next - ('a' - 'A') : *next;
-        if (*next == ')') is_comment = 0;
-    }
-    *to = 0;
-}
-
 int main(int count, char **arguments) {
     for (int number = 1; number < count; number++) {
-        FILE *file = fopen(arguments[number], "r");
-        if (!file) return 2;
-        begin();
-        char line[256];
-        size_t refused = 0;
-        while (fgets(line, sizeof line, file)) {
-            clean(line);
-            refused += *line && gc_execute_line(line) != STATUS_OK;
-        }
-        fclose(file);
+        size_t length;
+        unsigned char *program = read_program(arguments[number], &length);
+        if (!program) return 2;
+        router_on();
+        minutes = speed_sqr = blocks = 0;
+        struct counts counts = take(program, length, NULL);
+        free(program);
         stand();
-        printf("%s %zu %zu %.1f\n", arguments[number], refused, blocks, minutes * 60);
+        printf("%s %zu %zu %.1f\n", arguments[number], counts.refused, blocks, minutes * 60);
     }
     return 0;
 }

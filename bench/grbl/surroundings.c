@@ -1,5 +1,6 @@
 /* Stubs for the functions of Grbl that its parser calls in check mode ($C). Parameters are kept in
-   memory instead of the EEPROM; planner, stepper, spindle, coolant, probe and reports do nothing. */
+   memory instead of the EEPROM; spindle, coolant, probe and reports do nothing. Neither do planner
+   and stepper, except in a build with PLANNED and STEPPED. */
 #include "grbl.h"
 
 #include "surroundings.h"
@@ -25,6 +26,25 @@ void switch_on(void) {
     memset(kept, 0, sizeof kept);
     gc_init();
 }
+
+#ifdef PLANNED
+void router_on(void) {
+    switch_on();
+    for (int axis = 0; axis < N_AXIS; axis++) {
+        settings.steps_per_mm[axis] = 400;
+        settings.max_rate[axis] = 6000;
+        settings.acceleration[axis] = 500.0 * 60 * 60;
+        sys_position[axis] = 0;
+    }
+    settings.junction_deviation = DEFAULT_JUNCTION_DEVIATION;
+    settings.pulse_microseconds = DEFAULT_STEP_PULSE_MICROSECONDS;
+    settings.stepper_idle_lock_time = DEFAULT_STEPPER_IDLE_LOCK_TIME;
+    sys.state = STATE_IDLE;
+    sys.f_override = sys.r_override = sys.spindle_speed_ovr = 100;
+    plan_reset();
+    plan_sync_position();
+}
+#endif
 
 uint8_t settings_read_coord_data(uint8_t index, float *coordinates) {
     memcpy(coordinates, kept[index], sizeof kept[index]);
@@ -81,13 +101,24 @@ void limits_soft_check(float *target) { (void)target; }
 void probe_configure_invert_mask(uint8_t is_probe_away) { (void)is_probe_away; }
 uint8_t probe_get_state() { return false; }
 void report_probe_parameters() {}
-void st_reset() {}
 void system_set_exec_alarm(uint8_t code) { sys_rt_exec_alarm = code; }
 #ifdef PLANNED
-/* Called by planner.c. */
-void st_update_plan_block_parameters() {}
-uint8_t get_direction_pin_mask(uint8_t axis) { return 1 << axis; }
+/* Called by planner.c and stepper.c. */
+uint8_t get_direction_pin_mask(uint8_t axis) { return 1 << (X_DIRECTION_BIT + axis); }
+#ifdef STEPPED
+volatile uint8_t PORTB, PORTD, DDRB, DDRD;
+volatile uint8_t TCNT0, TCCR0A, TCCR0B, TIMSK0, TCCR1A, TCCR1B, TIMSK1;
+volatile uint16_t OCR1A;
+uint8_t get_step_pin_mask(uint8_t axis) { return 1 << (X_STEP_BIT + axis); }
+void probe_state_monitor() {}
+uint8_t spindle_compute_pwm_value(float rpm) { return (void)rpm, 0; }
+void spindle_set_speed(uint8_t pwm) { (void)pwm; }
 #else
+void st_reset() {}
+void st_update_plan_block_parameters() {}
+#endif
+#else
+void st_reset() {}
 void plan_reset() {}
 void plan_sync_position() {}
 uint8_t plan_check_full_buffer() { return false; }

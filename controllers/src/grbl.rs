@@ -8,6 +8,8 @@ mod door;
 mod event;
 #[cfg(feature = "grblhal")]
 mod hal;
+#[cfg(feature = "height-map")]
+mod height;
 mod homing;
 mod lines;
 mod memory;
@@ -25,7 +27,7 @@ use husillo_backlash::Backlash;
 use husillo_gcode::{Command, Commands, Dialect, Modal, Nm};
 use husillo_interp::Path;
 use husillo_machine::{Axis, AxisRamp, Config, Equipment, Machine, Scale};
-use husillo_transports::grbl::{LineReader, Message, Receiver, Settings, Units};
+use husillo_transports::grbl::{LineReader, Message, Receiver, Settings, Text, Units};
 
 use crate::Controller;
 use crate::ring::Ring;
@@ -39,6 +41,8 @@ use checked::Checks;
 use door::DoorStep;
 #[cfg(feature = "grblhal")]
 use hal::Hal;
+#[cfg(feature = "height-map")]
+use height::Height;
 use homing::Homing;
 use lines::{Origin, Task};
 use memory::StoredLine;
@@ -138,8 +142,10 @@ pub struct Grbl<const QUEUE: usize = 15> {
     recovery: Recovery,
     flags: Flags,
     inputs: GrblInputs,
-    /// Steps that were made.
+    /// Steps of the program that were made.
     steps: [i32; 3],
+    /// An axis has made a step since all were at rest.
+    has_stepped: bool,
     /// The event that was returned and is not made yet: its wait, and the steps that it counts.
     pending: Option<(u32, [i8; 3])>,
     /// The rest of a long wait, and the step after it.
@@ -161,6 +167,8 @@ pub struct Grbl<const QUEUE: usize = 15> {
     tool: u8,
     #[cfg(feature = "grblhal")]
     hal: Hal,
+    #[cfg(feature = "height-map")]
+    height: Height,
     /// Position of the last contact, and whether the last probe move found a contact.
     probe: ([i64; 3], bool),
     /// Position in steps at the contact of the present probe move.
@@ -205,6 +213,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             flags: Flags::default(),
             inputs: GrblInputs::default(),
             steps: [0; 3],
+            has_stepped: false,
             pending: None,
             rest: None,
             start_us: 0,
@@ -218,6 +227,8 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             tool: 0,
             #[cfg(feature = "grblhal")]
             hal: Hal::new(),
+            #[cfg(feature = "height-map")]
+            height: Height::OFF,
             probe: ([0; 3], false),
             contact: None,
             homing: Homing::default(),
@@ -235,9 +246,15 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         &self.memory
     }
 
-    /// Returns the positions of the axes, in steps from machine zero. Until the axes are homed,
+    /// Returns the positions of the motors, in steps from machine zero. Until the axes are homed,
     /// machine zero is the position at power-on.
     pub const fn position_steps(&self) -> [i32; 3] {
+        #[cfg(feature = "height-map")]
+        {
+            let [x, y, z] = self.steps;
+            [x, y, z.wrapping_add(self.height.correction())]
+        }
+        #[cfg(not(feature = "height-map"))]
         self.steps
     }
 
@@ -255,7 +272,11 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
 
     /// Appends a message to the output.
     fn send(&mut self, message: &Message) {
-        let text = message.write(self.units());
+        self.send_text(&message.write(self.units()));
+    }
+
+    /// Appends a line to the output.
+    fn send_text(&mut self, text: &Text) {
         for byte in text.bytes().iter().chain(b"\r\n") {
             self.output.push(*byte);
         }
@@ -282,7 +303,11 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
 
     /// Applies new settings. Call it only while nothing moves.
     fn configure(&mut self) {
-        self.machine = Machine::new(config(self.settings()));
+        #[cfg(not(feature = "height-map"))]
+        let config = config(self.settings());
+        #[cfg(feature = "height-map")]
+        let config = self.config_with_map();
+        self.machine = Machine::new(config);
         self.machine.set_feed_override(self.overrides[0]);
         self.machine.set_rapid_override(self.overrides[1]);
         self.drop_moves();
@@ -334,7 +359,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
     }
 }
 
-/// Returns the configuration of the engine for these settings.
+/// Returns the configuration of the engine for these settings, without a height map.
 fn config(settings: &Settings) -> Config<3> {
     let axis = |index: u8| {
         // Numbers are below 133.
@@ -404,6 +429,8 @@ impl<const QUEUE: usize> Controller for Grbl<QUEUE> {
 
     fn halted(&mut self) {
         self.pending = None;
+        #[cfg(feature = "height-map")]
+        self.height.dropped();
     }
 
     fn next_event(&mut self, machine: u8, inputs: &GrblInputs) -> Option<GrblEvent> {
@@ -436,9 +463,12 @@ impl<const QUEUE: usize> Controller for Grbl<QUEUE> {
             return;
         }
         if let Some((wait_us, delta)) = self.pending.take() {
+            self.has_stepped |= delta != [0; 3];
             for (steps, delta) in self.steps.iter_mut().zip(delta) {
                 *steps = steps.wrapping_add(delta.into());
             }
+            #[cfg(feature = "height-map")]
+            self.height.made(wait_us);
             self.pass(wait_us);
         }
     }

@@ -219,16 +219,16 @@ proptest! {
 /// A loss of power during any write leaves the old memory or the new one.
 #[test]
 fn the_memory_survives_a_loss_of_power() {
-    let mut flash = Flash::<8>::new(16, 256);
+    let mut flash = Flash::<8>::new(32, 256);
     let save = |flash: &mut Flash<8>, bytes: &[u8]| {
-        let mut store = Store::open(flash, 0..4096).unwrap();
+        let mut store = Store::open(flash, 0..8192).unwrap();
         let Ok(mut save) = store.save() else { return };
         if save.write(bytes).is_ok() {
             let _ = save.commit();
         }
     };
     let load = |flash: &mut Flash<8>| {
-        let mut store = Store::open(flash, 0..4096).unwrap();
+        let mut store = Store::open(flash, 0..8192).unwrap();
         let mut bytes = [0; GrblMemory::BYTES];
         store.read(0, &mut bytes).unwrap();
         GrblMemory::from_bytes(&bytes).unwrap()
@@ -243,7 +243,7 @@ fn the_memory_survives_a_loss_of_power() {
     let new = *driven.grbl.memory();
     assert_ne!(old, new);
     let (mut olds, mut news) = (0, 0);
-    for operation in 0..200 {
+    for operation in 0..400 {
         flash.power = Some((operation, 7));
         save(&mut flash, &new.to_bytes());
         flash.power = None;

@@ -1,8 +1,8 @@
 //! Cutter compensation (G41, G42): commands of the contour in, commands of the tool centre out.
 //!
 //! ```text
-//! Modal::plan ──► Commands ──► Compensation::plan ──► Compensated ──► machine
-//!                 contour      one move behind        tool centre
+//! Modal::apply ──► Commands ──► Compensation::apply ──► Compensated ──► machine
+//!                  contour      one move behind         tool centre
 //! ```
 
 pub(crate) mod offset;
@@ -108,11 +108,12 @@ impl Course {
     }
 }
 
-/// The commands of one block after compensation; see [`Compensation::plan`].
+/// The commands of one block after compensation; see [`Compensation::apply`].
 #[derive(Clone, Debug)]
 pub struct Compensated<const N: usize> {
-    stage: Compensation<N>,
-    commands: Option<Commands<N>>,
+    /// The stage before the commands, where it does not pass them on unchanged.
+    stage: Option<Compensation<N>>,
+    commands: Commands<N>,
     freed: Freed<N>,
 }
 
@@ -137,7 +138,44 @@ impl<const N: usize> Freed<N> {
     }
 
     fn pop(&mut self) -> Option<Command<N>> {
-        self.places.iter_mut().find_map(Option::take)
+        // `take` would copy an empty place too.
+        let place = self.places.iter_mut().find(|place| place.is_some());
+        place.and_then(Option::take)
+    }
+
+    fn clear(&mut self) {
+        self.places.iter_mut().for_each(|place| *place = None);
+    }
+}
+
+impl<const N: usize> Compensated<N> {
+    /// No commands.
+    pub const fn new() -> Self {
+        Compensated {
+            stage: None,
+            commands: Commands::new(),
+            freed: Freed::new(),
+        }
+    }
+
+    /// The commands before compensation: [`Modal::apply`](crate::Modal::apply) writes them, and
+    /// [`Modal::revert`](crate::Modal::revert) takes their block back. Then they wait for
+    /// [`Compensation::apply`].
+    pub const fn commands(&mut self) -> &mut Commands<N> {
+        &mut self.commands
+    }
+
+    /// Drops the commands that have not been taken.
+    pub fn clear(&mut self) {
+        self.stage = None;
+        self.commands.clear();
+        self.freed.clear();
+    }
+}
+
+impl<const N: usize> Default for Compensated<N> {
+    fn default() -> Self {
+        Compensated::new()
     }
 }
 
@@ -149,9 +187,12 @@ impl<const N: usize> Iterator for Compensated<N> {
             if let Some(command) = self.freed.pop() {
                 return Some(command);
             }
-            let command = self.commands.as_mut()?.next()?;
-            // `plan` has processed all of them without an error.
-            if self.stage.push(command, &mut self.freed).is_err() {
+            let command = self.commands.next()?;
+            let Some(stage) = &mut self.stage else {
+                return Some(command);
+            };
+            // `apply` has processed all of them without an error.
+            if stage.push(command, &mut self.freed).is_err() {
                 return None;
             }
         }
@@ -184,24 +225,68 @@ impl<const N: usize> Compensation<N> {
     /// nothing changes.
     ///
     /// # Errors
+    /// Those of [`Compensation::apply`].
+    pub fn plan(&self, commands: Commands<N>) -> Result<(Self, Compensated<N>), ErrorKind> {
+        let mut next = self.clone();
+        let mut made = Compensated {
+            stage: None,
+            commands,
+            freed: Freed::new(),
+        };
+        next.apply(&mut made)?;
+        Ok((next, made))
+    }
+
+    /// Does [`Compensation::plan`] in place: `made` has the commands of the block, and gives those
+    /// that are now determined. With an error the stage is unchanged, and the commands can be taken
+    /// back.
+    ///
+    /// ```
+    /// use husillo_gcode::{Block, Command, Compensated, Compensation, Dialect, Modal, Nm};
+    ///
+    /// let mut modal = Modal::<3>::new(Dialect::RS274);
+    /// let mut stage = Compensation::new([Nm(0); 3]);
+    /// let mut made = Compensated::new();
+    /// let mut ends = 0;
+    /// for line in ["G1 X1 F60", "G41.1 D2 G1 X4", "Y5", "G40 X0"] {
+    ///     let block = Block::parse(line.as_bytes(), &Dialect::RS274).unwrap();
+    ///     modal.apply(&block, made.commands()).unwrap();
+    ///     if stage.apply(&mut made).is_err() {
+    ///         modal.revert(made.commands());
+    ///     }
+    ///     ends += made.by_ref().filter_map(|command| command.end()).count();
+    /// }
+    /// assert_eq!((ends, modal.position()[1]), (4, Nm(5_000_000)));
+    /// ```
+    ///
+    /// # Errors
     /// E0320 to E0323 (see [`ErrorKind`]), E0508 under G93, and E0324 when more than four commands
     /// that do not move in the plane stand between two moves that do.
     ///
     /// # Cost
-    /// One pass over the commands here, and one when they are pulled.
-    pub fn plan(&self, commands: Commands<N>) -> Result<(Self, Compensated<N>), ErrorKind> {
+    /// While compensation is off, one look at the commands. Otherwise one pass over them here, one
+    /// when they are pulled, and two copies of the stage.
+    pub fn apply(&mut self, made: &mut Compensated<N>) -> Result<(), ErrorKind> {
+        made.stage = None;
+        made.freed.clear();
+        if self.passes(&made.commands) {
+            let ends = made.commands.pending().filter_map(|command| command.end());
+            self.at = ends.last().unwrap_or(self.at);
+            return Ok(());
+        }
         let mut next = self.clone();
         let mut freed = Freed::new();
-        for command in commands.clone() {
+        for command in made.commands.clone() {
             next.push(command, &mut freed)?;
-            freed = Freed::new();
+            freed.clear();
         }
-        let compensated = Compensated {
-            stage: self.clone(),
-            commands: Some(commands),
-            freed,
-        };
-        Ok((next, compensated))
+        made.stage = Some(core::mem::replace(self, next));
+        Ok(())
+    }
+
+    /// Whether the stage passes these commands on unchanged.
+    const fn passes(&self, commands: &Commands<N>) -> bool {
+        self.active.is_none() && !self.is_leaving && !commands.compensates()
     }
 
     /// Number of commands that wait: a move for its end, and the commands after it. When a later
@@ -218,8 +303,8 @@ impl<const N: usize> Compensation<N> {
         let mut freed = Freed::new();
         self.flush(None, &mut freed);
         Compensated {
-            stage: self,
-            commands: None,
+            stage: None,
+            commands: Commands::new(),
             freed,
         }
     }

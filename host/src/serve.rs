@@ -8,7 +8,7 @@
 //!
 //! Each machine has a thread with a [`driver`], which owns the link. The pages run in one thread.
 //! [`machine`] is what both share. A state replaces the state before it, so a slow page holds
-//! nothing up.
+//! nothing up. [`mtconnect`] reads the same states for others than pages.
 
 mod access;
 mod axes;
@@ -22,6 +22,7 @@ mod loaded;
 mod machine;
 mod machine_state;
 mod macros;
+mod mtconnect;
 mod page;
 mod program_file;
 mod reply;
@@ -43,6 +44,7 @@ use husillo_transports::grbl::Settings;
 use machine::Machine;
 use macros::MacroFile;
 use serde_json::json;
+use std::io::Write as _;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use tokio::net::TcpListener;
@@ -59,6 +61,14 @@ const END: Duration = Duration::from_secs(10);
 ///
 /// A sentence about the address.
 pub fn serve(args: &Serve, settings: Settings, out: &mut Reporter<'_>) -> Result<u8, Failure> {
+    if args.mtconnect_devices {
+        let machines = (1..).zip(&args.port);
+        let described: Vec<_> = machines
+            .map(|(number, port)| machine::described(number, port))
+            .collect();
+        write!(out, "{}", mtconnect::document(&described, &host_name()))?;
+        return Ok(super::app::OK);
+    }
     stop_requests()?;
     let runtime = tokio::runtime::Builder::new_current_thread()
         .enable_all()
@@ -94,6 +104,11 @@ async fn serve_pages(
         driver::start(Arc::clone(&machine), port, requests);
         machines.push(machine);
     }
+    if let Some(address) = &args.mtconnect {
+        let of_address = |error| Failure::Usage(format!("{address}: {error}"));
+        let listener = TcpListener::bind(address).await.map_err(of_address)?;
+        tokio::spawn(mtconnect::serve(listener, machines.clone(), news.clone()));
+    }
     let link = access.link();
     out.tell(
         format!("Open {link}\nCtrl-C stops the machines and ends"),
@@ -124,4 +139,15 @@ async fn ended(machines: &[Arc<Machine>], seconds: Option<f64>) {
     while machines.iter().any(|machine| !machine.is_ended()) && begun.elapsed() < END {
         tokio::time::sleep(LOOK).await;
     }
+}
+
+/// The name of this computer.
+fn host_name() -> String {
+    #[cfg(unix)]
+    let name = nix::unistd::gethostname().ok();
+    #[cfg(not(unix))]
+    let name = std::env::var_os("COMPUTERNAME");
+    let name = name.map(|name| name.to_string_lossy().into_owned());
+    name.filter(|name| !name.is_empty())
+        .unwrap_or_else(|| "husillo".to_owned())
 }

@@ -49,6 +49,8 @@ pub struct GrblRig {
     /// Inputs that are held by hand, and whether they are held closed.
     held: Vec<(GrblPin, bool)>,
     blocked: [bool; 3],
+    /// Rise of the plate below the probe, in steps of Z per 1000 steps of X and of Y.
+    tilt_per_mille: [i64; 2],
     /// Shortest interval between steps that a motor follows, us.
     pull_out_us: u64,
     now_us: u64,
@@ -115,6 +117,22 @@ impl GrblRig {
         }
     }
 
+    /// Tilts the plate below a probe that Z closes. It rises by these numbers of steps of Z per
+    /// 1000 steps along X and along Y, from the position at power-on.
+    pub const fn tilt(&mut self, per_mille: [i64; 2]) {
+        self.tilt_per_mille = per_mille;
+    }
+
+    /// Returns the position at which a switch closes, at the present place.
+    fn switch_steps(&self, switch: &SlideSwitch) -> i64 {
+        if switch.pin != GrblPin::Probe || switch.axis != 2 {
+            return switch.at_steps;
+        }
+        let places = self.steps.into_iter().zip(self.tilt_per_mille);
+        let rise: i64 = places.map(|(at, per_mille)| at * per_mille).sum();
+        switch.at_steps + rise.div_euclid(1000)
+    }
+
     fn step(&mut self, delta: [i8; 3]) {
         for (axis, delta) in delta
             .into_iter()
@@ -178,10 +196,11 @@ impl Plant for GrblRig {
         let mut levels = self.levels;
         for switch in &self.switches {
             let at = self.steps.get(switch.axis).copied().unwrap_or(0);
+            let closes_at = self.switch_steps(switch);
             let is_closed = if switch.is_above {
-                at >= switch.at_steps
+                at >= closes_at
             } else {
-                at <= switch.at_steps
+                at <= closes_at
             };
             set(&mut levels, switch.pin, is_closed == switch.closed_level);
         }

@@ -121,3 +121,41 @@ fn the_panel_blocks_motors_and_cuts_power() {
     assert!(session.status().contains("MPos:0.000,0.000,0.000"));
     assert!(session.ask("$$\n").contains("$110=3000.000\r\n"));
 }
+
+/// The mill measures a plate that is tilted, and its tool then keeps its distance.
+#[test]
+fn it_measures_a_height_map_and_follows_it() {
+    let mut session = Session::new();
+    assert!(session.device.control("tilt 10 -4").contains("10 steps"));
+    assert_eq!(session.ask("$H\n"), "ok\r\n");
+    assert_eq!(session.ask("G0X-41Y-31Z-8\n"), "ok\r\n");
+    assert_eq!(session.ask("G10L20P1X0Y0\n"), "ok\r\n");
+    assert_eq!(session.ask("$ZG=0,0,30,20,3,2\n"), "ok\r\n");
+    let said = session.ask("$ZP=20,300\n");
+    assert_eq!(said.matches("[PRB:").count(), 6, "{said}");
+    // 15 mm rise by 0.15 mm, and 20 mm fall by 0.08 mm. A step is 0.004 mm.
+    assert_eq!(
+        session.ask("$Z\n"),
+        "[MAP:0,0.000,0.000,30.000,20.000,3,2]\r\n[HEIGHTS:0,0.000,0.152,0.300]\r\n\
+         [HEIGHTS:1,-0.080,0.072,0.220]\r\nok\r\n"
+    );
+    assert_eq!(session.ask("$Z=1\n"), "ok\r\n");
+    assert_eq!(session.ask("G0Z-8\n"), "ok\r\n");
+    for (line, [dx, dy, dz]) in [
+        ("G0X0Y0\n", [0, 0, 0]),
+        ("G0X30\n", [7500, 0, 75]),
+        ("G0Y20\n", [7500, 5000, 55]),
+        ("G2X0Y20R15F2000\n", [0, 5000, -20]),
+        ("G0X0Y0\n", [0, 0, 0]),
+    ] {
+        session.ask(line);
+        // The work zero of X and Y, and the height of the travel between the points.
+        let at = [19 * 250 - 40 * 250, 19 * 250 - 30 * 250, 9 * 250 - 7 * 250];
+        let expected = [at[0] + dx, at[1] + dy, at[2] + dz];
+        session.pass(3000);
+        let steps = session.device.rig(0).unwrap().steps();
+        assert_eq!(steps[..2], expected[..2], "{line}");
+        assert!((steps[2] - expected[2]).abs() <= 1, "{line}: {steps:?}");
+        assert!(session.status().contains("-8.000|"), "{line}");
+    }
+}

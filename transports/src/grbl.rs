@@ -18,6 +18,7 @@
 
 mod alarm;
 mod error;
+mod height_line;
 mod line_reader;
 mod message;
 mod modal_state;
@@ -32,6 +33,7 @@ mod window;
 
 pub use alarm::Alarm;
 pub use error::ErrorCode;
+pub use height_line::{HeightLine, MOST_HEIGHTS};
 pub use line_reader::{Line, LineReader};
 pub use message::{Feedback, Message};
 pub use modal_state::ModalState;

@@ -15,7 +15,7 @@ test("the probe is tried, then the height of a plate becomes the work zero", asy
     await says(page, "#part-probing .why", "Touch the probe to the tool by hand once");
     // The plate of the simulated machine is 10 mm below.
     await page.type("input.mono", "G21 G0 Z-10.5\n");
-    await until(page, ({ switches }) => switches.includes("P"));
+    await until(page, (now) => isIdle(now) && now.switches.includes("P"));
     await says(page, "#part-probing .why", "The probe is closed now");
     await page.type("input.mono", "G0 Z-7\n");
     await until(page, (now) => isIdle(now) && now.machine_mm[2] === -7);

@@ -3,49 +3,18 @@
 //! `motion FILE...` prints file, lines, seconds and the least seconds of each. `motion write
 //! seg|arc|mix` prints a program of 300 kB. `bench/grbl/run motion` compares them with Grbl.
 
-use husillo_backlash::Backlash;
-use husillo_bench::Limits;
-use husillo_gcode::{Dialect, Nm};
-use husillo_interp::Path;
-use husillo_machine::{Axis, AxisRamp, Config, Equipment, Event, Machine, Scale};
+use husillo_bench::{Limits, ROUTER_HZ, Router, router};
+use husillo_gcode::Dialect;
+use husillo_machine::Event;
 
 /// Length of the generated programs.
 const BYTES: usize = 300_000;
-const HZ: u32 = 16_000_000;
+/// The limits of the router.
 const LIMITS: Limits = Limits {
     mm_per_s: 100.0,
     mm_per_s2: 500.0,
     deviation_mm: 0.01,
 };
-
-type Router = Machine<3, Path<3>, Backlash, 32>;
-
-/// A router with steps of 2.5 um and the limits above.
-fn config() -> Option<Config<3>> {
-    let axis = Axis {
-        scale: Scale::new(2_500, 1)?,
-        travel: None,
-        max_rate_hz: 40_000,
-        backlash_steps: 0,
-        ramp: Some(AxisRamp {
-            acceleration_hz_per_s: 200_000,
-            start_rate_hz: 0,
-            jerk_hz_per_s2: None,
-            junction_hz: None,
-        }),
-    };
-    Some(Config {
-        axes: [axis; 3],
-        timer_hz: HZ,
-        dialect: Dialect::RS274,
-        arc_tolerance: None,
-        rapid: None,
-        top_feed: None,
-        corner_deviation: Some(Nm(10_000)),
-        equipment: Equipment::NONE,
-        spindle_counts: None,
-    })
-}
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -75,8 +44,7 @@ fn generated(name: &str) -> Result<String, &'static str> {
 
 /// The time of all events of a program.
 fn seconds(program: &str) -> Result<f64, Box<dyn std::error::Error>> {
-    let config = config().ok_or("the scale is 0")?;
-    let mut machine = Router::new(config);
+    let mut machine = router().ok_or("the scale is 0")?;
     let mut ticks = 0_u64;
     let mut pull = |machine: &mut Router| {
         let event = machine.next_event();
@@ -94,7 +62,7 @@ fn seconds(program: &str) -> Result<f64, Box<dyn std::error::Error>> {
             .map_err(|error| format!("{line}: {error:?}"))?;
     }
     while pull(&mut machine) {}
-    Ok(ticks as f64 / f64::from(HZ))
+    Ok(ticks as f64 / f64::from(ROUTER_HZ))
 }
 
 #[cfg(test)]

@@ -80,6 +80,8 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             [b'N', rest @ ..] => return self.store_line(rest),
             [b'H', axes @ ..] => return self.home(axes),
             [b'R', rest @ ..] => return self.restore_defaults(rest),
+            #[cfg(feature = "height-map")]
+            [b'Z', rest @ ..] => return self.map_command(rest),
             [b'#' | b'I' | b'S', ..] => return Err(ErrorCode::InvalidStatement),
             _ => self.write_setting(text)?,
         }

@@ -98,6 +98,8 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             b"Z" if self.homes_axes() => [0b100, 0],
             _ => return Err(ErrorCode::InvalidStatement),
         };
+        #[cfg(feature = "height-map")]
+        self.drop_map();
         self.homing = Homing {
             axes: first,
             later: second,

@@ -55,6 +55,12 @@ pub(super) enum Task {
     /// The change of a tool.
     #[cfg(feature = "grblhal")]
     Change,
+    /// The height map, whose line with this number is the next.
+    #[cfg(feature = "height-map")]
+    Map(u8),
+    /// The measurement of the height map.
+    #[cfg(feature = "height-map")]
+    Survey,
 }
 
 /// Result of a line that was accepted.
@@ -110,6 +116,10 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             Task::List(listing, index) => self.hal_list(listing, index),
             #[cfg(feature = "grblhal")]
             Task::Change => self.hal_continue_change(),
+            #[cfg(feature = "height-map")]
+            Task::Map(number) => self.list_map(number),
+            #[cfg(feature = "height-map")]
+            Task::Survey => self.continue_survey(),
             Task::Pause | Task::Probe { .. } => false,
         }
     }
@@ -454,7 +464,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
     }
 
     /// Whether a target is outside the travel, without tolerance.
-    fn leaves_travel(&self, to: &[Nm; 3]) -> bool {
+    pub(super) fn leaves_travel(&self, to: &[Nm; 3]) -> bool {
         let axes = self.machine.config().axes.iter().zip(to);
         axes.into_iter().any(|(axis, to)| {
             let is_outside = |[least, most]: [Nm; 2]| to.0 < least.0 || to.0 > most.0;

@@ -4,6 +4,8 @@ use husillo_transports::grbl::{LINE_CHARACTERS, Settings};
 
 #[cfg(feature = "grblhal")]
 use super::hal::HalMemory;
+#[cfg(feature = "height-map")]
+use super::height::HeightMap;
 
 /// A stored line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,6 +52,8 @@ pub struct GrblMemory {
     pub(super) lines: [StoredLine; 3],
     #[cfg(feature = "grblhal")]
     pub(super) hal: HalMemory,
+    #[cfg(feature = "height-map")]
+    pub(super) map: HeightMap,
 }
 
 const PLACES_BYTES: usize = 8 * 3 * 8;
@@ -59,10 +63,16 @@ const LINE_BYTES: usize = LINE_CHARACTERS + 1;
 const HAL_BYTES: usize = HalMemory::BYTES;
 #[cfg(not(feature = "grblhal"))]
 const HAL_BYTES: usize = 0;
+/// Bytes of the height map.
+#[cfg(feature = "height-map")]
+const MAP_BYTES: usize = HeightMap::BYTES;
+#[cfg(not(feature = "height-map"))]
+const MAP_BYTES: usize = 0;
 
 impl GrblMemory {
     /// Number of bytes of the stored form.
-    pub const BYTES: usize = 1 + Settings::BYTES + PLACES_BYTES + 3 * LINE_BYTES + HAL_BYTES;
+    pub const BYTES: usize =
+        1 + Settings::BYTES + PLACES_BYTES + 3 * LINE_BYTES + HAL_BYTES + MAP_BYTES;
     /// First byte of the stored form: its version.
     const FORM: u8 = 1;
 
@@ -73,6 +83,8 @@ impl GrblMemory {
         lines: [StoredLine::EMPTY; 3],
         #[cfg(feature = "grblhal")]
         hal: HalMemory::FACTORY,
+        #[cfg(feature = "height-map")]
+        map: HeightMap::NONE,
     };
 
     /// Returns this memory with other settings.
@@ -99,6 +111,8 @@ impl GrblMemory {
             .chain(lines);
         #[cfg(feature = "grblhal")]
         let all = all.chain(self.hal.bytes());
+        #[cfg(feature = "height-map")]
+        let all = all.chain(self.map.bytes());
         for (slot, byte) in bytes.iter_mut().zip(all) {
             *slot = byte;
         }
@@ -109,7 +123,8 @@ impl GrblMemory {
     pub fn from_bytes(bytes: &[u8]) -> Option<GrblMemory> {
         let (form, rest) = bytes.split_first()?;
         let (settings, rest) = rest.split_first_chunk()?;
-        if *form != Self::FORM || rest.len() != PLACES_BYTES + 3 * LINE_BYTES + HAL_BYTES {
+        let others = PLACES_BYTES + 3 * LINE_BYTES + HAL_BYTES + MAP_BYTES;
+        if *form != Self::FORM || rest.len() != others {
             return None;
         }
         let mut memory = GrblMemory {
@@ -131,8 +146,14 @@ impl GrblMemory {
         }
         #[cfg(feature = "grblhal")]
         {
-            memory.hal = HalMemory::from_bytes(rest)?;
+            let (bytes, others) = rest.split_at_checked(HAL_BYTES)?;
+            memory.hal = HalMemory::from_bytes(bytes)?;
+            rest = others;
         }
-        Some(memory)
+        #[cfg(feature = "height-map")]
+        {
+            memory.map = HeightMap::take(&mut rest)?;
+        }
+        rest.is_empty().then_some(memory)
     }
 }

@@ -88,6 +88,10 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             None => match self.next_step() {
                 Some(step) => step,
                 None => {
+                    #[cfg(feature = "height-map")]
+                    if let Some(wait) = self.last_us() {
+                        return Next::Event(self.made_later(wait.min(LONGEST_WAIT_US), [0; 3]));
+                    }
                     self.stopped();
                     return Next::Stopped;
                 }
@@ -97,6 +101,14 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         if let Some(event) = self.events.pop() {
             self.rest = Some((wait, delta));
             return Next::Event(event);
+        }
+        #[cfg(feature = "height-map")]
+        if let Some(late) = self
+            .late_us()
+            .filter(|late| *late < wait.min(LONGEST_WAIT_US))
+        {
+            self.rest = Some((wait.wrapping_sub(late), delta));
+            return Next::Event(self.made_later(late, [0; 3]));
         }
         if wait > LONGEST_WAIT_US {
             self.rest = Some((wait.wrapping_sub(LONGEST_WAIT_US), delta));
@@ -123,6 +135,8 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
 
     fn made_later(&mut self, wait_ticks: u32, delta: [i8; 3]) -> GrblEvent {
         self.pending = Some((wait_ticks, delta));
+        #[cfg(feature = "height-map")]
+        let delta = self.follow(delta, wait_ticks);
         if delta == [0; 3] {
             return GrblEvent::Wait { wait_ticks };
         }
@@ -177,8 +191,10 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         }
     }
 
-    /// Starts the time after which the motors are switched off.
+    /// Handles axes that have come to rest: starts the time after which the motors are switched
+    /// off.
     pub(super) fn rest_motors(&mut self) {
+        self.has_stepped = false;
         let delay = self.settings().whole(1);
         self.idle_us = (delay != 255).then_some(delay.wrapping_mul(1000));
         if self.idle_us == Some(0) {

@@ -32,6 +32,9 @@ pub struct GrblOptions {
     pub reports_lines: bool,
     /// Whether `$L=1` switches on numbers and checksums of lines.
     pub has_checked_lines: bool,
+    /// Whether `$Z` commands define, measure and switch on a height map.
+    #[cfg(feature = "height-map")]
+    pub has_height_map: bool,
     /// Whether accidents of Grbl's implementation are imitated. After a hold, a cancelled jog or a
     /// probe contact, Grbl first makes the segments that it has already prepared: motion goes on
     /// for 40 to 50 ms. Equal override bytes that arrive together count once. An axis that waits
@@ -56,6 +59,8 @@ impl GrblOptions {
         has_door: false,
         reports_lines: false,
         has_checked_lines: false,
+        #[cfg(feature = "height-map")]
+        has_height_map: false,
         has_accidents: true,
         reads_inputs: false,
         most_steps_per_s: None,
@@ -68,6 +73,8 @@ impl GrblOptions {
         has_door: true,
         reports_lines: true,
         has_checked_lines: true,
+        #[cfg(feature = "height-map")]
+        has_height_map: true,
         has_accidents: false,
         most_steps_per_s: None,
         ..GrblOptions::STOCK

@@ -47,6 +47,10 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         if self.hal.change.is_measuring() {
             return self.hal_takes_contact();
         }
+        #[cfg(feature = "height-map")]
+        if self.is_surveying() {
+            return self.take_height();
+        }
         match self.contact {
             Some(steps) => self.probe = (self.position_of(steps).map(|nm| nm.0), true),
             None if must => {

@@ -129,7 +129,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
     fn interrupt(&mut self) {
         let alarm = match self.phase {
             Phase::Home => Some(Alarm::HomingReset),
-            _ if self.moves() => Some(Alarm::AbortCycle),
+            _ if self.moves() && self.may_have_lost_steps() => Some(Alarm::AbortCycle),
             _ => None,
         };
         self.drop_moves();
@@ -138,6 +138,12 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             Some(alarm) => self.alarm(alarm, After::Boot),
             None => self.boot(),
         }
+    }
+
+    /// Whether a motor that stops immediately may have lost steps. It cannot if no axis has moved
+    /// since all were at rest. Grbl does not know this.
+    fn may_have_lost_steps(&self) -> bool {
+        self.has_stepped || self.options.has_accidents
     }
 
     /// Answers the present line, and resets the controller.
@@ -199,6 +205,8 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         self.probe = ([0; 3], false);
         self.contact = None;
         self.is_cancelling = false;
+        #[cfg(feature = "height-map")]
+        self.drop_map();
         self.modal = Modal::new(self.options.dialect());
         self.load_places();
         self.drop_moves();

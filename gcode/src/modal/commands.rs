@@ -256,6 +256,11 @@ impl<const N: usize> Commands<N> {
         self.pending == 0
     }
 
+    /// Whether one of them switches cutter compensation on or off.
+    pub(crate) const fn compensates(&self) -> bool {
+        self.pending & COMPENSATION != 0
+    }
+
     /// The pending commands, without taking them: to check all of them before the first is made.
     ///
     /// # Cost

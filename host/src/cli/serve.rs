@@ -32,12 +32,30 @@ pub struct Serve {
     /// configurations, such as ~/.config]
     #[arg(long, value_name = "FILE")]
     pub macros: Option<String>,
+    /// Tell an agent of MTConnect what the machines do; without HOST: to this computer only
+    #[arg(long, value_name = "PORT|HOST:PORT", value_parser = listening)]
+    pub mtconnect: Option<String>,
+    /// Print the file of devices for the agent of MTConnect, and end
+    #[arg(long)]
+    pub mtconnect_devices: bool,
     /// End after this time instead of at Ctrl-C
     #[arg(long = "for", value_name = "SECONDS", value_parser = seconds)]
     pub seconds: Option<f64>,
     /// How to print the address of the page
     #[arg(long, value_enum, default_value = "text")]
     pub format: Output,
+}
+
+/// An address to listen at. A number is a port of this computer.
+fn listening(text: &str) -> Result<String, String> {
+    let host_and_port = match text.parse::<u16>() {
+        Ok(port) => return Ok(format!("127.0.0.1:{port}")),
+        Err(_) => text.rsplit_once(':'),
+    };
+    match host_and_port {
+        Some((host, port)) if !host.is_empty() && port.parse::<u16>().is_ok() => Ok(text.into()),
+        _ => Err("a port such as 7878, or HOST:PORT".into()),
+    }
 }
 
 fn factor(text: &str) -> Result<f64, String> {

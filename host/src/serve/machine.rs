@@ -70,6 +70,17 @@ pub struct Published {
     pub frame: Utf8Bytes,
 }
 
+/// What others are told about a machine at first.
+pub fn described(number: u32, port: &str) -> Value {
+    json!({
+        "machine": number,
+        "name": port,
+        "port": port,
+        "is_simulated": port == "sim",
+        "axes": ["X", "Y", "Z"],
+    })
+}
+
 impl Machine {
     /// A machine, and the requests for its driver. The number behind `news` changes with each new
     /// state or line of a console.
@@ -104,14 +115,7 @@ impl Machine {
 
     /// What a page is told about it at first.
     pub fn described(&self) -> Value {
-        let is_simulated = self.port == "sim";
-        json!({
-            "machine": self.number,
-            "name": self.port,
-            "port": self.port,
-            "is_simulated": is_simulated,
-            "axes": ["X", "Y", "Z"],
-        })
+        described(self.number, &self.port)
     }
 
     /// Passes a request on to the driver.

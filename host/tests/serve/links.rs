@@ -1,10 +1,7 @@
 //! A controller that is lost and comes back.
 
-#[path = "../emulated/mod.rs"]
-mod emulated;
-
+use super::emulated::Emulated;
 use super::page::Served;
-use emulated::Emulated;
 use serde_json::json;
 
 #[test]

@@ -2,12 +2,15 @@
 
 mod access;
 mod control;
+#[path = "../emulated/mod.rs"]
+mod emulated;
 mod going_on;
 mod hostile;
 mod jogging;
 mod lines;
 mod links;
 mod macros;
+mod mtconnect;
 mod page;
 mod probing;
 mod programs;

@@ -1,6 +1,6 @@
 //! A machine that runs all commands its equipment allows.
 
-use husillo_gcode::{Block, Command, Commands, Compensated, Compensation, Error, Modal, Nm};
+use husillo_gcode::{Block, Command, Compensated, Compensation, Error, Modal, Nm};
 use husillo_probe::{Tip, UnitVector};
 
 use crate::Segment;
@@ -24,7 +24,7 @@ impl<const N: usize> Extension<N> for Extended<N> {}
 
 impl<const N: usize> Parts<N> for Extended<N> {
     type Commands = Compensated<N>;
-    type Stage = (Compensation<N>, Commands<N>);
+    type Stage = Compensation<N>;
     type Kept = Segment<N>;
     const IS_EXTENDED: bool = true;
 
@@ -38,7 +38,7 @@ impl<const N: usize> Parts<N> for Extended<N> {
     }
 
     fn nothing() -> Compensated<N> {
-        Compensation::new([Nm(0); N]).finish()
+        Compensated::new()
     }
 
     fn apply(
@@ -47,15 +47,12 @@ impl<const N: usize> Parts<N> for Extended<N> {
         modal: &mut Modal<N>,
         to: &mut Compensated<N>,
     ) -> Result<Self::Stage, Error> {
-        let mut commands = Commands::new();
-        modal.apply(block, &mut commands)?;
-        match self.compensation.plan(commands.clone()) {
-            Ok((stage, compensated)) => {
-                *to = compensated;
-                Ok((stage, commands))
-            }
+        modal.apply(block, to.commands())?;
+        let mut stage = self.compensation.clone();
+        match stage.apply(to) {
+            Ok(()) => Ok(stage),
             Err(kind) => {
-                modal.revert(&mut commands);
+                modal.revert(to.commands());
                 Err(Error {
                     kind,
                     at: 0,
@@ -65,16 +62,16 @@ impl<const N: usize> Parts<N> for Extended<N> {
         }
     }
 
-    fn revert((_, mut given): Self::Stage, modal: &mut Modal<N>, commands: &mut Compensated<N>) {
-        modal.revert(&mut given);
-        *commands = Self::nothing();
+    fn revert(_: Self::Stage, modal: &mut Modal<N>, commands: &mut Compensated<N>) {
+        modal.revert(commands.commands());
+        commands.clear();
     }
 
     fn pending(commands: &Compensated<N>) -> impl Iterator<Item = Command<N>> {
         commands.clone()
     }
 
-    fn set_stage(&mut self, (stage, _): Self::Stage) {
+    fn set_stage(&mut self, stage: Self::Stage) {
         self.compensation = stage;
     }
 

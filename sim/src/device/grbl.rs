@@ -86,7 +86,7 @@ impl Machine for EmulatedGrbl {
     /// The states are: motors off, spindle counter-clockwise, duty of the spindle, flood, mist.
     const COLUMNS: &'static str = "dx,dy,dz,disable,ccw,duty,flood,mist";
     const PANEL: &'static str = "close|open|free x|y|z|probe|door|hold|start|reset, push x|y|z N, \
-                                 block x|y|z, unblock x|y|z";
+                                 block x|y|z, unblock x|y|z, tilt N N";
     const AT_RESET: GrblEvent = GrblEvent::SpindleDuty { duty: 0 };
 
     fn place(&self, emulated: &Pair<Self>, machine: u8) -> String {
@@ -105,6 +105,14 @@ impl Machine for EmulatedGrbl {
     }
 
     fn control(&self, rig: &mut GrblRig, words: &[&str]) -> Option<String> {
+        if let ["tilt", x, y] = words {
+            let tilt = [x.parse().ok()?, y.parse().ok()?];
+            rig.tilt(tilt);
+            let [x, y] = tilt;
+            return Some(format!(
+                "the plate rises by {x} steps of z per 1000 of x, and {y} per 1000 of y"
+            ));
+        }
         let names = ["x", "y", "z"];
         hold(words, &SWITCHES, |switch, closed| {
             rig.hold(pin(switch), closed);

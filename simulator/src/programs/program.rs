@@ -91,6 +91,8 @@ struct Walker<'a> {
     results: Results<AXES>,
     /// Computes the path of the tool under compensation. Otherwise it passes commands unchanged.
     stage: Compensation<AXES>,
+    /// The commands of the block.
+    made: Compensated<AXES>,
     /// Origins of the commands that wait in `stage`, in their order.
     waiting: VecDeque<Held>,
     /// End of the last command.
@@ -154,6 +156,7 @@ impl<'a> Walker<'a> {
             modal,
             results: Results::NONE,
             stage: Compensation::new(start.at),
+            made: Compensated::new(),
             waiting: VecDeque::new(),
             last_line: 1,
             has_ended: false,
@@ -188,17 +191,17 @@ impl<'a> Walker<'a> {
         }
     }
 
-    /// Interprets a block. An error leaves the state unchanged.
-    fn plan(&mut self, given: &Given<'_>, block: &Block) -> Result<Compensated<AXES>, Error> {
-        let (next, commands) = self.modal.plan(block)?;
-        let (after, commands) = self.stage.plan(commands).map_err(|kind| Error {
-            kind,
-            at: 0,
-            end: given.text.trim_ascii_end().len(),
-        })?;
-        self.modal = next;
-        self.stage = after;
-        Ok(commands)
+    /// Interprets a block; its commands are then in `made`. An error leaves the state unchanged.
+    fn plan(&mut self, given: &Given<'_>, block: &Block) -> Result<(), Error> {
+        self.modal.apply(block, self.made.commands())?;
+        self.stage.apply(&mut self.made).map_err(|kind| {
+            self.modal.revert(self.made.commands());
+            Error {
+                kind,
+                at: 0,
+                end: given.text.trim_ascii_end().len(),
+            }
+        })
     }
 
     /// The end position according to the axis words of a refused move. `None` without axis words,
@@ -272,12 +275,11 @@ impl<'a> Walker<'a> {
             Err(error) => Err(*error),
         };
         let assumes_rapid = block.as_ref().is_ok_and(|block| self.assumes_rapid(block));
-        let commands = match planned {
-            Ok(commands) => {
+        match planned {
+            Ok(()) => {
                 if assumes_rapid {
                     findings.add(rapid_assumed(&at));
                 }
-                commands
             }
             Err(error) => {
                 findings.add(explain::finding(&error, &at));
@@ -286,25 +288,26 @@ impl<'a> Walker<'a> {
                 }
                 return Ok(ControlFlow::Continue(()));
             }
-        };
+        }
         let meaning = Meaning { at };
         // Commands that waited keep the origins of their own lines.
-        let mut commands = commands.peekable();
+        let mut command = self.made.next();
         let mut freed = VecDeque::new();
-        if held > 0 && commands.peek().is_some() {
+        if held > 0 && command.is_some() {
             std::mem::swap(&mut freed, &mut self.waiting);
         }
         while self.waiting.len() < self.stage.held() {
             self.waiting.push_back(Held::new(&at, given.file));
         }
-        for command in commands {
+        while let Some(made) = command {
             if given.repeats && !self.may_go_on() {
                 findings.add(too_many_commands(&at));
                 return Ok(ControlFlow::Break(()));
             }
-            self.give(freed.pop_front(), &meaning, &command, findings, each)?;
-            self.results.assume(&command, &self.modal);
-            self.has_ended |= matches!(command, Command::End { .. });
+            self.give(freed.pop_front(), &meaning, &made, findings, each)?;
+            self.results.assume(&made, &self.modal);
+            self.has_ended |= matches!(made, Command::End { .. });
+            command = self.made.next();
         }
         if self.has_ended {
             return Ok(ControlFlow::Break(()));

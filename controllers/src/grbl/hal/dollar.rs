@@ -145,6 +145,8 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             [b'N'] | [b'N', b'0'..=b'9', ..] | [b'H' | b'R', ..] => {
                 return self.dollar_at_rest(text);
             }
+            #[cfg(feature = "height-map")]
+            [b'Z', rest @ ..] => return self.map_command(rest),
             text => return self.hal_setting_line(text),
         };
         Ok(self.hal_begin_list(list))

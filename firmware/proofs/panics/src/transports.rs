@@ -428,8 +428,9 @@ mod grbl {
     use core::hint::black_box;
 
     use husillo_transports::grbl::{
-        Accessories, Adjust, Alarm, ErrorCode, Feedback, LineReader, Message, Parameter, Pins,
-        Place, Realtime, Receiver, Settings, State, Status, Text, Window, decimal, key_and_value,
+        Accessories, Adjust, Alarm, ErrorCode, Feedback, HeightLine, LineReader, Message,
+        Parameter, Pins, Place, Realtime, Receiver, Settings, State, Status, Text, Window, decimal,
+        key_and_value,
     };
 
     pub fn keep() {
@@ -443,6 +444,9 @@ mod grbl {
             ErrorCode::of as *const (),
             ErrorCode::text as *const (),
             Feedback::text as *const (),
+            HeightLine::parse as *const (),
+            HeightLine::row::<[i32; 2]> as *const (),
+            HeightLine::write as *const (),
             LineReader::clear as *const (),
             LineReader::new as *const (),
             LineReader::push as *const (),
