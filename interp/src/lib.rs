@@ -5,6 +5,7 @@
 #![deny(missing_docs)]
 
 mod interpolator;
+mod lanes;
 mod method;
 mod step;
 mod straight;

@@ -1,5 +1,6 @@
 //! The straight line in N axes.
 
+use crate::lanes::Lanes;
 use crate::method::interpolator;
 use crate::straight::{Register, Straight};
 
@@ -71,6 +72,69 @@ impl<const N: usize> Line<N> {
     /// Number of events of the whole line: the distance of the longest axis, at most 2^31.
     pub const fn events(&self) -> u32 {
         self.walk.events
+    }
+
+    /// Masks of the axes that step in this line, and of those that step backwards.
+    pub fn directions(&self) -> [u8; 2] {
+        let (mut axes, mut bit) = (0_u8, 1_u8);
+        for axis in &self.walk.axes {
+            axes |= if axis.rate != 0 { bit } else { 0 };
+            bit = bit.wrapping_shl(1);
+        }
+        [axes, self.walk.negative]
+    }
+
+    /// Writes the steps of the next events, at most 255, until the places or the events end.
+    /// Returns the number of steps of each axis. These are the events of the iterator.
+    ///
+    /// # Cost
+    /// Less than the iterator with [`Step::deltas`](crate::Step::deltas): the state of the axes
+    /// stays in registers.
+    ///
+    /// # Examples
+    /// ```
+    /// let mut line = husillo_interp::Line::new([4, -2]);
+    /// let mut deltas = [[0; 2]; 3];
+    /// assert_eq!(line.fill(deltas.iter_mut()), [3, 1]);
+    /// assert_eq!(deltas, [[1, 0], [1, -1], [1, 0]]);
+    /// ```
+    pub fn fill<'a>(&mut self, places: impl Iterator<Item = &'a mut [i8; N]>) -> [u8; N] {
+        let events = self.walk.events;
+        let signs = Lanes::signs(self.walk.negative);
+        let mut steps = Lanes::default();
+        // In a local variable, so that registers hold the axes.
+        let mut axes = self.walk.axes;
+        let most = self.walk.left.min(255);
+        let mut left = most;
+        for (place, _) in places.zip(0..most) {
+            left = left.wrapping_sub(1);
+            let mut due = Lanes::default();
+            for (number, axis) in (0..8_u32).zip(&mut axes) {
+                if axis.is_due(events) {
+                    due.set(number);
+                }
+            }
+            steps.add(due);
+            *place = signs.of_steps(due);
+        }
+        self.walk.axes = axes;
+        let made = most.wrapping_sub(left);
+        self.walk.left = self.walk.left.wrapping_sub(made);
+        steps.bytes()
+    }
+}
+
+impl Share {
+    /// Advances by one of so many events. Returns whether the axis steps.
+    #[inline(always)]
+    const fn is_due(&mut self, events: u32) -> bool {
+        // See `advance`.
+        let (phase, is_due) = (self.phase as u32).overflowing_add(self.rate);
+        self.phase = phase as i32;
+        if is_due {
+            self.phase = phase.wrapping_sub(events) as i32;
+        }
+        is_due
     }
 }
 

@@ -18,13 +18,13 @@ pub(crate) trait Register {
 /// A straight line in progress.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) struct Straight<R: Register, const N: usize> {
-    left: u32,
+    pub(crate) left: u32,
     /// Number of events of the whole line.
     pub(crate) events: u32,
     common: R::Common,
     /// Mask of the axes that step backwards.
-    negative: u8,
-    axes: [R; N],
+    pub(crate) negative: u8,
+    pub(crate) axes: [R; N],
 }
 
 impl<R: Register, const N: usize> Straight<R, N> {

@@ -2,7 +2,7 @@
 
 mod law;
 
-use crate::{JerkWindow, Piece, Stretch, Timer};
+use crate::{JerkWindow, Piece, Stretch, Timer, Waits};
 
 use law::{Law, Passage};
 
@@ -148,12 +148,33 @@ impl JerkRamp {
         self.wait_with_care(sweep, window)
     }
 
-    /// Returns the events of a line that end in the present slice, and the fraction of a tick, for
-    /// a loop over many events: take them with [`Piece::next`]. They are those that
-    /// [`wait`](JerkRamp::wait) would return. `None` where it has to be called for the next event.
-    #[inline]
-    pub fn piece(&mut self) -> Option<(&mut Piece, &mut u32)> {
-        (self.piece.count != 0).then_some((&mut self.piece, &mut self.owed))
+    /// Writes the waits before the next events of a line, as [`wait`](JerkRamp::wait) returns them
+    /// for a sweep of 1. There are as many as there are places, and no more events than the move
+    /// has left. There are fewer where a hold stops the path or where a wait is longer than 2^31
+    /// ticks, and none if the move has events of different sweep.
+    ///
+    /// # Cost
+    /// Less than [`wait`](JerkRamp::wait) for each event: the state of a piece stays in registers.
+    pub fn fill<'a, M, const CAPACITY: usize>(
+        &mut self,
+        mut places: impl ExactSizeIterator<Item = &'a mut u32>,
+        window: &mut JerkWindow<M, CAPACITY>,
+    ) -> Waits {
+        let mut waits = Waits::NONE;
+        while self.is_line && places.len() != 0 {
+            if self.piece.count != 0 && self.piece.is_quick() {
+                self.piece.fill(&mut self.owed, &mut places, &mut waits);
+                continue;
+            }
+            let Some(wait) = self.wait(1, window) else {
+                break;
+            };
+            let Some(place) = places.next() else { break };
+            if !waits.add(wait, place) {
+                break;
+            }
+        }
+        waits
     }
 
     /// Times an event that is not in a piece.

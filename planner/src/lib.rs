@@ -30,6 +30,7 @@ mod surface_speed;
 mod trapezoid;
 #[cfg(feature = "fixed")]
 mod units;
+mod waits;
 mod wide;
 
 pub use arc_limits::ArcLimits;
@@ -56,3 +57,4 @@ pub use timer::Timer;
 pub use trapezoid::Trapezoid;
 #[cfg(feature = "fixed")]
 pub use units::{ServoPeriod, UnitRates, nanometres};
+pub use waits::Waits;

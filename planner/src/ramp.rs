@@ -8,7 +8,7 @@ mod standstill;
 mod sweeps;
 
 use crate::{
-    Limits, Stretch, Timer,
+    Limits, Stretch, Timer, Waits,
     quotient::quotient,
     stretch::square,
     timer::{bits, scaled_quotient},
@@ -335,20 +335,115 @@ impl Ramp {
         self.wait_with_care(sweep, limits)
     }
 
-    /// Returns the events in progress that follow from additions alone, and the fraction of a tick,
-    /// for a loop over many events: take them with [`Piece::next`]. They are those that
-    /// [`wait`](Ramp::wait) would return. `None` where it has to be called for the next event.
+    /// Writes the waits before the next events of a line, as [`wait`](Ramp::wait) returns them for
+    /// a sweep of 1. There are as many as there are places, and no more events than the move has
+    /// left. There are fewer where a hold stops the path or where a wait is longer than 2^31 ticks,
+    /// and none if the move has events of different sweep.
     ///
-    /// `limits` are those of the look-ahead at this moment. They do not change within such a loop.
-    #[inline]
-    pub fn piece(&mut self, limits: &Limits) -> Option<(&mut Piece, &mut u32)> {
-        let Events {
-            piece,
-            owed,
-            version,
-            ..
-        } = &mut self.events;
-        (*version == limits.version && piece.count != 0).then_some((piece, owed))
+    /// `limits` are those of [`LookAhead::limits`](crate::LookAhead::limits) at this moment.
+    ///
+    /// # Cost
+    /// Less than [`wait`](Ramp::wait) for each event: the state of a piece stays in registers.
+    ///
+    /// # Examples
+    /// ```
+    /// # use husillo_planner::{LookAhead, Ramp, Stretch};
+    /// # let stretch = Stretch {
+    /// #     length_nm: 100_000,
+    /// #     top_nm_per_s: 1_000_000,
+    /// #     ceiling_nm_per_s: 1_000_000,
+    /// #     obeys_override: true,
+    /// #     acceleration_nm_per_s2: 50_000_000,
+    /// #     start_nm_per_s: 0,
+    /// #     upper: None,
+    /// #     entry_limit_nm_per_s: 0,
+    /// # };
+    /// # let mut moves = LookAhead::<(), 8>::new();
+    /// # moves.push(stretch, ()).unwrap();
+    /// let mut ramp = Ramp::new(1_000_000);
+    /// ramp.begin(&stretch, 100, 1, 100_000 << 16);
+    /// let mut waits = [0; 100];
+    /// let written = ramp.fill(waits.iter_mut(), moves.limits());
+    /// assert_eq!((written.count, written.least, waits[0]), (100, 1_000, 6_324));
+    /// ```
+    pub fn fill<'a>(
+        &mut self,
+        mut places: impl ExactSizeIterator<Item = &'a mut u32>,
+        limits: &Limits,
+    ) -> Waits {
+        let mut waits = Waits::NONE;
+        self.follow(limits);
+        while self.is_line && places.len() != 0 {
+            let Events {
+                piece, owed, table, ..
+            } = &mut self.events;
+            if piece.count != 0 && piece.is_quick() {
+                piece.fill(owed, &mut places, &mut waits);
+                continue;
+            }
+            if table.left > 1 && piece.count == 0 && table.first.is_quick() {
+                self.fill_from_table(&mut places, &mut waits);
+                continue;
+            }
+            let has_piece = piece.count != 0;
+            let wait = if has_piece {
+                piece.count = piece.count.wrapping_sub(1);
+                piece.step(owed).into()
+            } else {
+                match self.single() {
+                    None => break,
+                    Some(None) => continue,
+                    Some(Some(time)) => self.carried(time),
+                }
+            };
+            let Some(place) = places.next() else { break };
+            if !waits.add(wait, place) {
+                break;
+            }
+        }
+        waits
+    }
+
+    /// Writes the waits of events next to standstill, but not of the last one.
+    fn fill_from_table<'a>(
+        &mut self,
+        places: &mut impl Iterator<Item = &'a mut u32>,
+        waits: &mut Waits,
+    ) {
+        let Events { table, owed, .. } = &mut self.events;
+        let (mut ticks, mut least) = (waits.ticks, waits.least);
+        let (before, mut given) = (table.left, 0_u64);
+        while table.left > 1 {
+            let Some(place) = places.next() else { break };
+            let interval = table.next();
+            given = given.wrapping_add(interval);
+            let time = interval.wrapping_add((*owed).into());
+            *owed = time as u32;
+            let wait = (time >> 32) as u32;
+            *place = wait;
+            ticks = ticks.wrapping_add(wait);
+            least = least.min(wait);
+        }
+        waits.count = waits.count.wrapping_add(before.wrapping_sub(table.left));
+        (waits.ticks, waits.least) = (ticks, least);
+        self.late = self.late.wrapping_sub(given as i64);
+    }
+
+    /// Returns the time of an event of a line that is not in a piece. The other results are those
+    /// of [`next_events`](Self::next_events).
+    fn single(&mut self) -> Option<Option<u64>> {
+        if self.events.table.left != 0 {
+            Some(Some(self.next_of_table()))
+        } else {
+            self.next_events()
+        }
+    }
+
+    /// Returns the whole ticks of a time in units of 2^-32; the fraction is carried.
+    fn carried(&mut self, time: u64) -> u64 {
+        let time = time.wrapping_add(self.events.owed.into());
+        self.events.owed = time as u32;
+        time >> 32
     }
 
     /// Times an event next to standstill, but not the last one.
@@ -396,17 +491,13 @@ impl Ramp {
         if !self.is_line {
             return self.wait_swept(sweep);
         }
-        let single = if self.events.table.left != 0 {
-            Some(self.next_of_table())
-        } else if self.events.piece.count == 0 {
-            self.next_events()?
+        let single = if self.events.piece.count == 0 {
+            self.single()?
         } else {
             None
         };
         if let Some(time) = single {
-            let time = time.wrapping_add(self.events.owed.into());
-            self.events.owed = time as u32;
-            return Some(time >> 32);
+            return Some(self.carried(time));
         }
         self.events.piece.count = self.events.piece.count.wrapping_sub(1);
         Some(self.events.piece.step(&mut self.events.owed).into())

@@ -1,5 +1,7 @@
 //! Sweep to timer ticks at constant speed.
 
+use crate::Waits;
+
 /// Times the events of one move at constant speed. Each event waits in proportion to its sweep, and
 /// remainders are carried.
 ///
@@ -143,6 +145,20 @@ impl Timer {
         } else {
             self.split(1)
         }
+    }
+
+    /// Writes the waits before the next events of sweep 1, as [`wait_one`](Timer::wait_one) returns
+    /// them. There are as many as there are places, or fewer where a wait is longer than 2^31
+    /// ticks.
+    pub fn fill<'a>(&mut self, places: impl Iterator<Item = &'a mut u32>) -> Waits {
+        let (mut timer, mut waits) = (self.clone(), Waits::NONE);
+        for place in places {
+            if !waits.add(timer.wait_one(), place) {
+                break;
+            }
+        }
+        *self = timer;
+        waits
     }
 
     /// Whether a 32-bit processor can avoid shifts of 64-bit words. It can where waits are below

@@ -257,6 +257,7 @@ impl<const N: usize> Commands<N> {
     }
 
     /// Whether one of them switches cutter compensation on or off.
+    #[cfg(feature = "extended")]
     pub(crate) const fn compensates(&self) -> bool {
         self.pending & COMPENSATION != 0
     }

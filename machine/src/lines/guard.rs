@@ -24,7 +24,7 @@ const WATCHED_STEPS: u8 = 64;
 /// shorter. Delaying these steps would stop the other axes at every one of them.
 ///
 /// The clock has 32 bits. A step nearly 2^32 ticks after the last one of its axis may also wait,
-/// for at most one interval.
+/// for at most one interval, if the event before it is nearer than that.
 #[derive(Clone, Debug)]
 pub struct StepGuard<const N: usize> {
     now: u32,
@@ -145,9 +145,13 @@ impl<const N: usize> StepGuard<N> {
         wait: u32,
         axes: u8,
     ) -> u32 {
-        // Where the sum wraps, the distance is too small and the steps are compared.
         let at = self.now.wrapping_add(wait);
-        let watched = axes & self.watched;
+        // No step was made in this wait, so a longer one needs no comparison.
+        let watched = if wait < longest {
+            axes & self.watched
+        } else {
+            0
+        };
         let mut bit = 1_u8;
         for last in &self.last {
             if watched & bit != 0 && at.wrapping_sub(*last) < longest {
@@ -221,10 +225,32 @@ impl<const N: usize> StepGuard<N> {
         }
     }
 
+    /// Records path steps of a line, none of which can be too soon. `made` is the number of steps
+    /// of each axis, and `ticks` the sum of the waits.
+    pub(crate) fn pass_line(&mut self, steps: &[StepEvent<N>], made: &[u8; N], ticks: u32) {
+        let (mut axes, mut bit) = (0, 1_u8);
+        for (left, made) in self.left.iter_mut().zip(made) {
+            if *made != 0 {
+                axes |= bit;
+                // 0 for an axis that is not checked.
+                *left = left.saturating_sub(*made);
+                if *left == 0 {
+                    self.watched &= !bit;
+                }
+            }
+            bit = bit.wrapping_shl(1);
+        }
+        self.pass_until(self.now.wrapping_add(ticks), steps, axes);
+    }
+
     /// Records path steps that were not checked, of which `axes` is the mask.
     pub(crate) fn pass_all(&mut self, steps: &[StepEvent<N>], axes: u8) {
         let ticks = steps.iter().map(|step| step.wait_ticks);
-        let now = ticks.fold(self.now, u32::wrapping_add);
+        self.pass_until(ticks.fold(self.now, u32::wrapping_add), steps, axes);
+    }
+
+    /// Records path steps, the last of which is made now. `axes` is their mask.
+    fn pass_until(&mut self, now: u32, steps: &[StepEvent<N>], axes: u8) {
         self.now = now;
         let (mut left, mut at) = (axes, now);
         for step in steps.iter().rev() {

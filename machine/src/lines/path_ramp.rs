@@ -2,7 +2,7 @@
 
 use core::fmt::Debug;
 
-use husillo_planner::{JerkLimits, LookAhead, Piece, Ramp, Stretch};
+use husillo_planner::{JerkLimits, LookAhead, Ramp, Stretch, Waits};
 
 /// The queue of moves and the timing of their events. There are two implementations:
 /// [`planner::Ramp`](Ramp) for limited acceleration, which contains nothing of the code for jerk,
@@ -32,11 +32,12 @@ pub trait RampParts: Clone + Debug {
         sweep: u32,
         moves: &mut Self::Queue<M, QUEUE>,
     ) -> Option<u64>;
-    /// The events in progress that follow from additions alone: [`Ramp::piece`].
-    fn piece<M: Clone + Debug, const QUEUE: usize>(
+    /// Writes the waits before the next events of a line: [`Ramp::fill`].
+    fn fill<'a, M: Clone + Debug, const QUEUE: usize>(
         &mut self,
-        moves: &Self::Queue<M, QUEUE>,
-    ) -> Option<(&mut Piece, &mut u32)>;
+        places: impl ExactSizeIterator<Item = &'a mut u32>,
+        moves: &mut Self::Queue<M, QUEUE>,
+    ) -> Waits;
     /// Path speed in nm/s.
     fn speed_nm_per_s<M: Clone + Debug, const QUEUE: usize>(
         &self,
@@ -115,11 +116,12 @@ impl RampParts for Ramp {
     }
 
     #[inline]
-    fn piece<M: Clone + Debug, const QUEUE: usize>(
+    fn fill<'a, M: Clone + Debug, const QUEUE: usize>(
         &mut self,
-        moves: &LookAhead<M, QUEUE>,
-    ) -> Option<(&mut Piece, &mut u32)> {
-        self.piece(moves.limits())
+        places: impl ExactSizeIterator<Item = &'a mut u32>,
+        moves: &mut LookAhead<M, QUEUE>,
+    ) -> Waits {
+        self.fill(places, moves.limits())
     }
 
     fn speed_nm_per_s<M: Clone + Debug, const QUEUE: usize>(&self, _: &LookAhead<M, QUEUE>) -> u32 {

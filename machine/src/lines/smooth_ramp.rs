@@ -2,7 +2,7 @@
 
 use core::fmt::Debug;
 
-use husillo_planner::{JerkLimits, JerkRamp, JerkWindow, LookAhead, Piece, Ramp, Stretch};
+use husillo_planner::{JerkLimits, JerkRamp, JerkWindow, LookAhead, Ramp, Stretch, Waits};
 
 use crate::lines::path_ramp::{MoveQueue, PathRamp, RampParts};
 
@@ -77,13 +77,21 @@ impl RampParts for SmoothRamp {
     }
 
     #[inline]
-    fn piece<M: Clone + Debug, const QUEUE: usize>(
+    fn fill<'a, M: Clone + Debug, const QUEUE: usize>(
         &mut self,
-        moves: &SmoothQueue<M, QUEUE>,
-    ) -> Option<(&mut Piece, &mut u32)> {
+        places: impl ExactSizeIterator<Item = &'a mut u32>,
+        moves: &mut SmoothQueue<M, QUEUE>,
+    ) -> Waits {
         match moves {
-            SmoothQueue::Acceleration(moves) => self.ramp.piece(moves.limits()),
-            SmoothQueue::Jerk(_) => self.jerk.piece(),
+            SmoothQueue::Acceleration(moves) => self.ramp.fill(places, moves.limits()),
+            SmoothQueue::Jerk(window) => {
+                if self.ramp.is_held() {
+                    window.hold();
+                } else {
+                    window.resume();
+                }
+                self.jerk.fill(places, window)
+            }
         }
     }
 

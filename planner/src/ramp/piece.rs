@@ -1,5 +1,6 @@
 //! Events timed by differences.
 
+use crate::Waits;
 use crate::ramp::{root::Root, slowness::part};
 
 /// A number of events whose intervals follow from additions.
@@ -52,6 +53,35 @@ impl Piece {
         self.interval_q32 = self.interval_q32.wrapping_add(self.change_q32);
         self.change_q32 = self.change_q32.wrapping_add(self.bend_q32);
         (time >> 32) as u32
+    }
+
+    /// Writes the waits before the next events, as [`next`](Piece::next) returns them, until the
+    /// piece or the places end.
+    pub(crate) fn fill<'a>(
+        &mut self,
+        owed: &mut u32,
+        places: &mut impl Iterator<Item = &'a mut u32>,
+        waits: &mut Waits,
+    ) {
+        // Local variables, which are in registers.
+        let (mut piece, mut fraction, before) = (*self, *owed, self.count);
+        let (mut ticks, mut least) = (waits.ticks, waits.least);
+        while piece.count != 0 {
+            let Some(place) = places.next() else { break };
+            piece.count = piece.count.wrapping_sub(1);
+            let wait = piece.step(&mut fraction);
+            *place = wait;
+            ticks = ticks.wrapping_add(wait);
+            least = least.min(wait);
+        }
+        waits.count = waits.count.wrapping_add(before.wrapping_sub(piece.count));
+        (waits.ticks, waits.least) = (ticks, least);
+        (*self, *owed) = (piece, fraction);
+    }
+
+    /// Whether all waits are below 2^31 ticks. The intervals of a piece differ by less than a half.
+    pub(crate) const fn is_quick(&self) -> bool {
+        self.interval_q32 >> 62 == 0
     }
 
     /// Returns the time of the next `count` events, at most 2^11, in ticks times 2^32.

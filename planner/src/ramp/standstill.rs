@@ -41,6 +41,11 @@ impl First {
         })
     }
 
+    /// Whether the first event, which is the longest, takes less than 2^30 ticks.
+    pub(crate) const fn is_quick(&self) -> bool {
+        self.bits >= 2
+    }
+
     /// Returns the interval before event `number` after a start, counted from 0, in ticks with 32
     /// fraction bits.
     #[inline]

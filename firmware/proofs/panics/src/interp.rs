@@ -32,6 +32,8 @@ pub fn keep() {
         Scale::millimetres::<I32F32> as *const (),
         Line::<3>::new as *const (),
         Line::<3>::events as *const (),
+        Line::<3>::directions as *const (),
+        line_fill as *const (),
         Line::<3>::remaining as *const (),
         Line::<3>::total_sweep as *const (),
         Line::<3>::largest_sweep as *const (),
@@ -180,4 +182,8 @@ pub fn keep() {
         <Bezier<3> as Iterator>::next as *const (),
         <Bezier<3> as Iterator>::size_hint as *const (),
     ]);
+}
+
+fn line_fill(line: &mut Line<3>, places: &mut [[i8; 3]]) -> [u8; 3] {
+    line.fill(places.iter_mut())
 }

@@ -3,10 +3,10 @@
 use core::hint::black_box;
 
 use husillo_planner::{
-    ArcLimits, AxisTimers, Burst, Bursts, Follower, JerkRamp, JerkWindow, Junction, LookAhead,
-    Piece, Ramp, Recurrence, Replay, SCurve, ServoLine, ServoPeriod, ServoProfile, Slice, Stretch,
-    SurfaceSpeed, Tangent, Timer, Trapezoid, UnitRates, Upper, fixed::types::I32F32, mul_div,
-    mul_div_q16, nanometres, share, times,
+    ArcLimits, AxisTimers, Burst, Bursts, Follower, JerkRamp, JerkWindow, Junction, Limits,
+    LookAhead, Piece, Ramp, Recurrence, Replay, SCurve, ServoLine, ServoPeriod, ServoProfile,
+    Slice, Stretch, SurfaceSpeed, Tangent, Timer, Trapezoid, UnitRates, Upper, Waits,
+    fixed::types::I32F32, mul_div, mul_div_q16, nanometres, share, times,
 };
 
 /// Keeps every function in the program.
@@ -17,6 +17,7 @@ pub fn keep() {
         Timer::with_fraction_bits as *const (),
         Timer::wait as *const (),
         Timer::wait_one as *const (),
+        timer_fill as *const (),
         Timer::fraction_bits as *const (),
         Timer::rate as *const (),
     ]);
@@ -73,7 +74,7 @@ fn path() {
         Ramp::begin as *const (),
         Ramp::wait as *const (),
         Ramp::take_piece as *const (),
-        Ramp::piece as *const (),
+        ramp_fill as *const (),
         Piece::next as *const (),
         Ramp::hold as *const (),
         Ramp::resume as *const (),
@@ -119,7 +120,7 @@ fn jerk() {
         JerkRamp::new as *const (),
         JerkRamp::begin::<u32, 16> as *const (),
         JerkRamp::wait::<u32, 16> as *const (),
-        JerkRamp::piece as *const (),
+        jerk_ramp_fill as *const (),
         JerkRamp::is_at_rest::<u32, 16> as *const (),
         JerkRamp::speed_nm_per_s::<u32, 16> as *const (),
         JerkRamp::stop as *const (),
@@ -195,4 +196,20 @@ fn servo() {
         ServoLine::<3>::deviation as *const (),
         ServoLine::<3>::skew_ticks as *const (),
     ]);
+}
+
+fn timer_fill(timer: &mut Timer, places: &mut [u32]) -> Waits {
+    timer.fill(places.iter_mut())
+}
+
+fn ramp_fill(ramp: &mut Ramp, places: &mut [u32], limits: &Limits) -> Waits {
+    ramp.fill(places.iter_mut(), limits)
+}
+
+fn jerk_ramp_fill(
+    ramp: &mut JerkRamp,
+    places: &mut [u32],
+    window: &mut JerkWindow<u32, 16>,
+) -> Waits {
+    ramp.fill(places.iter_mut(), window)
 }

@@ -2,9 +2,10 @@
 
 use husillo_backlash::BacklashModel;
 use husillo_gcode::Command;
-use husillo_interp::{Moves, Step};
+use husillo_interp::{Line, Moves, Step};
+use husillo_planner::Waits;
 
-use super::{Machine, Origin, Run};
+use super::{Machine, Origin};
 use crate::lines::extension::Extension;
 use crate::lines::guard::StepGuard;
 use crate::lines::path_ramp::PathRamp;
@@ -155,22 +156,33 @@ impl<
             back: Lanes::default(),
         };
         let moves = &mut self.schedule.moves;
+        let ramp = &mut self.ramp;
+        let left = match &run.timer {
+            Some(_) => run.path.remaining(),
+            None => run.left,
+        };
+        let room = to.len().min(left as usize);
+        let to = to.get_mut(..room).unwrap_or_default();
+        let has_ramp = run.timer.is_none();
         match (&mut run.timer, run.path.as_line()) {
-            (Some(timer), Some(line)) => walk.steps(line, to, |_| Some(timer.wait_one())),
-            (None, Some(_)) => walk.line(run, &mut self.ramp, moves, to),
-            (timer, None) => {
-                let most = if timer.is_some() { u32::MAX } else { run.left };
-                let room = to.len().min(most as usize);
-                let to = to.get_mut(..room).unwrap_or_default();
-                let ramp = &mut self.ramp;
-                walk.steps(&mut run.path, to, |sweep| match timer {
+            (timer, Some(line)) if !walk.may_owe(line) => {
+                let places = to.iter_mut().map(|step| &mut step.wait_ticks);
+                let waits = match timer {
+                    Some(timer) => timer.fill(places),
+                    None => ramp.fill(places, moves),
+                };
+                walk.line(line, &waits, to);
+            }
+            (timer, _) => {
+                walk.steps(&mut run.path, to, |sweep, _| match timer {
                     Some(timer) => Some(timer.wait(sweep)),
                     None => ramp.wait(sweep, moves),
                 });
-                if run.timer.is_none() {
-                    run.left = run.left.wrapping_sub(walk.taken());
-                }
             }
+        }
+        if has_ramp {
+            // At most the number of events that were left.
+            run.left = run.left.wrapping_sub(walk.taken());
         }
         walk.note(to);
         run.next = walk.refused;
@@ -262,37 +274,42 @@ struct Walk<'a, const N: usize, L: BacklashModel<N>> {
 }
 
 impl<const N: usize, L: BacklashModel<N>> Walk<'_, N, L> {
-    /// Writes steps of a line with ramps: pieces in a loop, other events one by one.
-    #[inline(never)]
-    fn line<P: Moves<N>, R: PathRamp, M: Clone + core::fmt::Debug, const QUEUE: usize>(
-        &mut self,
-        run: &mut Run<P>,
-        ramp: &mut R,
-        moves: &mut R::Queue<M, QUEUE>,
-        to: &mut [StepEvent<N>],
-    ) {
-        while self.made < to.len() && run.left != 0 {
-            let before = self.taken();
-            let left = to.len().wrapping_sub(self.made).min(run.left as usize);
-            match (ramp.piece(moves), run.path.as_line()) {
-                (Some((piece, owed)), Some(line)) => {
-                    let end = self.made.wrapping_add(left.min(piece.count as usize));
-                    let to = to.get_mut(..end).unwrap_or_default();
-                    let mut local = (*piece, *owed);
-                    self.steps(line, to, |_| local.0.next(&mut local.1).map(u64::from));
-                    (*piece, *owed) = local;
-                }
-                _ => {
-                    let to = to.get_mut(..self.made.wrapping_add(1)).unwrap_or_default();
-                    self.one(&mut run.path, to, |sweep| ramp.wait(sweep, moves));
-                }
+    /// Whether a take-up may be due before a step of this line.
+    fn may_owe(&self, line: &Line<N>) -> bool {
+        let [axes, negative] = line.directions();
+        let sweep = 1;
+        self.take_up.may_owe(Step {
+            axes,
+            negative,
+            sweep,
+        })
+    }
+
+    /// Writes steps of a line that owes no take-up. Their waits are written already.
+    fn line(&mut self, line: &mut Line<N>, waits: &Waits, to: &mut [StepEvent<N>]) {
+        let to = to.get_mut(..waits.count as usize).unwrap_or_default();
+        let [axes, _] = line.directions();
+        if waits.least < self.longest_interval && self.guard.watches(axes) {
+            self.steps(line, to, |_, wait| Some(wait.into()));
+        } else {
+            let steps = line.fill(to.iter_mut().map(|step| &mut step.delta));
+            self.guard.pass_line(to, &steps, waits.ticks);
+            let negative = line.directions()[1];
+            let mut bit = 1_u8;
+            for (load, steps) in self.load.iter_mut().zip(steps) {
+                let steps = i32::from(steps);
+                *load = if negative & bit == 0 {
+                    load.wrapping_add(steps)
+                } else {
+                    load.wrapping_sub(steps)
+                };
+                bit = bit.wrapping_shl(1);
             }
-            let taken = self.taken().wrapping_sub(before);
-            // At most the number of events that were left.
-            run.left = run.left.wrapping_sub(taken);
-            if self.held.is_some() || taken == 0 {
-                break;
-            }
+            self.made = to.len();
+            self.noted = self.made;
+        }
+        if let Some(wait) = waits.long {
+            *self.held = line.next().map(|step| (step.deltas(), wait));
         }
     }
 
@@ -301,31 +318,20 @@ impl<const N: usize, L: BacklashModel<N>> Walk<'_, N, L> {
         (self.made as u32).wrapping_add(self.held.is_some().into())
     }
 
-    /// Does [`steps`](Self::steps) for one event.
-    #[inline(never)]
-    fn one(
-        &mut self,
-        path: &mut impl Iterator<Item = Step>,
-        to: &mut [StepEvent<N>],
-        wait: impl FnMut(u32) -> Option<u64>,
-    ) {
-        self.steps(path, to, wait);
-    }
-
     /// Writes steps to the places that are left. A step that has to be divided, or that waits for a
-    /// take-up, is held, and is the last one.
-    #[inline(always)]
+    /// take-up, is held, and is the last one. `wait` takes the sweep of a step and the wait that is
+    /// written in its place.
     fn steps(
         &mut self,
         path: &mut impl Iterator<Item = Step>,
         to: &mut [StepEvent<N>],
-        mut wait: impl FnMut(u32) -> Option<u64>,
+        mut wait: impl FnMut(u32, u32) -> Option<u64>,
     ) {
         let (mut moved, mut forth, mut back) = (self.moved, self.forth, self.back);
         let mut made = self.made;
         while let Some(place) = to.get_mut(made) {
             let Some(step) = path.next() else { break };
-            let Some(wait) = wait(step.sweep) else {
+            let Some(wait) = wait(step.sweep, place.wait_ticks) else {
                 self.refused = Some(step);
                 break;
             };
