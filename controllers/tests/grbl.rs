@@ -8,7 +8,7 @@ use husillo_controllers::{
     Controller, Grbl, GrblEvent, GrblInputs, GrblMemory, GrblOptions, Timed,
 };
 use husillo_store::Store;
-use husillo_transports::grbl::{Message, Settings};
+use husillo_transports::grbl::{HeightLine, Message, Settings};
 use proptest::prelude::*;
 
 /// A controller with its motors, as fast as it can.
@@ -118,6 +118,13 @@ fn input() -> impl Strategy<Value = Vec<u8>> {
         "$32=0\n",
         "G38.2X4F300\n",
         "G38.3X-4F300\n",
+        "$ZG=-1,-1,4,4,3,2\n",
+        "$Z1=.4\n",
+        "$ZP=2,300\n",
+        "$ZZ\n",
+        "$Z\n",
+        "$Z=1\n",
+        "$Z=0\n",
         "M0\n",
         "M30\n",
         "$SLP\n",
@@ -161,7 +168,7 @@ proptest! {
             }
         }
         for line in driven.lines() {
-            let is_message = Message::parse(line).is_some();
+            let is_message = Message::parse(line).is_some() || HeightLine::parse(line).is_some();
             prop_assert!(is_message, "{:?}", String::from_utf8_lossy(line));
         }
         driven.run(90_000_000);
