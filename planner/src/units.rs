@@ -226,7 +226,12 @@ mod tests {
         fn rates_are_the_nearest_steps(units in 0_i64.., scale in 0_i64..) {
             let [top, scale] = [units, scale].map(I32F32::from_bits);
             let exact = top.to_bits() as u128 * scale.to_bits() as u128;
-            let limits = UnitRates { start: I32F32::ZERO, top, end: I32F32::ZERO, acceleration: top };
+            let limits = UnitRates {
+                start: I32F32::ZERO,
+                top,
+                end: I32F32::ZERO,
+                acceleration: top,
+            };
             match limits.rates(1, scale) {
                 Some(rates) => {
                     prop_assert!(is_nearest(rates.top_rate_hz.into(), exact, 1 << 64));
