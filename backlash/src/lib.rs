@@ -47,13 +47,20 @@ mod uniform;
 
 mod calibration;
 mod error_table;
+#[cfg(feature = "fixed")]
+mod millimetres;
 mod squareness;
 
 pub use calibration::Calibration;
 pub use compensator::Compensator;
 pub use error_table::{ErrorTable, Knot, TableError};
+/// The crate of the fixed-point types.
+#[cfg(feature = "fixed")]
+pub use fixed;
 pub use map::{BacklashMap, MapError};
 pub use mapped::MappedBacklash;
+#[cfg(feature = "fixed")]
+pub use millimetres::steps;
 pub use model::{BacklashModel, Flank};
 pub use play::Play;
 pub use squareness::Squareness;

@@ -40,6 +40,8 @@ mod path;
 mod equal_radii;
 mod grid_ellipse;
 mod length;
+#[cfg(feature = "fixed")]
+mod millimetres;
 mod programmed_arc;
 mod scale;
 
@@ -53,6 +55,9 @@ pub use dda_line::LineDda;
 pub use dda_line_exact::LineDdaExact;
 pub use direct_search::DirectSearch;
 pub use direct_search_printed::DirectSearchPrinted;
+/// The crate of the fixed-point types.
+#[cfg(feature = "fixed")]
+pub use fixed;
 pub use grid_ellipse::GridEllipse;
 pub use helix::Helix;
 pub use interpolator::{Interpolator, Moves};

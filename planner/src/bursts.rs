@@ -205,7 +205,7 @@ impl<I: Iterator<Item = u32>> Iterator for Bursts<I> {
             live = live.wrapping_add(1);
         }
         let mut count = 1_i64;
-        while count < u16::MAX.into() {
+        while count < i64::from(u16::MAX) {
             let Some(ticks) = self.intervals.next() else {
                 break;
             };

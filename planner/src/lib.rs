@@ -28,6 +28,8 @@ mod s_curve;
 mod servo;
 mod surface_speed;
 mod trapezoid;
+#[cfg(feature = "fixed")]
+mod units;
 mod waits;
 mod wide;
 
@@ -35,6 +37,9 @@ pub use arc_limits::ArcLimits;
 pub use axis_timers::AxisTimers;
 pub use bursts::{Burst, Bursts, Replay};
 pub use durations::{mul_div, mul_div_q16, share, times};
+/// The crate of the fixed-point types.
+#[cfg(feature = "fixed")]
+pub use fixed;
 pub use follower::{Due, Follower};
 pub use jerk_ramp::JerkRamp;
 pub use jerk_window::{JerkLimits, JerkLimitsError, JerkWindow, Slice};
@@ -50,4 +55,6 @@ pub use surface_speed::SurfaceSpeed;
 pub use tangent::Tangent;
 pub use timer::Timer;
 pub use trapezoid::Trapezoid;
+#[cfg(feature = "fixed")]
+pub use units::{ServoPeriod, UnitRates, nanometres};
 pub use waits::Waits;

@@ -207,7 +207,7 @@ impl Ramp {
         let is_quick = bits(cruise_ticks_q16).saturating_sub(bits(self.total_sweep)) < 42;
         self.is_line = self.largest_sweep == 1
             && is_quick
-            && self.total_sweep <= u32::MAX.into()
+            && self.total_sweep <= u64::from(u32::MAX)
             && stretch.upper.is_none()
             && self.course.slowness.fraction_bits == 32;
         self.course.stops_whole = self.is_line;

@@ -495,7 +495,7 @@ impl SCurve {
                     at = last;
                     break;
                 }
-                if target <= low.into() || target >= last.into() {
+                if target <= i64::from(low) || target >= i64::from(last) {
                     i64::from(low.wrapping_add(last) >> 1)
                 } else {
                     target

@@ -82,7 +82,7 @@ impl Timer {
         }
         // With the rate alone rounded up, 2^fraction_bits units of sweep are less than a tick too
         // long.
-        if is_one_move && low != 0 && bits(sweep) <= fraction_bits.into() {
+        if is_one_move && low != 0 && bits(sweep) <= u32::from(fraction_bits) {
             low = 1 << 32;
         }
         let rate = rate.saturating_add(low >> 32);

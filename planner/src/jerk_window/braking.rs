@@ -70,7 +70,7 @@ impl Braking {
         if is_low && speed < self.step {
             // One slice is enough. To a speed V, it takes v + V, and at least V of this is
             // reserved: Y is 2 V - V^2 / a behind the height.
-            return left >= speed.into();
+            return left >= i64::from(speed);
         }
         let Ok(left) = u64::try_from(left.saturating_sub(self.reserve())) else {
             return false;

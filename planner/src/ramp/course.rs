@@ -363,7 +363,7 @@ impl Course {
         }
         // The time of a change of speed by path / speeds. The divisor has 32 bits, the quotient at
         // least 31.
-        let narrow = u32::from(speeds > u32::MAX.into());
+        let narrow = u32::from(speeds > u64::from(u32::MAX));
         let divisor = (speeds.wrapping_shr(narrow) as u32).max(1);
         let shift = path.leading_zeros();
         let change = quotient(path.wrapping_shl(shift), divisor);

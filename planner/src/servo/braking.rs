@@ -82,7 +82,7 @@ mod tests {
         }
         let top = i32::MAX as u32;
         assert_eq!(way_to_rest(top, 1), u64::from(top) * (1 << 30));
-        assert_eq!(way_to_rest(top, top), top.into());
+        assert_eq!(way_to_rest(top, top), u64::from(top));
     }
 
     #[test]

@@ -4,7 +4,8 @@ use core::hint::black_box;
 
 use husillo_backlash::{
     Backlash, BacklashMap, BacklashModel, Calibration, Compensator, ErrorTable, Flank, Knot,
-    MapError, MappedBacklash as AnyMapped, Play, Squareness, TableError,
+    MapError, MappedBacklash as AnyMapped, Play, Squareness, TableError, fixed::types::I32F32,
+    steps,
 };
 
 type MappedBacklash = AnyMapped<&'static [i32], &'static [u32]>;
@@ -15,6 +16,11 @@ pub fn keep() {
     black_box([
         Flank::towards as *const (),
         Backlash::new as *const (),
+        Backlash::from_length::<I32F32, I32F32> as *const (),
+        steps::<I32F32, I32F32> as *const (),
+        Knot::from_millimetres::<I32F32> as *const (),
+        Calibration::<&[Knot]>::position_millimetres::<I32F32> as *const (),
+        Calibration::<&[Knot]>::reading_millimetres::<I32F32> as *const (),
         Backlash::motor_target as *const (),
         Backlash::load_position as *const (),
         Backlash::flank as *const (),

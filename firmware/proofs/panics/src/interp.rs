@@ -5,7 +5,7 @@ use core::hint::black_box;
 use husillo_interp::{
     Arc, ArcDda, Bezier, Chords, Conic, DirectSearch, DirectSearchPrinted, Direction, GridEllipse,
     Helix, Interpolator, Line, LineDda, LineDdaExact, Moves, NarrowArc, Nurbs, Path, ProgrammedArc,
-    Scale, Staircase, Step, TimedDirectSearch, fraction_bits_for, length,
+    Scale, Staircase, Step, TimedDirectSearch, fixed::types::I32F32, fraction_bits_for, length,
 };
 
 /// Keeps every function in the program.
@@ -28,6 +28,8 @@ pub fn keep() {
         Scale::nearest as *const (),
         Scale::nearest_fraction as *const (),
         Scale::position as *const (),
+        Scale::nearest_millimetres::<I32F32> as *const (),
+        Scale::millimetres::<I32F32> as *const (),
         Line::<3>::new as *const (),
         Line::<3>::events as *const (),
         Line::<3>::directions as *const (),

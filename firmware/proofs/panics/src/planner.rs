@@ -4,8 +4,9 @@ use core::hint::black_box;
 
 use husillo_planner::{
     ArcLimits, AxisTimers, Burst, Bursts, Follower, JerkRamp, JerkWindow, Junction, Limits,
-    LookAhead, Piece, Ramp, Recurrence, Replay, SCurve, ServoLine, ServoProfile, Slice, Stretch,
-    SurfaceSpeed, Tangent, Timer, Trapezoid, Upper, Waits, mul_div, mul_div_q16, share, times,
+    LookAhead, Piece, Ramp, Recurrence, Replay, SCurve, ServoLine, ServoPeriod, ServoProfile,
+    Slice, Stretch, SurfaceSpeed, Tangent, Timer, Trapezoid, UnitRates, Upper, Waits,
+    fixed::types::I32F32, mul_div, mul_div_q16, nanometres, share, times,
 };
 
 /// Keeps every function in the program.
@@ -26,6 +27,19 @@ pub fn keep() {
     streams();
     servo();
     durations();
+    units();
+}
+
+fn units() {
+    black_box([
+        nanometres::<I32F32> as *const (),
+        UnitRates::<I32F32>::rates::<I32F32> as *const (),
+        ServoPeriod::new as *const (),
+        ServoPeriod::velocity::<I32F32> as *const (),
+        ServoPeriod::acceleration::<I32F32> as *const (),
+        ServoPeriod::counts_per_s::<I32F32> as *const (),
+        ServoPeriod::counts_per_s2::<I32F32> as *const (),
+    ]);
 }
 
 fn durations() {
