@@ -109,6 +109,7 @@ impl Driver<'_> {
         self.machine
             .tell(From::Server, format!("{} is loaded", program.name));
         *self.running = Running {
+            resume_line: program.resume_line,
             program: Some(program),
             loads: self.running.loads + 1,
             runs: self.running.runs,
