@@ -5,8 +5,8 @@ use clap::Args;
 /// The broker, and what it may do.
 #[derive(Debug, Args)]
 pub struct Cell {
-    /// Publish what the machines do at this broker (MQTT 5, Sparkplug B): mqtt://HOST[:PORT], or
-    /// mqtts:// with TLS
+    /// Publish what the machines do at this broker (MQTT 5, Sparkplug B): `mqtt://HOST[:PORT]`, or
+    /// `mqtts://` with TLS
     #[arg(long = "mqtt", value_name = "URL")]
     pub mqtt: Option<String>,
     /// Take jobs from the broker: whoever may write there can start programs

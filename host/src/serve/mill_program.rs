@@ -13,13 +13,15 @@ pub fn string(line: Line) -> String {
     String::from_utf8_lossy(Order::Line(line).text().bytes()).into_owned()
 }
 
-/// The strings of a checked program, each with the number of its line, and what was dropped or
-/// changed, as findings.
+/// Strings with the numbers of their lines, and findings.
+pub type Strings = (Vec<(usize, String)>, Vec<Value>);
+
+/// The strings of a checked program, and what was dropped or changed, as findings.
 ///
 /// # Errors
 ///
 /// A sentence: the program cannot be read.
-pub fn strings(job: &Job) -> Result<(Vec<(usize, String)>, Vec<Value>), String> {
+pub fn strings(job: &Job) -> Result<Strings, String> {
     let made = translated(job)?;
     let finding = |severity: &str, (line, message): &(usize, String)| {
         json!({

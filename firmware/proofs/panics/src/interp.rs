@@ -185,5 +185,5 @@ pub fn keep() {
 }
 
 fn line_fill(line: &mut Line<3>, places: &mut [[i8; 3]]) -> [u8; 3] {
-    line.fill(places.iter_mut())
+    Line::<3>::fill(line, places.iter_mut())
 }

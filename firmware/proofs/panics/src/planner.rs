@@ -199,11 +199,11 @@ fn servo() {
 }
 
 fn timer_fill(timer: &mut Timer, places: &mut [u32]) -> Waits {
-    timer.fill(places.iter_mut())
+    Timer::fill(timer, places.iter_mut())
 }
 
 fn ramp_fill(ramp: &mut Ramp, places: &mut [u32], limits: &Limits) -> Waits {
-    ramp.fill(places.iter_mut(), limits)
+    Ramp::fill(ramp, places.iter_mut(), limits)
 }
 
 fn jerk_ramp_fill(
@@ -211,5 +211,5 @@ fn jerk_ramp_fill(
     places: &mut [u32],
     window: &mut JerkWindow<u32, 16>,
 ) -> Waits {
-    ramp.fill(places.iter_mut(), window)
+    JerkRamp::fill(ramp, places.iter_mut(), window)
 }
