@@ -85,7 +85,10 @@ pub fn serve(args: &Serve, served: &[Served], out: &mut Reporter<'_>) -> Result<
     let runtime = tokio::runtime::Builder::new_current_thread()
         .enable_all()
         .build()?;
-    runtime.block_on(serve_pages(args, served, out))
+    let ended = runtime.block_on(serve_pages(args, served, out));
+    // The end does not wait for the look-up of a broker's name, or for the check of a program.
+    runtime.shutdown_background();
+    ended
 }
 
 async fn serve_pages(

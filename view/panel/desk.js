@@ -6,7 +6,7 @@ import { Link } from "husillo/panel/link.js";
 
 /** Lines of a console that are kept. */
 const MOST_LINES = 2000;
-/** Points of the way of a tool that are kept. */
+/** Points of the path of a tool that are kept. */
 const MOST_POINTS = 100_000;
 
 /**
@@ -20,7 +20,7 @@ const MOST_POINTS = 100_000;
  * @property {string[]} offers what the page can do with it, beside moving it by hand
  * @property {([number, number] | null)[] | null} [travel_mm] of each axis, from machine zero
  *
- * @typedef {[number, number, number, number]} Point of the way of a tool: -1 for its begin, or the
+ * @typedef {[number, number, number, number]} Point of the path of a tool: -1 for its begin, or the
  * motion that has led there (0 by hand, 1 rapid, 2 feed), then X, Y and Z in nm
  *
  * @typedef {object} Line a line of the console
@@ -102,7 +102,7 @@ export class Machine {
         this.state = /** @type {State | undefined} */ (undefined);
         /** @type {Line[]} */
         this.lines = [];
-        /** The way of its tool. @type {Point[]} */
+        /** The path of its tool. @type {Point[]} */
         this.path = [];
     }
 }

@@ -139,7 +139,8 @@ export const ENGLISH = {
         "Without a rate a jog begins at 170 steps/s; faster and slower change it by 10. A rate " +
         "of 1 to 390 is for one axis at a time.",
     millUnhomed: "The mill is not homed: it does not know where it is.",
-    millUnhomedAdvice: "Jogs and steps are possible, near nothing. Home before lines and programs.",
+    millUnhomedAdvice:
+        "Jogs and steps are possible: keep away from everything. Home before lines and programs.",
     confirmation: "Confirmation",
     stringSent: "String sent",
     stringEcho: "Echo",
@@ -182,7 +183,7 @@ export const ENGLISH = {
         ["Shift", "with them: three times as fast"],
         ["Ctrl", "with them: one step"],
         ["+ and −", "size of a step"],
-        ["[ and ]", "feed override by 10 %"],
+        ["[ and ]", "feed override by 10 %; on the micro mill the jog by 10 steps/s"],
         ["p", "pause and resume"],
         ["Ctrl+Enter", "shows what a start would do"],
         ["Ctrl+Home", "home"],

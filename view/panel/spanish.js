@@ -189,7 +189,7 @@ export const SPANISH = {
         ["Mayús", "con ellas: tres veces más rápido"],
         ["Ctrl", "con ellas: un paso"],
         ["+ y −", "tamaño del paso"],
-        ["[ y ]", "corrección del avance en 10 %"],
+        ["[ y ]", "corrección del avance en 10 %; en la microfresadora, 10 pasos/s"],
         ["p", "pausa y reanudar"],
         ["Ctrl+Intro", "muestra qué haría un arranque"],
         ["Ctrl+Inicio", "buscar origen"],

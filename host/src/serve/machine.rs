@@ -49,7 +49,7 @@ pub struct Machine {
     pub control: Control,
     /// The lease of a jog.
     pub lease: Lease,
-    /// The way of its tool, as far as its controller reports steps.
+    /// The path of its tool, as far as its controller reports steps.
     pub path: ToolPath,
     /// The loaded program.
     pub program: Mutex<Option<Arc<Loaded>>>,
@@ -144,6 +144,12 @@ impl Machine {
         }
     }
 
+    /// Whether a request may still be carried out. Its client may have lost control meanwhile.
+    pub fn permits(&self, client: u64, request: &Request) -> bool {
+        let is_own = matches!(request, Request::Load(_) | Request::Surroundings(_));
+        is_own || !request.needs_control() || self.control.operator() == Some(client)
+    }
+
     /// Appends a line to the console.
     pub fn tell(&self, from: From, text: impl Into<String>) {
         self.console.push(from, text);
@@ -151,7 +157,7 @@ impl Machine {
             .send_modify(|number| *number = number.wrapping_add(1));
     }
 
-    /// The way of the tool has changed.
+    /// The path of the tool has changed.
     pub fn drawn(&self) {
         self.news
             .send_modify(|number| *number = number.wrapping_add(1));

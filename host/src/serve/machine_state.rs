@@ -76,7 +76,7 @@ pub struct MillState {
     pub sent: String,
     /// What the controller has echoed of it.
     pub echo: String,
-    /// What has become of it: `moving`, `done`, or why not.
+    /// Its result: `moving`, `done`, or why not.
     pub outcome: Option<&'static str>,
 }
 

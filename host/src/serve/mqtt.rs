@@ -21,6 +21,7 @@ use super::host_name;
 use super::machine::Machine;
 use crate::cli::Cell;
 use crate::measuring::memory_file;
+pub use job::CELL;
 use job::{Jobs, Told};
 use job_folder::JobFolder;
 use node::{Node, Topics};
@@ -74,18 +75,16 @@ impl Link {
                 let folder = memory_file::folder();
                 let folder = folder.ok_or("where the state is kept is not known: set HOME")?;
                 let folder = JobFolder::new(folder.join("jobs"))?;
-                Some(Arc::new(Jobs::new(
-                    folder,
-                    name.clone(),
-                    machines.to_vec(),
-                    to.clone(),
-                )))
+                // Before a job can arrive: one that runs is not an interrupted one.
+                let open = folder.open(&name)?;
+                let jobs = Jobs::new(folder, name.clone(), machines.to_vec(), to.clone());
+                let jobs = Arc::new(jobs);
+                let offering = Arc::clone(&jobs);
+                tokio::spawn(async move { offering.offer(open).await });
+                Some(jobs)
             }
             false => None,
         };
-        if let Some(jobs) = jobs.clone() {
-            tokio::spawn(async move { jobs.offer().await });
-        }
         let topics = Topics::new(cell.mqtt_group.clone(), name);
         let (ending, ends) = watch::channel(false);
         let cell = Connected {
@@ -96,6 +95,7 @@ impl Link {
             _keeps_open: to,
             news: news.subscribe(),
             ends,
+            why: String::new(),
         };
         let task = tokio::spawn(cell.connect(options));
         Ok(Self { ending, task })
@@ -127,11 +127,12 @@ struct Connected {
     _keeps_open: UnboundedSender<Told>,
     news: watch::Receiver<u64>,
     ends: watch::Receiver<bool>,
+    /// Why the broker is not reached, as the consoles have it.
+    why: String,
 }
 
 impl Connected {
     async fn connect(mut self, mut options: MqttOptions) {
-        let mut why = String::new();
         // The number of a connection. The will has the same one as the birth.
         for session in (0..=u8::MAX).cycle() {
             let topic = self.topics.of_node("NDEATH");
@@ -148,11 +149,11 @@ impl Connected {
                     let _ = polling.await;
                     return;
                 }
-                Some(now) if now != why => {
+                Some(now) if now != self.why => {
                     self.say(&format!(
                         "the broker is not reached: {now}; the machines go on"
                     ));
-                    why = now;
+                    self.why = now;
                 }
                 Some(_) => {}
             }
@@ -182,6 +183,7 @@ impl Connected {
                 heard = heard.recv() => match heard {
                     Some(Heard::Connected) => {
                         is_connected = true;
+                        self.why.clear();
                         self.say("the broker is reached");
                         self.node.begin(client, session).await;
                     }

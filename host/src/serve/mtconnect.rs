@@ -152,7 +152,7 @@ impl Sent {
     }
 
     fn changed(&mut self, time: &str, device: &str, state: &Value) -> String {
-        let (mut line, mut conditions) = (String::new(), String::new());
+        let (mut line, mut alone) = (String::new(), String::new());
         for (item, before) in self.items.iter().zip(&mut self.values) {
             let value = match (item.value)(state, item.axis) {
                 Some(value) => value,
@@ -161,17 +161,17 @@ impl Sent {
             if value == *before {
                 continue;
             }
-            // A condition has a line of its own.
+            // An item with several values has a line of its own.
             let key = &item.key;
-            let _ = match item.is_condition() {
-                true => writeln!(conditions, "{time}|{device}:{key}|{value}"),
+            let _ = match item.is_alone() {
+                true => writeln!(alone, "{time}|{device}:{key}|{value}"),
                 false => write!(line, "|{device}:{key}|{value}"),
             };
             *before = value;
         }
         match line.is_empty() {
-            true => conditions,
-            false => format!("{time}{line}\n{conditions}"),
+            true => alone,
+            false => format!("{time}{line}\n{alone}"),
         }
     }
 }
@@ -179,9 +179,10 @@ impl Sent {
 impl Item {
     /// Its value when none is known.
     fn unavailable(&self) -> String {
-        match self.is_condition() {
-            true => format!("{UNAVAILABLE}||||"),
-            false => UNAVAILABLE.to_owned(),
+        match (self.category, self.kind) {
+            ("CONDITION", _) => format!("{UNAVAILABLE}||||"),
+            (_, "MESSAGE") => format!("|{UNAVAILABLE}"),
+            _ => UNAVAILABLE.to_owned(),
         }
     }
 }

@@ -6,6 +6,7 @@
 use super::console_lines::From;
 use super::lease::LEASE;
 use super::machine::Machine;
+use super::mqtt::CELL;
 use super::reply::Reply;
 use super::request::Request;
 use super::site::Site;
@@ -154,6 +155,8 @@ fn asked_of(machine: &Machine, client: u64, request: Request, reply: Reply) {
 }
 
 fn stop(machine: &Machine, client: u64) {
+    // A job that is being checked does not start afterwards.
+    machine.control.give(CELL);
     machine.lease.end();
     machine.stop.request();
     machine.tell(From::Server, format!("STOP by client {client}"));
@@ -194,7 +197,6 @@ async fn write(
                 for (machine, seen) in site.machines.iter().zip(&mut seen) {
                     frames.extend(seen.update(machine));
                 }
-                news.borrow_and_update();
                 // More lines of a console follow in the next round.
                 if site.machines.iter().zip(&seen).any(|(machine, seen)| seen.has_more(machine)) {
                     news.mark_changed();

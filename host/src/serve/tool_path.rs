@@ -1,4 +1,4 @@
-//! The way of the tool of a machine whose controller reports each step.
+//! The path of the tool of a machine whose controller reports each step.
 
 use serde::Serialize;
 use std::collections::VecDeque;
@@ -14,7 +14,7 @@ const APART_NM: i64 = 2000;
 /// Why the tool moves. Each has its colour in the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Motion {
-    /// Nothing is drawn: the way begins here.
+    /// Nothing is drawn: the path begins here.
     Begin = -1,
     /// A jog, or steps by hand.
     Jog = 0,
@@ -24,12 +24,12 @@ pub enum Motion {
     Feed = 2,
 }
 
-/// A point of the way: the motion that has led there, and its place in nm from machine zero, or
+/// A point of the path: the motion that has led there, and its place in nm from machine zero, or
 /// from where the controller was switched on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Point(i64, i64, i64, i64);
 
-/// The way of a tool.
+/// The path of a tool.
 #[derive(Debug, Default)]
 pub struct ToolPath(Mutex<Kept>);
 
@@ -42,7 +42,7 @@ struct Kept {
     points: VecDeque<Point>,
 }
 
-/// What a client has of a way.
+/// What a client has of a path.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PathSeen {
     generation: u64,
@@ -53,7 +53,7 @@ pub struct PathSeen {
 /// Points for a client.
 #[derive(Debug)]
 pub struct Part {
-    /// Number of the first one. 0: the way begins again.
+    /// Number of the first one. 0: the path begins again.
     pub from: u64,
     /// The points.
     pub points: Vec<Point>,

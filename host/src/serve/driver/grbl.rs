@@ -184,8 +184,10 @@ impl<'a> Driver<'a> {
         self.send_known("$I");
         self.send_known("$$");
         let ended = self.turns();
-        let lost = "the controller is lost";
-        self.drop_lines(lost);
+        self.drop_lines(match &ended {
+            Ok(()) => "this program has ended",
+            Err(_) => "the controller is lost",
+        });
         self.state.program = self.program_shown();
         self.note_run();
         ended
@@ -372,6 +374,10 @@ impl<'a> Driver<'a> {
         } = asked;
         if self.halting.is_some() {
             reply.error("the machine is being stopped");
+            return Ok(());
+        }
+        if !self.machine.permits(client, &request) {
+            reply.error("take control first");
             return Ok(());
         }
         match request {

@@ -112,8 +112,12 @@ impl Driver<'_> {
     fn drive(mut self) -> Result<(), String> {
         self.begin_path();
         let ended = self.turns();
-        self.drop_orders("the controller is lost");
-        self.end_program("the controller is lost");
+        let why = match &ended {
+            Ok(()) => "this program has ended",
+            Err(_) => "the controller is lost",
+        };
+        self.drop_orders(why);
+        self.end_program(why);
         self.show();
         ended
     }
@@ -185,6 +189,9 @@ impl Driver<'_> {
         } = asked;
         if self.halting.is_some() {
             return reply.error("the machine is being stopped");
+        }
+        if !self.machine.permits(client, &request) {
+            return reply.error("take control first");
         }
         match request {
             Request::Jog { jog, axes, hz, .. } => {

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! claim the id ─► take control ─► check, load ─► note "running" ─► start ─► give control back
-//!       └ used: tell what became of it                                  └► follow, note the line
+//!       └ used: report its state                                        └► follow, note the line
 //! ```
 //!
 //! The id is used before anything else happens. A job that is refused or that fails is not tried
@@ -26,6 +26,8 @@ use tokio::time::{Instant, sleep, timeout};
 pub const CELL: u64 = 0;
 /// The driver answers within this time.
 const ANSWER: Duration = Duration::from_secs(5);
+/// The driver has started a program within this time. That of a mill checks it once more.
+const START: Duration = Duration::from_secs(60);
 /// Interval in which a job is looked at, and its line is noted.
 const LOOK: Duration = Duration::from_millis(500);
 /// Interval in which a load is waited for.
@@ -33,7 +35,7 @@ const SHOWN: Duration = Duration::from_millis(20);
 /// A machine with an interrupted job is looked at in this interval until it can be loaded.
 const AGAIN: Duration = Duration::from_secs(1);
 
-/// What has become of a job.
+/// The state of a job.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum JobState {
@@ -73,7 +75,7 @@ impl JobState {
 pub struct Report {
     /// Its id.
     pub id: String,
-    /// What has become of it.
+    /// Its state.
     pub state: JobState,
     /// Why, or the empty text.
     pub message: String,
@@ -116,7 +118,7 @@ pub struct Jobs {
 }
 
 impl Jobs {
-    /// The jobs that are noted in this folder. What becomes of them is `told`.
+    /// The jobs that are noted in this folder. Their reports go to `told`.
     pub fn new(
         folder: JobFolder,
         node: String,
@@ -214,6 +216,10 @@ impl Jobs {
             return Err(format!("line {}: {what}", first["line"]));
         }
         let load = loaded(machine, before).await?;
+        // STOP takes control away from a job that has not started.
+        if machine.control.operator() != Some(CELL) {
+            return Err("STOP was pressed, or a page has taken control".into());
+        }
         // If this program is killed from here on, the job may have been started.
         record.report.state = JobState::Running;
         let (folder, noted) = (self.folder.clone(), record.clone());
@@ -224,7 +230,7 @@ impl Jobs {
             from: None,
         };
         machine.ask(CELL, run, Reply::new(json!(0), to));
-        let answer = timeout(ANSWER, answers.recv()).await;
+        let answer = timeout(START, answers.recv()).await;
         let answer = answer.ok().flatten().ok_or("the machine does not answer")?;
         let answer: Value = serde_json::from_str(&answer).unwrap_or_default();
         match answer["ok"] == true {
@@ -273,12 +279,8 @@ impl Jobs {
         }
     }
 
-    /// Offers the programs of jobs that were interrupted. None of them is started.
-    pub async fn offer(&self) {
-        let (folder, node) = (self.folder.clone(), self.node.clone());
-        let Ok(records) = blocking(move || folder.open(&node)).await else {
-            return;
-        };
+    /// Offers the programs of these jobs, which were interrupted. None of them is started.
+    pub async fn offer(&self, records: Vec<Record>) {
         let offers = records.into_iter().filter_map(|mut record| {
             let machines = self.machines.iter();
             let index = machines
@@ -286,10 +288,19 @@ impl Jobs {
                 .find(|(_, one)| one.number == record.machine)?
                 .0;
             let report = &mut record.report;
-            report.state = JobState::Interrupted;
-            report.message = match report.line {
-                Some(line) => format!("interrupted: all lines before line {line} are made"),
-                None => "interrupted before its first line was made".into(),
+            (report.state, report.message) = match (report.state, report.line) {
+                (JobState::Accepted, _) => {
+                    let why = "the server ended before the job was started";
+                    (JobState::Refused, why.into())
+                }
+                (_, Some(line)) => {
+                    let why = format!("interrupted: all lines before line {line} are made");
+                    (JobState::Interrupted, why)
+                }
+                (_, None) => {
+                    let why = "interrupted before a line was noted as made";
+                    (JobState::Interrupted, why.into())
+                }
             };
             Some(self.offer_one(index, record))
         });
@@ -300,6 +311,9 @@ impl Jobs {
     /// which it goes on.
     async fn offer_one(&self, index: usize, record: Record) {
         self.note(index, &record).await;
+        if record.report.state == JobState::Refused {
+            return;
+        }
         let (Some(machine), Some(beginning)) =
             (self.machines.get(index), self.beginning.get(index))
         else {
@@ -319,8 +333,8 @@ impl Jobs {
             .line
             .and_then(|line| usize::try_from(line).ok());
         loop {
-            let state = shown(machine);
             let held = beginning.lock().await;
+            let state = shown(machine);
             if !state["program"].is_null() {
                 // Somebody has loaded a program meanwhile.
                 return;
@@ -363,7 +377,7 @@ impl Jobs {
         }
     }
 
-    /// Notes and tells what has become of a job.
+    /// Notes and reports the state of a job.
     async fn note(&self, index: usize, record: &Record) {
         let (folder, noted) = (self.folder.clone(), record.clone());
         if let (Err(why), Some(machine)) = (

@@ -26,7 +26,7 @@ pub struct Record {
     pub machine: u32,
     /// Name of its program.
     pub name: String,
-    /// What has become of it.
+    /// Its last report.
     #[serde(flatten)]
     pub report: Report,
 }
@@ -36,7 +36,7 @@ pub struct Record {
 pub enum Claim {
     /// It was not.
     First,
-    /// It was, and this has become of it.
+    /// It was. This is its last report.
     Used(Report),
 }
 
@@ -112,7 +112,7 @@ impl JobFolder {
         fs::read(&path).map_err(|error| said(&path, error))
     }
 
-    /// Notes what has become of a job. The program of one that has ended is not kept.
+    /// Notes the state of a job. The program of one that has ended is not kept.
     ///
     /// # Errors
     ///
@@ -138,7 +138,7 @@ impl JobFolder {
         let _ = fs::remove_file(self.path(id, "nc"));
     }
 
-    /// The jobs of a server that have not ended, and whose programs are kept.
+    /// The jobs of a server that have not ended: accepted ones, and begun ones with their programs.
     ///
     /// # Errors
     ///
@@ -149,10 +149,12 @@ impl JobFolder {
         let records = paths
             .filter(|path| path.extension().is_some_and(|end| end == "json"))
             .filter_map(|path| read(&path));
-        let is_open = |record: &Record| {
-            let state = record.report.state;
-            let is_open = matches!(state, JobState::Running | JobState::Interrupted);
-            is_open && record.node == node && self.path(&record.report.id, "nc").exists()
+        let is_open = |record: &Record| match record.report.state {
+            JobState::Accepted => record.node == node,
+            JobState::Running | JobState::Interrupted => {
+                record.node == node && self.path(&record.report.id, "nc").exists()
+            }
+            _ => false,
         };
         Ok(records.filter(is_open).collect())
     }

@@ -169,7 +169,7 @@ impl Node {
         self.publish(client, topic, metrics).await;
     }
 
-    /// Tells what has become of a job.
+    /// Sends the report of a job.
     pub async fn tell(&mut self, client: Option<&AsyncClient>, told: Told) {
         let Some(born) = self.machines.get_mut(told.machine) else {
             return;

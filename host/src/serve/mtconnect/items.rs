@@ -40,9 +40,10 @@ pub struct Item {
 }
 
 impl Item {
-    /// Whether it is a condition.
-    pub fn is_condition(&self) -> bool {
-        self.category == "CONDITION"
+    /// Whether it has several values. Such an item has a line of its own, because an agent ignores
+    /// what follows it.
+    pub fn is_alone(&self) -> bool {
+        self.category == "CONDITION" || self.kind == "MESSAGE"
     }
 }
 

@@ -58,7 +58,8 @@ impl Jogging {
 
     /// What pages are told.
     pub(super) fn shown(&self) -> Option<Value> {
-        let held = self.held.as_ref()?;
+        // While the direction changes, the jog goes on.
+        let held = self.held.as_ref().or(self.next.as_ref())?;
         Some(json!({"client": held.client, "jog": held.number}))
     }
 

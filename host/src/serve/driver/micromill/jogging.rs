@@ -57,7 +57,8 @@ impl Jogging {
 
     /// What pages are told.
     pub(super) fn shown(&self) -> Option<Value> {
-        let held = self.held.as_ref()?;
+        // While the direction changes, the jog goes on.
+        let held = self.held.as_ref().or(self.next.as_ref())?;
         Some(json!({"client": held.client, "jog": held.number}))
     }
 }
@@ -106,12 +107,13 @@ impl Driver<'_> {
     ///
     /// # Errors
     ///
-    /// Nothing jogs.
+    /// Nothing jogs, or the jog has a rate of its own.
     pub(super) fn change_pace(&mut self, is_faster: bool) -> Result<(), &'static str> {
-        let is_jog = |held: &Held| matches!(held.order, Order::Jog(_));
         let jogging = &mut self.jogging;
-        if !jogging.held.as_ref().is_some_and(is_jog) {
-            return Err("nothing jogs");
+        match jogging.held.as_ref().map(|held| held.order) {
+            Some(Order::Jog(_)) => {}
+            Some(_) => return Err("a jog with a rate of its own keeps it"),
+            None => return Err("nothing jogs"),
         }
         let by = if is_faster { 1 } else { -1 };
         jogging.changes = (jogging.changes + by).clamp(-MOST_CHANGES, MOST_CHANGES);

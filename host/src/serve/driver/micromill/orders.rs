@@ -119,7 +119,7 @@ impl Driver<'_> {
         }
     }
 
-    /// Follows the reported steps, and draws the way of the tool.
+    /// Follows the reported steps, and draws the path of the tool.
     pub(super) fn follow(&mut self) {
         let steps = std::mem::take(&mut self.session.steps);
         let motion = self.current.as_ref().map(|sent| motion(sent.order));
@@ -136,7 +136,7 @@ impl Driver<'_> {
         }
     }
 
-    /// The way of the tool begins where it is.
+    /// The path of the tool begins where it is.
     pub(super) fn begin_path(&self) {
         self.machine.path.to(Motion::Begin, self.place.at_nm());
         self.machine.drawn();
@@ -188,7 +188,7 @@ impl Driver<'_> {
         Ok(())
     }
 
-    /// Shows the echo of the last string, and what has become of it.
+    /// Shows the echo of the last string, and its result.
     fn confirm(&mut self, outcome: &'static str) {
         self.show_order();
         let Some(mill) = &mut self.state.mill else {

@@ -13,7 +13,7 @@ use std::collections::BTreeSet;
 use std::sync::{Arc, PoisonError};
 use std::time::Duration;
 
-/// What becomes of a program.
+/// The state of a program.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Phase {
     #[default]
@@ -146,6 +146,10 @@ impl Driver<'_> {
             Err(why) => return reply.error(why),
         };
         if is_confirmed {
+            // The check may have taken long.
+            if self.machine.stop.is_asked() {
+                return reply.error("the machine is being stopped");
+            }
             self.start(program, made, from);
             return reply.ok();
         }
