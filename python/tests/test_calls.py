@@ -273,7 +273,9 @@ with husillo.stream(program, "free", size=10_000) as parts:
 def test_ctrl_c_ends_a_call(call: str) -> None:
     # The whole call takes long enough that its end cannot be mistaken for the end by Ctrl-C.
     code = f"""
-import _thread, threading, time
+import _thread, signal, threading, time
+# A shell lets its background jobs ignore Ctrl-C.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 lines = "G21 G90 F60\\n" + "G1 X1 Y2\\nG1 X2 Y3\\n" * 400_000
 begin = time.monotonic()
 husillo.{call}
