@@ -231,6 +231,9 @@ async function run(session) {
 
   session.command("gcode:start");
   await session.until("motion", () => session.active === "Run" && session.sender.received > 200);
+  // Slow, so that the axes do not rest between two lines on a busy computer.
+  for (let turn = 0; turn < 9; turn++) session.command("feedOverride", -10);
+  await session.until("10 %", () => Number(session.state.status.ov?.[0]) === 10);
   session.command("reset");
   await session.until("the alarm", () => session.active === "Alarm");
   say("reset in motion", `${session.active}, ${session.lines.findLast((l) => /^ALARM/.test(l))}`);
