@@ -44,7 +44,7 @@ proptest! {
     ) {
         let intervals: Vec<u32> = intervals.iter().map(|ticks| ticks >> shift).collect();
         let bursts: Vec<Burst> = Bursts::new(intervals.iter().copied(), error).collect();
-        prop_assert!(largest_error(&intervals, &bursts) <= error.into());
+        prop_assert!(largest_error(&intervals, &bursts) <= i64::from(error));
     }
 
     /// With an error of at most 8, no record that starts at the same event holds one event more.
@@ -76,7 +76,7 @@ fn trapezoid_shrinks() {
     let intervals: Vec<u32> = Trapezoid::new(&rates, 10_000).unwrap().collect();
     for (error, most) in [(1, 600), (5, 250), (25, 150)] {
         let bursts: Vec<Burst> = Bursts::new(intervals.iter().copied(), error).collect();
-        assert!(largest_error(&intervals, &bursts) <= error.into());
+        assert!(largest_error(&intervals, &bursts) <= i64::from(error));
         assert!(bursts.len() <= most, "{error}: {}", bursts.len());
     }
 }

@@ -4,9 +4,9 @@ use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,
 };
 
-const SECTOR: usize = 2048;
+const SECTOR: usize = 4096;
 
-/// Two sectors of 2 kB. It is written in words of 4 bytes.
+/// Two sectors of 4 kB. It is written in words of 4 bytes.
 #[derive(Debug)]
 pub struct Flash {
     bytes: [u8; 2 * SECTOR],

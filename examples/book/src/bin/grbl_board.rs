@@ -130,7 +130,7 @@ fn board(serial: &Serial, flash: Flash, steps: &[Pin; 3], directions: &[Pin; 3])
         limits,
         probe,
         serial: serial.clone(),
-        flash: Store::open(flash, 0..4096).expect("the area fits the flash"),
+        flash: Store::open(flash, 0..8192).expect("the area fits the flash"),
         clock: Clock::default(),
     }
     // ANCHOR_END: wiring

@@ -20,7 +20,7 @@ fn load<F: NorFlash>(store: &mut Store<F>) -> Result<String, StoreError<F::Error
 
 fn main() -> Result<(), StoreError<PowerFailure>> {
     // ANCHOR: open
-    let mut store = Store::open(Flash::new(), 0..4096)?;
+    let mut store = Store::open(Flash::new(), 0..8192)?;
     assert!(store.is_empty());
     println!("room for {} bytes", store.capacity());
     save(&mut store, b"backlash 20 30")?;
@@ -32,13 +32,13 @@ fn main() -> Result<(), StoreError<PowerFailure>> {
     for words in 0.. {
         let mut flash = store.release();
         flash.fail_after(Some(words));
-        store = Store::open(flash, 0..4096)?;
+        store = Store::open(flash, 0..8192)?;
         let saved = save(&mut store, b"backlash 21 29");
 
         // The power returns.
         let mut flash = store.release();
         flash.fail_after(None);
-        store = Store::open(flash, 0..4096)?;
+        store = Store::open(flash, 0..8192)?;
         match load(&mut store)?.as_str() {
             "backlash 20 30" => old += 1,
             "backlash 21 29" => new += 1,
