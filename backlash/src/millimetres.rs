@@ -188,7 +188,7 @@ mod tests {
         /// In millimetres as in nanometres.
         #[test]
         fn calibrations_agree(x in -500_000_000_i64..500_000_000, ppb in -100_000..100_000) {
-            let scale = |ppb| ErrorTable::new(ppb, [Knot::default(); 0]).unwrap();
+            let scale = |ppb| ErrorTable::new(ppb, [] as [Knot; 0]).unwrap();
             let squareness = Squareness { xy_ppb: ppb, ..Squareness::default() };
             let axes = [scale(ppb), scale(-ppb), scale(0)];
             let machine = Calibration { axes, squareness };
