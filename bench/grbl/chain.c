@@ -13,29 +13,13 @@ static uint64_t steps;
 
 /* Prepares segments, and runs the interrupt until all of them are executed. The count reads the
    levels that the next interrupt writes. */
-static void execute(void) {
+void execute(void) {
     static const uint8_t axes[8] = {0, 1, 1, 2, 1, 2, 2, 3};
     st_prep_buffer();
     while (segment_buffer_tail != segment_buffer_head) {
         TIMER1_COMPA_vect();
         steps += axes[(st.step_outbits & STEP_MASK) >> X_STEP_BIT];
     }
-}
-
-static void stand(void) {
-    while (plan_get_current_block()) execute();
-}
-
-/* The queue is full, or a line waits for its end. */
-void protocol_auto_cycle_start() { execute(); }
-void protocol_buffer_synchronize() { stand(); }
-void spindle_sync(uint8_t state, float rpm) {
-    (void)state, (void)rpm;
-    stand();
-}
-void coolant_sync(uint8_t mode) {
-    (void)mode;
-    stand();
 }
 
 int main(int count, char **arguments) {

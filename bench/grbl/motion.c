@@ -16,7 +16,7 @@ static size_t blocks;
 
 /* Takes the first block from the queue. It changes from the speed of the last block to its planned
    end speed with its acceleration, at most at its nominal speed. */
-static void execute(void) {
+void execute(void) {
     plan_block_t *block = plan_get_current_block();
     if (!block) return;
     double acceleration = block->acceleration, way = block->millimeters;
@@ -30,23 +30,6 @@ static void execute(void) {
     speed_sqr = after * after;
     blocks++;
     plan_discard_current_block();
-}
-
-static void stand(void) {
-    while (plan_get_current_block()) execute();
-    speed_sqr = 0;
-}
-
-/* The queue is full, or a line waits for its end. */
-void protocol_auto_cycle_start() { execute(); }
-void protocol_buffer_synchronize() { stand(); }
-void spindle_sync(uint8_t state, float rpm) {
-    (void)state, (void)rpm;
-    stand();
-}
-void coolant_sync(uint8_t mode) {
-    (void)mode;
-    stand();
 }
 
 int main(int count, char **arguments) {

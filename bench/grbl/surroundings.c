@@ -46,6 +46,24 @@ void router_on(void) {
 }
 #endif
 
+#ifdef PLANNED
+void stand(void) {
+    while (plan_get_current_block()) execute();
+}
+
+/* The queue is full, or a line waits for its end. */
+void protocol_auto_cycle_start() { execute(); }
+void protocol_buffer_synchronize() { stand(); }
+void spindle_sync(uint8_t state, float rpm) {
+    (void)state, (void)rpm;
+    stand();
+}
+void coolant_sync(uint8_t mode) {
+    (void)mode;
+    stand();
+}
+#endif
+
 uint8_t settings_read_coord_data(uint8_t index, float *coordinates) {
     memcpy(coordinates, kept[index], sizeof kept[index]);
     return true;

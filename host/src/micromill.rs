@@ -13,10 +13,40 @@ use crate::cli::Jog;
 use crate::console::reporter::Reporter;
 use crate::console::sharing::share;
 use crate::console::stop::stop_requests;
-use husillo_clients::micromill::{Action, BAUD, Frame, Hand, LEASE_MS, LengthUnit, open};
+use husillo_clients::micromill::{
+    Action, BAUD, Frame, Hand, LEASE_MS, LengthUnit, Translated, Translator, open,
+};
 use husillo_machine::Config;
+use husillo_simulator::diagnostics::Findings;
+use husillo_simulator::job::Job;
+use husillo_simulator::programs::source::Source;
+use husillo_simulator::programs::{program, setup};
 use husillo_transports::micromill::{Line, Order};
 use std::fmt::Write as _;
+use std::io;
+
+/// The program of a job as the lines of the mill. `source` is the open program. Its errors are those
+/// that a check finds, and are not collected again.
+///
+/// # Errors
+///
+/// The program cannot be read.
+pub fn translated(job: &Job, mut source: Source) -> io::Result<Translated> {
+    let config = setup::first_three(&job.config);
+    let [zero, at] = [job.start.zero, job.start.at].map(setup::three);
+    let mut translator = Translator::new(&config, zero, at);
+    program::walk(
+        &mut source,
+        job.name(),
+        job.start,
+        &mut Findings::new(0),
+        |meaning, command, _, _| {
+            translator.push_command(meaning.at.line, command);
+            Ok(())
+        },
+    )?;
+    Ok(translator.take())
+}
 
 /// The lines as the text of a file: one string per line.
 pub fn text(lines: &[(usize, Line)]) -> String {

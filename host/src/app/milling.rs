@@ -15,13 +15,11 @@ use crate::console::typed::typed_line;
 use crate::input;
 use crate::micromill;
 use comparison::compared;
-use husillo_clients::micromill::{self as client, Sender, Translated, Translator};
+use husillo_clients::micromill::{self as client, Sender, Translated};
 use husillo_controllers::MicromillConfig;
 use husillo_machine::Config;
 use husillo_sim::text::{counted, grouped};
-use husillo_simulator::diagnostics::Findings;
 use husillo_simulator::machines::machine_file::MachineFile;
-use husillo_simulator::programs::program;
 use husillo_simulator::programs::setup;
 use husillo_transports::micromill::{Line, State};
 use serde_json::json;
@@ -251,22 +249,7 @@ fn translated(job: &mut Job, out: &mut Reporter<'_>) -> Result<Option<Translated
         }
         return Ok(None);
     }
-    let config = setup::first_three(&job.config);
-    let [zero, at] = [job.start.zero, job.start.at].map(setup::three);
-    let mut translator = Translator::new(&config, zero, at);
-    let mut source = job.open()?;
-    program::walk(
-        &mut source,
-        job.name(),
-        job.start,
-        // The check has reported the errors of the program.
-        &mut Findings::new(0),
-        |meaning, command, _, _| {
-            translator.push_command(meaning.at.line, command);
-            Ok(())
-        },
-    )?;
-    let made = translator.take();
+    let made = micromill::translated(job, job.open()?)?;
     print_notes(job, &made, out);
     Ok(made.errors.is_empty().then_some(made))
 }

@@ -6,6 +6,7 @@
 
 mod grbl;
 mod micromill;
+mod phase;
 
 use super::console_lines::From;
 use super::family::Family;

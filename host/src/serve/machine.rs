@@ -39,7 +39,7 @@ pub struct Machine {
     pub number: u32,
     /// The name of its family.
     pub family: &'static str,
-    /// What others are told about it at first.
+    /// Its description, which pages and other readers get first.
     described: Value,
     /// Requests to stop it.
     pub stop: StopRequests,
@@ -76,7 +76,7 @@ pub struct Published {
     pub frame: Utf8Bytes,
 }
 
-/// What others are told about a machine at first.
+/// The description of a machine, which pages and other readers get first.
 pub fn described(number: u32, family: &Family, port: &str) -> Value {
     json!({
         "machine": number,

@@ -1,10 +1,10 @@
 //! A program as strings of the micro mill.
 
 use super::loaded::{Surroundings, job, said};
-use husillo_clients::micromill::{Translated, Translator};
+use crate::micromill;
+use husillo_clients::micromill::Translated;
 use husillo_simulator::diagnostics::Findings;
 use husillo_simulator::job::Job;
-use husillo_simulator::programs::{program, setup};
 use husillo_transports::micromill::{Line, Order};
 use serde_json::{Value, json};
 
@@ -65,21 +65,6 @@ pub fn lines(name: &str, text: &[u8], around: &Surroundings) -> Result<Translate
 }
 
 fn translated(job: &Job) -> Result<Translated, String> {
-    let config = setup::first_three(&job.config);
-    let [zero, at] = [job.start.zero, job.start.at].map(setup::three);
-    let mut translator = Translator::new(&config, zero, at);
-    let mut source = job.open().map_err(said)?;
-    program::walk(
-        &mut source,
-        job.name(),
-        job.start,
-        // The check has found the errors of the program.
-        &mut Findings::new(0),
-        |meaning, command, _, _| {
-            translator.push_command(meaning.at.line, command);
-            Ok(())
-        },
-    )
-    .map_err(|error| error.to_string())?;
-    Ok(translator.take())
+    let source = job.open().map_err(said)?;
+    micromill::translated(job, source).map_err(|error| error.to_string())
 }

@@ -43,7 +43,7 @@ const RETRY: Duration = Duration::from_secs(1);
 const SILENCE: Duration = Duration::from_secs(30);
 /// Messages that wait for the network.
 const WAITING: usize = 1024;
-/// At the end of this program the broker is told within this time.
+/// Longest time to report the end of this program to the broker.
 const END: Duration = Duration::from_secs(1);
 
 /// The link to the broker.

@@ -70,7 +70,7 @@ impl JobState {
     }
 }
 
-/// What is told of a job.
+/// The report of a job.
 #[derive(Clone, Debug, Deserialize, PartialEq, Eq, Serialize)]
 pub struct Report {
     /// Its id.

@@ -56,7 +56,7 @@ impl Jogging {
         self.held.is_some() || self.next.is_some() || self.cancelled_at.is_some()
     }
 
-    /// What pages are told.
+    /// The jog in the state of the machine.
     pub(super) fn shown(&self) -> Option<Value> {
         // While the direction changes, the jog goes on.
         let held = self.held.as_ref().or(self.next.as_ref())?;

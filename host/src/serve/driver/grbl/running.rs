@@ -2,6 +2,7 @@
 
 use super::{Driver, From, Purpose};
 use crate::serve::continuation::Continuation;
+use crate::serve::driver::phase::Phase;
 use crate::serve::loaded::{Loaded, Surroundings, Target};
 use crate::serve::reply::Reply;
 use crate::serve::run_record::RunRecord;
@@ -11,34 +12,6 @@ use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::sync::{Arc, PoisonError};
 use std::time::{Duration, Instant};
-
-/// What becomes of a program.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Phase {
-    #[default]
-    Loaded,
-    Running,
-    /// It waits before its next line for the operator.
-    Waiting,
-    Stopping,
-    Done,
-    Stopped,
-    Failed,
-}
-
-impl Phase {
-    const fn name(self) -> &'static str {
-        match self {
-            Self::Loaded => "loaded",
-            Self::Running => "running",
-            Self::Waiting => "waiting",
-            Self::Stopping => "stopping",
-            Self::Done => "done",
-            Self::Stopped => "stopped",
-            Self::Failed => "failed",
-        }
-    }
-}
 
 /// The program of a machine.
 #[derive(Debug, Default)]
@@ -52,7 +25,7 @@ pub(in crate::serve) struct Running {
     pub(super) continuation: Option<Continuation>,
     /// Where the machine was when the program was started at its first line, mm.
     pub(super) begun_mm: Option<Vec<f64>>,
-    /// What has become of it, for its report.
+    /// Its run, for its report.
     record: Option<RunRecord>,
     /// The phase and the overrides that were noted in it.
     noted: (&'static str, Option<Value>),
@@ -459,7 +432,7 @@ impl Driver<'_> {
         }
     }
 
-    /// What pages are told about the program. Progress goes on by the simulated time, between the
+    /// The program in the state of the machine. Progress goes on by the simulated time, between the
     /// line that is made and the last one that is answered.
     pub(super) fn program_shown(&mut self) -> Option<Value> {
         let is_moving = self.session.state() == Some(State::Run);

@@ -55,7 +55,7 @@ impl Jogging {
         self.next.is_some()
     }
 
-    /// What pages are told.
+    /// The jog in the state of the machine.
     pub(super) fn shown(&self) -> Option<Value> {
         // While the direction changes, the jog goes on.
         let held = self.held.as_ref().or(self.next.as_ref())?;

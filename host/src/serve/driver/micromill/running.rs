@@ -2,6 +2,7 @@
 
 use super::orders::{Purpose, Sent};
 use super::{Driver, From};
+use crate::serve::driver::phase::Phase;
 use crate::serve::loaded::Loaded;
 use crate::serve::mill_program;
 use crate::serve::reply::Reply;
@@ -12,34 +13,6 @@ use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::sync::{Arc, PoisonError};
 use std::time::Duration;
-
-/// The state of a program.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Phase {
-    #[default]
-    Loaded,
-    Running,
-    /// It waits before its next line for the operator.
-    Waiting,
-    Stopping,
-    Done,
-    Stopped,
-    Failed,
-}
-
-impl Phase {
-    const fn name(self) -> &'static str {
-        match self {
-            Self::Loaded => "loaded",
-            Self::Running => "running",
-            Self::Waiting => "waiting",
-            Self::Stopping => "stopping",
-            Self::Done => "done",
-            Self::Stopped => "stopped",
-            Self::Failed => "failed",
-        }
-    }
-}
 
 /// The program of a mill.
 #[derive(Debug, Default)]
@@ -376,7 +349,7 @@ impl Driver<'_> {
         }
     }
 
-    /// What pages are told about the program. Progress goes on by the simulated time within a line.
+    /// The program in the state of the machine. Progress goes on by the simulated time within a line.
     pub(super) fn program_shown(&mut self) -> Option<Value> {
         let now = self.session.elapsed();
         let running = &mut *self.running;
