@@ -25,8 +25,8 @@ use husillo_transports::micromill::{Line, Order};
 use std::fmt::Write as _;
 use std::io;
 
-/// The program of a job as the lines of the mill. `source` is the open program. Its errors are those
-/// that a check finds, and are not collected again.
+/// The program of a job as the lines of the mill. `source` is the open program. A check finds its
+/// errors, so they are not collected again.
 ///
 /// # Errors
 ///

@@ -349,7 +349,8 @@ impl Driver<'_> {
         }
     }
 
-    /// The program in the state of the machine. Progress goes on by the simulated time within a line.
+    /// The program in the state of the machine. Progress goes on by the simulated time within a
+    /// line.
     pub(super) fn program_shown(&mut self) -> Option<Value> {
         let now = self.session.elapsed();
         let running = &mut *self.running;
