@@ -88,6 +88,23 @@ export class Run {
         return this.lines[line - 1] ?? "";
     }
 
+    /** The text of what is made: a line, or a hole of a drill. @param {number} number from 1 */
+    textOf(number) {
+        return this.desk.family === "drill" ? "" : `: ${this.lineText(number)}`;
+    }
+
+    /** What a program is made of. */
+    get unit() {
+        const { desk, words } = this;
+        return desk.family === "drill"
+            ? {
+                  one: words.drill.hole,
+                  many: words.drill.holes,
+                  waits: words.drill.waitsBefore,
+              }
+            : { one: words.line, many: words.linesToSend, waits: words.waitsBefore };
+    }
+
     /** Which program of which machine is shown. */
     get key() {
         return `${this.desk.machine?.info.machine}/${this.desk.state?.program?.load}`;
@@ -159,10 +176,8 @@ export class Run {
         toggle(this.current, "current", "mono");
         const at = waits_before ?? line;
         this.current.hidden = at === null;
-        const what = waits_before === null ? words.line : words.waitsBefore;
-        if (at !== null) {
-            put(this.current, `${what} ${at} / ${program.lines}: ${this.lineText(at)}`);
-        }
+        const what = waits_before === null ? this.unit.one : this.unit.waits;
+        if (at !== null) put(this.current, `${what} ${at} / ${program.lines}${this.textOf(at)}`);
         put(this.message, message ?? "");
         this.message.hidden = !message;
     }
@@ -195,13 +210,13 @@ export class Run {
     /** What a start does, as elements. @param {any} plan */
     plan(plan) {
         const { desk, words } = this;
-        const first = this.lineText(plan.from ?? 1);
+        const first = this.textOf(plan.from ?? 1);
         const before = plan.before ?? [];
         const time = plan.time_s === null ? "" : `, ${duration(plan.time_s)}`;
         return [
             element("strong", {}, `${words.startAsk} ${plan.name}`),
-            element("p", {}, `${plan.lines} ${words.linesToSend}${time}`),
-            ...(plan.from ? [element("p", {}, `${words.line} ${plan.from}: ${first}`)] : []),
+            element("p", {}, `${plan.lines} ${this.unit.many}${time}`),
+            ...(plan.from ? [element("p", {}, `${this.unit.one} ${plan.from}${first}`)] : []),
             ...(plan.state
                 ? [
                       element("p", {}, words.stateBefore),
