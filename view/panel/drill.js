@@ -49,7 +49,7 @@ export class DrillStatus {
             this.line,
             element(
                 "ul",
-                { class: "lamps", "aria-label": words.drill.lampsName },
+                { class: "drill-lamps", "aria-label": words.drill.lampsName },
                 ...this.lamps.map((one) => one.lamp)
             )
         );

@@ -286,7 +286,7 @@ export class DrillBoard {
         disable(this.go, !may || !isManual || !hole);
         disable(this.measured, !may || !hole?.file_mm || !desk.state?.drill?.is_homed);
         disable(this.from, !may || !hole || program?.errors !== 0);
-        put(this.from, hole ? `${words.drill.startFromHole} ${this.chosen}` : words.startFrom);
+        put(this.from, `${words.drill.startFromHole} ${hole ? this.chosen : ""}`.trim());
         disable(this.apply ?? this.go, !may || !program);
         disable(this.forget ?? this.go, !may || this.listed.length === 0);
         this.placing.hidden = !this.board?.is_drill_file;
@@ -434,7 +434,7 @@ export class DrillBoard {
                 most = Math.max(most, point[axis]);
             }
             const half = Math.max(most - least, 2) / 2;
-            return { middle: (least + most) / 2, half: half * (1 + MARGIN) };
+            return { middle: (least + most) / 2, half: half * (1 + MARGIN) + UNKNOWN_MM };
         });
     }
 

@@ -87,10 +87,8 @@ export class DrillHand extends ByHand {
     }
 
     get obstacle() {
-        const { desk, words } = this;
-        const usual = super.obstacle;
-        if (usual !== "" || this.isManual) return usual;
-        return desk.isIdle ? words.drill.whyNotManual : words.whyBusy;
+        if (!super.mayMove) return super.obstacle;
+        return this.isManual ? "" : this.words.drill.whyNotManual;
     }
 
     get mayMove() {

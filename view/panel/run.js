@@ -34,7 +34,9 @@ export class Run {
         this.pause = button(words.pause, () => desk.command("hold"));
         this.resume = button(words.resume, () => desk.command("resume"));
         this.from = element("input", { inputmode: "numeric", size: 6 });
-        this.fromField = element("label", { class: "field" }, words.fromLine, this.from);
+        this.fromText = element("span", {}, words.fromLine);
+        this.breakpointsText = element("span", {}, words.breakpoints);
+        this.fromField = element("label", { class: "field" }, this.fromText, this.from);
         this.fromButton = button(words.startFrom, () => this.ask(Number(this.from.value)));
         this.single = element("input", { type: "checkbox" });
         this.single.addEventListener("change", () =>
@@ -70,7 +72,7 @@ export class Run {
                 "div",
                 { class: "items" },
                 element("label", { class: "check" }, this.single, words.singleBlock),
-                element("label", { class: "field" }, words.breakpoints, this.breakpoints),
+                element("label", { class: "field" }, this.breakpointsText, this.breakpoints),
                 this.fromField,
                 this.fromButton
             )
@@ -97,12 +99,16 @@ export class Run {
     get unit() {
         const { desk, words } = this;
         return desk.family === "drill"
-            ? {
-                  one: words.drill.hole,
-                  many: words.drill.holes,
-                  waits: words.drill.waitsBefore,
-              }
-            : { one: words.line, many: words.linesToSend, waits: words.waitsBefore };
+            ? { ...words.drill.units, one: words.drill.hole, many: words.drill.holes }
+            : {
+                  one: words.line,
+                  many: words.linesToSend,
+                  waits: words.waitsBefore,
+                  breakpoints: words.breakpoints,
+                  from: words.fromLine,
+                  start: words.startFrom,
+                  goOn: words.goOnFrom,
+              };
     }
 
     /** Which program of which machine is shown. */
@@ -134,7 +140,11 @@ export class Run {
         const resumeLine = program.resume_line ?? null;
         this.goOn.hidden = resumeLine === null || desk.isUnderWay || this.fromButton.hidden;
         disable(this.goOn, !mayStart);
-        put(this.goOn, `${words.goOnFrom} ${resumeLine}`);
+        const { unit } = this;
+        put(this.goOn, `${unit.goOn} ${resumeLine}`);
+        put(this.fromButton, unit.start);
+        put(this.fromText, unit.from);
+        put(this.breakpointsText, unit.breakpoints);
         disable(this.pause, state.link !== "up" || state.state !== "Run");
         const waits = program.phase === "waiting" || state.state === "Hold";
         disable(this.resume, !desk.mayCommand || !(waits || state.state === "Door"));
@@ -192,7 +202,7 @@ export class Run {
         if (this.start.disabled) return;
         const lines = desk.state?.program?.lines ?? 0;
         if (from !== undefined && !(from >= 1 && from <= lines)) {
-            desk.refuse(`${words.fromLine}: 1 … ${lines}`);
+            desk.refuse(`${this.unit.from}: 1 … ${lines}`);
             return;
         }
         const { key } = this;

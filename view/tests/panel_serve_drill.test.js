@@ -78,7 +78,7 @@ test("a drill is moved by hand with the keys of the original, and taught", async
     await isLit(page, '[data-lamp="ready"]');
     // Nothing moves before the manual mode.
     assert.equal(await page.$eval(X_PLUS, (one) => one.matches(":disabled")), true);
-    await says(page, "section:not([hidden]) .why", "manual mode first");
+    await says(page, "[aria-label='Move by hand']:not([hidden]) .why", "manual mode first");
     await enterManual(page);
     await isLit(page, '[data-lamp="manual"]');
     // Hold a button, and a key.
@@ -118,7 +118,7 @@ test("a drill is moved by hand with the keys of the original, and taught", async
     await says(page, '[data-value="drill-status"]', " in ");
     await page.keyboard.press("F5");
     await page.keyboard.press("F3");
-    await says(page, ".card:not([hidden]) .why[role=status]", "The link works");
+    await says(page, "[aria-label='Move by hand']:not([hidden]) .why[role=status]", "works");
     // Z leaves its sensor, and returns.
     await page.keyboard.press("PageDown");
     await until(page, ({ state, drill }) => state === "Idle" && drill.z === "between");
@@ -158,7 +158,8 @@ test("a board is corrected, registered, drilled, stopped, and goes on", async (t
     await drop(page, "board.drl", BOARD.replace("X14.0Y10.0", "X14.0Y90.0"));
     await until(page, ({ program }) => program?.errors === 1);
     await says(page, ".findings", "off the table");
-    assert.equal(await page.$eval(".panel .card button.main", (one) => one.textContent), "Start …");
+    const start = "nav button::-p-text(Start …)";
+    assert.equal(await page.$eval(start, (one) => one.matches(":disabled")), true);
     await page.$eval("textarea.source", (one, text) => {
         /** @type {any} */ (one).value = text;
     }, BOARD);
@@ -193,7 +194,7 @@ test("a board is corrected, registered, drilled, stopped, and goes on", async (t
     await choose("1");
     await says(page, '[data-value="hole"]', "X10.467");
     // Start in two steps; STOP with the drill in the board.
-    await press(page, "nav button::-p-text(Start …)");
+    await press(page, start);
     await says(page, ".confirm", "put in T1 (0.8 mm)");
     await press(page, ".confirm button.main");
     await until(page, ({ program, drill }) => program.line === 2 && drill.lights.includes("drill"));
@@ -202,7 +203,7 @@ test("a board is corrected, registered, drilled, stopped, and goes on", async (t
     const end = await until(page, ({ program }) => program.phase === "stopped");
     assert.equal(end.program.resume_line, 2);
     await until(page, ({ state, drill }) => state === "Idle" && drill.z === "up" && drill.is_homed);
-    await press(page, "button::-p-text(Go on from line 2)");
+    await press(page, "button::-p-text(Go on from hole 2)");
     await press(page, ".confirm button.main");
     await until(page, ({ program }) => program.phase === "waiting" && program.waits_before === 3);
     await says(page, ".message", "put in T2 (1 mm)");
@@ -239,7 +240,7 @@ test("a drill that is jogged stops when its page is closed", async (t) => {
     await page.focus(".screen");
     await page.keyboard.down("ArrowRight");
     await until(page, ({ state, work_mm: [x] }) => state === "Jog" && x > 0.5);
-    await page.close();
+    await page.goto("about:blank");
     const end = await until(other, ({ state }) => state === "Idle");
     await other.evaluate(() => new Promise((resolve) => setTimeout(resolve, 500)));
     assert.deepEqual((await state(other)).drill.steps, end.drill.steps);

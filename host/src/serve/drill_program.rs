@@ -270,7 +270,7 @@ fn placement(placing: &Placing) -> Result<Placement, String> {
     let numbers = placing.references.iter();
     let mut numbers = numbers.flat_map(|one| one.file_mm.into_iter().chain(one.measured_mm));
     let is_possible = |mm: f64| mm.is_finite() && mm.abs() <= 1000.0;
-    if !placing.turn_degrees.is_finite() || !numbers.all(is_possible) {
+    if !(-360.0..=360.0).contains(&placing.turn_degrees) || !numbers.all(is_possible) {
         return Err("a position or an angle is out of range".into());
     }
     if placing.stretch && placing.references.is_empty() {

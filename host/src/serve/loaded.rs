@@ -206,7 +206,7 @@ impl Loaded {
         let listed: Vec<_> = findings.kept().iter().map(described).collect();
         let report = json!({
             "name": name,
-            "lines": text.split(|byte| *byte == b'\n').count(),
+            "lines": holes.holes.len(),
             "errors": findings.errors,
             "warnings": findings.warnings,
             "is_complete": findings.hidden() == 0,
