@@ -125,7 +125,7 @@ export class Run {
     }
 
     show() {
-        const { desk, words } = this;
+        const { desk } = this;
         const { state } = desk;
         const program = state?.program;
         this.root.hidden = !program;
@@ -198,7 +198,7 @@ export class Run {
      * @param {number} [from] line
      */
     async ask(from) {
-        const { desk, words, confirm } = this;
+        const { desk, confirm } = this;
         if (this.start.disabled) return;
         const lines = desk.state?.program?.lines ?? 0;
         if (from !== undefined && !(from >= 1 && from <= lines)) {

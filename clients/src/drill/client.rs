@@ -557,8 +557,8 @@ impl Client {
         }
     }
 
-    /// Receives for a time, while no step lasts. What arrives fails the next step: a device that was
-    /// reset, or that has stopped with a fault, reports that by itself.
+    /// Receives for a time, while no step lasts. What arrives fails the next step: a device that
+    /// was reset, or that has stopped with a fault, reports that by itself.
     ///
     /// # Errors
     ///

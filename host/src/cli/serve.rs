@@ -9,9 +9,9 @@ pub struct Serve {
     /// Port: sim, a serial device, or tcp:HOST:PORT; repeated, for several machines side by side
     #[arg(short, long, value_name = "PORT", default_value = "sim")]
     pub port: Vec<String>,
-    /// Machine: micromill, drill, or for a controller with Grbl's protocol the one whose steps, rates,
-    /// ramps and travel a simulated controller has; a name or a TOML file; repeated, one for each
-    /// port
+    /// Machine: micromill, drill, or for a controller with Grbl's protocol the one whose steps,
+    /// rates, ramps and travel a simulated controller has; a name or a TOML file; repeated, one for
+    /// each port
     #[arg(short, long, value_name = "NAME|FILE", default_value = "router")]
     pub machine: Vec<String>,
     /// Address of the page; port 0 chooses a free one
