@@ -2,8 +2,8 @@
 
 use crate::{CoilDriver, Levels, PulseTiming};
 
-/// State of the pulses of `N` drivers. Times are timer ticks since the first wait. 64 bits have room
-/// for 58,000 years at 10 MHz.
+/// State of the pulses of `N` drivers. Times are timer ticks since the first wait. 64 bits have
+/// room for 58,000 years at 10 MHz.
 ///
 /// Each axis has its own pulse, so the pulses of two axes may overlap. A step is delayed until its
 /// driver is ready for it (DIR stable and STEP low for long enough). Later steps catch up.
@@ -214,8 +214,8 @@ impl<const N: usize> Pulses<N> {
     }
 }
 
-/// Ticks from one time to another. A wait and the times of a driver have 32 bits each, so the sum of
-/// a few of them is cut only where a driver needs minutes for a pulse.
+/// Ticks from one time to another. A wait and the times of a driver have 32 bits each, so the sum
+/// of a few of them is cut only where a driver needs minutes for a pulse.
 fn ticks(from: u64, to: u64) -> u32 {
     u32::try_from(to.saturating_sub(from)).unwrap_or(u32::MAX)
 }
