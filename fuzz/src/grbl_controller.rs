@@ -57,6 +57,8 @@ fn session(options: GrblOptions, data: &[u8]) {
         run.answers
     );
     run.inputs = GrblInputs::default();
+    // A door that is closed is seen at the next event. If it was open at the start, `~` is awaited.
+    run.make(4);
     run.send(0x18);
     run.said.clear();
     run.is_locked = false;
