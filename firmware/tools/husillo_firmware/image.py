@@ -80,7 +80,7 @@ def main(arguments: list[str]) -> int:
     options.add_argument("product")
     options.add_argument("board", nargs="?", choices=BOARDS, default="pico")
     options.add_argument("-o", "--output", type=Path, help="by default PRODUCT.uf2 or PRODUCT.bin")
-    options.add_argument("--features", default="", help="of the product, for example coils or grblhal,height-map")
+    options.add_argument("--features", default="", help="of the product, for example coils")
     chosen = options.parse_args(arguments)
     board = BOARDS[chosen.board]
     cargo(
