@@ -35,10 +35,16 @@ type Grbl = husillo_controllers::Grbl<LOOK_AHEAD>;
 /// In a static, because it is larger than the stack.
 static CONTROLLER: StaticCell<Grbl> = StaticCell::new();
 
-/// All that senders ask for. The inputs are read also while nothing moves.
+/// All that senders ask for, with the protocol of this firmware.
+#[cfg(not(feature = "grblhal"))]
+const PROTOCOL: GrblOptions = GrblOptions::FULL;
+#[cfg(feature = "grblhal")]
+const PROTOCOL: GrblOptions = GrblOptions::HAL;
+
+/// The inputs are read also while nothing moves.
 const OPTIONS: GrblOptions = GrblOptions {
     reads_inputs: board::HAS_SWITCHES,
-    ..GrblOptions::FULL
+    ..PROTOCOL
 };
 
 static INTERRUPTS: Shared<Interrupts<Machine, 1, STEPS>> = Shared::new(Interrupts::new([0; 3]));
