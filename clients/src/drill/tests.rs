@@ -400,7 +400,7 @@ fn a_client_that_falls_silent_stops_the_drill() {
     let [x, _] = place.machine.place_steps;
     assert!((1..2000).contains(&x) && place.machine.is_homed, "{place}");
     // What arrives while nothing is sent fails the next step.
-    device(&mut client).enter("reset");
+    device(&mut client).control("reset");
     client.rest(Duration::from_secs(2)).unwrap();
     let next = client.run(Step::Test);
     assert_eq!(next, Err(ClientError::Link(Failure::Restarted)));
