@@ -6,9 +6,7 @@
 //! Source: data sheet of the TMC2209, chapters 4, 5 and 11.
 
 use husillo_controllers::{GrblDriver, GrblMemory};
-use tmc2209::reg::{
-    CHOPCONF, GCONF, IHOLD_IRUN, SGTHRS, TCOOLTHRS, TPOWERDOWN, WritableRegister,
-};
+use tmc2209::reg::{CHOPCONF, GCONF, IHOLD_IRUN, SGTHRS, TCOOLTHRS, TPOWERDOWN, WritableRegister};
 use tmc2209::{WriteRequest, rms_current_to_vsense_cs};
 
 /// The sense resistors of the usual modules, in ohms.
