@@ -62,7 +62,7 @@ fn until_phase(page: &mut Page, phase: &str) {
 }
 
 /// Holes of a board that is placed for more than a second.
-const HOLES: u32 = 300_000;
+const HOLES: u64 = 300_000;
 const BOARD: &str = "M48\nMETRIC,TZ\nT1C0.8\nT2C1.0\n%\nT1\nX10.0Y10.0\nX12.0Y10.0\nT2\n\
                      X10.0Y12.0\nM30\n";
 
@@ -492,7 +492,7 @@ fn a_lost_answer_at_rest_ends_neither_a_waiting_program_nor_the_link() {
 fn stop_does_not_wait_for_a_board_that_is_placed() {
     let served = served(&["--speed", "20"]);
     let mut page = operator(&served);
-    let hole = |at: u32| {
+    let hole = |at: u64| {
         let [x, y] = [at * 7919 % 21_400, at * 104_729 % 4400];
         format!("X{}.{:02}Y{}.{:02}\n", x / 100, x % 100, y / 100, y % 100)
     };
