@@ -16,10 +16,10 @@ mod settings;
 mod tests;
 
 pub use action::{Action, shares};
-pub use client::{Client, LEASE};
+pub use client::{Client, LEASE, Motion};
 pub use figure::{Figure, listed};
 pub use links::Links;
-pub use settings::Settings;
+pub use settings::{Settings, length};
 
 /// Rate of the link, bits/s.
 pub const BAUD: u32 = 9600;

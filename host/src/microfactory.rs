@@ -6,7 +6,7 @@
 //!                           └► client ...              └─► device ◄─ terminal
 //! ```
 
-mod figure;
+pub mod figure;
 
 pub use figure::{is_list, program};
 

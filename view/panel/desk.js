@@ -16,7 +16,7 @@ const MOST_POINTS = 100_000;
  * @property {string} port
  * @property {boolean} [is_simulated]
  * @property {string[]} axes
- * @property {"grbl" | "micromill" | "drill"} family
+ * @property {"grbl" | "micromill" | "drill" | "microfactory"} family
  * @property {string[]} offers what the page can do with it, beside moving it by hand
  * @property {([number, number] | null)[] | null} [travel_mm] of each axis, from machine zero
  *
@@ -81,6 +81,7 @@ const MOST_POINTS = 100_000;
  * @property {Running | null} program
  * @property {Mill} [mill]
  * @property {Drill} [drill]
+ * @property {Factory} [factory]
  *
  * @typedef {object} Mill what only a micro mill has
  * @property {boolean} is_homed
@@ -103,6 +104,15 @@ const MOST_POINTS = 100_000;
  * @property {number} heartbeats
  * @property {number | null} records
  * @property {[number, number][]} taught_mm
+ *
+ * @typedef {object} Factory what only a microfactory has
+ * @property {boolean} is_homed
+ * @property {boolean} is_latched
+ * @property {number[]} steps
+ * @property {boolean} contact
+ * @property {string | null} report
+ * @property {string | null} motion
+ * @property {number | null} stored
  */
 
 /** A machine, as the page knows it. */

@@ -1,5 +1,5 @@
 /**
- * The live plot of the micro mill: each motion is drawn while it is made, in the three colours of
+ * The live plot of the micro mill and of the microfactory: each motion is drawn while it is made, in the three colours of
  * the original. Jogs and steps are grey, rapids and homing yellow, feeds blue; patterns carry the
  * meaning without colour.
  */
@@ -31,15 +31,15 @@ export class MillPlot {
     constructor(desk, words) {
         this.desk = desk;
         this.words = words;
-        /** @type {Plane} */
-        this.plane = "XY";
+        /** The plane that the operator has chosen. @type {Plane | undefined} */
+        this.chosen = undefined;
         this.isWhole = false;
         this.isDue = false;
         this.canvas = element("canvas", { role: "img", class: "mill-plot" });
         this.planes = /** @type {Plane[]} */ (Object.keys(PLANES)).map((plane) => ({
             plane,
             button: button(plane, () => {
-                this.plane = plane;
+                this.chosen = plane;
                 this.show();
             }),
         }));
@@ -78,6 +78,11 @@ export class MillPlot {
         this.show();
     }
 
+    /** The plane that is shown: at first that of the figures of the machine. @returns {Plane} */
+    get plane() {
+        return this.chosen ?? (this.desk.family === "microfactory" ? "XZ" : "XY");
+    }
+
     /** @param {boolean} isWhole */
     fit(isWhole) {
         this.isWhole = isWhole;
@@ -86,16 +91,16 @@ export class MillPlot {
 
     show() {
         const { desk, words } = this;
-        this.root.hidden = desk.family !== "micromill";
+        this.root.hidden = !["micromill", "microfactory"].includes(desk.family);
         if (this.root.hidden) return;
         for (const { plane, button } of this.planes) {
             button.setAttribute("aria-pressed", String(plane === this.plane));
         }
         this.fitPath.setAttribute("aria-pressed", String(!this.isWhole));
         this.fitArea.setAttribute("aria-pressed", String(this.isWhole));
+        this.fitArea.hidden = !desk.machine?.info.travel_mm;
         const count = desk.machine?.path.length ?? 0;
-        const mill = desk.state?.mill;
-        const from = mill?.is_homed ? words.fromMachineZero : words.fromPowerOn;
+        const from = desk.state?.machine_mm ? words.fromMachineZero : words.fromPowerOn;
         put(this.text, `${this.plane}, ${from}: ${count} ${words.points}`);
         const label = `${words.plot}: ${this.text.textContent}`;
         if (this.canvas.getAttribute("aria-label") !== label) {

@@ -7,6 +7,8 @@ import { Console } from "husillo/panel/console.js";
 import { DrillStatus } from "husillo/panel/drill.js";
 import { DrillBoard } from "husillo/panel/drill_board.js";
 import { DrillHand } from "husillo/panel/drill_hand.js";
+import { FactoryStatus } from "husillo/panel/factory.js";
+import { FactoryHand } from "husillo/panel/factory_hand.js";
 import { Gamepads } from "husillo/panel/gamepad.js";
 import { Header } from "husillo/panel/header.js";
 import { Jog } from "husillo/panel/jog.js";
@@ -37,7 +39,8 @@ export function fillPage(place, desk, words) {
     const jog = new Jog(desk, words, units);
     const millJog = new MillJog(desk, words);
     const drillHand = new DrillHand(desk, words, units, () => program.run.ask());
-    const jogs = [jog, millJog, drillHand];
+    const factoryHand = new FactoryHand(desk, words, () => program.run.ask());
+    const jogs = [jog, millJog, drillHand, factoryHand];
     const shownJog = () => jogs.find((one) => one.isShown) ?? jog;
     const wizard = new Wizard(desk, words);
     const stop = new Stop(desk, words, () => {
@@ -65,6 +68,7 @@ export function fillPage(place, desk, words) {
     desk.listen(() => {
         program.root.hidden = !desk.offers.has("program");
         more.offer(desk.offers);
+        positions.root.hidden = desk.family === "microfactory";
         speeds.root.hidden = outputs.root.hidden = desk.family !== "grbl";
     });
     const keys = new Keys(desk, words, {
@@ -104,10 +108,12 @@ export function fillPage(place, desk, words) {
             element(
                 "div",
                 { class: "column right" },
+                new FactoryStatus(desk, words, units).root,
                 positions.root,
                 jog.root,
                 millJog.root,
                 drillHand.root,
+                factoryHand.root,
                 speeds.root,
                 new MillSpeeds(desk, words, units).root,
                 new Backlash(desk, words).root,

@@ -98,6 +98,7 @@ export class Preview {
     showSelected() {
         const { desk, words, selected } = this;
         const isThere = desk.state?.program?.breakpoints.includes(selected) ?? false;
+        this.breakpoint.hidden = this.fromHere.hidden = !desk.offers.has("from");
         const text = isThere ? words.breakpointRemove : words.breakpointHere;
         put(this.breakpoint, selected > 0 ? `${text} ${selected}` : text);
         put(this.fromHere, selected > 0 ? `${words.startFrom} ${selected}` : words.startFrom);

@@ -15,7 +15,7 @@ import { Run } from "husillo/panel/run.js";
 /** @typedef {import("husillo/panel/words.js").Words} Words */
 
 /** Names of files that may be programs. */
-const ENDS = ".nc,.ngc,.gcode,.tap,.cnc,.txt,.drl,.xln,.exc,.drd,.ncd,.drill";
+const ENDS = ".nc,.ngc,.gcode,.tap,.cnc,.txt,.drl,.xln,.exc,.drd,.ncd,.drill,.fig";
 /** A longer text is not put into the editor of the page, characters. */
 const MOST_EDITED = 1_000_000;
 

@@ -44,6 +44,14 @@ export class Run {
         );
         this.breakpoints = element("input", { size: 12, placeholder: "12, 40" });
         this.breakpoints.addEventListener("change", () => this.setBreakpoints());
+        this.waits = element(
+            "div",
+            { class: "items" },
+            element("label", { class: "check" }, this.single, words.singleBlock),
+            element("label", { class: "field" }, this.breakpointsText, this.breakpoints),
+            this.fromField,
+            this.fromButton
+        );
         this.progress = element("progress", { max: 1, value: 0, "aria-label": words.progress });
         this.times = element("p", { class: "number times" });
         this.current = element("p", { class: "current mono" });
@@ -68,14 +76,7 @@ export class Run {
             this.current,
             this.message,
             this.report,
-            element(
-                "div",
-                { class: "items" },
-                element("label", { class: "check" }, this.single, words.singleBlock),
-                element("label", { class: "field" }, this.breakpointsText, this.breakpoints),
-                this.fromField,
-                this.fromButton
-            )
+            this.waits
         );
         desk.listen(() => this.show());
     }
@@ -90,25 +91,28 @@ export class Run {
         return this.lines[line - 1] ?? "";
     }
 
-    /** The text of what is made: a line, or a hole of a drill. @param {number} number from 1 */
+    /** The text of what is made, if it is a line. @param {number} number from 1 */
     textOf(number) {
-        return this.desk.family === "drill" ? "" : `: ${this.lineText(number)}`;
+        const hasLines = !["drill", "microfactory"].includes(this.desk.family);
+        return hasLines ? `: ${this.lineText(number)}` : "";
     }
 
     /** What a program is made of. */
     get unit() {
         const { desk, words } = this;
-        return desk.family === "drill"
-            ? { ...words.drill.units, one: words.drill.hole, many: words.drill.holes }
-            : {
-                  one: words.line,
-                  many: words.linesToSend,
-                  waits: words.waitsBefore,
-                  breakpoints: words.breakpoints,
-                  from: words.fromLine,
-                  start: words.startFrom,
-                  goOn: words.goOnFrom,
-              };
+        if (desk.family === "drill") {
+            return { ...words.drill.units, one: words.drill.hole, many: words.drill.holes };
+        }
+        const isFigure = desk.family === "microfactory";
+        return {
+            one: isFigure ? words.factory.move : words.line,
+            many: isFigure ? words.factory.moves : words.linesToSend,
+            waits: words.waitsBefore,
+            breakpoints: words.breakpoints,
+            from: words.fromLine,
+            start: words.startFrom,
+            goOn: words.goOnFrom,
+        };
     }
 
     /** Which program of which machine is shown. */
@@ -133,6 +137,9 @@ export class Run {
             this.confirm.hidden = true;
             return;
         }
+        // A figure is cut from its begin to its end.
+        this.waits.hidden = this.pause.hidden = this.resume.hidden =
+            desk.family === "microfactory";
         const mayStart = desk.mayCommand && desk.isIdle && program.errors === 0;
         disable(this.start, !mayStart);
         disable(this.fromButton, !mayStart);

@@ -57,7 +57,8 @@ export function stateText({ link, state }, words) {
  * @param {State} state
  * @param {Words} words
  */
-function alarmText({ alarm }, words) {
+function alarmText({ alarm, factory }, words) {
+    if (factory?.is_latched) return words.factory.latched;
     return alarm && alarm.number > 0
         ? `${words.stateAlarm} ${alarm.number}`
         : words.stateLocked;
@@ -110,6 +111,10 @@ export function noticesOf(desk, words) {
  */
 function ofState(state, words) {
     const { alarm, why } = state;
+    if (state.factory?.is_latched) {
+        const { latchedLong: text, latchedAdvice: advice } = words.factory;
+        return [{ id: "emergency", kind: "bad", text, advice }];
+    }
     const because = why ? ` (${why})` : "";
     switch (state.state) {
         case "Alarm": {
@@ -141,7 +146,7 @@ function ofWhy(why) {
  * @param {Words} words
  * @returns {Notice[]}
  */
-function ofUnhomed({ mill, drill, state }, words) {
+function ofUnhomed({ mill, drill, factory, state }, words) {
     if (state !== "Idle") return [];
     if (mill && !mill.is_homed) {
         const { millUnhomed: text, millUnhomedAdvice: advice } = words;
@@ -149,6 +154,10 @@ function ofUnhomed({ mill, drill, state }, words) {
     }
     if (drill && !drill.is_homed) {
         const { unhomed: text, unhomedAdvice: advice } = words.drill;
+        return [{ id: "unhomed", kind: "wait", text, advice }];
+    }
+    if (factory && !factory.is_homed) {
+        const { unhomed: text, unhomedAdvice: advice } = words.factory;
         return [{ id: "unhomed", kind: "wait", text, advice }];
     }
     return [];

@@ -1,5 +1,9 @@
 //! The host's side of the microfactory's link.
 
+mod parts;
+
+pub use parts::Motion;
+
 use super::action::Action;
 use super::settings::{Settings, length};
 use crate::{StopRequests, Wire};

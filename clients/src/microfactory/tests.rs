@@ -1,7 +1,7 @@
 //! Sessions over the simulated line in virtual time, on good lines and bad ones.
 
 use super::action::Action;
-use super::client::Client;
+use super::client::{Client, Motion};
 use super::figure::Figure;
 use super::settings::Settings;
 use crate::{StopRequests, Wire};
@@ -9,6 +9,7 @@ use husillo_sim::Random;
 use husillo_sim::device::Emulation;
 use husillo_sim::device::LineFault as Fault;
 use husillo_sim::device::microfactory::Device;
+use husillo_transports::microfactory::{Report, Status};
 use std::time::Duration;
 
 /// A quick machine: short distances to its switches, little backlash.
@@ -589,4 +590,86 @@ fn a_device_without_a_lease_is_not_trusted() {
             Err(why) => assert!(!is_taken && why.contains("no lease"), "{why}"),
         }
     }
+}
+
+/// Asks until nothing moves.
+fn followed(client: &mut Client) -> Status {
+    loop {
+        client.wait(Duration::from_millis(30)).unwrap();
+        let status = client.status().unwrap();
+        if !status.is_moving {
+            return status;
+        }
+    }
+}
+
+#[test]
+fn a_panel_drives_the_device_in_parts() {
+    let mut client = client();
+    assert!(!client.bring_to_rest().unwrap().is_homed);
+    client.begin(Motion::Home).unwrap();
+    assert!(
+        client.begin(Motion::Figure).is_err(),
+        "one motion at a time"
+    );
+    let status = followed(&mut client);
+    assert_eq!(
+        (status.report, status.is_homed),
+        (Some(Report::Homed), true)
+    );
+    assert_eq!(client.lost_steps(), Ok(None));
+    let steps = Motion::Steps {
+        motor: 2,
+        forward: true,
+        count: 255,
+    };
+    client.begin(steps).unwrap();
+    assert_eq!(followed(&mut client).position_steps, [0, 0, 255, 0]);
+    // A jog lasts while it is repeated, and a halt ends it at once.
+    let (motor, forward) = (1, true);
+    client.begin(Motion::Jog { motor, forward }).unwrap();
+    for _ in 0..20 {
+        client.wait(Duration::from_millis(100)).unwrap();
+        assert_eq!(client.repeat_jog(motor, forward), Ok(true));
+    }
+    let halted = client.halt().unwrap();
+    assert_eq!(halted.report, Some(Report::Stopped));
+    assert!(halted.position_steps[1] > 4000, "{halted:?}");
+    client.wait(Duration::from_millis(500)).unwrap();
+    assert_eq!(client.status(), Ok(halted));
+    // Without a question the lease ends a motion.
+    client.begin(Motion::Home).unwrap();
+    client.wait(Duration::from_millis(400)).unwrap();
+    assert_eq!(client.status().unwrap().report, Some(Report::DeadMan));
+    client.begin(Motion::Home).unwrap();
+    followed(&mut client);
+    // A figure, of which one move arrives twice: it is not kept.
+    let moves = [[30, -60], [30, 60]];
+    client.clear_figure().unwrap();
+    for way in [moves[0], moves[0], moves[1]] {
+        client.store_move(way).unwrap();
+    }
+    assert!(client.keep_figure(&moves).is_err());
+    client.halt().unwrap();
+    client.clear_figure().unwrap();
+    for way in moves {
+        client.store_move(way).unwrap();
+    }
+    client.keep_figure(&moves).unwrap();
+    client.begin(Motion::Figure).unwrap();
+    let status = followed(&mut client);
+    let [x, _, z, _] = status.position_steps;
+    assert_eq!((status.report, [x, z]), (Some(Report::Done), [60, 0]));
+    // An emergency stop holds until the reset.
+    client.begin(Motion::Home).unwrap();
+    client.stop_for_good().unwrap();
+    assert!(client.begin(Motion::Home).is_err());
+    assert_eq!(
+        client.bring_to_rest().unwrap().report,
+        Some(Report::Emergency)
+    );
+    assert!(client.press_reset());
+    assert_eq!(client.bring_to_rest().unwrap().report, None);
+    client.begin(Motion::Home).unwrap();
+    assert_eq!(followed(&mut client).report, Some(Report::Homed));
 }

@@ -3,7 +3,7 @@
 use super::job::load;
 use super::{Failure, grbl, milling};
 use crate::cli::Serve;
-use crate::serve::{Family, Served};
+use crate::serve::{Factory, Family, Served};
 use husillo_gcode::Dialect;
 use husillo_simulator::programs::setup;
 use std::iter::repeat_n;
@@ -39,6 +39,10 @@ pub fn machines(args: &Serve) -> Result<Vec<Served>, Failure> {
 fn family(name: &str, port: &str) -> Result<Family, Failure> {
     if name == "drill" {
         return Ok(Family::Drill);
+    }
+    if let Some(settings) = super::microfactory(name)? {
+        let file = load(name)?;
+        return Ok(Family::Microfactory(Arc::new(Factory { file, settings })));
     }
     if !milling::is_mill(name) {
         return Ok(Family::Grbl(Box::new(grbl::simulated(name)?)));

@@ -4,11 +4,15 @@ use crate::input;
 use husillo_clients::microfactory::{Figure, Settings, listed};
 use husillo_gcode::{Axes, Command, Dialect, Nm};
 use husillo_sim::observers::AXES;
-use husillo_simulator::diagnostics::Findings;
+use husillo_simulator::diagnostics::{Finding, Findings};
 use husillo_simulator::programs::program;
+use husillo_simulator::programs::source::Source;
+use std::io;
 
 /// End of the name of a list of moves: one move per line, X and Z in steps; `;` begins a comment.
 const LIST: &str = ".fig";
+/// What is wrong with a figure without moves.
+pub const NOTHING: &str = "nothing in it moves X or Z";
 
 /// Reads a list of moves, or a G-code program.
 ///
@@ -23,14 +27,31 @@ pub fn load(file: &str, settings: &Settings) -> Result<Figure, String> {
             crate::input::read_to_string(file).map_err(|error| format!("{file}: {error}"))?;
         listed(&text).map_err(|(line, reason)| format!("{file}:{line}: {reason}"))?
     } else {
-        programmed(file, settings)?
+        of_file(file, settings)?
     };
     if moves.is_empty() {
-        return Err(format!("{file}: nothing in it moves X or Z"));
+        return Err(format!("{file}: {NOTHING}"));
     }
     Ok(Figure {
         name: name.unwrap_or_default().into_owned(),
         moves,
+    })
+}
+
+/// The moves of a program in a file.
+fn of_file(file: &str, settings: &Settings) -> Result<Vec<[i16; 2]>, String> {
+    let mut source = input::program(file).map_err(|error| format!("{file}: {error}"))?;
+    let mut findings = Findings::new(1);
+    let programmed = programmed(&mut source, file, settings, &mut findings)
+        .map_err(|error| format!("{file}: {error}"))?;
+    if findings.errors > 0 {
+        return Err(format!(
+            "{file}: the program has errors: see `husillo check {file}`"
+        ));
+    }
+    programmed.map_err(|refused| {
+        let (line, _) = refused.line_and_column();
+        format!("{file}:{line}: {}", refused.message)
     })
 }
 
@@ -43,10 +64,15 @@ pub fn program(file: &str, settings: &Settings) -> Result<Option<String>, String
     if !is_list(file) {
         return Ok(None);
     }
+    Ok(Some(drawn(&load(file, settings)?.moves, settings)))
+}
+
+/// Moves as a program, which can be drawn.
+pub fn drawn(moves: &[[i16; 2]], settings: &Settings) -> String {
     let mut at = [0; 2];
-    let places = load(file, settings)?.moves.into_iter().map(|way| {
+    let places = moves.iter().map(|way| {
         for (at, steps) in at.iter_mut().zip(way) {
-            *at += i64::from(steps);
+            *at += i64::from(*steps);
         }
         let [x, z] = settings.place(at);
         format!("X{x} Z{z}\n")
@@ -54,7 +80,7 @@ pub fn program(file: &str, settings: &Settings) -> Result<Option<String>, String
     // Along an axis at its rate.
     let [feed, _] = settings.place([60 * i64::from(settings.config.axis_rate_hz); 2]);
     let places: String = places.collect();
-    Ok(Some(format!("G21 G90 G94 G1 F{feed}\n{places}M2\n")))
+    format!("G21 G90 G94 G1 F{feed}\n{places}M2\n")
 }
 
 /// Whether a file is a list of moves, by its name.
@@ -63,44 +89,40 @@ pub fn is_list(file: &str) -> bool {
 }
 
 /// The straight moves of a program in X and Z, in steps. The positions are rounded, so errors do
-/// not add up.
+/// not add up. The inner error is a move that is not straight in X and Z, or too long. `findings`
+/// gets the errors of the program.
 ///
 /// # Errors
 ///
-/// The program's first error; a move that is not straight in X and Z, or too long.
-fn programmed(file: &str, settings: &Settings) -> Result<Vec<[i16; 2]>, String> {
-    let mut source = input::program(file).map_err(|error| format!("{file}: {error}"))?;
-    let mut findings = Findings::new(1);
+/// The program cannot be read.
+pub fn programmed(
+    source: &mut Source,
+    name: &str,
+    settings: &Settings,
+    findings: &mut Findings,
+) -> io::Result<Result<Vec<[i16; 2]>, Finding>> {
     let mut moves = Vec::new();
     let mut at = [0_i64; 2];
     let mut refused = None;
     program::walk(
-        &mut source,
-        file,
+        source,
+        name,
         Dialect::RS274.with_axes(Axes::XYZ),
-        &mut findings,
+        findings,
         |meaning, command, from, _| {
             if refused.is_none() {
-                let line = meaning.at.line;
                 match straight(command, from, &mut at, settings) {
                     Ok(Some(way)) => moves.push(way),
                     Ok(None) => {}
-                    Err(reason) => refused = Some(format!("{file}:{line}: {reason}")),
+                    Err(reason) => {
+                        refused = Some(Finding::error("E0401", reason, meaning.at.whole()));
+                    }
                 }
             }
             Ok(())
         },
-    )
-    .map_err(|error| format!("{file}: {error}"))?;
-    if findings.errors > 0 {
-        return Err(format!(
-            "{file}: the program has errors: see `husillo check {file}`"
-        ));
-    }
-    match refused {
-        Some(refused) => Err(refused),
-        None => Ok(moves),
-    }
+    )?;
+    Ok(refused.map_or(Ok(moves), Err))
 }
 
 /// The move of a command in steps, if it has one.

@@ -7,6 +7,7 @@
 mod course;
 mod drill;
 mod grbl;
+mod microfactory;
 mod micromill;
 mod phase;
 
@@ -58,6 +59,10 @@ pub fn start(machine: Arc<Machine>, family: Family, port: Port, requests: Receiv
     std::thread::spawn(move || match family {
         Family::Grbl(settings) => keep(&machine, &port, &requests, grbl::Grbl::new(*settings)),
         Family::Drill => keep(&machine, &port, &requests, drill::Drill::default()),
+        Family::Microfactory(factory) => {
+            let drive = microfactory::Microfactory::new(factory);
+            keep(&machine, &port, &requests, drive);
+        }
         Family::Micromill { file, config } => {
             keep(
                 &machine,

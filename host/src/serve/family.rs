@@ -1,6 +1,7 @@
 //! The families of controllers that the pages operate.
 
 use super::drill_program::millimetres;
+use super::figure_program::Factory;
 use husillo_machine::Config;
 use husillo_simulator::machines::machine_file::MachineFile;
 use husillo_transports::drill::Table;
@@ -21,6 +22,8 @@ pub enum Family {
     },
     /// The circuit-board drill.
     Drill,
+    /// The desktop microfactory.
+    Microfactory(Arc<Factory>),
 }
 
 impl Family {
@@ -30,6 +33,7 @@ impl Family {
             Self::Grbl(_) => "grbl",
             Self::Micromill { .. } => "micromill",
             Self::Drill => "drill",
+            Self::Microfactory(_) => "microfactory",
         }
     }
 
@@ -38,13 +42,16 @@ impl Family {
         match self {
             Self::Grbl(_) => &["program", "from", "report", "probing", "settings", "macros"],
             Self::Micromill { .. } | Self::Drill => &["program", "from", "report"],
+            // The controller cuts a figure from its begin to its end.
+            Self::Microfactory(_) => &["program", "report"],
         }
     }
 
     /// The travel of its axes from machine zero, mm, as far as it is known without the controller.
     pub fn travel_mm(&self) -> Option<[Option<[f64; 2]>; 3]> {
         match self {
-            Self::Grbl(_) => None,
+            // That of the microfactory is not documented.
+            Self::Grbl(_) | Self::Microfactory(_) => None,
             Self::Micromill { config, .. } => Some(config.axes.map(|axis| {
                 let travel = axis.travel?;
                 Some(travel.map(|nm| nm.0 as f64 / 1e6))
@@ -64,6 +71,7 @@ impl Family {
             Self::Grbl(_) => husillo_clients::grbl::BAUD,
             Self::Micromill { .. } => husillo_clients::micromill::BAUD,
             Self::Drill => husillo_clients::drill::BAUD,
+            Self::Microfactory(_) => husillo_clients::microfactory::BAUD,
         }
     }
 }

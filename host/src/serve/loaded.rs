@@ -2,6 +2,7 @@
 
 use super::controller_machine::machine;
 use super::drill_program::{DrillProgram, Placing};
+use super::figure_program::{self, Factory};
 use super::mill_program;
 use super::timetable::Timetable;
 use crate::app::{report, sendable_lines};
@@ -12,6 +13,7 @@ use husillo_sim::observers::AXES;
 use husillo_simulator::diagnostics::{Finding, Findings};
 use husillo_simulator::job::{Job, JobError, Options, Results, Text};
 use husillo_simulator::machines::machine_file::MachineFile;
+use husillo_simulator::programs::check::Facts;
 use husillo_simulator::programs::program::Start;
 use husillo_simulator::scene::Scene;
 use husillo_transports::drill::Table;
@@ -35,6 +37,8 @@ pub enum Target {
     Micromill(Arc<MachineFile>),
     /// The circuit-board drill.
     Drill,
+    /// The microfactory.
+    Microfactory(Arc<Factory>),
 }
 
 impl Target {
@@ -43,6 +47,7 @@ impl Target {
         match (self, other) {
             (Self::Grbl(ours), Self::Grbl(others)) => ours == others,
             (Self::Micromill(ours), Self::Micromill(others)) => Arc::ptr_eq(ours, others),
+            (Self::Microfactory(ours), Self::Microfactory(others)) => Arc::ptr_eq(ours, others),
             (Self::Drill, Self::Drill) => true,
             _ => false,
         }
@@ -73,7 +78,7 @@ impl Surroundings {
         match &self.target {
             Target::Grbl(settings) => !self.zero_mm.is_empty() && !settings.is_empty(),
             // Before it is homed, a mill does not know where it is.
-            Target::Micromill(_) | Target::Drill => true,
+            Target::Micromill(_) | Target::Drill | Target::Microfactory(_) => true,
         }
     }
 }
@@ -107,6 +112,9 @@ pub struct Loaded {
     pub resume_line: Option<usize>,
     /// Its holes, if it is for the drill. They are what others call lines.
     pub holes: Option<DrillProgram>,
+    /// Its moves in steps of X and Z, if it is for the microfactory. They are what others call
+    /// lines.
+    pub figure: Option<Vec<[i16; 2]>>,
 }
 
 impl Loaded {
@@ -116,8 +124,12 @@ impl Loaded {
     ///
     /// A sentence: the program cannot be sent, or the settings have no sense.
     pub fn new(name: &str, text: Vec<u8>, around: &Surroundings) -> Result<Self, String> {
-        if let Target::Drill = around.target {
-            return Self::of_drill(name, text, around, &Placing::default());
+        match &around.target {
+            Target::Drill => return Self::of_drill(name, text, around, &Placing::default()),
+            Target::Microfactory(factory) => {
+                return Self::of_figure(name, text, around, factory);
+            }
+            Target::Grbl(_) | Target::Micromill(_) => {}
         }
         let mut job = job(name, &text, around)?;
         let mut findings = Findings::new(FINDINGS);
@@ -125,7 +137,7 @@ impl Loaded {
         let (lines, further) = match &around.target {
             Target::Grbl(_) => (sendable_lines(&text)?, Vec::new()),
             Target::Micromill(_) => mill_program::strings(&job)?,
-            Target::Drill => return Err(NO_DRILL.into()),
+            Target::Drill | Target::Microfactory(_) => (Vec::new(), Vec::new()),
         };
         let of = |severity: &str| {
             further
@@ -136,20 +148,8 @@ impl Loaded {
         let (mut errors, warnings) = (of("error") as u64, of("warning") as u64);
         errors += findings.errors;
         let (mut times, mut scene) = (None, None);
-        if errors == 0 && facts.events <= MOST_EVENTS {
-            let simulated = job.simulate(&mut facts, Options::default(), || {});
-            let simulated = simulated.map_err(said)?;
-            let moves = &simulated.run.observers.recording.moves;
-            let of_moves = facts.origins.lines(moves.iter().map(|one| &one.to));
-            let total_s = simulated.run.mechanics.seconds();
-            times = Some(Timetable::new(
-                moves,
-                &of_moves,
-                job.machine.timer_hz,
-                total_s,
-            ));
-            let whole = Scene::of(&job, &simulated, &facts, &findings).map_err(said)?;
-            scene = Some(whole.text());
+        if errors == 0 {
+            (times, scene) = simulated(&mut job, &mut facts, &findings)?;
         }
         let count = text.split(|byte| *byte == b'\n').count();
         let warnings = findings.warnings + warnings;
@@ -182,6 +182,60 @@ impl Loaded {
             report,
             resume_line: None,
             holes: None,
+            figure: None,
+        })
+    }
+
+    /// Checks and simulates a figure of the microfactory.
+    fn of_figure(
+        name: &str,
+        text: Vec<u8>,
+        around: &Surroundings,
+        factory: &Factory,
+    ) -> Result<Self, String> {
+        let mut findings = Findings::new(FINDINGS);
+        let (mut moves, mut times, mut scene) = (Vec::new(), None, None);
+        let mut start = Dialect::RS274.into();
+        match figure_program::as_program(name, &text, factory) {
+            Err(wrong) => findings.add(*wrong),
+            Ok(program) => {
+                let mut job = job(name, &text, around)?;
+                start = job.start;
+                let mut facts = job.check(&mut findings).map_err(said)?;
+                if findings.errors == 0 {
+                    moves = figure_program::moves(&job, &program, factory, &mut findings)?;
+                }
+                if findings.errors == 0 {
+                    (times, scene) = simulated(&mut job, &mut facts, &findings)?;
+                }
+            }
+        }
+        let listed: Vec<_> = findings.kept().iter().map(described).collect();
+        let report = json!({
+            "name": name,
+            "lines": moves.len(),
+            "errors": findings.errors,
+            "warnings": findings.warnings,
+            "is_complete": findings.hidden() == 0,
+            "findings": listed,
+            "time_s": times.as_ref().map(Timetable::total_s),
+        });
+        let lines = moves.iter().map(|way| figure_program::text(*way));
+        Ok(Self {
+            name: name.to_owned(),
+            text,
+            around: around.clone(),
+            lines: (1..).zip(lines).collect(),
+            start,
+            count: moves.len(),
+            errors: findings.errors,
+            warnings: findings.warnings,
+            times,
+            scene,
+            report,
+            resume_line: None,
+            holes: None,
+            figure: Some(moves),
         })
     }
 
@@ -224,6 +278,7 @@ impl Loaded {
             report,
             resume_line: None,
             holes: Some(holes),
+            figure: None,
             text,
         })
     }
@@ -270,17 +325,43 @@ impl Loaded {
     }
 }
 
+/// The times and the scene of a program without errors, if it is short enough.
+fn simulated(
+    job: &mut Job,
+    facts: &mut Facts,
+    findings: &Findings,
+) -> Result<(Option<Timetable>, Option<String>), String> {
+    if facts.events > MOST_EVENTS {
+        return Ok((None, None));
+    }
+    let simulated = job.simulate(facts, Options::default(), || {});
+    let simulated = simulated.map_err(said)?;
+    let moves = &simulated.run.observers.recording.moves;
+    let of_moves = facts.origins.lines(moves.iter().map(|one| &one.to));
+    let total_s = simulated.run.mechanics.seconds();
+    let times = Timetable::new(moves, &of_moves, job.machine.timer_hz, total_s);
+    let scene = Scene::of(job, &simulated, facts, findings).map_err(said)?;
+    Ok((Some(times), Some(scene.text())))
+}
+
 pub fn said(error: JobError) -> String {
     error.to_string()
 }
 
 /// A program on the machine of its controller.
 pub fn job(name: &str, text: &[u8], around: &Surroundings) -> Result<Job, String> {
-    let text = Text::new(name, text);
+    let text = match &around.target {
+        Target::Microfactory(factory) => {
+            let program = figure_program::as_program(name, text, factory);
+            Text::new(name, program.map_err(|wrong| wrong.message)?)
+        }
+        _ => Text::new(name, text),
+    };
     let mut job = match &around.target {
         Target::Grbl(settings) => Job::new(text, machine(settings)?, Some("grbl")),
         // The name of the program tells its language.
         Target::Micromill(file) => Job::new(text, MachineFile::clone(file), None),
+        Target::Microfactory(factory) => Job::new(text, factory.file.clone(), None),
         Target::Drill => return Err(NO_DRILL.into()),
     }
     .map_err(said)?;

@@ -63,6 +63,8 @@ pub struct Machine {
     clients: AtomicU64,
     /// The operator has gone: a motion by hand ends.
     is_left: AtomicBool,
+    /// An emergency stop is asked for.
+    is_emergency: AtomicBool,
     is_ending: AtomicBool,
     is_ended: AtomicBool,
 }
@@ -119,6 +121,7 @@ impl Machine {
             news,
             clients: AtomicU64::new(0),
             is_left: AtomicBool::new(false),
+            is_emergency: AtomicBool::new(false),
             is_ending: AtomicBool::new(false),
             is_ended: AtomicBool::new(false),
         };
@@ -207,6 +210,17 @@ impl Machine {
     /// Whether the operator has gone since the last call.
     pub fn take_left(&self) -> bool {
         self.is_left.swap(false, Ordering::Relaxed)
+    }
+
+    /// Asks for an emergency stop. It does not wait behind other requests.
+    pub fn request_emergency(&self) {
+        self.lease.end();
+        self.is_emergency.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether an emergency stop was asked for since the last call.
+    pub fn take_emergency(&self) -> bool {
+        self.is_emergency.swap(false, Ordering::Relaxed)
     }
 
     /// Number of clients.

@@ -58,6 +58,9 @@ pub struct MachineState {
     /// What only a drill has.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub drill: Option<DrillState>,
+    /// What only a microfactory has.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub factory: Option<FactoryState>,
 }
 
 /// What only a micro mill has.
@@ -104,6 +107,25 @@ pub struct DrillState {
     pub records: Option<u16>,
     /// Positions that were taught since the memory was cleared, mm.
     pub taught_mm: Vec<[f64; 2]>,
+}
+
+/// What only a microfactory has.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct FactoryState {
+    /// Whether positions count from the home switches.
+    pub is_homed: bool,
+    /// Whether an emergency stop holds.
+    pub is_latched: bool,
+    /// Steps of X, Y, Z and of the spindle.
+    pub steps: [i32; 4],
+    /// Whether the tool has touched the work piece in the present or the last figure.
+    pub contact: bool,
+    /// How the last motion has ended.
+    pub report: Option<String>,
+    /// What moves by hand, such as `x +25`.
+    pub motion: Option<String>,
+    /// Moves of the figure that the controller has got, while it gets them.
+    pub stored: Option<usize>,
 }
 
 impl MachineState {

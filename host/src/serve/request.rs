@@ -15,6 +15,8 @@ use std::sync::mpsc::SyncSender;
 pub enum Request {
     /// Stop everything.
     Stop,
+    /// The emergency stop of a microfactory: nothing moves until the reset of its panel.
+    Emergency,
     /// Take control.
     Take {
         /// Also from another client.
@@ -266,10 +268,10 @@ impl Request {
 
     /// Whether a client needs control for it.
     pub const fn needs_control(&self) -> bool {
-        use Request::{Hold, Macros, Settings, SettingsDiff, Stop, Take};
+        use Request::{Emergency, Hold, Macros, Settings, SettingsDiff, Stop, Take};
         !matches!(
             self,
-            Stop | Take { .. } | Hold | Macros | Settings | SettingsDiff { .. }
+            Stop | Emergency | Take { .. } | Hold | Macros | Settings | SettingsDiff { .. }
         )
     }
 }

@@ -94,9 +94,10 @@ impl RunRecord {
     pub fn operation(&self) -> Operation {
         let utc = |time: Timestamp| time.strftime("%Y-%m-%d %H:%M:%S UTC").to_string();
         let [made, all] = self.lines;
-        let (what, from) = match self.program.holes {
-            Some(_) => ("holes drilled", "from hole"),
-            None => ("lines accepted", "from line"),
+        let (what, from) = match (&self.program.holes, &self.program.figure) {
+            (Some(_), _) => ("holes drilled", "from hole"),
+            (_, Some(_)) => ("moves cut", "from move"),
+            (None, None) => ("lines accepted", "from line"),
         };
         let mut figures = vec![
             ("started", utc(self.begun)),

@@ -24,6 +24,9 @@ impl Relay {
         std::thread::spawn(move || {
             for client in listener.incoming().map_while(Result::ok) {
                 let device = TcpStream::connect(&device).unwrap();
+                // A serial line does not collect bytes.
+                client.set_nodelay(true).unwrap();
+                device.set_nodelay(true).unwrap();
                 let back = (device.try_clone().unwrap(), client.try_clone().unwrap());
                 let lost = Arc::clone(&lost);
                 std::thread::spawn(move || carry(client, device, &AtomicUsize::new(0)));

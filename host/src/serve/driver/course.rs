@@ -196,28 +196,27 @@ impl Course {
     /// The program goes on with `next`. Returns which parts are made.
     fn interrupt(&mut self, next: Option<usize>) -> String {
         self.resume_at = next;
-        let (parts, made) = match self.has_holes() {
-            true => ("holes", "drilled"),
-            false => ("lines", "made"),
-        };
+        let (part, made) = self.parts();
         match next {
-            Some(1) if self.has_holes() => "no hole is drilled".into(),
-            Some(next) => format!("all {parts} before {} are {made}", self.part(next)),
-            None => format!("all {parts} are {made}"),
+            Some(1) if part != "line" => format!("no {part} is {made}"),
+            Some(next) => format!("all {part}s before {} are {made}", self.part(next)),
+            None => format!("all {part}s are {made}"),
         }
     }
 
     /// A part as text, such as `line 12`.
     fn part(&self, number: usize) -> String {
-        match self.has_holes() {
-            true => format!("hole {number}"),
-            false => format!("line {number}"),
-        }
+        let (part, _) = self.parts();
+        format!("{part} {number}")
     }
 
-    fn has_holes(&self) -> bool {
-        let program = self.program.as_ref();
-        program.is_some_and(|program| program.holes.is_some())
+    /// What a part is called, and what becomes of it.
+    fn parts(&self) -> (&'static str, &'static str) {
+        match &self.program {
+            Some(program) if program.holes.is_some() => ("hole", "drilled"),
+            Some(program) if program.figure.is_some() => ("move", "cut"),
+            _ => ("line", "made"),
+        }
     }
 
     /// The record of the run, while it goes on.
