@@ -112,6 +112,7 @@ const MOST_POINTS = 100_000;
  * @property {boolean} contact
  * @property {string | null} report
  * @property {string | null} motion
+ * @property {number | null} line of the drawn program whose move is cut
  * @property {number | null} stored
  */
 

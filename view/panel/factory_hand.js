@@ -49,7 +49,12 @@ export class FactoryHand extends ByHand {
             if (event.key === "Enter" && !event.repeat && !this.enter.disabled) this.make();
         });
         this.enter = button(factory.enter, () => this.make(), { class: "main" });
-        this.joystick = element("div", {}, this.pads, element("p", { class: "soft" }, factory.help));
+        this.joystick = element(
+            "div",
+            {},
+            this.pads,
+            element("p", { class: "soft" }, factory.help)
+        );
         this.steps = element(
             "div",
             { hidden: true },
@@ -93,8 +98,9 @@ export class FactoryHand extends ByHand {
         const turns = /** @type {const} */ ([1, -1]).map((side) => {
             const turn = side > 0 ? factory.clockwise : factory.counterClockwise;
             const made = this.arrow("C", side);
-            made.textContent = side > 0 ? "C ↻" : "C ↺";
-            made.setAttribute("aria-label", `${this.words.spindle}: ${turn}`);
+            const text = side > 0 ? "C ↻" : "C ↺";
+            made.textContent = text;
+            made.setAttribute("aria-label", `${text} ${this.words.spindle} ${turn}`);
             return made;
         });
         this.pads.append(

@@ -1,7 +1,7 @@
 /**
- * The live plot of the micro mill and of the microfactory: each motion is drawn while it is made, in the three colours of
- * the original. Jogs and steps are grey, rapids and homing yellow, feeds blue; patterns carry the
- * meaning without colour.
+ * The live plot of the micro mill and of the microfactory: each motion is drawn while it is made,
+ * in the three colours of the original mill. Jogs and steps are grey, rapids and homing yellow,
+ * feeds blue; patterns carry the meaning without colour.
  */
 
 import { button, element } from "husillo/viewer/element.js";

@@ -112,7 +112,9 @@ export class Preview {
         this.showSelected();
         if (!live.checked) return;
         const program = desk.state?.program;
-        const line = desk.isUnderWay ? (program?.waits_before ?? program?.line ?? 0) : 0;
+        // What others call lines are the moves of a figure.
+        const at = desk.state?.factory?.line ?? program?.waits_before ?? program?.line ?? 0;
+        const line = desk.isUnderWay ? at : 0;
         if (line > 0 && line !== this.line) viewer.model.selectLine(line);
         this.line = line;
         const now = String(desk.state?.work_mm);

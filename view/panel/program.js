@@ -107,6 +107,13 @@ export class Program {
         });
     }
 
+    /** What a program is made of. */
+    get unit() {
+        const { desk, words } = this;
+        if (desk.family === "drill") return words.drill.holes;
+        return desk.family === "microfactory" ? words.factory.moves : words.lines;
+    }
+
     /** The name of the program. */
     get name() {
         return this.desk.state?.program?.name ?? "program.nc";
@@ -242,7 +249,7 @@ export class Program {
         const { errors = 0, warnings = 0, lines = 0, name = "" } = program ?? {};
         const time = program?.time_s ?? checked?.time_s;
         const parts = [
-            `${name}: ${lines} ${desk.family === "drill" ? words.drill.holes : words.lines}`,
+            `${name}: ${lines} ${this.unit}`,
             errors > 0 ? `${words.errors}: ${errors}` : words.noErrors,
             ...(warnings > 0 ? [`${words.warnings}: ${warnings}`] : []),
             ...(typeof time === "number" ? [duration(time)] : []),

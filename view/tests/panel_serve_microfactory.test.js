@@ -95,7 +95,8 @@ test("a microfactory is homed, moved by its eight buttons and by steps", async (
     assert.deepEqual(others.sort(), ALL.filter((name) => name !== "C-").sort());
     await page.mouse.up();
     await until(page, isIdle);
-    await page.waitForFunction(() => !document.querySelector("[data-jog]:disabled"));
+    const greyOne = "section:not([hidden]) [data-jog]:disabled";
+    await page.waitForFunction((one) => !document.querySelector(one), {}, greyOne);
     // A key, and a second one: one motor moves at a time.
     await page.keyboard.down("ArrowRight");
     await until(page, ({ state, factory }) => state === "Jog" && factory.steps[0] > 100);
@@ -109,7 +110,11 @@ test("a microfactory is homed, moved by its eight buttons and by steps", async (
     // A number of steps.
     await press(page, "button::-p-aria(Number of steps)");
     await page.select("section:not([hidden]) .field select", "Z");
-    for (const [text, valid] of /** @type {const} */ ([["0", false], ["256", false], ["77", true]])) {
+    for (const [text, valid] of /** @type {const} */ ([
+        ["0", false],
+        ["256", false],
+        ["77", true],
+    ])) {
         await page.$eval(STEPS, (one, text) => {
             const field = /** @type {HTMLInputElement} */ (one);
             field.value = text;
@@ -142,6 +147,7 @@ test("a figure is corrected, drawn, cut, and has a report", async (t) => {
     await press(page, "button::-p-aria(Check again)");
     await until(page, ({ program }) => program?.errors === 0 && program.lines === 5);
     await page.waitForSelector(".preview canvas");
+    await says(page, ".summary", "5 moves");
     await press(page, "button::-p-text(Figure …)");
     await says(page, ".confirm", "5 moves");
     await says(page, ".confirm", "until the tool touches");

@@ -644,7 +644,7 @@ fn a_panel_drives_the_device_in_parts() {
     client.begin(Motion::Home).unwrap();
     followed(&mut client);
     // A figure, of which one move arrives twice: it is not kept.
-    let moves = [[30, -60], [30, 60]];
+    let moves = [[30, 60], [30, -60]];
     client.clear_figure().unwrap();
     for way in [moves[0], moves[0], moves[1]] {
         client.store_move(way).unwrap();

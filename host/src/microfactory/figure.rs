@@ -14,6 +14,9 @@ const LIST: &str = ".fig";
 /// What is wrong with a figure without moves.
 pub const NOTHING: &str = "nothing in it moves X or Z";
 
+/// Moves in steps of X and Z, each with its line in the program.
+pub type Moves = Vec<(usize, [i16; 2])>;
+
 /// Reads a list of moves, or a G-code program.
 ///
 /// # Errors
@@ -49,10 +52,13 @@ fn of_file(file: &str, settings: &Settings) -> Result<Vec<[i16; 2]>, String> {
             "{file}: the program has errors: see `husillo check {file}`"
         ));
     }
-    programmed.map_err(|refused| {
-        let (line, _) = refused.line_and_column();
-        format!("{file}:{line}: {}", refused.message)
-    })
+    match programmed {
+        Ok(moves) => Ok(moves.into_iter().map(|(_, way)| way).collect()),
+        Err(refused) => {
+            let (line, _) = refused.line_and_column();
+            Err(format!("{file}:{line}: {}", refused.message))
+        }
+    }
 }
 
 /// A list as a program of the same moves, which can be drawn; `None` if the file is no list.
@@ -88,9 +94,9 @@ pub fn is_list(file: &str) -> bool {
     file.to_ascii_lowercase().ends_with(LIST)
 }
 
-/// The straight moves of a program in X and Z, in steps. The positions are rounded, so errors do
-/// not add up. The inner error is a move that is not straight in X and Z, or too long. `findings`
-/// gets the errors of the program.
+/// The straight moves of a program in X and Z, in steps, with their lines. The positions are
+/// rounded, so errors do not add up. The inner error is a move that is not straight in X and Z, or
+/// too long. `findings` gets the errors of the program.
 ///
 /// # Errors
 ///
@@ -100,7 +106,7 @@ pub fn programmed(
     name: &str,
     settings: &Settings,
     findings: &mut Findings,
-) -> io::Result<Result<Vec<[i16; 2]>, Finding>> {
+) -> io::Result<Result<Moves, Finding>> {
     let mut moves = Vec::new();
     let mut at = [0_i64; 2];
     let mut refused = None;
@@ -112,7 +118,7 @@ pub fn programmed(
         |meaning, command, from, _| {
             if refused.is_none() {
                 match straight(command, from, &mut at, settings) {
-                    Ok(Some(way)) => moves.push(way),
+                    Ok(Some(way)) => moves.push((meaning.at.line, way)),
                     Ok(None) => {}
                     Err(reason) => {
                         refused = Some(Finding::error("E0401", reason, meaning.at.whole()));

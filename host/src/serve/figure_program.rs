@@ -1,6 +1,6 @@
 //! A figure of the microfactory: read from a list or a program, checked, and timed.
 
-use crate::microfactory::figure::{self, NOTHING, drawn, is_list};
+use crate::microfactory::figure::{self, Moves, NOTHING, drawn, is_list};
 use husillo_clients::microfactory::{Settings, listed};
 use husillo_sim::device::microfactory::ROOM;
 use husillo_sim::text::counted;
@@ -39,8 +39,8 @@ pub fn as_program(name: &str, text: &[u8], factory: &Factory) -> Result<Vec<u8>,
     }
 }
 
-/// The moves of a checked program, in steps of X and Z. `findings` gets what the machine cannot
-/// cut.
+/// The moves of a checked program, in steps of X and Z, with their lines. `findings` gets what the
+/// machine cannot cut.
 ///
 /// # Errors
 ///
@@ -50,7 +50,7 @@ pub fn moves(
     text: &[u8],
     factory: &Factory,
     findings: &mut Findings,
-) -> Result<Vec<[i16; 2]>, String> {
+) -> Result<Moves, String> {
     let mut source = Source::from_reader(Box::new(Cursor::new(text.to_vec())));
     // The errors of the program are known.
     let mut known = Findings::new(1);

@@ -6,6 +6,7 @@ use super::figure_program::{self, Factory};
 use super::mill_program;
 use super::timetable::Timetable;
 use crate::app::{report, sendable_lines};
+use crate::microfactory::is_list;
 use husillo_gcode::{Dialect, Nm};
 use husillo_reports::board::{self, Board};
 use husillo_reports::operation::{self, Operation};
@@ -210,7 +211,13 @@ impl Loaded {
                 }
             }
         }
-        let listed: Vec<_> = findings.kept().iter().map(described).collect();
+        let mut listed: Vec<_> = findings.kept().iter().map(described).collect();
+        if is_list(name) && !moves.is_empty() {
+            // They are about the program that was made of the list.
+            for one in &mut listed {
+                (one["line"], one["column"], one["fixes"]) = (json!(0), json!(0), json!([]));
+            }
+        }
         let report = json!({
             "name": name,
             "lines": moves.len(),
@@ -220,12 +227,13 @@ impl Loaded {
             "findings": listed,
             "time_s": times.as_ref().map(Timetable::total_s),
         });
-        let lines = moves.iter().map(|way| figure_program::text(*way));
+        let lines = moves.iter();
+        let lines = lines.map(|(line, way)| (*line, figure_program::text(*way)));
         Ok(Self {
             name: name.to_owned(),
             text,
             around: around.clone(),
-            lines: (1..).zip(lines).collect(),
+            lines: lines.collect(),
             start,
             count: moves.len(),
             errors: findings.errors,
@@ -235,7 +243,7 @@ impl Loaded {
             report,
             resume_line: None,
             holes: None,
-            figure: Some(moves),
+            figure: Some(moves.into_iter().map(|(_, way)| way).collect()),
         })
     }
 

@@ -124,6 +124,8 @@ pub struct FactoryState {
     pub report: Option<String>,
     /// What moves by hand, such as `x +25`.
     pub motion: Option<String>,
+    /// The line of the drawn program whose move is cut.
+    pub line: Option<usize>,
     /// Moves of the figure that the controller has got, while it gets them.
     pub stored: Option<usize>,
 }

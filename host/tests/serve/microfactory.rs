@@ -4,6 +4,7 @@ use super::emulated::Emulated;
 use super::page::{Page, Served};
 use super::relay::Relay;
 use serde_json::{Value, json};
+use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
 
 const ZIGZAG: &str = include_str!("../../../examples/microfactory/zigzag.fig");
@@ -215,7 +216,7 @@ fn a_figure_is_stored_cut_and_has_a_report() {
     );
     page.refused(json!({"do": "run", "from": 2}));
     page.done(json!({"do": "run", "confirmed": true}));
-    let mut moves = std::collections::BTreeSet::new();
+    let (mut moves, mut lines) = (BTreeSet::new(), BTreeSet::new());
     let (mut had_contact, mut progress) = (false, 0.0);
     page.until("the end", |page| {
         let program = &page.states[0]["program"];
@@ -223,6 +224,7 @@ fn a_figure_is_stored_cut_and_has_a_report() {
         had_contact |= is_cut;
         if is_cut {
             moves.insert(program["line"].as_u64()?);
+            lines.insert(factory(page)["line"].as_u64()?);
         }
         let now = program["progress"].as_f64()?;
         assert!(now >= progress - 1e-9, "{progress} {now}");
@@ -231,6 +233,8 @@ fn a_figure_is_stored_cut_and_has_a_report() {
     });
     assert!(had_contact);
     assert_eq!(moves, (1..=5).collect());
+    // The program that is drawn has a line with the modes before.
+    assert_eq!(lines, (2..=6).collect());
     let program = &page.states[0]["program"];
     assert_eq!(
         (&program["answered"], &program["progress"]),

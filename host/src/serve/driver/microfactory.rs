@@ -288,6 +288,7 @@ impl Driver<'_> {
             contact: self.has_contact,
             report: status.report.map(device::text),
             motion: motion.map(|motion| motion.to_string()),
+            line: self.running.line(),
             stored: self.running.stored(),
         });
         self.state.program = self.figure_shown();

@@ -17,6 +17,8 @@ use std::time::Duration;
 
 /// Moves that are stored before requests are looked at: 45 ms.
 const AT_ONCE: usize = 4;
+/// What happens before the first move.
+const APPROACH: &str = "Y is fed until the tool touches the work piece, then the figure is cut";
 /// Tries to store a figure on a noisy line.
 const TRIES: u8 = 3;
 
@@ -60,6 +62,13 @@ impl Running {
         figure.unwrap_or_default()
     }
 
+    /// The line of the program whose move is cut.
+    pub(super) fn line(&self) -> Option<usize> {
+        let program = self.course.program().filter(|_| self.course.is_active())?;
+        let (line, _) = program.lines.get(self.cutting.made())?;
+        Some(*line)
+    }
+
     /// The first move that is not cut to its end.
     fn next(&self) -> Option<usize> {
         let made = self.cutting.made();
@@ -77,10 +86,13 @@ impl Driver<'_> {
         if self.running.course.is_active() {
             return Err("a figure is cut: stop it first");
         }
+        let moves = program.figure.as_deref().unwrap_or_default();
+        let cutting = Cutting::new(moves, &self.factory.settings.config);
         let mut course = std::mem::take(&mut self.running.course);
         course.load(self.machine, program);
         *self.running = Running {
             course,
+            cutting,
             ..Running::default()
         };
         Ok(())
@@ -117,7 +129,7 @@ impl Driver<'_> {
                 "lines": program.count,
                 "time_s": cutting.total_s(),
                 "from": null,
-                "warnings": ["Y is fed until the tool touches the work piece, then the figure is cut"],
+                "warnings": [APPROACH],
             }));
         }
         // The check may have taken long.
@@ -296,12 +308,7 @@ impl Driver<'_> {
         if running.course.phase() == Phase::Running && running.storing.is_none() {
             running.course.elapsed += passed;
         }
-        let is_begun = running.course.phase() != Phase::Loaded;
-        let config = &self.factory.settings.config;
-        let total_s = match is_begun {
-            true => running.cutting.total_s(),
-            false => Cutting::new(running.moves(), config).total_s(),
-        };
+        let total_s = running.cutting.total_s();
         let total_s = (program.errors == 0 && total_s > 0.0).then_some(total_s);
         let left_s = running.cutting.left_s();
         let (made, count) = (running.cutting.made(), running.cutting.count());
