@@ -138,8 +138,9 @@ export class FactoryHand extends ByHand {
         return 1;
     }
 
-    get mayMove() {
-        return super.mayMove && !this.desk.state?.factory?.is_latched;
+    get obstacle() {
+        const isLatched = this.desk.state?.factory?.is_latched ?? false;
+        return isLatched ? this.words.factory.latchedLong : super.obstacle;
     }
 
     /** @param {Direction} direction */

@@ -58,7 +58,12 @@ export class Program {
             element("p", { class: "soft" }, words.dropHelp)
         );
         this.summary = element("p", { class: "summary", role: "status" });
-        this.findings = element("ul", { class: "findings", "aria-label": words.findings });
+        this.findings = element("ul", {
+            class: "findings",
+            // A long list scrolls.
+            tabindex: 0,
+            "aria-label": words.findings,
+        });
         this.source = element("textarea", {
             class: "source",
             spellcheck: "false",

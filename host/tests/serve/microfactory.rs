@@ -437,7 +437,10 @@ fn the_panel_at_the_machine_and_the_line_are_told() {
     // Somebody resets the machine.
     device.type_line("reset", "reset");
     page.until("the reset", |page| {
-        (factory(page)["is_homed"] == false).then_some(())
+        page.has_line("the device was reset").then_some(())
+    });
+    page.until("the loss", |page| {
+        (factory(page)["is_homed"] != true).then_some(())
     });
     page.until("the link", |page| {
         (page.states[0]["link"] == "up").then_some(())
