@@ -47,10 +47,12 @@ const EXCUSED_TRAITS: [&str; 15] = [
 ];
 
 /// Functions that need not be in the proof, as `crate Type::function`, each with the reason.
-const EXCUSED_FUNCTIONS: [(&str, &str); 4] = [
+const EXCUSED_FUNCTIONS: [(&str, &str); 6] = [
+    ("interp Helix::fill", PLACES),
     ("interp Line::fill", PLACES),
     ("planner JerkRamp::fill", PLACES),
     ("planner Ramp::fill", PLACES),
+    ("planner Ramp::fill_swept", PLACES),
     ("planner Timer::fill", PLACES),
 ];
 const PLACES: &str = "takes any iterator of places: a function of the proof calls it with a slice";
