@@ -16,7 +16,7 @@ const MOST_POINTS = 100_000;
  * @property {string} port
  * @property {boolean} [is_simulated]
  * @property {string[]} axes
- * @property {"grbl" | "micromill"} family
+ * @property {"grbl" | "micromill" | "drill"} family
  * @property {string[]} offers what the page can do with it, beside moving it by hand
  * @property {([number, number] | null)[] | null} [travel_mm] of each axis, from machine zero
  *
@@ -80,6 +80,7 @@ const MOST_POINTS = 100_000;
  * @property {{at_mm: number[], touched: boolean, count: number} | null} probe
  * @property {Running | null} program
  * @property {Mill} [mill]
+ * @property {Drill} [drill]
  *
  * @typedef {object} Mill what only a micro mill has
  * @property {boolean} is_homed
@@ -91,6 +92,17 @@ const MOST_POINTS = 100_000;
  * @property {string} sent
  * @property {string} echo
  * @property {string | null} outcome
+ *
+ * @typedef {object} Drill what only a drill has
+ * @property {boolean} is_homed
+ * @property {boolean} is_manual
+ * @property {number[]} steps
+ * @property {"up" | "down" | "between"} z
+ * @property {boolean} spindle
+ * @property {string[]} lights
+ * @property {number} heartbeats
+ * @property {number | null} records
+ * @property {[number, number][]} taught_mm
  */
 
 /** A machine, as the page knows it. */

@@ -4,6 +4,9 @@
 
 import { element } from "husillo/viewer/element.js";
 import { Console } from "husillo/panel/console.js";
+import { DrillStatus } from "husillo/panel/drill.js";
+import { DrillBoard } from "husillo/panel/drill_board.js";
+import { DrillHand } from "husillo/panel/drill_hand.js";
 import { Gamepads } from "husillo/panel/gamepad.js";
 import { Header } from "husillo/panel/header.js";
 import { Jog } from "husillo/panel/jog.js";
@@ -33,7 +36,8 @@ export function fillPage(place, desk, words) {
     const units = new Units();
     const jog = new Jog(desk, words, units);
     const millJog = new MillJog(desk, words);
-    const jogs = [jog, millJog];
+    const drillHand = new DrillHand(desk, words, units, () => program.run.ask());
+    const jogs = [jog, millJog, drillHand];
     const shownJog = () => jogs.find((one) => one.isShown) ?? jog;
     const wizard = new Wizard(desk, words);
     const stop = new Stop(desk, words, () => {
@@ -47,6 +51,12 @@ export function fillPage(place, desk, words) {
     const outputs = new Outputs(desk, words);
     const lines = new Console(desk, words);
     const program = new Program(desk, words);
+    const drillStatus = new DrillStatus(desk, words, units, {
+        open: () => program.file.click(),
+        edit: () => program.openEditor(),
+        start: () => program.run.ask(),
+        manual: () => drillHand.switchMode(),
+    });
     const more = tabs(words.more, [
         { id: "probing", name: words.probingTab, content: wizard.root },
         { id: "settings", name: words.settings, content: new Settings(desk, words).root },
@@ -84,6 +94,8 @@ export function fillPage(place, desk, words) {
                 "div",
                 { class: "column left" },
                 new MillPlot(desk, words).root,
+                drillStatus.root,
+                new DrillBoard(desk, words, program).root,
                 program.root,
                 new Confirmation(desk, words).root,
                 lines.root,
@@ -95,6 +107,7 @@ export function fillPage(place, desk, words) {
                 positions.root,
                 jog.root,
                 millJog.root,
+                drillHand.root,
                 speeds.root,
                 new MillSpeeds(desk, words, units).root,
                 new Backlash(desk, words).root,

@@ -51,7 +51,8 @@ const SCRIPT: &str = "text/javascript; charset=utf-8";
 /// The operator's panel: `index.html`, and every file that it loads. A server sends them at their
 /// paths from one address, and `index.html` at that address itself. Their addresses are relative.
 pub const PANEL: &[Asset] = assets![
-    "panel/by_hand.js" "panel/change.js" "panel/console.js" "panel/desk.js" "panel/english.js"
+    "panel/by_hand.js" "panel/change.js" "panel/console.js" "panel/desk.js" "panel/drill.js"
+    "panel/drill_board.js" "panel/drill_hand.js" "panel/english.js"
     "panel/fixes.js" "panel/gamepad.js" "panel/header.js" "panel/hold.js" "panel/jog.js"
     "panel/keys.js" "panel/line_state.js" "panel/link.js" "panel/macros.js" "panel/main.js"
     "panel/mill.js" "panel/mill_jog.js" "panel/mill_plot.js" "panel/notices.js" "panel/page.js"

@@ -37,6 +37,9 @@ pub fn machines(args: &Serve) -> Result<Vec<Served>, Failure> {
 
 /// The family of a machine.
 fn family(name: &str, port: &str) -> Result<Family, Failure> {
+    if name == "drill" {
+        return Ok(Family::Drill);
+    }
     if !milling::is_mill(name) {
         return Ok(Family::Grbl(Box::new(grbl::simulated(name)?)));
     }

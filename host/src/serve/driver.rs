@@ -4,6 +4,7 @@
 //! changed. Each [`Family`] has its own [`Drive`]. This module keeps it going: a lost controller is
 //! tried again.
 
+mod drill;
 mod grbl;
 mod micromill;
 mod phase;
@@ -55,6 +56,7 @@ trait Drive {
 pub fn start(machine: Arc<Machine>, family: Family, port: Port, requests: Receiver<Asked>) {
     std::thread::spawn(move || match family {
         Family::Grbl(settings) => keep(&machine, &port, &requests, grbl::Grbl::new(*settings)),
+        Family::Drill => keep(&machine, &port, &requests, drill::Drill::default()),
         Family::Micromill { file, config } => {
             keep(
                 &machine,

@@ -1,7 +1,9 @@
 //! The families of controllers that the pages operate.
 
+use super::drill_program::millimetres;
 use husillo_machine::Config;
 use husillo_simulator::machines::machine_file::MachineFile;
+use husillo_transports::drill::Table;
 use husillo_transports::grbl::Settings;
 use std::sync::Arc;
 
@@ -17,6 +19,8 @@ pub enum Family {
         /// Its steps.
         config: Box<Config<3>>,
     },
+    /// The circuit-board drill.
+    Drill,
 }
 
 impl Family {
@@ -25,6 +29,7 @@ impl Family {
         match self {
             Self::Grbl(_) => "grbl",
             Self::Micromill { .. } => "micromill",
+            Self::Drill => "drill",
         }
     }
 
@@ -32,7 +37,7 @@ impl Family {
     pub const fn offers(&self) -> &'static [&'static str] {
         match self {
             Self::Grbl(_) => &["program", "from", "report", "probing", "settings", "macros"],
-            Self::Micromill { .. } => &["program", "from", "report"],
+            Self::Micromill { .. } | Self::Drill => &["program", "from", "report"],
         }
     }
 
@@ -44,6 +49,12 @@ impl Family {
                 let travel = axis.travel?;
                 Some(travel.map(|nm| nm.0 as f64 / 1e6))
             })),
+            // Z is moved by the machine, from sensor to sensor.
+            Self::Drill => Some([
+                Some([0.0, millimetres(Table::DRILL.x)]),
+                Some([0.0, millimetres(Table::DRILL.y)]),
+                None,
+            ]),
         }
     }
 
@@ -52,6 +63,7 @@ impl Family {
         match self {
             Self::Grbl(_) => husillo_clients::grbl::BAUD,
             Self::Micromill { .. } => husillo_clients::micromill::BAUD,
+            Self::Drill => husillo_clients::drill::BAUD,
         }
     }
 }

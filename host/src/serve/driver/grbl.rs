@@ -429,9 +429,6 @@ impl<'a> Driver<'a> {
             Request::SettingsSave { values } => self.save_settings(&values, reply),
             Request::Probe(asked) => self.probe(&asked, reply),
             Request::MacroRun { name } => self.run_macro(&name, reply),
-            Request::Pace { .. } | Request::Steps { .. } | Request::Backlash { .. } => {
-                reply.error("this is for a micro mill");
-            }
             Request::Stop
             | Request::Macros
             | Request::MacroSave { .. }
@@ -440,6 +437,7 @@ impl<'a> Driver<'a> {
             | Request::Give
             | Request::Renew { .. }
             | Request::Release { .. } => {}
+            _ => reply.error("this is for a machine of another family"),
         }
         Ok(())
     }
