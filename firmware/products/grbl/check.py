@@ -124,6 +124,7 @@ def cut(board: Board) -> Iterator[tuple[str, int]]:
     if board == MPS2:
         yield "bound", bound()
         yield from tier.check(board)
+    if board in (MPS2, NUCLEO_F446):
         drivers.check(board)
 
 
