@@ -10,8 +10,8 @@ use crate::{Waits, timer::bits};
 
 /// The present part of a move with events of different sweep: an arc, a helix or an ellipse.
 ///
-/// Within a part, times are in units of 2^`unit` of those of `Slowness`, so that the whole part has
-/// 30 bits. An event is then less than 2^-27 of the part off, and the last one takes the exact rest.
+/// Within a part, times are in units of 2^`unit` of those of `Slowness`: the whole part has 30 bits.
+/// An event is then less than 2^-27 of the part off, and the last one takes the exact rest.
 #[derive(Copy, Clone, Debug, Default)]
 pub(crate) struct Span {
     /// Sweep of the part, and the sweep that has passed.

@@ -1,4 +1,4 @@
-//! Counts the stages from commands and messages to events. `firmware/check counts` runs this program.
+//! Counts commands and messages to their events. `firmware/check counts` runs this program.
 #![no_std]
 #![no_main]
 

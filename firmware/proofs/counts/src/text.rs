@@ -1,4 +1,4 @@
-//! Counts the stages from a line of text to its commands. `firmware/check counts` runs this program.
+//! Counts a line of text to its commands. `firmware/check counts` runs this program.
 #![no_std]
 #![no_main]
 
