@@ -10,7 +10,7 @@ use crate::{Waits, timer::bits};
 
 /// The present part of a move with events of different sweep: an arc, a helix or an ellipse.
 ///
-/// Within a part, times are in units of 2^`unit` of those of `Slowness`: the whole part has 30 bits.
+/// Times within a part are in units of 2^`unit` of those of `Slowness`: the whole has 30 bits.
 /// An event is then less than 2^-27 of the part off, and the last one takes the exact rest.
 #[derive(Copy, Clone, Debug, Default)]
 pub(crate) struct Span {
