@@ -70,7 +70,7 @@ fn in_blocks(
             let made = deltas[..count].iter().map(|delta| i32::from(delta[axis]));
             prop_assert_eq!(
                 u32::from(run.steps[axis]),
-                made.clone().map(i32::unsigned_abs).sum()
+                made.clone().map(i32::unsigned_abs).sum::<u32>()
             );
             let is_negative = negative >> axis & 1 != 0;
             let has_way = made
