@@ -92,7 +92,8 @@ pub struct Ramp {
     /// Timer of the top speed; made when the path reaches it.
     cruise: Timer,
     has_cruise: bool,
-    /// Whether all parts of the move at the top speed are below 2^30 ticks.
+    /// Whether all parts of the move at the top speed are below 2^25 ticks. Then an event within
+    /// one is less than a quarter of a tick early.
     is_cruise_quick: bool,
     /// Acceleration for which `course.slowness` was computed.
     acceleration: u64,
@@ -973,11 +974,11 @@ impl Ramp {
         self.has_cruise = true;
         let ticks = scale(self.cruise_ticks_q16, self.programmed_top, self.top);
         let longest = u64::from(self.largest_sweep).wrapping_mul(LONGEST.into());
-        // Bits of the ticks of the longest part, or one more.
+        // Bits of the ticks in 2^-16 of the longest part, or one less.
         let part_bits = bits(ticks)
             .wrapping_add(bits(longest))
             .saturating_sub(bits(self.total_sweep));
-        self.is_cruise_quick = part_bits < 45 && self.course.slowness.fraction_bits == 32;
+        self.is_cruise_quick = part_bits < 41 && self.course.slowness.fraction_bits == 32;
         let largest = if self.is_line || self.is_cruise_quick {
             longest
         } else {
