@@ -157,7 +157,7 @@ fn waits(arc: &Arc, wishes: &[(usize, Wish)], most: usize) -> (Vec<u64>, usize) 
         let filled = ramp.fill_swept(block.iter_mut());
         assert_eq!(filled.count as usize, block.len());
         assert_eq!(Some(filled.least), block.iter().copied().min());
-        assert_eq!(filled.ticks, block.iter().sum());
+        assert_eq!(filled.ticks, block.iter().copied().sum::<u32>());
         in_blocks += block.len();
         waits.extend(block.into_iter().map(u64::from));
     }
