@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { picture, violations } from "husillo/tests/browser.js";
-import { press, says } from "husillo/tests/panels.js";
+import { press, says, textOf } from "husillo/tests/panels.js";
 import { isIdle, served, state, until } from "husillo/tests/served.js";
 
 /** The buttons of the microfactory. Other machines have pads of their own, which are hidden. */
@@ -132,7 +132,7 @@ test("a microfactory is homed, moved by its eight buttons and by steps", async (
 });
 
 test("a figure is corrected, drawn, cut, and has a report", async (t) => {
-    const { page } = await served(t, {}, "-m", "microfactory", "--speed", "4");
+    const { page } = await served(t, {}, "-m", "microfactory", "--speed", "2");
     await home(page);
     await drop(page, "zigzag.fig", ZIGZAG.replace("-500", "down"));
     await until(page, ({ program }) => program?.errors === 1);
@@ -152,10 +152,10 @@ test("a figure is corrected, drawn, cut, and has a report", async (t) => {
     await says(page, ".confirm", "5 moves");
     await says(page, ".confirm", "until the tool touches");
     await press(page, ".confirm button.main");
-    await until(page, ({ program, factory }) => factory.contact && program.line === 2);
-    await lamp(page, "contact", true);
-    await says(page, ".current", "Move 2 / 5");
+    await until(page, ({ program, factory }) => factory.contact && program.line > 1);
     assert.equal((await grey(page)).length, 8);
+    await lamp(page, "contact", true);
+    assert.match(await textOf(page, ".current"), /^Move [2-5] \/ 5$/);
     assert.deepEqual(await violations(page), []);
     await picture(page, "serve-microfactory-figure");
     await until(page, ({ program }) => program.phase === "done");
@@ -164,16 +164,18 @@ test("a figure is corrected, drawn, cut, and has a report", async (t) => {
 });
 
 test("an emergency stop holds until the reset, and any page can press it", async (t) => {
-    const { page, server } = await served(t, {}, "-m", "microfactory", "--speed", "4");
+    const { page, server } = await served(t, {}, "-m", "microfactory", "--speed", "2");
     await home(page);
+    const other = await page.browser().newPage();
+    await other.goto(server.address);
+    await until(other, ({ factory }) => factory?.is_homed);
+    await page.bringToFront();
     await drop(page, "zigzag.fig", ZIGZAG);
     await until(page, ({ program }) => program?.errors === 0);
     await press(page, "button::-p-text(Figure …)");
     await press(page, ".confirm button.main");
     await until(page, ({ factory }) => factory.contact);
-    const other = await page.browser().newPage();
-    await other.goto(server.address);
-    await until(other, ({ program }) => program?.phase === "running");
+    await other.bringToFront();
     await press(other, "button.emergency");
     await until(other, ({ state, factory }) => state === "Alarm" && factory.is_latched);
     await other.close();

@@ -417,9 +417,15 @@ fn the_panel_at_the_machine_and_the_line_are_told() {
     // The tool finds nothing to touch.
     device.type_line("open contact", "held open");
     assert_eq!(served.load(page.client, "zigzag.fig", ZIGZAG).0, 200);
-    page.done(json!({"do": "run", "confirmed": true}));
-    until_phase(&mut page, "failed");
-    let message = page.states[0]["program"]["message"].as_str().unwrap();
+    let mut message = String::new();
+    // On a busy computer the lease of 250 ms may end the approach, which takes 12 s.
+    while message.is_empty() || message.contains("the host was silent") {
+        page.done(json!({"do": "run", "confirmed": true}));
+        until_phase(&mut page, "running");
+        until_phase(&mut page, "failed");
+        let program = &page.states[0]["program"];
+        message = program["message"].as_str().unwrap().to_owned();
+    }
     assert!(
         message.contains("no contact") && message.contains("no move is cut"),
         "{message}"
