@@ -237,7 +237,7 @@ pub fn in_nm(mm: &[f64]) -> [Nm; AXES] {
 }
 
 /// A finding, as a page gets it.
-fn described(finding: &Finding) -> Value {
+pub fn described(finding: &Finding) -> Value {
     let (line, column) = finding.line_and_column();
     json!({
         "code": finding.code,

@@ -32,6 +32,15 @@ pub struct Asked {
     pub reply: Reply,
 }
 
+/// A report that is made.
+#[derive(Debug)]
+pub struct ReportPage {
+    /// The name of its file.
+    pub name: String,
+    /// HTML.
+    pub text: String,
+}
+
 /// A machine.
 #[derive(Debug)]
 pub struct Machine {
@@ -55,6 +64,8 @@ pub struct Machine {
     pub program: Mutex<Option<Arc<Loaded>>>,
     /// The last run of a program that has ended.
     pub run: Mutex<Option<Arc<RunRecord>>>,
+    /// The report of the last routine.
+    pub report: Mutex<Option<Arc<ReportPage>>>,
     /// The macros, which all machines share.
     pub macros: Arc<MacroFile>,
     requests: SyncSender<Asked>,
@@ -86,7 +97,7 @@ pub fn described(number: u32, family: &Family, port: &str) -> Value {
         "name": port,
         "port": port,
         "is_simulated": port == "sim",
-        "axes": ["X", "Y", "Z"],
+        "axes": family.axes(),
     })
 }
 
@@ -113,6 +124,7 @@ impl Machine {
             path: ToolPath::default(),
             program: Mutex::default(),
             run: Mutex::default(),
+            report: Mutex::default(),
             macros,
             requests,
             published: Mutex::default(),

@@ -55,6 +55,9 @@ pub struct MachineState {
     /// What only a micro mill has.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mill: Option<MillState>,
+    /// What only a measuring machine has.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub measuring: Option<Value>,
 }
 
 /// What only a micro mill has.

@@ -409,7 +409,9 @@ impl<'a> Driver<'a> {
             Request::Unlock => self.by_hand("$X", reply, Purpose::Asked),
             Request::Home { axis } => self.home(axis, reply),
             Request::Step { move_mm, feed } => self.step(&move_mm, feed, reply),
-            Request::Goto { to_mm, frame, feed } => self.go(&to_mm, frame, feed, reply),
+            Request::Goto {
+                to_mm, frame, feed, ..
+            } => self.go(&to_mm, frame, feed, reply),
             Request::Line { text } => return self.line(&text, reply),
             Request::Run { confirmed, from } => match from {
                 None => self.run(confirmed, reply),
@@ -432,6 +434,12 @@ impl<'a> Driver<'a> {
             Request::Pace { .. } | Request::Steps { .. } | Request::Backlash { .. } => {
                 reply.error("this is for a micro mill");
             }
+            Request::Cancel
+            | Request::Touch(_)
+            | Request::Tip(_)
+            | Request::Routine { .. }
+            | Request::RoutineRun { .. }
+            | Request::Measured => reply.error("this is for a measuring machine"),
             Request::Stop
             | Request::Macros
             | Request::MacroSave { .. }
