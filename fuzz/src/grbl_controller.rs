@@ -10,17 +10,29 @@ const LONGEST_US: u32 = 1000;
 /// Most events that are made between two bytes.
 const MOST_EVENTS: u32 = 400;
 
+/// The protocol of Grbl, with the height map.
+///
 /// Bytes 1 to 15, which are no characters of Grbl's link, change a switch or let time pass. All
 /// others are sent.
 ///
-/// - A step changes the reported position by itself, also with inverted directions. Nothing else
-///   changes it while an event is made.
+/// - A step changes the reported position by itself, also with inverted directions and with a
+///   height map. Nothing else changes it while an event is made.
 /// - No axis moves between a limit alarm and the next start.
 /// - An event waits for 1 ms at most.
 /// - A line has one answer at most, and a controller that is reset with all switches open answers.
+/// - The memory that is kept is read back unchanged.
 pub fn grbl_controller(data: &[u8]) {
+    session(GrblOptions::FULL, data);
+}
+
+/// The same with the protocol of grblHAL: tools, lists, and a reset that brakes.
+pub fn grblhal_controller(data: &[u8]) {
+    session(GrblOptions::HAL, data);
+}
+
+fn session(options: GrblOptions, data: &[u8]) {
     let mut run = Run {
-        grbl: Grbl::new(GrblOptions::FULL, Some(&GrblMemory::FACTORY)),
+        grbl: Grbl::new(options, Some(&GrblMemory::FACTORY)),
         inputs: GrblInputs::default(),
         said: Vec::new(),
         answers: 0,
@@ -45,6 +57,8 @@ pub fn grbl_controller(data: &[u8]) {
         run.answers
     );
     run.inputs = GrblInputs::default();
+    // A door that is closed is seen at the next event. If it was open at the start, `~` is awaited.
+    run.make(4);
     run.send(0x18);
     run.said.clear();
     run.is_locked = false;
@@ -96,6 +110,10 @@ impl Run {
             let Some(event) = self.grbl.next_event(0, &self.inputs) else {
                 break;
             };
+            if event == GrblEvent::Store {
+                let memory = self.grbl.memory();
+                assert_eq!(GrblMemory::from_bytes(&memory.to_bytes()), Some(*memory));
+            }
             self.check(&event);
         }
         self.listen();

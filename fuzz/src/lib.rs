@@ -36,7 +36,7 @@ pub use expressions::expressions;
 pub use format::format;
 pub use gcode::gcode;
 pub use grbl::grbl;
-pub use grbl_controller::grbl_controller;
+pub use grbl_controller::{grbl_controller, grblhal_controller};
 pub use interp::interp;
 pub use link::link;
 pub use machine::machine;
@@ -55,7 +55,7 @@ pub use translate::translate;
 pub type Target = fn(&[u8]);
 
 /// Every target with its name, which is also that of its program and of its folder in `corpus`.
-pub const TARGETS: [(&str, Target); 23] = [
+pub const TARGETS: [(&str, Target); 24] = [
     ("gcode", gcode),
     ("reader", reader),
     ("format", format),
@@ -76,6 +76,7 @@ pub const TARGETS: [(&str, Target); 23] = [
     ("drill", drill),
     ("grbl", grbl),
     ("grbl_controller", grbl_controller),
+    ("grblhal_controller", grblhal_controller),
     ("microfactory", microfactory),
     ("micromill", micromill),
     ("link", link),

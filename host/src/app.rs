@@ -5,6 +5,7 @@ mod choice;
 mod commands;
 mod compare;
 mod drilling;
+mod examples;
 mod explain;
 mod format;
 mod grbl;
@@ -101,6 +102,7 @@ pub fn run(cli: &Cli) -> Result<u8, Failure> {
         Command::Interpolate(args) => walk(args),
         Command::Compare(args) => compare::compare(args),
         Command::Machines(args) => machines::show_machines(args),
+        Command::Examples { action } => examples::examples(action),
         Command::Explain(args) => explain::explain(args),
         Command::Schema { name } => schema::print(name.as_deref()),
         Command::Completions { shell } => manual::completions(*shell),

@@ -168,6 +168,16 @@ pub enum Command {
         husillo machines\n  \
         husillo machines show micromill")]
     Machines(Machines),
+    /// List the examples in this program, show one, or write all of them to a folder
+    #[command(after_help = "Examples:\n  \
+        husillo examples\n  \
+        husillo examples show gear.nc > gear.nc\n  \
+        husillo examples write examples")]
+    Examples {
+        /// What to do with them
+        #[command(subcommand)]
+        action: Option<ExamplesAction>,
+    },
     /// Move a microfactory, a micro mill, a drill or a Grbl machine by hand: home, counted steps,
     /// jogs
     #[command(after_help = "Actions of a microfactory, done in turn:\n  \
@@ -488,6 +498,21 @@ pub enum MachinesAction {
         /// How to print what was written
         #[arg(long, value_enum, default_value = "text")]
         format: Output,
+    },
+}
+
+/// What to do with examples.
+#[derive(Debug, Subcommand)]
+pub enum ExamplesAction {
+    /// Print an example
+    Show {
+        /// Its name, as the list has it
+        name: String,
+    },
+    /// Write all examples; if a file exists, nothing is written
+    Write {
+        /// Folder to write to; it is made
+        folder: String,
     },
 }
 

@@ -223,6 +223,8 @@ fn a_full_output_is_an_error_of_every_command() {
         &["holes", &board],
         &["machines"],
         &["machines", "show", "router"],
+        &["examples"],
+        &["examples", "show", "gear.nc"],
         &["explain", "G83"],
         &["completions", "bash"],
         &["interpolate", "line", "--to", "3,4"],

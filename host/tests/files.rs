@@ -601,3 +601,47 @@ fn removes_its_file_at_sigterm(mut command: Command, name: &str) {
     assert_eq!(folder.get("o"), b"old");
     assert!(!begun(&folder));
 }
+
+/// The examples in the program are those of the checkout, and no file is replaced.
+#[test]
+fn examples_are_written_whole_or_not_at_all() {
+    let folder = Folder::new("examples");
+    let write = ["examples", "write", "deep/examples"];
+    folder
+        .husillo(&write)
+        .assert()
+        .success()
+        .stdout(contains("deep/examples"));
+    let origin = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples");
+    for name in [
+        "gear.nc",
+        "piece.toml",
+        "cam/fusion.nc",
+        "microfactory/zigzag.fig",
+    ] {
+        let written = folder.get(&format!("deep/examples/{name}"));
+        assert_eq!(written, std::fs::read(origin.join(name)).unwrap(), "{name}");
+    }
+    let part = "deep/examples/piece.routine";
+    std::fs::remove_file(folder.0.join("deep/examples/gear.nc")).unwrap();
+    folder.put(part, b"mine");
+    folder
+        .husillo(&write)
+        .assert()
+        .code(2)
+        .stderr(contains("exists already"));
+    assert_eq!(folder.get(part), b"mine");
+    assert!(folder.get("deep/examples/gear.nc").is_empty());
+    let program = folder
+        .husillo(&["examples", "show", "gear.nc"])
+        .assert()
+        .success();
+    assert_eq!(
+        program.get_output().stdout,
+        std::fs::read(origin.join("gear.nc")).unwrap()
+    );
+    folder
+        .husillo(&["examples", "show", "wheel.nc"])
+        .assert()
+        .code(2);
+}

@@ -21,6 +21,10 @@ const KEPT: usize = 16;
 #[derive(Clone)]
 pub struct Rig<const N: usize> {
     axes: [Axis; N],
+    /// Position of the tool.
+    tool: [i32; N],
+    /// Losses of steps so far.
+    loss_count: u64,
     now: u64,
     events: u64,
     losses: Vec<Loss>,
@@ -46,7 +50,9 @@ impl<const N: usize> Rig<N> {
         let axes = models.map(|model| Axis::new(model, levels.next().unwrap_or_default()));
         // The rotors have rested indefinitely, so the first step is never too early.
         Rig {
+            tool: axes.each_ref().map(Axis::tool),
             axes,
+            loss_count: 0,
             now: 1 << 32,
             events: 0,
             losses: Vec::new(),
@@ -62,6 +68,7 @@ impl<const N: usize> Rig<N> {
             axis.call(steps);
         }
         self.follow_field();
+        self.see_tool();
         self
     }
 
@@ -81,16 +88,23 @@ impl<const N: usize> Rig<N> {
             for (axis, backlash) in self.axes.iter_mut().zip(backlash) {
                 axis.set_backlash(backlash);
             }
+            self.see_tool();
         }
+    }
+
+    fn see_tool(&mut self) {
+        self.tool = self.axes.each_ref().map(Axis::tool);
     }
 
     /// Waits `wait_ticks` timer ticks, then applies `levels` to all drivers at once.
     #[inline]
     pub fn apply(&mut self, levels: &[Levels; N], wait_ticks: u32) {
         self.now += u64::from(wait_ticks);
-        for (index, (axis, levels)) in self.axes.iter_mut().zip(levels).enumerate() {
+        let axes = self.axes.iter_mut().zip(&mut self.tool);
+        for (index, ((axis, tool), levels)) in axes.zip(levels).enumerate() {
             if axis.levels() != levels.0 {
                 if let Some((steps, cause)) = axis.change(levels.0, self.now) {
+                    self.loss_count += 1;
                     if self.losses.len() < KEPT {
                         self.losses.push(Loss {
                             event: self.events,
@@ -100,6 +114,7 @@ impl<const N: usize> Rig<N> {
                         });
                     }
                 }
+                *tool = axis.tool();
             }
         }
         self.events += 1;
@@ -117,7 +132,10 @@ impl<const N: usize> Rig<N> {
     /// Turns the rotor of an axis by about `steps` against its field, as a stronger load does. With
     /// coils it turns by whole electrical cycles. Returns the steps it turned.
     pub fn push(&mut self, axis: usize, steps: i32) -> i32 {
-        self.axes.get_mut(axis).map_or(0, |axis| axis.push(steps))
+        let made = self.axes.get_mut(axis).map_or(0, |axis| axis.push(steps));
+        self.loss_count += 1;
+        self.see_tool();
+        made
     }
 
     /// Lets `wait_ticks` timer ticks pass.
@@ -128,8 +146,8 @@ impl<const N: usize> Rig<N> {
     /// Tool position in drive steps.
     #[inline]
     #[must_use]
-    pub fn tool(&self) -> [i32; N] {
-        self.axes.each_ref().map(Axis::tool)
+    pub const fn tool(&self) -> [i32; N] {
+        self.tool
     }
 
     /// Rotor positions in drive steps, before the backlash.
@@ -143,6 +161,14 @@ impl<const N: usize> Rig<N> {
     #[must_use]
     pub fn lost_steps(&self) -> [u64; N] {
         self.axes.each_ref().map(|axis| axis.lost_steps)
+    }
+
+    /// How often motors have lost steps, pushes included. While it does not change, neither does
+    /// [`lost_steps`](Rig::lost_steps).
+    #[inline]
+    #[must_use]
+    pub const fn loss_count(&self) -> u64 {
+        self.loss_count
     }
 
     /// The first sixteen losses, with event and axis.

@@ -2,7 +2,8 @@
 
 use crate::{CoilDriver, Levels, PulseTiming};
 
-/// State of the pulses of `N` drivers, in timer ticks from the last change of levels.
+/// State of the pulses of `N` drivers. Times are timer ticks since the first wait. 64 bits have
+/// room for 58,000 years at 10 MHz.
 ///
 /// Each axis has its own pulse, so the pulses of two axes may overlap. A step is delayed until its
 /// driver is ready for it (DIR stable and STEP low for long enough). Later steps catch up.
@@ -11,21 +12,36 @@ pub(crate) struct Pulses<const N: usize> {
     /// Timing of each driver; `None` if a step of this driver is one change of levels.
     timing: [Option<PulseTiming>; N],
     axes: [Pulse; N],
-    /// Ticks until every changed DIR is stable.
-    setup_left: u32,
+    now: u64,
+    /// When the next STEP falls; [`NEVER`] if all are low.
+    next_fall: u64,
+    /// When every changed DIR is stable.
+    stable_at: u64,
     /// Delay of the last step in ticks.
     late: u32,
 }
 
-/// Pulse of one axis: remaining ticks of each of its times.
-#[derive(Copy, Clone, Debug, Default)]
+/// The time of a change that does not come.
+const NEVER: u64 = u64::MAX;
+
+/// Pulse of one axis.
+#[derive(Copy, Clone, Debug)]
 struct Pulse {
-    /// Until STEP falls; 0 if it is low.
-    high_left: u32,
-    /// Until STEP may rise.
-    low_left: u32,
-    /// Until DIR may change.
-    hold_left: u32,
+    /// When STEP falls; [`NEVER`] if it is low.
+    falls_at: u64,
+    /// When STEP may rise.
+    may_rise_at: u64,
+    /// When DIR may change.
+    may_turn_at: u64,
+}
+
+impl Pulse {
+    /// STEP is low, and nothing waits.
+    const NONE: Self = Self {
+        falls_at: NEVER,
+        may_rise_at: 0,
+        may_turn_at: 0,
+    };
 }
 
 impl<const N: usize> Pulses<N> {
@@ -34,8 +50,10 @@ impl<const N: usize> Pulses<N> {
         let timing = drivers.each_ref().map(CoilDriver::timing);
         timing.iter().any(Option::is_some).then_some(Self {
             timing,
-            axes: [Pulse::default(); N],
-            setup_left: 0,
+            axes: [Pulse::NONE; N],
+            now: 0,
+            next_fall: NEVER,
+            stable_at: 0,
             late: 0,
         })
     }
@@ -53,31 +71,35 @@ impl<const N: usize> Pulses<N> {
         // The rest of the wait after the delay of the last step is caught up.
         let made_up = self.late.min(wait_ticks);
         self.late = self.late.wrapping_sub(made_up);
-        let mut left = wait_ticks.wrapping_sub(made_up);
+        let due = self.after(wait_ticks.wrapping_sub(made_up));
         let mut turns = self.turns(drivers, levels, delta);
-        loop {
-            let ready_in = self.ready_in(&turns, delta);
-            let due_in = left.max(ready_in);
-            let Some(next) = self.next_change(&turns).filter(|next| *next <= due_in) else {
-                break;
-            };
-            self.pass(next);
-            self.late = self.late.saturating_add(next.saturating_sub(left));
-            left = left.saturating_sub(next);
+        let last = loop {
+            let step_at = due.max(self.ready_at(&turns, delta));
+            let next = self.next_change(&turns);
+            if next > step_at {
+                break step_at.max(self.now);
+            }
+            let wait = self.pass(next);
             self.change(drivers, levels, &mut turns, delta);
-            present(next, levels);
-        }
-        let wait = left.max(self.ready_in(&turns, delta));
-        self.late = self.late.saturating_add(wait.saturating_sub(left));
-        self.pass(wait);
+            present(wait, levels);
+        };
+        let late = ticks(due, last);
+        self.late = self.late.saturating_add(late);
+        let wait = self.pass(last);
         self.step(drivers, levels, delta);
         present(wait, levels);
     }
 
     /// Ticks until the last pulse in progress ends; `None` without a pulse.
     pub(crate) fn last_fall(&self) -> Option<u32> {
-        let falls = self.axes.iter().map(|pulse| pulse.high_left);
-        falls.max().filter(|left| *left > 0)
+        let high = self.axes.iter().filter(|pulse| pulse.falls_at < NEVER);
+        let last = high.map(|pulse| pulse.falls_at).max()?;
+        Some(ticks(self.now, last))
+    }
+
+    /// The time this many ticks after now.
+    fn after(&self, ticks: u32) -> u64 {
+        self.now.saturating_add(ticks.into())
     }
 
     /// The axes whose DIR has to change before they step.
@@ -88,57 +110,52 @@ impl<const N: usize> Pulses<N> {
         delta: &[i8; N],
     ) -> [bool; N] {
         let mut turns = [false; N];
-        let axes = drivers.iter().zip(levels).zip(self.timing).zip(delta);
+        let axes = drivers.iter().zip(levels).zip(&self.timing).zip(delta);
         for (turn, (((driver, levels), timing), delta)) in turns.iter_mut().zip(axes) {
             let is_forward = levels.contains(Levels::DIR);
-            let is_on = driver.levels().contains(Levels::ENABLE);
-            *turn = timing.is_some() && is_on && *delta != 0 && (*delta > 0) != is_forward;
+            *turn = *delta != 0
+                && (*delta > 0) != is_forward
+                && timing.is_some()
+                && driver.levels().contains(Levels::ENABLE);
         }
         turns
     }
 
-    /// Ticks until every axis of `delta` may step.
-    fn ready_in(&self, turns: &[bool; N], delta: &[i8; N]) -> u32 {
-        let axes = self.axes.iter().zip(self.timing).zip(turns).zip(delta);
-        axes.filter(|(_, delta)| **delta != 0)
-            .filter_map(|(((pulse, timing), turns), _)| {
-                let timing = timing?;
-                let low = match pulse.high_left {
-                    0 => pulse.low_left,
-                    high => high.saturating_add(timing.low()),
-                };
-                let turned = if *turns {
-                    pulse.hold_left.saturating_add(timing.setup_ticks)
-                } else {
-                    self.setup_left
-                };
-                Some(low.max(turned))
-            })
-            .max()
-            .unwrap_or(0)
+    /// When every axis of `delta` may step.
+    fn ready_at(&self, turns: &[bool; N], delta: &[i8; N]) -> u64 {
+        let mut ready_at = 0;
+        let axes = self.axes.iter().zip(&self.timing).zip(turns).zip(delta);
+        for (((pulse, timing), turns), delta) in axes {
+            let (Some(timing), false) = (timing, *delta == 0) else {
+                continue;
+            };
+            let stable_at = if *turns {
+                let turned_at = pulse.may_turn_at.max(self.now);
+                turned_at.saturating_add(timing.setup_ticks.into())
+            } else {
+                self.stable_at
+            };
+            ready_at = pulse.may_rise_at.max(stable_at).max(ready_at);
+        }
+        ready_at
     }
 
-    /// Ticks until STEP of an axis falls, or DIR of an axis may change.
-    fn next_change(&self, turns: &[bool; N]) -> Option<u32> {
-        let falls = self.axes.iter().map(|pulse| pulse.high_left);
-        let falls = falls.filter(|left| *left > 0).min();
-        let turned = self.axes.iter().zip(turns).filter(|(_, turns)| **turns);
-        let turned = turned.map(|(pulse, _)| pulse.hold_left).min();
-        match (falls, turned) {
-            (Some(falls), Some(turned)) => Some(falls.min(turned)),
-            (falls, turned) => falls.or(turned),
+    /// When STEP of an axis falls, or DIR of an axis may change.
+    fn next_change(&self, turns: &[bool; N]) -> u64 {
+        let mut next = self.next_fall;
+        for (pulse, turns) in self.axes.iter().zip(turns) {
+            if *turns {
+                next = next.min(pulse.may_turn_at.max(self.now));
+            }
         }
+        next
     }
 
-    /// Lets time pass. For an axis whose STEP falls now, the remaining time stays 0 until
-    /// [`change`](Pulses::change) is called.
-    fn pass(&mut self, ticks: u32) {
-        self.setup_left = self.setup_left.saturating_sub(ticks);
-        for pulse in &mut self.axes {
-            pulse.low_left = pulse.low_left.saturating_sub(ticks);
-            pulse.hold_left = pulse.hold_left.saturating_sub(ticks);
-            pulse.high_left = pulse.high_left.saturating_sub(ticks);
-        }
+    /// Goes on to a time that is not over. Returns the ticks until then.
+    fn pass(&mut self, to: u64) -> u32 {
+        let wait = ticks(self.now, to);
+        self.now = to;
+        wait
     }
 
     /// Lets STEP fall for axes whose pulse has ended, and changes DIR of reversing axes where
@@ -150,18 +167,21 @@ impl<const N: usize> Pulses<N> {
         turns: &mut [bool; N],
         delta: &[i8; N],
     ) {
+        self.next_fall = NEVER;
         let axes = drivers.iter_mut().zip(levels).zip(&mut self.axes);
         let rest = self.timing.iter().zip(turns).zip(delta);
         for (((driver, levels), pulse), ((timing, turns), delta)) in axes.zip(rest) {
             let Some(timing) = timing else { continue };
-            if levels.contains(Levels::STEP) && pulse.high_left == 0 {
+            if pulse.falls_at <= self.now {
                 *levels = driver.end_pulse();
-                pulse.low_left = timing.low();
+                pulse.falls_at = NEVER;
             }
-            if *turns && pulse.hold_left == 0 {
+            self.next_fall = self.next_fall.min(pulse.falls_at);
+            if *turns && pulse.may_turn_at <= self.now {
                 *turns = false;
                 *levels = driver.turn(*delta);
-                self.setup_left = self.setup_left.max(timing.setup_ticks);
+                let stable_at = self.now.saturating_add(timing.setup_ticks.into());
+                self.stable_at = self.stable_at.max(stable_at);
             }
         }
     }
@@ -184,10 +204,18 @@ impl<const N: usize> Pulses<N> {
             if *delta != 0 {
                 *levels = driver.step(*delta);
                 if levels.contains(Levels::STEP) {
-                    pulse.high_left = timing.high();
-                    pulse.hold_left = timing.hold_ticks;
+                    pulse.falls_at = self.now.saturating_add(timing.high().into());
+                    pulse.may_rise_at = pulse.falls_at.saturating_add(timing.low().into());
+                    self.next_fall = self.next_fall.min(pulse.falls_at);
+                    pulse.may_turn_at = self.now.saturating_add(timing.hold_ticks.into());
                 }
             }
         }
     }
+}
+
+/// Ticks from one time to another. A wait and the times of a driver have 32 bits each, so the sum
+/// of a few of them is cut only where a driver needs minutes for a pulse.
+fn ticks(from: u64, to: u64) -> u32 {
+    u32::try_from(to.saturating_sub(from)).unwrap_or(u32::MAX)
 }

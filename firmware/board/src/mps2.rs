@@ -9,7 +9,7 @@
 //! freely, so the time that an interrupt takes does not add up over successive waits.
 //: MEMORY
 //: {
-//:   FLASH : ORIGIN = 0x00000000, LENGTH = 256K
+//:   FLASH : ORIGIN = 0x00000000, LENGTH = 512K
 //:   RAM   : ORIGIN = 0x20000000, LENGTH = 128K
 //: }
 

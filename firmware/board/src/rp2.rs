@@ -78,8 +78,11 @@ pub fn start() {
     nvic::unmask(TIMER_0);
 }
 
-/// Sets the PWM at GP22. It begins with the first call.
+/// Sets the PWM at GP22, unless a switch is there. It begins with the first call.
 pub fn drive(duty: u8) {
+    if IS_WIDE {
+        return;
+    }
     set(PWM_SLICE + PWM_DIVIDER, 255 << 4);
     set(PWM_SLICE + PWM_TOP, 254);
     set(PWM_SLICE + PWM_COMPARE, duty.into());

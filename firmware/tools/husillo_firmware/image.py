@@ -80,11 +80,12 @@ def main(arguments: list[str]) -> int:
     options.add_argument("product")
     options.add_argument("board", nargs="?", choices=BOARDS, default="pico")
     options.add_argument("-o", "--output", type=Path, help="by default PRODUCT.uf2 or PRODUCT.bin")
+    options.add_argument("--features", default="", help="of the product, for example coils")
     chosen = options.parse_args(arguments)
     board = BOARDS[chosen.board]
     cargo(
         *("build", "-q", "--release", "-p", chosen.product, "--target", board.target),
-        *("--features", board.features),
+        *("--features", f"{board.features},{chosen.features}"),
         BOARD=f"src/{chosen.board}.rs",
         CARGO_PROFILE_RELEASE_OPT_LEVEL="3" if chosen.product in FAST else board.level,
     )

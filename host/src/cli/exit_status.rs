@@ -7,7 +7,7 @@ use clap::{Command, CommandFactory};
 const USAGE: &str = "2 bad command line or file";
 
 /// The exit statuses of each command, between those that all have.
-const STATUSES: [(&str, &str); 23] = [
+const STATUSES: [(&str, &str); 24] = [
     ("run", "1 the program has errors, or steps were lost"),
     (
         "check",
@@ -32,6 +32,7 @@ const STATUSES: [(&str, &str); 23] = [
     ("completions", ""),
     ("man", ""),
     ("machines", ""),
+    ("examples", ""),
     ("jog", "1 an action has failed"),
     ("stop", "1 a machine has not confirmed its stop"),
     (

@@ -16,12 +16,13 @@ pub struct Mechanics {
     rig: Rig<AXES>,
     timer_hz: u32,
     nm_per_step: [f64; AXES],
-    tool: [i32; AXES],
     events: u64,
     ticks: u64,
     /// Simulated losses that are still to come.
     pushes: Vec<Push>,
     losses: Losses,
+    /// That of the rig when `losses` was last renewed.
+    loss_count: u64,
     /// Counts and steps of each encoder.
     encoders: [Option<(i64, i64)>; AXES],
 }
@@ -50,11 +51,11 @@ impl Mechanics {
             rig,
             timer_hz: machine.timer_hz,
             nm_per_step: machine.each(1.0, |axis| axis.step.num as f64 / axis.step.den as f64),
-            tool: [0; AXES],
             events: 0,
             ticks: 0,
             pushes: Vec::new(),
             losses: Losses::default(),
+            loss_count: 0,
             encoders: machine.each(None, |axis| {
                 let encoder = axis.encoder.as_ref()?.encoder;
                 Some((encoder.counts.into(), encoder.steps.into()))
@@ -65,7 +66,6 @@ impl Mechanics {
     /// Puts the tool at these steps before the run.
     pub fn start_at(&mut self, steps: [i32; AXES]) {
         self.rig = self.rig.clone().with_tool_at(steps);
-        self.tool = self.rig.tool();
     }
 
     /// Sets the simulated losses.
@@ -86,8 +86,7 @@ impl Mechanics {
             .step(step.wait_ticks, &step.delta, |wait_ticks, levels| {
                 rig.apply(levels, wait_ticks);
             });
-        self.tool = self.rig.tool();
-        if self.rig.lost_steps() != self.losses.lost() {
+        if self.rig.loss_count() != self.loss_count {
             self.lose();
         }
     }
@@ -116,10 +115,11 @@ impl Mechanics {
 
     #[cold]
     fn lose(&mut self) {
+        self.loss_count = self.rig.loss_count();
         let here = FirstLoss {
             event: self.events,
             time_s: self.seconds(),
-            at_nm: self.in_nm(self.tool),
+            at_nm: self.in_nm(self.tool()),
         };
         self.losses.lose(self.rig.lost_steps(), here);
     }
@@ -146,7 +146,7 @@ impl Mechanics {
 
     /// Position of the tool, steps.
     pub const fn tool(&self) -> [i32; AXES] {
-        self.tool
+        self.rig.tool()
     }
 
     /// Nanometres per step of each axis.

@@ -2,21 +2,29 @@
 //!
 //! The main loop is [`foreground::run`]: bytes to `controllers::Grbl`, its events to the pins.
 //! It queues one event at a time, because each step depends on the switches at that moment. The
-//! step interrupt writes the step pins. Everything that belongs to a board is in one file of
-//! `board`.
+//! step interrupt writes the pins of the motors. Everything that belongs to a board is in one file
+//! of `board`.
 #![no_std]
 #![no_main]
 
+#[cfg(feature = "coils")]
+mod coils;
 mod memory;
-mod pins;
+mod outputs;
+#[cfg(not(feature = "coils"))]
+mod step_direction;
 mod switches;
 
 use board::{CriticalSection, Pins, Shared, Step};
+#[cfg(feature = "coils")]
+use coils::{MIST, Motors, STEPS};
 use foreground::{Interrupts, Product};
 use husillo_controllers::{GrblEvent, GrblInputs, GrblMemory, GrblOptions, Timed};
 use memory::Memory;
-use pins::{MIST, Outputs, STEPS, motors};
+use outputs::Outputs;
 use static_cell::StaticCell;
+#[cfg(not(feature = "coils"))]
+use step_direction::{MIST, Motors, STEPS};
 use switches::Switches;
 
 /// Moves of look-ahead. A move takes 248 bytes of RAM.
@@ -27,13 +35,19 @@ type Grbl = husillo_controllers::Grbl<LOOK_AHEAD>;
 /// In a static, because it is larger than the stack.
 static CONTROLLER: StaticCell<Grbl> = StaticCell::new();
 
-/// All that senders ask for. The inputs are read also while nothing moves.
+/// All that senders ask for, with the protocol of this firmware.
+#[cfg(not(feature = "grblhal"))]
+const PROTOCOL: GrblOptions = GrblOptions::FULL;
+#[cfg(feature = "grblhal")]
+const PROTOCOL: GrblOptions = GrblOptions::HAL;
+
+/// The inputs are read also while nothing moves.
 const OPTIONS: GrblOptions = GrblOptions {
     reads_inputs: board::HAS_SWITCHES,
-    ..GrblOptions::FULL
+    ..PROTOCOL
 };
 
-static INTERRUPTS: Shared<Interrupts<Machine, 1, STEPS>> = Shared::new(Interrupts::new(()));
+static INTERRUPTS: Shared<Interrupts<Machine, 1, STEPS>> = Shared::new(Interrupts::new([0; 3]));
 
 /// A wait is over: the step pins rise or fall.
 #[unsafe(no_mangle)]
@@ -64,11 +78,14 @@ fn main() -> ! {
     let mut machine = Machine {
         memory,
         must_store: false,
-        levels: 0,
+        motors: Motors::new(),
+        mist: 0,
+        is_disable_high: true,
+        must_set: false,
         outputs: Outputs::default(),
         switches: Switches::new(),
     };
-    machine.set_pulses(controller);
+    machine.set_pins(controller);
     foreground::run(&mut machine, controller, &INTERRUPTS)
 }
 
@@ -76,39 +93,52 @@ fn main() -> ! {
 struct Machine {
     memory: Memory,
     must_store: bool,
-    /// Levels of the motors' pins without the steps.
-    levels: Pins,
+    motors: Motors,
+    /// The pin of mist coolant, if it is high.
+    mist: Pins,
+    /// The level of the output that switches the motors off, `$4` included.
+    is_disable_high: bool,
+    must_set: bool,
     outputs: Outputs,
     switches: Switches,
 }
 
 impl Product for Machine {
     type Controller = Grbl;
-    type Undo = ();
+    type Undo = [i8; 3];
 
     fn inputs(&mut self, grbl: &Grbl) -> GrblInputs {
         self.switches.inputs(grbl)
     }
 
-    fn perform(&mut self, event: GrblEvent) -> Option<Step<()>> {
-        let mut steps = 0;
+    fn perform(&mut self, event: GrblEvent) -> Option<Step<[i8; 3]>> {
+        let (mut levels, mut delta) = (self.motors.levels(), [0; 3]);
         match event {
-            GrblEvent::Step { delta, .. } => {
+            GrblEvent::Step { delta: step, .. } => {
+                delta = step;
                 self.switches.moves(delta);
-                steps = self.begin(delta);
+                let [before, at_step] = self.motors.step(delta);
+                // After the pulse of the previous step, and some microseconds before this one.
+                self.write(before);
+                levels = at_step;
             }
             GrblEvent::Store => self.must_store = true,
             GrblEvent::Mist { is_on } => {
-                self.levels = self.levels & !MIST | if is_on { MIST } else { 0 };
-                self.write();
+                self.mist = if is_on { MIST } else { 0 };
+                self.write(levels);
+            }
+            GrblEvent::Disable { is_high } => {
+                self.outputs.switch(event);
+                self.is_disable_high = is_high;
+                self.must_set = true;
             }
             GrblEvent::Wait { .. } => {}
             output => self.outputs.switch(output),
         }
         event.wait_ticks().map(|wait_us| Step {
             wait_us,
-            levels: self.levels | steps,
-            delta: (),
+            levels: levels | self.mist,
+            delta,
         })
     }
 
@@ -116,7 +146,10 @@ impl Product for Machine {
     fn performed(&mut self, grbl: &Grbl) {
         if core::mem::take(&mut self.must_store) {
             self.memory.write(grbl.memory());
-            self.set_pulses(grbl);
+            self.must_set = true;
+        }
+        if core::mem::take(&mut self.must_set) {
+            self.set_pins(grbl);
         }
     }
 
@@ -124,34 +157,29 @@ impl Product for Machine {
         self.switches.moved();
     }
 
-    fn undo(&mut self, (): ()) {
+    fn undo(&mut self, delta: [i8; 3]) {
+        self.motors.undo(delta);
         self.switches.dropped();
     }
 }
 
 impl Machine {
-    /// Writes the directions of a step and returns its step pins. This is after the pulse of the
-    /// previous step, and some microseconds before this one.
-    fn begin(&mut self, delta: [i8; 3]) -> Pins {
-        let (steps, levels) = motors(delta, self.levels);
-        self.levels = levels;
-        self.write();
-        steps
-    }
-
     /// Writes the pins between two steps.
-    fn write(&self) {
-        board::write(self.levels ^ INTERRUPTS.with(|now| now.inverted()));
+    fn write(&self, levels: Pins) {
+        board::write((levels | self.mist) ^ INTERRUPTS.with(|now| now.inverted()));
     }
 
-    /// Takes the time of a pulse, `$0`, and the inverted step pins, `$2`, into use.
-    fn set_pulses(&mut self, grbl: &Grbl) {
+    /// Takes what the pins need into use: the time of a pulse, `$0`, inverted step pins, `$2`, and
+    /// whether the motors are on.
+    fn set_pins(&mut self, grbl: &Grbl) {
         let settings = grbl.memory().settings();
         let mask = settings.whole(2) as Pins & STEPS;
         INTERRUPTS.with(|now| {
             now.set_pulse_us(settings.whole(0));
             now.invert(mask);
         });
-        self.write();
+        self.motors
+            .set_enabled(self.is_disable_high == settings.is_set(4));
+        self.write(self.motors.levels());
     }
 }

@@ -1,30 +1,6 @@
-//! Which pin of a board has which signal.
+//! The outputs beside the motors.
 
-use board::Pins;
 use husillo_controllers::GrblEvent;
-
-/// Motors' pins 0 to 2: the steps of X, Y and Z. Pins 3 to 5 are their directions, high for
-/// backwards.
-pub const STEPS: Pins = 0b111;
-/// Motors' pin 6: mist coolant. The boards have four other outputs.
-pub const MIST: Pins = 1 << 6;
-
-/// The step pins of a step, and the levels with its directions. The direction of an axis that
-/// stands is kept.
-pub fn motors(delta: [i8; 3], mut levels: Pins) -> (Pins, Pins) {
-    let mut steps = 0;
-    for (bit, delta) in (0_u32..).zip(delta) {
-        let (step, direction) = (1 << bit, 8 << bit);
-        if delta != 0 {
-            steps |= step;
-            levels &= !direction;
-        }
-        if delta < 0 {
-            levels |= direction;
-        }
-    }
-    (steps, levels)
-}
 
 /// Outputs 0 to 3 of the board, and its PWM for the speed of the spindle.
 #[derive(Default)]
