@@ -44,6 +44,7 @@ test("a measuring machine is steered, moved, zeroed, and touches", async (t) => 
         all.filter((one) => one.checkVisibility()).map((one) => one.getAttribute("aria-label"))
     );
     assert.deepEqual(cards, [
+        "Live plot",
         "Measuring routine",
         "Bytes of the line",
         "Console",
@@ -63,7 +64,7 @@ test("a measuring machine is steered, moved, zeroed, and touches", async (t) => 
     await page.mouse.down();
     await page.mouse.move(x + 0.3 * far, y);
     await until(page, (state) => state.state === "Jog" && work(state)[0] > 0.1);
-    assert.equal(await page.$eval("[data-stick]", (one) => one.dataset.stick), "held");
+    assert.equal(await page.$eval("[data-stick]", (one) => one.getAttribute("data-stick")), "held");
     await page.mouse.move(x + 0.68 * far, y - 0.68 * far);
     await until(page, (state) => work(state)[1] > 1);
     await page.mouse.up();
@@ -133,7 +134,10 @@ test("a routine is written, drawn, run, judged and reported", async (t) => {
     await until(page, ({ measuring }) => measuring);
     await write(page, "textarea", "bore B at x1 y1 z1\n");
     await says(page, ".findings", "diameter");
-    const isDisabled = await page.$eval("button.main", (one) => /** @type {any} */ (one).disabled);
+    const isDisabled = await page.$eval(
+        "button.main",
+        (one) => /** @type {any} */ (one).disabled
+    );
     assert.ok(isDisabled, "a routine with a mistake cannot be started");
     const text =
         "safe z -10\nclearance 1\nsearch 2\n" +
@@ -164,8 +168,11 @@ test("a routine is written, drawn, run, judged and reported", async (t) => {
     await page.waitForSelector(".routine-drawing .good [class=mark]");
     assert.equal(await page.$$eval(".routine-drawing .bad", (all) => all.length), 1);
     const report = await page.$eval(".card a[download]", (one) => one.getAttribute("href"));
-    const page2 = await page.evaluate((href) => fetch(href).then((got) => got.text()), report);
-    assert.match(String(page2), /block\.routine/);
+    const text2 = await page.evaluate(async (href) => {
+        const got = await fetch(String(href));
+        return got.text();
+    }, report);
+    assert.match(text2, /block\.routine/);
     assert.deepEqual(await violations(page), []);
     await picture(page, "serve-routine");
 });

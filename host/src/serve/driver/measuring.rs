@@ -129,7 +129,9 @@ impl Driver<'_> {
         let ended = self.turns();
         self.machine.lease.end();
         self.hands.steer(None);
-        self.hands.stop();
+        if self.current.is_some() {
+            self.hands.stop();
+        }
         let why = match &ended {
             Ok(()) => "this program has ended",
             Err(_) => "the controller is lost",
@@ -192,11 +194,10 @@ impl Driver<'_> {
             }
             Event::Lost(why) => return Err(why),
             Event::At(position, is_pressed) => {
+                self.place.set_pressed(is_pressed);
                 let motion = self.motion();
-                if self
-                    .place
-                    .at(position, is_pressed, motion, &self.machine.path)
-                {
+                // At rest the axes are reported with the zero that they have by then.
+                if self.current.is_some() && self.place.at(position, motion, &self.machine.path) {
                     self.machine.drawn();
                 }
             }
@@ -223,6 +224,8 @@ impl Driver<'_> {
             return;
         };
         self.place.set_target(None);
+        // A stop that came too late stops nothing else.
+        self.hands.take_stopped();
         if is_stopped || self.is_stopping {
             self.is_stopping = false;
             self.machine.stop.clear();

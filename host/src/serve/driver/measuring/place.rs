@@ -65,15 +65,14 @@ impl Place {
         path.to(Motion::Begin, self.drawn_at());
     }
 
-    /// A reading. Returns whether the path of the tip has become longer.
-    pub(super) fn at(
-        &mut self,
-        work: [i64; 3],
-        is_pressed: bool,
-        motion: Motion,
-        path: &ToolPath,
-    ) -> bool {
-        (self.work, self.is_pressed) = (work, is_pressed);
+    /// Whether the probe is pressed.
+    pub(super) fn set_pressed(&mut self, is_pressed: bool) {
+        self.is_pressed = is_pressed;
+    }
+
+    /// A reading in motion. Returns whether the path of the tip has become longer.
+    pub(super) fn at(&mut self, work: [i64; 3], motion: Motion, path: &ToolPath) -> bool {
+        self.work = work;
         let at = self.machine_now();
         let [of_lengths, of_counts] = APART;
         let apart = match self.scale.count_mm() {

@@ -194,8 +194,10 @@ impl Worker<'_> {
                     let done = self.carry_out(job, &mut head);
                     let is_stopped = self.hands.take_stopped();
                     // The axes brake: they stand before the job has ended.
-                    let at_rest = head.inner().come_to_rest();
-                    at_rest.map_err(|error| sentence(&error))?;
+                    match head.inner().come_to_rest() {
+                        Ok(()) | Err(Error::Interrupted) => {}
+                        Err(error) => return Err(sentence(&error)),
+                    }
                     self.show(&mut head)?;
                     self.keep(&mut head, true);
                     let done = done.map_err(|trouble| trouble.text());
