@@ -17,7 +17,7 @@ const AFTER = 400;
 /** A routine to begin with: the top of the block of examples/piece.toml. */
 const EXAMPLE =
     "safe z -10\nclearance 3\nsearch 4\n" +
-    "plane top towards -z at x14 y14 z-20 at x46 y14 z-20 at x46 y34 z-20 form 0.01\n" +
+    "plane top towards -z at x14 y14 z-20 at x46 y14 z-20 at x46 y34 z-20\n" +
     "point left towards +x at x10 y30 z-25 x 10 +-0.05\n" +
     "bore B at x30 y30 z-24 diameter 16 +-0.05\n";
 
@@ -144,7 +144,10 @@ export class RoutinePanel {
     later() {
         sessionStorage.setItem("husillo.routine", this.text.value);
         clearTimeout(this.timer);
-        this.timer = setTimeout(() => this.check(), AFTER);
+        this.timer = setTimeout(() => {
+            this.timer = undefined;
+            this.check();
+        }, AFTER);
     }
 
     async check() {

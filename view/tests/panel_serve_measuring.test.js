@@ -107,7 +107,7 @@ test("a measuring machine is steered, moved, zeroed, and touches", async (t) => 
 });
 
 test("one axis touches a face: trigger, contact and pre-travel", async (t) => {
-    const { page } = await served(t, {}, "-m", "cmm", "--speed", "10");
+    const { page } = await served(t, {}, "-m", "cmm", "--speed", "2");
     await until(page, ({ measuring }) => measuring?.unit === "counts");
     await says(page, ".message", "Routines are in mm");
     await write(page, '[data-target="X"]', "2000");
@@ -141,7 +141,7 @@ test("a routine is written, drawn, run, judged and reported", async (t) => {
     assert.ok(isDisabled, "a routine with a mistake cannot be started");
     const text =
         "safe z -10\nclearance 1\nsearch 2\n" +
-        "plane top towards -z at x14 y14 z-20 at x20 y14 z-20 at x14 y20 z-20 form 0.01\n" +
+        "plane top towards -z at x14 y14 z-20 at x20 y14 z-20 at x14 y20 z-20\n" +
         "point left towards +x at x10 y30 z-25 x 10 +-0.05\n" +
         "point wrong towards +y at x30 y10 z-25 y 11 +-0.02\n";
     await page.evaluate((text) => {

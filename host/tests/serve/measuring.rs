@@ -105,12 +105,12 @@ fn it_homes_moves_zeroes_and_is_cancelled() {
         page.refused(wrong);
     }
     // A cancelled move is answered with a refusal, and the position stays valid.
-    page.say(json!({"do": "goto", "id": 900, "to_mm": {"x": 60}, "rapid": true}));
+    page.say(json!({"do": "goto", "id": 900, "to_mm": {"x": 150}, "rapid": true}));
     page.until("motion", |page| (axis(page, 0, "work") > 0.5).then_some(()));
     assert!(axis(&page, 0, "error") > 30.0, "the distance that is left");
     page.done(json!({"do": "cancel"}));
     let [x, ..] = stands(&mut page);
-    assert!(x < 50.0, "{x}");
+    assert!(x < 140.0, "{x}");
     assert!(page.has_line("stopped") && page.states[0]["advice"].is_null());
     page.done(json!({"do": "goto", "to_mm": {"x": 0}}));
 }
@@ -148,20 +148,21 @@ fn a_joystick_has_two_speeds_and_moves_several_axes() {
     let mut page = operator(&served);
     page.done(json!({"do": "home", "axis": "X"}));
     page.until_state("Idle");
-    let from = axis(&page, 0, "work");
+    let (from, begun) = (axis(&page, 0, "work"), Instant::now());
     page.done(json!({"do": "jog", "jog": 1, "axes": {"x": 1, "y": -0.3}}));
-    hold(&mut page, 1, Duration::from_millis(1200));
+    hold(&mut page, 1, Duration::from_millis(1500));
     assert_eq!(page.states[0]["state"], "Jog");
     assert_eq!(page.states[0]["jog"]["jog"], 1);
-    // The other direction without letting go.
     let way = axis(&page, 0, "work") - from;
+    let speed = way / begun.elapsed().as_secs_f64();
+    // The other axis alone, without letting go.
     page.done(json!({"do": "jog", "jog": 1, "axes": {"y": -0.3}}));
     hold(&mut page, 1, Duration::from_millis(300));
     page.done(json!({"do": "release", "jog": 1}));
     let [_, y, _] = stands(&mut page);
-    // 2.4 mm/s and 0.4 mm/s.
-    assert!((1.0..3.0).contains(&way), "{way} mm");
-    assert!((-0.9..-0.2).contains(&y), "{y} mm");
+    // 2.4 mm/s, with a ramp, and 0.4 mm/s.
+    assert!((0.8..2.5).contains(&speed), "{speed} mm/s");
+    assert!(y < -0.2 && y > -way, "{y} mm and {way} mm");
     assert!(page.states[0]["jog"].is_null());
 }
 
@@ -221,6 +222,7 @@ fn a_touch_has_trigger_contact_and_pre_travel() {
     });
     page.done(json!({"do": "goto", "to_mm": {"x": 2000}}));
     page.done(json!({"do": "touch", "towards": {"x": 1}, "touches": 3}));
+    page.pass(Duration::from_millis(300));
     let touch = measuring(&page)["touch"].clone();
     assert_eq!(touch["trigger"], json!([3018.0]));
     assert_eq!(touch["contact"], json!([3000.0]));
@@ -246,7 +248,7 @@ const ROUTINE: &str = "\
 safe z -10
 clearance 1
 search 2
-plane top towards -z at x14 y14 z-20 at x20 y14 z-20 at x14 y20 z-20 form 0.01
+plane top towards -z at x14 y14 z-20 at x20 y14 z-20 at x14 y20 z-20 at x20 y20 z-20 form 0.01
 point left towards +x at x10 y30 z-25 x 10 +-0.02
 point wrong towards +y at x30 y10 z-25 y 11 +-0.02
 ";
@@ -327,7 +329,6 @@ fn a_routine_is_stopped_and_survives_its_page() {
 fn a_collision_in_a_jog_stops_it() {
     let served = Served::new(&["-m", "cmm", "--speed", "10"]);
     let mut page = operator(&served);
-    page.done(json!({"do": "home"}));
     page.done(json!({"do": "goto", "to_mm": {"x": 2700}}));
     page.done(json!({"do": "jog", "jog": 1, "axes": {"x": 1}}));
     let begun = Instant::now();
@@ -346,6 +347,7 @@ fn a_collision_in_a_jog_stops_it() {
         "{:?}",
         page.lines
     );
+    assert!(page.has_line("collision"), "{:?}", page.lines);
     assert_eq!(measuring(&page)["is_pressed"], true);
     let at = axis(&page, 0, "counts");
     assert!((2900.0..3400.0).contains(&at), "{at}");
