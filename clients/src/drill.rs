@@ -20,7 +20,7 @@ mod sender;
 mod tests;
 
 pub use action::{Action, Axis};
-pub use client::{Client, ClientError};
+pub use client::{Client, ClientError, Going};
 pub use duration::{seconds, spoken, travel_s, travel_steps};
 pub use end::{End, Failed, left, sentence};
 pub use hand::{Hand, Keep};

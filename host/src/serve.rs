@@ -16,6 +16,7 @@ mod console_lines;
 mod continuation;
 mod control;
 mod controller_machine;
+mod drill_program;
 mod driver;
 mod family;
 mod lease;

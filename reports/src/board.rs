@@ -1,6 +1,7 @@
 //! A picture of the board: holes, order and travel.
 
 use crate::frame;
+use crate::operation::{self, Operation};
 use crate::text::escape;
 use husillo_clients::drill::{Part, millimetres, seconds, spoken, travel_s, travel_steps};
 use husillo_transports::drill::{STEPS_PER_MM, Table};
@@ -31,6 +32,8 @@ pub struct Board<'a> {
     pub table: Table,
     /// Steps of travel of X and Y in the order of the file, if the order was changed.
     pub file_travel_steps: Option<u64>,
+    /// What became of it on the machine.
+    pub operation: Option<&'a Operation>,
 }
 
 /// The page: one self-contained file.
@@ -46,6 +49,9 @@ pub fn html(board: &Board<'_>) -> String {
          The dashed frame is the extent of the board, the red one the table.</p></section>\n",
     );
     table(&mut page, board);
+    if let Some(operation) = board.operation {
+        operation::section(&mut page, operation);
+    }
     frame::close(page, None)
 }
 

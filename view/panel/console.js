@@ -50,12 +50,17 @@ export class Console {
         });
         this.filter = element("input", { type: "checkbox" });
         this.filter.addEventListener("change", () => this.refill());
+        this.byHand = element(
+            "div",
+            {},
+            element("h2", {}, words.lineByHand),
+            element("div", { class: "items" }, this.field, this.send, this.pause, this.resume),
+            this.answer
+        );
         this.root = element(
             "section",
             { class: "card", "aria-label": words.console },
-            element("h2", {}, words.lineByHand),
-            element("div", { class: "items" }, this.field, this.send, this.pause, this.resume),
-            this.answer,
+            this.byHand,
             element(
                 "div",
                 { class: "items" },
@@ -79,6 +84,8 @@ export class Console {
             ["Idle", "Alarm", "Check", "Jog"].includes(word);
         // The field stays open, so that a line can be written while the machine moves.
         disable(this.send, !may);
+        // A drill takes single keys and records.
+        this.byHand.hidden = desk.family === "drill";
         const isMill = desk.family === "micromill";
         this.field.placeholder = isMill ? "G01X01000.00F08;" : "G1 X10 F600";
         // A mill holds between the lines of a program only.

@@ -16,7 +16,7 @@ const MOST_POINTS = 100_000;
  * @property {string} port
  * @property {boolean} [is_simulated]
  * @property {string[]} axes
- * @property {"grbl" | "micromill" | "measuring"} family
+ * @property {"grbl" | "micromill" | "drill" | "measuring"} family
  * @property {string[]} offers what the page can do with it, beside moving it by hand
  * @property {([number, number] | null)[] | null} [travel_mm] of each axis, from machine zero
  *
@@ -80,6 +80,7 @@ const MOST_POINTS = 100_000;
  * @property {{at_mm: number[], touched: boolean, count: number} | null} probe
  * @property {Running | null} program
  * @property {Mill} [mill]
+ * @property {Drill} [drill]
  * @property {Measuring} [measuring]
  *
  * @typedef {object} Mill what only a micro mill has
@@ -92,6 +93,17 @@ const MOST_POINTS = 100_000;
  * @property {string} sent
  * @property {string} echo
  * @property {string | null} outcome
+ *
+ * @typedef {object} Drill what only a drill has
+ * @property {boolean} is_homed
+ * @property {boolean} is_manual
+ * @property {number[]} steps
+ * @property {"up" | "down" | "between"} z
+ * @property {boolean} spindle
+ * @property {string[]} lights
+ * @property {number} heartbeats
+ * @property {number | null} records
+ * @property {[number, number][]} taught_mm
  *
  * @typedef {object} Measuring what only a measuring machine has; lengths are in its unit
  * @property {"mm" | "counts"} unit

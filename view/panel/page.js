@@ -4,6 +4,9 @@
 
 import { element } from "husillo/viewer/element.js";
 import { Console } from "husillo/panel/console.js";
+import { DrillStatus } from "husillo/panel/drill.js";
+import { DrillBoard } from "husillo/panel/drill_board.js";
+import { DrillHand } from "husillo/panel/drill_hand.js";
 import { Gamepads } from "husillo/panel/gamepad.js";
 import { Header } from "husillo/panel/header.js";
 import { HeightMap } from "husillo/panel/height_map.js";
@@ -37,8 +40,9 @@ export function fillPage(place, desk, words) {
     const units = new Units();
     const jog = new Jog(desk, words, units);
     const millJog = new MillJog(desk, words);
+    const drillHand = new DrillHand(desk, words, units, () => program.run.ask());
     const joystick = new Joystick(desk, words);
-    const jogs = [jog, millJog, joystick];
+    const jogs = [jog, millJog, drillHand, joystick];
     const shownJog = () => jogs.find((one) => one.isShown) ?? jog;
     const wizard = new Wizard(desk, words);
     const heights = new HeightMap(desk, words);
@@ -54,6 +58,12 @@ export function fillPage(place, desk, words) {
     const outputs = new Outputs(desk, words);
     const lines = new Console(desk, words);
     const program = new Program(desk, words);
+    const drillStatus = new DrillStatus(desk, words, units, {
+        open: () => program.file.click(),
+        edit: () => program.openEditor(),
+        start: () => program.run.ask(),
+        manual: () => drillHand.switchMode(),
+    });
     const more = tabs(words.more, [
         { id: "probing", name: words.probingTab, content: wizard.root },
         { id: "heights", name: words.heightMap, content: heights.root },
@@ -93,6 +103,8 @@ export function fillPage(place, desk, words) {
                 "div",
                 { class: "column left" },
                 new MillPlot(desk, words).root,
+                drillStatus.root,
+                new DrillBoard(desk, words, program).root,
                 new RoutinePanel(desk, words).root,
                 program.root,
                 new Confirmation(desk, words).root,
@@ -107,6 +119,7 @@ export function fillPage(place, desk, words) {
                 new Scales(desk, words).root,
                 jog.root,
                 millJog.root,
+                drillHand.root,
                 joystick.root,
                 new Contact(desk, words).root,
                 speeds.root,

@@ -88,8 +88,8 @@ export class Positions {
         const mayZero = desk.mayCommand && !desk.isBusy;
         disable(this.zeroAll, !mayZero);
         disable(this.undo, !mayZero || state?.undo === 0);
-        const isMill = desk.family === "micromill";
-        // A mill sets the zero of all axes at once, and keeps no other one.
+        const isMill = desk.family !== "grbl";
+        // Other machines set the zero of all axes at once, and keep no other one.
         this.undo.hidden = isMill;
         put(this.heads[3], isMill ? words.workZero : words.zeroColumn);
         put(this.undo, state?.undo ? `${words.undoZero} (${state.undo})` : words.undoZero);
@@ -167,10 +167,10 @@ class Row {
         const other = units.unit === "mm" ? "in" : "mm";
         const [work, machine] = [last?.work_mm?.[axis], last?.machine_mm?.[axis]];
         // A mill has a place for it instead of the button, and steps of 0.14 um.
-        const isMill = desk.family === "micromill";
+        const isMill = desk.family !== "grbl";
         this.setter.hidden = isMill;
         this.zero.hidden = this.zeroOther.hidden = !isMill;
-        const more = isMill ? 2 : 0;
+        const more = desk.family === "micromill" ? 2 : 0;
         put(this.work, lengthText(work, units.unit, more));
         put(this.workOther, `${lengthText(work, other, more)} ${other}`);
         put(this.machine, lengthText(machine, units.unit, more));

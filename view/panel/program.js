@@ -14,6 +14,8 @@ import { Run } from "husillo/panel/run.js";
 /** @typedef {import("husillo/panel/fixes.js").Finding} Finding */
 /** @typedef {import("husillo/panel/words.js").Words} Words */
 
+/** Names of files that may be programs. */
+const ENDS = ".nc,.ngc,.gcode,.tap,.cnc,.txt,.drl,.xln,.exc,.drd,.ncd,.drill";
 /** A longer text is not put into the editor of the page, characters. */
 const MOST_EDITED = 1_000_000;
 
@@ -44,7 +46,7 @@ export class Program {
         this.checked = undefined;
         /** Which program of which machine is shown. */
         this.shown = "";
-        this.file = element("input", { type: "file", accept: ".nc,.ngc,.gcode,.tap,.cnc,.txt" });
+        this.file = element("input", { type: "file", accept: ENDS });
         this.file.addEventListener("change", () => this.choose(this.file.files));
         this.chooser = element("label", { class: "file" }, words.openFile, this.file);
         this.edit = button(words.edit, () => this.toggleEditor());
@@ -206,16 +208,26 @@ export class Program {
             this.fillFindings();
         }
         // A program that would take minutes to simulate has no scene.
-        if (hasScene && (this.checked?.has_scene ?? true)) await this.preview.load();
+        const isDrill = desk.family === "drill";
+        if (hasScene && !isDrill && (this.checked?.has_scene ?? true)) await this.preview.load();
         else {
             this.preview.clear();
-            // What has errors is to be corrected.
-            this.editor.hidden = this.text.length > MOST_EDITED;
+            // What has errors is to be corrected. A board has a view of its own.
+            const isWell = isDrill && hasScene;
+            this.editor.hidden = isWell || this.text.length > MOST_EDITED;
         }
     }
 
     fillEditor() {
         this.source.value = this.text.length > MOST_EDITED ? "" : this.text;
+    }
+
+    /** Shows the text, and puts the caret there. */
+    openEditor() {
+        if (this.editor.hidden) this.toggleEditor();
+        if (this.editor.hidden) return;
+        if (this.source.value === "") this.fillEditor();
+        this.source.focus();
     }
 
     toggleEditor() {
@@ -230,7 +242,7 @@ export class Program {
         const { errors = 0, warnings = 0, lines = 0, name = "" } = program ?? {};
         const time = program?.time_s ?? checked?.time_s;
         const parts = [
-            `${name}: ${lines} ${words.lines}`,
+            `${name}: ${lines} ${desk.family === "drill" ? words.drill.holes : words.lines}`,
             errors > 0 ? `${words.errors}: ${errors}` : words.noErrors,
             ...(warnings > 0 ? [`${words.warnings}: ${warnings}`] : []),
             ...(typeof time === "number" ? [duration(time)] : []),

@@ -34,7 +34,9 @@ export class Run {
         this.pause = button(words.pause, () => desk.command("hold"));
         this.resume = button(words.resume, () => desk.command("resume"));
         this.from = element("input", { inputmode: "numeric", size: 6 });
-        this.fromField = element("label", { class: "field" }, words.fromLine, this.from);
+        this.fromText = element("span", {}, words.fromLine);
+        this.breakpointsText = element("span", {}, words.breakpoints);
+        this.fromField = element("label", { class: "field" }, this.fromText, this.from);
         this.fromButton = button(words.startFrom, () => this.ask(Number(this.from.value)));
         this.single = element("input", { type: "checkbox" });
         this.single.addEventListener("change", () =>
@@ -70,7 +72,7 @@ export class Run {
                 "div",
                 { class: "items" },
                 element("label", { class: "check" }, this.single, words.singleBlock),
-                element("label", { class: "field" }, words.breakpoints, this.breakpoints),
+                element("label", { class: "field" }, this.breakpointsText, this.breakpoints),
                 this.fromField,
                 this.fromButton
             )
@@ -88,6 +90,27 @@ export class Run {
         return this.lines[line - 1] ?? "";
     }
 
+    /** The text of what is made: a line, or a hole of a drill. @param {number} number from 1 */
+    textOf(number) {
+        return this.desk.family === "drill" ? "" : `: ${this.lineText(number)}`;
+    }
+
+    /** What a program is made of. */
+    get unit() {
+        const { desk, words } = this;
+        return desk.family === "drill"
+            ? { ...words.drill.units, one: words.drill.hole, many: words.drill.holes }
+            : {
+                  one: words.line,
+                  many: words.linesToSend,
+                  waits: words.waitsBefore,
+                  breakpoints: words.breakpoints,
+                  from: words.fromLine,
+                  start: words.startFrom,
+                  goOn: words.goOnFrom,
+              };
+    }
+
     /** Which program of which machine is shown. */
     get key() {
         return `${this.desk.machine?.info.machine}/${this.desk.state?.program?.load}`;
@@ -102,7 +125,7 @@ export class Run {
     }
 
     show() {
-        const { desk, words } = this;
+        const { desk } = this;
         const { state } = desk;
         const program = state?.program;
         this.root.hidden = !program;
@@ -117,7 +140,11 @@ export class Run {
         const resumeLine = program.resume_line ?? null;
         this.goOn.hidden = resumeLine === null || desk.isUnderWay || this.fromButton.hidden;
         disable(this.goOn, !mayStart);
-        put(this.goOn, `${words.goOnFrom} ${resumeLine}`);
+        const { unit } = this;
+        put(this.goOn, `${unit.goOn} ${resumeLine}`);
+        put(this.fromButton, unit.start);
+        put(this.fromText, unit.from);
+        put(this.breakpointsText, unit.breakpoints);
         disable(this.pause, state.link !== "up" || state.state !== "Run");
         const waits = program.phase === "waiting" || state.state === "Hold";
         disable(this.resume, !desk.mayCommand || !(waits || state.state === "Door"));
@@ -159,10 +186,8 @@ export class Run {
         toggle(this.current, "current", "mono");
         const at = waits_before ?? line;
         this.current.hidden = at === null;
-        const what = waits_before === null ? words.line : words.waitsBefore;
-        if (at !== null) {
-            put(this.current, `${what} ${at} / ${program.lines}: ${this.lineText(at)}`);
-        }
+        const what = waits_before === null ? this.unit.one : this.unit.waits;
+        if (at !== null) put(this.current, `${what} ${at} / ${program.lines}${this.textOf(at)}`);
         put(this.message, message ?? "");
         this.message.hidden = !message;
     }
@@ -173,11 +198,11 @@ export class Run {
      * @param {number} [from] line
      */
     async ask(from) {
-        const { desk, words, confirm } = this;
+        const { desk, confirm } = this;
         if (this.start.disabled) return;
         const lines = desk.state?.program?.lines ?? 0;
         if (from !== undefined && !(from >= 1 && from <= lines)) {
-            desk.refuse(`${words.fromLine}: 1 … ${lines}`);
+            desk.refuse(`${this.unit.from}: 1 … ${lines}`);
             return;
         }
         const { key } = this;
@@ -195,13 +220,13 @@ export class Run {
     /** What a start does, as elements. @param {any} plan */
     plan(plan) {
         const { desk, words } = this;
-        const first = this.lineText(plan.from ?? 1);
+        const first = this.textOf(plan.from ?? 1);
         const before = plan.before ?? [];
         const time = plan.time_s === null ? "" : `, ${duration(plan.time_s)}`;
         return [
             element("strong", {}, `${words.startAsk} ${plan.name}`),
-            element("p", {}, `${plan.lines} ${words.linesToSend}${time}`),
-            ...(plan.from ? [element("p", {}, `${words.line} ${plan.from}: ${first}`)] : []),
+            element("p", {}, `${plan.lines} ${this.unit.many}${time}`),
+            ...(plan.from ? [element("p", {}, `${this.unit.one} ${plan.from}${first}`)] : []),
             ...(plan.state
                 ? [
                       element("p", {}, words.stateBefore),

@@ -130,7 +130,7 @@ function ofState(state, words) {
             return [{ id: "check", kind: "wait", text: words.checkLong }];
         default:
             return [
-                ...ofMill(state, words),
+                ...ofUnhomed(state, words),
                 ...ofMeasuring(state, words),
                 ...(why ? [ofWhy(why)] : []),
             ];
@@ -147,10 +147,17 @@ function ofWhy(why) {
  * @param {Words} words
  * @returns {Notice[]}
  */
-function ofMill({ mill, state }, words) {
-    if (!mill || mill.is_homed || state !== "Idle") return [];
-    const { millUnhomed: text, millUnhomedAdvice: advice } = words;
-    return [{ id: "unhomed", kind: "wait", text, advice }];
+function ofUnhomed({ mill, drill, state }, words) {
+    if (state !== "Idle") return [];
+    if (mill && !mill.is_homed) {
+        const { millUnhomed: text, millUnhomedAdvice: advice } = words;
+        return [{ id: "unhomed", kind: "wait", text, advice }];
+    }
+    if (drill && !drill.is_homed) {
+        const { unhomed: text, unhomedAdvice: advice } = words.drill;
+        return [{ id: "unhomed", kind: "wait", text, advice }];
+    }
+    return [];
 }
 
 /**

@@ -35,6 +35,17 @@ const REST: Duration = Duration::from_secs(25);
 /// does so within this time.
 const RECORD: Duration = Duration::from_secs(180);
 
+/// What a client does while a step lasts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Going {
+    /// It waits for the end of the step.
+    On,
+    /// It falls silent, so that the lease of the device expires: X and Y stop, and a drill that is
+    /// down comes up. The step then fails with [`Failure::Expired`], if it did not end before. A
+    /// device without a lease completes the step.
+    Silent,
+}
+
 /// Why a step has failed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ClientError {
@@ -417,6 +428,11 @@ impl Client {
         Ok(self.host.record())
     }
 
+    /// The record that [`Step::Read`] has read last.
+    pub const fn last_record(&self) -> [u8; 3] {
+        self.host.record()
+    }
+
     /// The program in the device's memory, record by record.
     ///
     /// # Errors
@@ -465,9 +481,28 @@ impl Client {
     pub fn run_for(
         &mut self,
         step: Step,
-        mut longest: Duration,
+        longest: Duration,
         mut progress: impl FnMut(Duration),
     ) -> Result<(), ClientError> {
+        self.run_while(step, longest, |passed| {
+            progress(passed);
+            Going::On
+        })
+    }
+
+    /// Carries out a step that may take as long as `longest`, as long as `watch` says so. `watch`
+    /// gets the time since the start, at least every 20 ms.
+    ///
+    /// # Errors
+    ///
+    /// See [`ClientError`].
+    pub fn run_while(
+        &mut self,
+        step: Step,
+        mut longest: Duration,
+        mut watch: impl FnMut(Duration) -> Going,
+    ) -> Result<(), ClientError> {
+        let mut is_silent = false;
         let start = self.elapsed();
         let now = self.now_us();
         self.host.start(step, now).map_err(ClientError::Refused)?;
@@ -489,7 +524,7 @@ impl Client {
                 Progress::Waiting { us } => {
                     let passed = self.elapsed() - start;
                     // A host waits 30 s for a run. While the run may last, the wait is restarted.
-                    if us < RUN_US / 2 && us > 1_000_000 && passed < longest {
+                    if us < RUN_US / 2 && us > 1_000_000 && passed < longest && !is_silent {
                         let now = self.now_us();
                         self.host.wait_on(now);
                     }
@@ -505,7 +540,7 @@ impl Client {
                     if self.host.is_at_work() {
                         answered_at = self.elapsed();
                     }
-                    if self.has_extras && self.elapsed() >= ask_at {
+                    if self.has_extras && !is_silent && self.elapsed() >= ask_at {
                         if let Some(byte) = self.host.ask_at_work() {
                             if self.elapsed() - answered_at > gone {
                                 self.host.give_up();
@@ -516,10 +551,27 @@ impl Client {
                         ask_at = self.elapsed() + period;
                     }
                     self.listen(Duration::from_micros(u64::from(us)).min(LOOK))?;
-                    progress(passed);
+                    is_silent |= watch(passed) == Going::Silent;
                 }
             }
         }
+    }
+
+    /// Receives for a time, while no step lasts. What arrives fails the next step: a device that
+    /// was reset, or that has stopped with a fault, reports that by itself.
+    ///
+    /// # Errors
+    ///
+    /// The port failed.
+    pub fn rest(&mut self, time: Duration) -> Result<(), ClientError> {
+        let end = self.elapsed() + time;
+        while let Some(left) = end
+            .checked_sub(self.elapsed())
+            .filter(|left| !left.is_zero())
+        {
+            self.listen(left.min(LOOK))?;
+        }
+        Ok(())
     }
 
     /// The period of the queries whether the device is at work: at most a quarter of a lease.

@@ -1,9 +1,10 @@
 //! Boards over the simulated line in virtual time, on good lines and bad ones.
 
-use super::client::{Client, ClientError};
+use super::client::{Client, ClientError, Going};
 use super::duration::seconds;
 use super::end::{End, Failed, sentence};
 use super::part::Part;
+use super::place::Place;
 use super::sender::{Operator, Sender};
 use crate::{StopRequests, Wire};
 use husillo_gcode::Nm;
@@ -11,7 +12,8 @@ use husillo_sim::Random;
 use husillo_sim::device::Emulation;
 use husillo_sim::device::LineFault as Fault;
 use husillo_sim::device::drill::Device;
-use husillo_transports::drill::{Record, Step, record_bytes};
+use husillo_transports::drill::{Failure, Record, Step, record_bytes};
+use std::time::Duration;
 
 /// An operator who types the given lines.
 #[derive(Default)]
@@ -380,6 +382,30 @@ fn a_program_left_alone_is_ended_from_elsewhere() {
 }
 
 /// A start that the device did not receive is reported: nothing has started.
+#[test]
+fn a_client_that_falls_silent_stops_the_drill() {
+    let mut client = client(false).with_lease(250);
+    client.reach().unwrap();
+    client.run(Step::Empty).unwrap();
+    client.run(Step::Begin).unwrap();
+    for byte in Record::X(2000).to_bytes() {
+        client.run(Step::Store(byte)).unwrap();
+    }
+    client.run(Step::End).unwrap();
+    let longest = Duration::from_secs(100);
+    let result = client.run_while(Step::Execute, longest, |_| Going::Silent);
+    assert_eq!(result, Err(ClientError::Link(Failure::Expired)));
+    client.find_out().unwrap();
+    let place = Place::read(&mut client).unwrap();
+    let [x, _] = place.machine.place_steps;
+    assert!((1..2000).contains(&x) && place.machine.is_homed, "{place}");
+    // What arrives while nothing is sent fails the next step.
+    device(&mut client).control("reset");
+    client.rest(Duration::from_secs(2)).unwrap();
+    let next = client.run(Step::Test);
+    assert_eq!(next, Err(ClientError::Link(Failure::Restarted)));
+}
+
 #[test]
 fn a_start_that_was_lost_is_reported() {
     let parts = [part(1, &[[2000, 10]])];

@@ -245,6 +245,7 @@ pub(super) fn compile(args: &Compile) -> Result<u8, Failure> {
             parts,
             table: table(&args.drilling),
             file_travel_steps: job.file_travel_steps,
+            operation: None,
         });
         outputs.write(report, page.as_bytes())?;
         out.tell(

@@ -48,6 +48,9 @@ fn family(name: &str, port: &str, piece: Option<&str>) -> Result<Family, Failure
             network,
         })));
     }
+    if name == "drill" {
+        return Ok(Family::Drill);
+    }
     if !milling::is_mill(name) {
         return Ok(Family::Grbl(Box::new(grbl::simulated(name)?)));
     }

@@ -9,9 +9,9 @@ pub struct Serve {
     /// Port: sim, a serial device, or tcp:HOST:PORT; repeated, for several machines side by side
     #[arg(short, long, value_name = "PORT", default_value = "sim")]
     pub port: Vec<String>,
-    /// Machine: micromill, cmm or cmm3, or for a controller with Grbl's protocol the one whose steps, rates,
-    /// ramps and travel a simulated controller has; a name or a TOML file; repeated, one for each
-    /// port
+    /// Machine: micromill, drill, cmm, cmm3, or for a controller with Grbl's protocol the one whose
+    /// steps, rates, ramps and travel a simulated controller has; a name or a TOML file; repeated,
+    /// one for each port
     #[arg(short, long, value_name = "NAME|FILE", default_value = "router")]
     pub machine: Vec<String>,
     /// Work piece of simulated measuring machines [default: that of examples/piece.toml]
@@ -26,7 +26,7 @@ pub struct Serve {
     /// Show the machines and let nobody take control; STOP works
     #[arg(long)]
     pub watch_only: bool,
-    /// Bits per second of a serial device [default: 115200, micromill 9600]
+    /// Bits per second of a serial device [default: 115200, micromill 9600, drill 2400]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(300..=4_000_000))]
     pub baud: Option<u32>,
     /// Simulated machines run this many times as fast as real ones

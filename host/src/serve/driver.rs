@@ -4,6 +4,7 @@
 //! changed. Each [`Family`] has its own [`Drive`]. This module keeps it going: a lost controller is
 //! tried again.
 
+mod drill;
 mod grbl;
 mod measuring;
 mod micromill;
@@ -65,6 +66,7 @@ pub fn start(machine: Arc<Machine>, family: Family, port: Port, requests: Receiv
             let drive = measuring::Measuring::new(name, file, network);
             keep(&machine, &port, &requests, drive);
         }
+        Family::Drill => keep(&machine, &port, &requests, drill::Drill::default()),
         Family::Micromill { file, config } => {
             keep(
                 &machine,

@@ -1,9 +1,11 @@
 //! The families of controllers that the pages operate.
 
+use super::drill_program::millimetres;
 use husillo_machine::Config;
 use husillo_metrology::heads;
 use husillo_metrology::simulated::SimulatedNetwork;
 use husillo_simulator::machines::machine_file::MachineFile;
+use husillo_transports::drill::Table;
 use husillo_transports::grbl::Settings;
 use std::sync::Arc;
 
@@ -19,6 +21,8 @@ pub enum Family {
         /// Its steps.
         config: Box<Config<3>>,
     },
+    /// The circuit-board drill.
+    Drill,
     /// A measuring machine.
     Measuring(Box<MeasuringMachine>),
 }
@@ -40,6 +44,7 @@ impl Family {
         match self {
             Self::Grbl(_) => "grbl",
             Self::Micromill { .. } => "micromill",
+            Self::Drill => "drill",
             Self::Measuring(_) => "measuring",
         }
     }
@@ -50,7 +55,7 @@ impl Family {
             Self::Grbl(_) => &[
                 "program", "from", "report", "probing", "heights", "settings", "macros",
             ],
-            Self::Micromill { .. } => &["program", "from", "report"],
+            Self::Micromill { .. } | Self::Drill => &["program", "from", "report"],
             Self::Measuring(_) => &["routine", "report"],
         }
     }
@@ -62,7 +67,7 @@ impl Family {
                 let axes = measuring.machine.axes.iter();
                 axes.map(|axis| axis.letter).collect()
             }
-            Self::Grbl(_) | Self::Micromill { .. } => vec!['X', 'Y', 'Z'],
+            Self::Grbl(_) | Self::Micromill { .. } | Self::Drill => vec!['X', 'Y', 'Z'],
         }
     }
 
@@ -74,6 +79,12 @@ impl Family {
                 let travel = axis.travel?;
                 Some(travel.map(|nm| nm.0 as f64 / 1e6))
             })),
+            // Z is moved by the machine, from sensor to sensor.
+            Self::Drill => Some([
+                Some([0.0, millimetres(Table::DRILL.x)]),
+                Some([0.0, millimetres(Table::DRILL.y)]),
+                None,
+            ]),
         }
     }
 
@@ -82,6 +93,7 @@ impl Family {
         match self {
             Self::Grbl(_) => husillo_clients::grbl::BAUD,
             Self::Micromill { .. } => husillo_clients::micromill::BAUD,
+            Self::Drill => husillo_clients::drill::BAUD,
             Self::Measuring(measuring) => measuring.machine.baud.bits_per_s(),
         }
     }

@@ -1,10 +1,12 @@
 //! A program that a page has loaded: its findings, its lines, and its times.
 
 use super::controller_machine::machine;
+use super::drill_program::{DrillProgram, Placing};
 use super::mill_program;
 use super::timetable::Timetable;
 use crate::app::{report, sendable_lines};
-use husillo_gcode::Nm;
+use husillo_gcode::{Dialect, Nm};
+use husillo_reports::board::{self, Board};
 use husillo_reports::operation::{self, Operation};
 use husillo_sim::observers::AXES;
 use husillo_simulator::diagnostics::{Finding, Findings};
@@ -12,10 +14,13 @@ use husillo_simulator::job::{Job, JobError, Options, Results, Text};
 use husillo_simulator::machines::machine_file::MachineFile;
 use husillo_simulator::programs::program::Start;
 use husillo_simulator::scene::Scene;
+use husillo_transports::drill::Table;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+/// A drill is not simulated with the steps of a program.
+const NO_DRILL: &str = "a program of the drill has holes, and no lines";
 /// Findings that a page gets.
 const FINDINGS: u64 = 200;
 /// A program with more step events has no times and no picture: its simulation would take minutes.
@@ -28,6 +33,8 @@ pub enum Target {
     Grbl(BTreeMap<u16, String>),
     /// The micro mill.
     Micromill(Arc<MachineFile>),
+    /// The circuit-board drill.
+    Drill,
 }
 
 impl Target {
@@ -36,6 +43,7 @@ impl Target {
         match (self, other) {
             (Self::Grbl(ours), Self::Grbl(others)) => ours == others,
             (Self::Micromill(ours), Self::Micromill(others)) => Arc::ptr_eq(ours, others),
+            (Self::Drill, Self::Drill) => true,
             _ => false,
         }
     }
@@ -65,7 +73,7 @@ impl Surroundings {
         match &self.target {
             Target::Grbl(settings) => !self.zero_mm.is_empty() && !settings.is_empty(),
             // Before it is homed, a mill does not know where it is.
-            Target::Micromill(_) => true,
+            Target::Micromill(_) | Target::Drill => true,
         }
     }
 }
@@ -97,6 +105,8 @@ pub struct Loaded {
     pub report: Value,
     /// The line with which it goes on, if it was interrupted before.
     pub resume_line: Option<usize>,
+    /// Its holes, if it is for the drill. They are what others call lines.
+    pub holes: Option<DrillProgram>,
 }
 
 impl Loaded {
@@ -106,12 +116,16 @@ impl Loaded {
     ///
     /// A sentence: the program cannot be sent, or the settings have no sense.
     pub fn new(name: &str, text: Vec<u8>, around: &Surroundings) -> Result<Self, String> {
+        if let Target::Drill = around.target {
+            return Self::of_drill(name, text, around, &Placing::default());
+        }
         let mut job = job(name, &text, around)?;
         let mut findings = Findings::new(FINDINGS);
         let mut facts = job.check(&mut findings).map_err(said)?;
         let (lines, further) = match &around.target {
             Target::Grbl(_) => (sendable_lines(&text)?, Vec::new()),
             Target::Micromill(_) => mill_program::strings(&job)?,
+            Target::Drill => return Err(NO_DRILL.into()),
         };
         let of = |severity: &str| {
             further
@@ -167,6 +181,54 @@ impl Loaded {
             scene,
             report,
             resume_line: None,
+            holes: None,
+        })
+    }
+
+    /// Checks and places a program of the drill.
+    ///
+    /// # Errors
+    ///
+    /// A sentence: it cannot be read, or not be placed like this.
+    pub fn of_drill(
+        name: &str,
+        text: Vec<u8>,
+        around: &Surroundings,
+        placing: &Placing,
+    ) -> Result<Self, String> {
+        let mut findings = Findings::new(FINDINGS);
+        let mut holes = DrillProgram::read(name, &text, placing, &mut findings)?;
+        if findings.errors > 0 {
+            // A part of a program is no program.
+            holes.holes.clear();
+        }
+        let time_s = (findings.errors == 0).then(|| holes.total_s());
+        let listed: Vec<_> = findings.kept().iter().map(described).collect();
+        let report = json!({
+            "name": name,
+            "lines": holes.holes.len(),
+            "errors": findings.errors,
+            "warnings": findings.warnings,
+            "is_complete": findings.hidden() == 0,
+            "findings": listed,
+            "time_s": time_s,
+            "has_scene": false,
+        });
+        let lines = holes.holes.iter().map(|hole| holes.text(hole));
+        Ok(Self {
+            name: name.to_owned(),
+            lines: (1..).zip(lines).collect(),
+            start: Dialect::DRILL.into(),
+            around: around.clone(),
+            count: holes.holes.len(),
+            errors: findings.errors,
+            warnings: findings.warnings,
+            times: None,
+            scene: None,
+            report,
+            resume_line: None,
+            holes: Some(holes),
+            text,
         })
     }
 
@@ -177,6 +239,15 @@ impl Loaded {
     ///
     /// A sentence: the simulation is not possible.
     pub fn page(&self, operation: Operation) -> Result<String, String> {
+        if let Some(holes) = &self.holes {
+            return Ok(board::html(&Board {
+                name: &self.name,
+                parts: &holes.parts,
+                table: Table::DRILL,
+                file_travel_steps: holes.file_travel_steps,
+                operation: Some(&operation),
+            }));
+        }
         let mut job = job(&self.name, &self.text, &self.around)?;
         if self.times.is_none() {
             let title = &job.machine.title;
@@ -214,6 +285,7 @@ pub fn job(name: &str, text: &[u8], around: &Surroundings) -> Result<Job, String
         Target::Grbl(settings) => Job::new(text, machine(settings)?, Some("grbl")),
         // The name of the program tells its language.
         Target::Micromill(file) => Job::new(text, MachineFile::clone(file), None),
+        Target::Drill => return Err(NO_DRILL.into()),
     }
     .map_err(said)?;
     job.stand(in_nm(&around.zero_mm), in_nm(&around.at_mm));
@@ -239,6 +311,16 @@ pub fn in_nm(mm: &[f64]) -> [Nm; AXES] {
 /// A finding, as a page gets it.
 pub fn described(finding: &Finding) -> Value {
     let (line, column) = finding.line_and_column();
+    let whole = serde_json::to_value(finding).unwrap_or_default();
+    let fixes = whole["fixes"].as_array().into_iter().flatten();
+    let fixes = fixes.map(|fix| {
+        json!({
+            "line": fix["line"],
+            "column": fix["column"],
+            "end_column": fix["end"],
+            "text": fix["text"],
+        })
+    });
     json!({
         "code": finding.code,
         "severity": finding.severity.name(),
@@ -247,6 +329,7 @@ pub fn described(finding: &Finding) -> Value {
         "message": finding.message,
         "notes": finding.notes,
         "help": finding.help,
+        "fixes": fixes.collect::<Vec<_>>(),
     })
 }
 

@@ -55,6 +55,9 @@ pub struct MachineState {
     /// What only a micro mill has.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mill: Option<MillState>,
+    /// What only a drill has.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub drill: Option<DrillState>,
     /// What only a measuring machine has.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub measuring: Option<Value>,
@@ -81,6 +84,29 @@ pub struct MillState {
     pub echo: String,
     /// Its result: `moving`, `done`, or why not.
     pub outcome: Option<&'static str>,
+}
+
+/// What only a circuit-board drill has.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct DrillState {
+    /// Whether its position counts from the switches.
+    pub is_homed: bool,
+    /// Whether it is in the manual mode.
+    pub is_manual: bool,
+    /// Steps of X and Y from the zero.
+    pub steps: [u16; 2],
+    /// `up` or `down` at a sensor, or `between` them, at an unknown height.
+    pub z: &'static str,
+    /// Whether the spindle turns.
+    pub spindle: bool,
+    /// Names of the lamps of its panel that are lit.
+    pub lights: Vec<&'static str>,
+    /// Answers to the question that is asked each second at rest.
+    pub heartbeats: u64,
+    /// Records in its memory. None: the memory holds the end of a longer program.
+    pub records: Option<u16>,
+    /// Positions that were taught since the memory was cleared, mm.
+    pub taught_mm: Vec<[f64; 2]>,
 }
 
 impl MachineState {

@@ -1,5 +1,6 @@
 //! The program of a machine, as pages send and fetch it.
 
+use super::drill_program::DrillProgram;
 use super::loaded::{Loaded, Surroundings};
 use super::machine::Machine;
 use super::page::REPORT_POLICY;
@@ -118,6 +119,40 @@ pub fn scene(machine: &Machine) -> Response {
         Some(scene) => ([(CONTENT_TYPE, "text/plain")], scene).into_response(),
         None => refused(StatusCode::NOT_FOUND, "there is no picture of a program"),
     }
+}
+
+/// The holes of a program of the drill, for the board view.
+pub fn board(machine: &Machine) -> Response {
+    match with_holes(machine, |holes| holes.board().to_string()) {
+        Some(board) => ([(CONTENT_TYPE, "application/json")], board).into_response(),
+        None => refused(StatusCode::NOT_FOUND, "no program of a drill is loaded"),
+    }
+}
+
+/// The records of a tool of a program of the drill, as `husillo compile` writes them.
+pub fn records(machine: &Machine, tool: usize) -> Response {
+    let made = with_holes(machine, |holes| {
+        let part = holes.parts.get(tool).filter(|_| !holes.holes.is_empty())?;
+        Some((part.tool, part.bytes()))
+    });
+    let Some((number, bytes)) = made.flatten() else {
+        return refused(StatusCode::NOT_FOUND, "there are no records of this tool");
+    };
+    let name = format!("attachment; filename=\"T{number}.cod\"");
+    let headers = [
+        (CONTENT_TYPE, "application/octet-stream"),
+        (CONTENT_DISPOSITION, name.as_str()),
+    ];
+    (headers, bytes).into_response()
+}
+
+/// What the loaded program of a drill gives.
+fn with_holes<T>(machine: &Machine, give: impl FnOnce(&DrillProgram) -> T) -> Option<T> {
+    let program = machine
+        .program
+        .lock()
+        .unwrap_or_else(PoisonError::into_inner);
+    program.as_ref()?.holes.as_ref().map(give)
 }
 
 /// The report of the last run.

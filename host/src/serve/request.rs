@@ -1,6 +1,7 @@
 //! What a page asks for.
 
 use super::axes::Axes;
+use super::drill_program::Placing;
 use super::loaded::{Loaded, Surroundings};
 use serde::de::{Error, Unexpected};
 use serde::{Deserialize, Deserializer};
@@ -81,6 +82,27 @@ pub enum Request {
     Backlash {
         /// Backlash, um.
         um: Axes,
+    },
+    /// Enter the manual mode of a drill, which homes it, or leave it.
+    Manual {
+        /// Enter it.
+        on: bool,
+    },
+    /// Switch the spindle of a drill by hand.
+    Spindle {
+        /// Or off.
+        on: bool,
+    },
+    /// Make the present position of a drill a hole of the program in its memory.
+    Teach,
+    /// Load the program in the memory of a drill.
+    Taught,
+    /// Test the link to a drill.
+    LinkTest,
+    /// Place the loaded drill file on the table.
+    Place {
+        /// How.
+        placing: Placing,
     },
     /// Move to a position.
     Goto {

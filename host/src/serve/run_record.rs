@@ -94,18 +94,22 @@ impl RunRecord {
     pub fn operation(&self) -> Operation {
         let utc = |time: Timestamp| time.strftime("%Y-%m-%d %H:%M:%S UTC").to_string();
         let [made, all] = self.lines;
+        let (what, from) = match self.program.holes {
+            Some(_) => ("holes drilled", "from hole"),
+            None => ("lines accepted", "from line"),
+        };
         let mut figures = vec![
             ("started", utc(self.begun)),
             ("ended", utc(self.ended)),
             ("duration", duration(self.seconds[0])),
             ("in motion", duration(self.seconds[1])),
-            ("lines accepted", format!("{made} of {all}")),
+            (what, format!("{made} of {all}")),
             ("stops", self.stops.to_string()),
             ("alarms", self.alarms.to_string()),
             ("result", self.result.clone()),
         ];
-        if let Some(from) = self.from {
-            figures.insert(0, ("from line", from.to_string()));
+        if let Some(number) = self.from {
+            figures.insert(0, (from, number.to_string()));
         }
         let events = self.events.iter();
         Operation {

@@ -39,6 +39,8 @@ struct Token {
     token: Option<String>,
     /// Name of a program.
     name: Option<String>,
+    /// Index of a tool of a program.
+    tool: Option<usize>,
 }
 
 /// The server for these machines.
@@ -125,6 +127,8 @@ async fn part(
         (Ok(machine), "program") => program_file::text(&machine),
         (Ok(machine), "scene") => program_file::scene(&machine),
         (Ok(machine), "report") => program_file::report(&machine).await,
+        (Ok(machine), "board") => program_file::board(&machine),
+        (Ok(machine), "records") => program_file::records(&machine, query.tool.unwrap_or(0)),
         _ => no_part(),
     }
 }

@@ -3,6 +3,7 @@
 mod access;
 mod broker;
 mod control;
+mod drill;
 #[path = "../emulated/mod.rs"]
 mod emulated;
 mod going_on;

@@ -431,15 +431,6 @@ impl<'a> Driver<'a> {
             Request::SettingsSave { values } => self.save_settings(&values, reply),
             Request::Probe(asked) => self.probe(&asked, reply),
             Request::MacroRun { name } => self.run_macro(&name, reply),
-            Request::Pace { .. } | Request::Steps { .. } | Request::Backlash { .. } => {
-                reply.error("this is for a micro mill");
-            }
-            Request::Cancel
-            | Request::Touch(_)
-            | Request::Tip(_)
-            | Request::Routine { .. }
-            | Request::RoutineRun { .. }
-            | Request::Measured => reply.error("this is for a measuring machine"),
             Request::Stop
             | Request::Macros
             | Request::MacroSave { .. }
@@ -448,6 +439,7 @@ impl<'a> Driver<'a> {
             | Request::Give
             | Request::Renew { .. }
             | Request::Release { .. } => {}
+            _ => reply.error("this is for a machine of another family"),
         }
         Ok(())
     }
