@@ -6,18 +6,17 @@ use husillo_transports::nmc::{Baud, Timing};
 use std::io;
 use std::time::{Duration, Instant};
 
-/// A computer that was busy for longer than this does not make up for it.
-const MOST_BEHIND: Duration = Duration::from_secs(1);
+/// If nobody listens for longer than this, the time of the machine stands meanwhile: no reply comes
+/// late because this computer was busy. At rest nothing changes by that.
+const MOST_BEHIND: Duration = Duration::from_millis(50);
 
-/// A simulated port in real time, or a multiple of it.
+/// A simulated port in real time, or a multiple of it. Its time passes only while somebody listens.
 #[derive(Debug)]
 pub(super) struct PacedPort {
     port: SimulatedPort,
     /// The time of the machine is 0 here.
     begun: Instant,
     speed: f64,
-    /// Bytes that are received and not yet read.
-    heard: Vec<u8>,
 }
 
 impl PacedPort {
@@ -27,30 +26,22 @@ impl PacedPort {
             port: SimulatedPort::new(network),
             begun: Instant::now(),
             speed,
-            heard: Vec::new(),
         }
     }
 
-    /// The time that has passed for the machine by the clock, us.
-    fn clock_us(&self) -> u64 {
-        (self.begun.elapsed().as_secs_f64() * self.speed * 1e6) as u64
+    /// The time of the machine, as a time of the clock.
+    fn passed(&self) -> Duration {
+        Duration::from_secs_f64(self.port.elapsed_us() as f64 * 1e-6 / self.speed)
     }
 
-    /// The machine has gone on while nobody listened.
-    fn catch_up(&mut self) -> io::Result<()> {
-        let behind = self.clock_us().saturating_sub(self.port.elapsed_us());
-        let behind = Duration::from_micros((behind as f64 / self.speed) as u64);
-        if let Some(too_far) = behind.checked_sub(MOST_BEHIND) {
-            self.begun += too_far;
+    /// Waits until the clock has come as far as the machine.
+    fn wait(&mut self) {
+        let (passed, clock) = (self.passed(), self.begun.elapsed());
+        if let Some(ahead) = passed.checked_sub(clock) {
+            std::thread::sleep(ahead);
+        } else if let Some(lost) = (clock - passed).checked_sub(MOST_BEHIND) {
+            self.begun += lost + MOST_BEHIND;
         }
-        let now_us = self.clock_us();
-        while self.port.elapsed_us() < now_us {
-            let wait_us = now_us - self.port.elapsed_us();
-            // A second of a machine that is a thousand times as fast fits.
-            let heard = self.port.receive(wait_us.min(u32::MAX.into()) as u32)?;
-            self.heard.extend(heard);
-        }
-        Ok(())
     }
 }
 
@@ -68,17 +59,12 @@ impl Port for PacedPort {
     }
 
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.catch_up()?;
         self.port.send(bytes)
     }
 
     fn receive(&mut self, wait_us: u32) -> io::Result<Vec<u8>> {
-        if !self.heard.is_empty() {
-            return Ok(std::mem::take(&mut self.heard));
-        }
         let heard = self.port.receive(wait_us)?;
-        let ahead_us = self.port.elapsed_us().saturating_sub(self.clock_us());
-        std::thread::sleep(Duration::from_micros((ahead_us as f64 / self.speed) as u64));
+        self.wait();
         Ok(heard)
     }
 }
@@ -94,9 +80,13 @@ mod tests {
         let begun = Instant::now();
         assert!(port.receive(100_000).unwrap().is_empty());
         assert!(begun.elapsed() >= Duration::from_millis(49));
-        // And while nobody listens.
-        std::thread::sleep(Duration::from_millis(50));
-        port.send(&[]).unwrap();
-        assert!(port.elapsed_us() >= 198_000, "{} us", port.elapsed_us());
+        // While nobody listens it stands, and goes on at its speed then.
+        let before_us = port.elapsed_us();
+        std::thread::sleep(Duration::from_millis(200));
+        assert_eq!(port.elapsed_us(), before_us);
+        port.receive(1).unwrap();
+        let begun = Instant::now();
+        assert!(port.receive(100_000).unwrap().is_empty());
+        assert!(begun.elapsed() >= Duration::from_millis(48));
     }
 }
