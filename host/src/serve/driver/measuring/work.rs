@@ -158,6 +158,8 @@ impl Worker<'_> {
         let (mut head, is_kept) = self.start(line).map_err(|error| sentence(&error))?;
         self.keep(&mut head, true);
         self.tell(Event::Tip(Box::new(self.tip)));
+        // The page gets the positions with the first state.
+        self.show(&mut head)?;
         self.tell(Event::Up(is_kept));
         Ok(head)
     }
@@ -187,7 +189,6 @@ impl Worker<'_> {
     }
 
     fn turns(&mut self, mut head: AnyHead, jobs: &Receiver<Job>) -> Result<(), String> {
-        self.show(&mut head)?;
         loop {
             match jobs.recv_timeout(REST) {
                 Ok(job) => {
