@@ -264,7 +264,7 @@ fn a_routine_is_checked_sketched_and_run() {
     page.refused(json!({"do": "routine_run", "name": "a.routine", "text": wrong}));
     let checked = page.done(json!({"do": "routine", "name": "a.routine", "text": ROUTINE}));
     assert_eq!(checked["findings"], json!([]));
-    assert_eq!(checked["sketch"][0]["touches"].as_array().unwrap().len(), 3);
+    assert_eq!(checked["sketch"][0]["touches"].as_array().unwrap().len(), 4);
     assert_eq!(
         checked["sketch"][1]["touches"][0]["at"],
         json!([10.0, 30.0, -25.0])
@@ -373,9 +373,11 @@ fn a_killed_server_moves_nothing_on() {
     std::thread::sleep(Duration::from_secs(2));
     // The next session finds the axis where it stood; it keeps its counts.
     let again = Served::with(&options, &state);
-    let page = again.page();
+    let mut page = again.page();
+    page.until("the console", |page| {
+        page.has_line("zero and home are kept").then_some(())
+    });
     let way = axis(&page, 0, "work") - before;
-    assert!(page.has_line("zero and home are kept"), "{:?}", page.lines);
     assert!(
         (-0.01..0.3).contains(&way),
         "{way} mm after the end of the server"
