@@ -155,7 +155,7 @@ export const ENGLISH = {
         "A straight line of all axes that have a target. The error is what is left to the target.",
     counts: "counts",
     notHomed: "not homed",
-    setZeroHere: "Make this position zero:",
+    setZeroHere: "make this position zero",
     contactProbe: "Contact probe",
     touchTowards: "Direction",
     touchWithin: "Within",

@@ -147,7 +147,7 @@ class Scale {
             if (event.key === "Enter") scales.goTo();
         });
         this.button = button(`${letter} = 0`, () => scales.zero([letter]), {
-            "aria-label": `${words.setZeroHere} ${letter}`,
+            "aria-label": `${letter} = 0: ${words.setZeroHere}`,
         });
         this.home = button("⌂", () => desk.command("home", { axis: letter }), {
             "aria-label": `${words.home} ${letter}`,

@@ -157,7 +157,7 @@ export const SPANISH = {
         "Una recta de todos los ejes que tienen meta. El error es lo que falta hasta la meta.",
     counts: "cuentas",
     notHomed: "sin origen",
-    setZeroHere: "Hacer cero esta posición:",
+    setZeroHere: "hacer cero esta posición",
     contactProbe: "Palpador de contacto",
     touchTowards: "Dirección",
     touchWithin: "Dentro de",

@@ -88,7 +88,7 @@ test("a measuring machine is steered, moved, zeroed, and touches", async (t) => 
     await press(page, "button::-p-aria(Cancel move)");
     const cancelled = await until(page, isIdle);
     assert.ok(work(cancelled)[0] < 39);
-    await press(page, "button::-p-aria(Make this position zero: X)");
+    await press(page, "button::-p-aria(X = 0: make this position zero)");
     await until(page, (state) => isIdle(state) && Math.abs(work(state)[0]) < 0.01);
     await write(page, '[data-target="X"]', "-1,5");
     await press(page, "button::-p-aria(Go to target)");
