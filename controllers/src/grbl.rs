@@ -5,6 +5,8 @@ mod block;
 mod checked;
 mod dollar;
 mod door;
+#[cfg(feature = "drivers")]
+mod driver;
 mod event;
 #[cfg(feature = "grblhal")]
 mod hal;
@@ -32,6 +34,8 @@ use husillo_transports::grbl::{LineReader, Message, Receiver, Settings, Text, Un
 use crate::Controller;
 use crate::ring::Ring;
 
+#[cfg(feature = "drivers")]
+pub use driver::GrblDriver;
 pub use event::{GrblEvent, GrblInputs, GrblStops};
 pub use memory::GrblMemory;
 pub use options::{GrblOptions, Protocol};

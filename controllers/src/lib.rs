@@ -16,6 +16,8 @@ pub use controller::{Controller, StopBytes, Timed};
 pub use drill::{
     Drill, DrillConfig, DrillEvent, DrillFault, DrillInputs, DrillLights, DrillReport,
 };
+#[cfg(feature = "drivers")]
+pub use grbl::GrblDriver;
 pub use grbl::{Grbl, GrblEvent, GrblInputs, GrblMemory, GrblOptions, GrblStops, Protocol};
 pub use husillo_transports::microfactory::Report as MicrofactoryReport;
 pub use husillo_transports::micromill::Stops as MicromillStops;

@@ -2,8 +2,8 @@
 
 use crate::{CoilDriver, Levels, PulseTiming};
 
-/// State of the pulses of `N` drivers. Times are timer ticks since the first wait. 64 bits have
-/// room for 58,000 years at 10 MHz.
+/// State of the pulses of `N` drivers. Times are timer ticks since an origin that is moved before
+/// they overflow.
 ///
 /// Each axis has its own pulse, so the pulses of two axes may overlap. A step is delayed until its
 /// driver is ready for it (DIR stable and STEP low for long enough). Later steps catch up.
@@ -12,27 +12,29 @@ pub(crate) struct Pulses<const N: usize> {
     /// Timing of each driver; `None` if a step of this driver is one change of levels.
     timing: [Option<PulseTiming>; N],
     axes: [Pulse; N],
-    now: u64,
+    now: u32,
     /// When the next STEP falls; [`NEVER`] if all are low.
-    next_fall: u64,
+    next_fall: u32,
     /// When every changed DIR is stable.
-    stable_at: u64,
+    stable_at: u32,
     /// Delay of the last step in ticks.
     late: u32,
 }
 
-/// The time of a change that does not come.
-const NEVER: u64 = u64::MAX;
+/// The time of a change that does not come. All others are earlier.
+const NEVER: u32 = u32::MAX;
+/// The latest time at which a wait begins. A driver may then take as long for a pulse and a turn.
+const LATEST: u32 = 1 << 31;
 
 /// Pulse of one axis.
 #[derive(Copy, Clone, Debug)]
 struct Pulse {
     /// When STEP falls; [`NEVER`] if it is low.
-    falls_at: u64,
+    falls_at: u32,
     /// When STEP may rise.
-    may_rise_at: u64,
+    may_rise_at: u32,
     /// When DIR may change.
-    may_turn_at: u64,
+    may_turn_at: u32,
 }
 
 impl Pulse {
@@ -71,21 +73,27 @@ impl<const N: usize> Pulses<N> {
         // The rest of the wait after the delay of the last step is caught up.
         let made_up = self.late.min(wait_ticks);
         self.late = self.late.wrapping_sub(made_up);
-        let due = self.after(wait_ticks.wrapping_sub(made_up));
+        let left = wait_ticks.wrapping_sub(made_up);
+        if self.now.checked_add(left).is_none() {
+            self.begin_at_zero();
+        }
+        let due = self.now.saturating_add(left);
         let mut turns = self.turns(drivers, levels, delta);
         let last = loop {
             let step_at = due.max(self.ready_at(&turns, delta));
             let next = self.next_change(&turns);
-            if next > step_at {
-                break step_at.max(self.now);
+            if next == NEVER || next > step_at {
+                break step_at;
             }
             let wait = self.pass(next);
             self.change(drivers, levels, &mut turns, delta);
             present(wait, levels);
         };
-        let late = ticks(due, last);
-        self.late = self.late.saturating_add(late);
+        self.late = self.late.saturating_add(last.wrapping_sub(due));
         let wait = self.pass(last);
+        if self.now > LATEST {
+            self.begin_at_zero();
+        }
         self.step(drivers, levels, delta);
         present(wait, levels);
     }
@@ -94,12 +102,24 @@ impl<const N: usize> Pulses<N> {
     pub(crate) fn last_fall(&self) -> Option<u32> {
         let high = self.axes.iter().filter(|pulse| pulse.falls_at < NEVER);
         let last = high.map(|pulse| pulse.falls_at).max()?;
-        Some(ticks(self.now, last))
+        Some(last.saturating_sub(self.now))
     }
 
-    /// The time this many ticks after now.
-    fn after(&self, ticks: u32) -> u64 {
-        self.now.saturating_add(ticks.into())
+    /// Makes now the origin of all times. What is over stays over.
+    #[cold]
+    fn begin_at_zero(&mut self) {
+        let since = |time: u32| match time {
+            NEVER => NEVER,
+            _ => time.saturating_sub(self.now),
+        };
+        for pulse in &mut self.axes {
+            pulse.falls_at = since(pulse.falls_at);
+            pulse.may_rise_at = since(pulse.may_rise_at);
+            pulse.may_turn_at = since(pulse.may_turn_at);
+        }
+        self.next_fall = since(self.next_fall);
+        self.stable_at = since(self.stable_at);
+        self.now = 0;
     }
 
     /// The axes whose DIR has to change before they step.
@@ -122,7 +142,7 @@ impl<const N: usize> Pulses<N> {
     }
 
     /// When every axis of `delta` may step.
-    fn ready_at(&self, turns: &[bool; N], delta: &[i8; N]) -> u64 {
+    fn ready_at(&self, turns: &[bool; N], delta: &[i8; N]) -> u32 {
         let mut ready_at = 0;
         let axes = self.axes.iter().zip(&self.timing).zip(turns).zip(delta);
         for (((pulse, timing), turns), delta) in axes {
@@ -131,7 +151,7 @@ impl<const N: usize> Pulses<N> {
             };
             let stable_at = if *turns {
                 let turned_at = pulse.may_turn_at.max(self.now);
-                turned_at.saturating_add(timing.setup_ticks.into())
+                turned_at.saturating_add(timing.setup_ticks)
             } else {
                 self.stable_at
             };
@@ -141,7 +161,7 @@ impl<const N: usize> Pulses<N> {
     }
 
     /// When STEP of an axis falls, or DIR of an axis may change.
-    fn next_change(&self, turns: &[bool; N]) -> u64 {
+    fn next_change(&self, turns: &[bool; N]) -> u32 {
         let mut next = self.next_fall;
         for (pulse, turns) in self.axes.iter().zip(turns) {
             if *turns {
@@ -152,8 +172,8 @@ impl<const N: usize> Pulses<N> {
     }
 
     /// Goes on to a time that is not over. Returns the ticks until then.
-    fn pass(&mut self, to: u64) -> u32 {
-        let wait = ticks(self.now, to);
+    fn pass(&mut self, to: u32) -> u32 {
+        let wait = to.saturating_sub(self.now);
         self.now = to;
         wait
     }
@@ -180,7 +200,7 @@ impl<const N: usize> Pulses<N> {
             if *turns && pulse.may_turn_at <= self.now {
                 *turns = false;
                 *levels = driver.turn(*delta);
-                let stable_at = self.now.saturating_add(timing.setup_ticks.into());
+                let stable_at = after(self.now, timing.setup_ticks);
                 self.stable_at = self.stable_at.max(stable_at);
             }
         }
@@ -204,18 +224,17 @@ impl<const N: usize> Pulses<N> {
             if *delta != 0 {
                 *levels = driver.step(*delta);
                 if levels.contains(Levels::STEP) {
-                    pulse.falls_at = self.now.saturating_add(timing.high().into());
-                    pulse.may_rise_at = pulse.falls_at.saturating_add(timing.low().into());
+                    pulse.falls_at = after(self.now, timing.high());
+                    pulse.may_rise_at = pulse.falls_at.saturating_add(timing.low());
                     self.next_fall = self.next_fall.min(pulse.falls_at);
-                    pulse.may_turn_at = self.now.saturating_add(timing.hold_ticks.into());
+                    pulse.may_turn_at = after(self.now, timing.hold_ticks);
                 }
             }
         }
     }
 }
 
-/// Ticks from one time to another. A wait and the times of a driver have 32 bits each, so the sum
-/// of a few of them is cut only where a driver needs minutes for a pulse.
-fn ticks(from: u64, to: u64) -> u32 {
-    u32::try_from(to.saturating_sub(from)).unwrap_or(u32::MAX)
+/// The time this many ticks after another one.
+fn after(time: u32, ticks: u32) -> u32 {
+    time.saturating_add(ticks).min(NEVER - 1)
 }

@@ -56,10 +56,15 @@ fn timing() -> impl Strategy<Value = PulseTiming> {
     )
 }
 
-/// Waits, steps, and whether the event is a rest instead.
+/// Waits, steps, and whether the event is a rest instead. Some waits are as long as they may be.
 fn events() -> impl Strategy<Value = Vec<(u32, [i8; AXES], bool)>> {
     let delta = prop::array::uniform3(-1_i8..=1);
-    prop::collection::vec((0_u32..80, delta, prop::bool::weighted(0.1)), 1..200)
+    let wait = prop_oneof![
+        20 => 0_u32..80,
+        1 => any::<u32>(),
+        1 => (0_u32..80).prop_map(|less| u32::MAX - less),
+    ];
+    prop::collection::vec((wait, delta, prop::bool::weighted(0.1)), 1..200)
 }
 
 proptest! {

@@ -26,6 +26,7 @@
 //! | `is_sent() -> bool` | whether the last stop bit has been sent, so that a half-duplex line may be released |
 //! | `drive(duty: u8)` | sets the PWM of a DC motor, if the board has one |
 //! | `counts(simulated: u16) -> u16` | reads the counter of its encoder; without one it returns `simulated` |
+//! | `send_to_drivers(byte) -> bool` | with the feature `drivers`: sends a byte to the drivers of the motors at 115200 baud, if their UART is free |
 //! | `flash_read(at) -> u8`, `flash_erase(at)`, `flash_write(at, unit)` | two sectors of `SECTOR_BYTES`, written in units of `UNIT_BYTES`, for the feature `flash` |
 //!
 //! On ARM, the file also has its part of the vector table, `__INTERRUPTS`. All interrupts have the
@@ -55,6 +56,8 @@ mod steps;
 
 #[cfg(feature = "wide")]
 pub use chosen::jumpers;
+#[cfg(feature = "drivers")]
+pub use chosen::send_to_drivers;
 pub use chosen::{
     CLOCKS_PER_US, baud, clock, counts, drive, inputs, is_sent, send, start, stop, switch, wait,
     write,

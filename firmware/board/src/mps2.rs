@@ -99,6 +99,21 @@ pub fn baud(bits_per_s: u32) {
     set(UART0 + BAUDDIV, CLOCKS_PER_S / bits_per_s.max(1));
 }
 
+/// Sends a byte to the drivers of the motors, by UART1. It begins with the first call.
+#[cfg(feature = "drivers")]
+pub fn send_to_drivers(byte: u8) -> bool {
+    const UART1: usize = 0x4000_5000;
+    if read(UART1 + UART_CTRL) == 0 {
+        set(UART1 + BAUDDIV, CLOCKS_PER_S / 115_200);
+        set(UART1 + UART_CTRL, 1); // sends only
+    }
+    let is_free = read(UART1 + STATE) & 1 == 0;
+    if is_free {
+        set(UART1 + DATA, byte.into());
+    }
+    is_free
+}
+
 /// Whether the last stop bit has been sent. The UART reports only that its buffer is empty, which
 /// is one byte earlier. Two characters later, the stop bit has been sent.
 pub fn is_sent() -> bool {

@@ -22,6 +22,8 @@ mod stm32f4;
 mod stm32f4_flash;
 mod systick;
 mod tim3;
+#[cfg(feature = "drivers")]
+mod uart5;
 mod usart2;
 
 pub use lines::{counts, inputs, start, switch, write};
@@ -29,6 +31,8 @@ pub use lines::{counts, inputs, start, switch, write};
 pub use stm32f4_flash::{SECTOR_BYTES, UNIT_BYTES, flash_erase, flash_read, flash_write};
 pub use systick::{CLOCKS_PER_US, LONGEST_US, clock, stop, wait};
 pub use tim3::drive;
+#[cfg(feature = "drivers")]
+pub use uart5::send_to_drivers;
 pub use usart2::{baud, is_sent, send};
 
 use crate::nvic::{Vector, vectors};

@@ -88,6 +88,13 @@ pub fn start_usart2() {
     give(Pin(0, 3), 7);
 }
 
+/// Starts the clock of UART5, and gives it PC12.
+#[cfg(feature = "drivers")]
+pub fn start_uart5() {
+    set(RCC_APB1ENR, read(RCC_APB1ENR) | 1 << 20);
+    give(Pin(2, 12), 8);
+}
+
 /// Starts the clock of the USB OTG FS, and gives it its pins.
 #[cfg(feature = "otg")]
 pub fn start_otg() {

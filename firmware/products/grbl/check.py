@@ -4,8 +4,8 @@ The answers to the dialogues are compared with those of Grbl 1.1h. The rising ed
 are counted, and compared with Grbl's and with those of `husillo emulate grbl`. Then settings are
 kept over a reset, the machine homes, and `realtime` holds and resets it. `coils` makes the program
 once more with the coils of the motors at the pins. `tier` checks the firmware with the protocol of
-grblHAL and the height map. The micro:bit has too little RAM. Its processor, a Cortex-M0, gives the
-bound of the stack.
+grblHAL and the height map, `drivers` the settings of motor drivers. The micro:bit has too little
+RAM. Its processor, a Cortex-M0, gives the bound of the stack.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from husillo_firmware.boards import MPS2, NUCLEO_F446, VIRT, Board
 from husillo_firmware.emulated import Emulated, Row, same
 from husillo_firmware.waiting import require
 
-from products.grbl import coils, dialogue, realtime, tier
+from products.grbl import coils, dialogue, drivers, realtime, tier
 from products.grbl.link import Edges, Grbl
 
 LINES = 200
@@ -124,6 +124,8 @@ def cut(board: Board) -> Iterator[tuple[str, int]]:
     if board == MPS2:
         yield "bound", bound()
         yield from tier.check(board)
+    if board in (MPS2, NUCLEO_F446):
+        drivers.check(board)
 
 
 def home(board: Board) -> None:

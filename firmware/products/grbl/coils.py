@@ -13,9 +13,9 @@ from pathlib import Path
 from husillo_firmware import registers
 from husillo_firmware.boards import Board
 from husillo_firmware.registers import Happened, made
-from husillo_firmware.waiting import require
+from husillo_firmware.waiting import require, until
 
-from products.grbl.link import Edges, Grbl
+from products.grbl.link import ANSWER_S, Edges, Grbl
 
 WIRES = 4
 OFF = 0
@@ -51,10 +51,13 @@ def check(board: Board, lines: list[str], expected: Edges) -> None:
             for line in lines:
                 require(grbl.ask(line) == ["ok"], f"{board}: {line}")
             grbl.ask("$SLP")
-            grbl.monitor("info status")
-        happened = list(registers.read_file(board, log))
-    found = steps(happened)
+
+            def is_off() -> bool:
+                # The monitor answers when everything before it has been written.
+                grbl.monitor("info status")
+                return made(registers.read_file(board, log))[-1].levels == OFF
+
+            until(is_off, ANSWER_S, f"{board}: the current is on in sleep")
+        found = steps(registers.read_file(board, log))
     require(found == expected, f"{board}: coils: {found} instead of {expected}")
-    last = [one.levels for one in made(happened)][-1]
-    require(last == OFF, f"{board}: the current is on in sleep: {last:b}")
     print(f"{board}: coils: {sum(found.pulses)} steps as in the emulator")

@@ -132,7 +132,8 @@ fn keys_are_for_the_manual_mode_which_homes() {
         json!({"do": "steps", "steps": {"x": 0.5}}),
         json!({"do": "goto", "to_mm": {"z": 1}}),
         json!({"do": "home", "axis": "x"}),
-        json!({"do": "zero", "at_mm": {"x": 1}}),
+        json!({"do": "zero", "at_mm": {"x": 1, "y": 0}}),
+        json!({"do": "zero", "at_mm": {"x": 0}}),
         json!({"do": "line", "text": "X1"}),
         json!({"do": "settings"}),
     ] {

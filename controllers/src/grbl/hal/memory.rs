@@ -82,6 +82,13 @@ impl HalMemory {
         rest.is_empty().then_some(memory)
     }
 
+    /// Returns the whole value of the extra setting with a number. 0 if there is none.
+    #[cfg(feature = "drivers")]
+    pub(in super::super) fn whole(&self, number: u16) -> u32 {
+        let index = EXTRAS.iter().position(|(known, _)| *known == number);
+        index.map_or(0, |index| self.milli(index) / 1000)
+    }
+
     /// Returns the value of an extra setting in thousandths.
     pub(super) fn milli(&self, index: usize) -> u32 {
         self.extras.get(index).copied().unwrap_or(0)

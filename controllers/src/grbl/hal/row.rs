@@ -43,7 +43,8 @@ pub(super) fn row(index: usize) -> Option<Row> {
         let next_extra = EXTRAS
             .iter()
             .map(|(number, _)| *number)
-            .find(|number| *number >= least);
+            .filter(|number| *number >= least)
+            .min();
         let number = next_grbl.into_iter().chain(next_extra).min()?;
         if numbers == index {
             return row_of(number);
@@ -110,6 +111,8 @@ fn extra_row(number: u16, index: usize) -> Row {
     let flag = (Kind::Flag, "", "", ["", ""]);
     let mm = |format| (Kind::Decimal, "mm", format, ["", ""]);
     let rate = (Kind::Decimal, "mm/min", "#####0.0", ["", ""]);
+    // A group of an axis: 43 to 45.
+    let axis = |first: u16| number.saturating_sub(first) as u8 + 43;
     let delay = (Kind::Decimal, "s", "#0.0", ["0.5", "20"]);
     let (group, name, (kind, unit, format, [least, most])) = match number {
         0 => (
@@ -145,6 +148,27 @@ fn extra_row(number: u16, index: usize) -> Row {
             "Moves after the change",
             (Kind::Bits, "", CHANGE_BITS, ["", ""]),
         ),
+        140..=142 => (
+            axis(140),
+            "Current of the motor",
+            (Kind::Whole, "mA", "###0", ["50", "2000"]),
+        ),
+        150..=152 => (
+            axis(150),
+            "Microsteps of the driver",
+            (Kind::Whole, "", "##0", ["1", "256"]),
+        ),
+        200..=202 => (
+            axis(200),
+            "Threshold of StallGuard",
+            (Kind::Whole, "", "##0", ["0", "255"]),
+        ),
+        339 => (
+            35,
+            "Axes homed without a switch",
+            (Kind::Axes, "", "", ["", "7"]),
+        ),
+        450 => (35, "Axes with StealthChop", (Kind::Axes, "", "", ["", "7"])),
         384 => (1, "The shift of G92 ends with the power", flag),
         392 => (13, "Delay of the spindle after the door", delay),
         393 => (13, "Delay of the coolant after the door", delay),

@@ -6,10 +6,23 @@ use super::super::Grbl;
 use super::row::row_of;
 
 /// Number of settings beyond those of Grbl, or with another range.
-pub(super) const EXTRA_COUNT: usize = 18;
+pub(super) const EXTRA_COUNT: usize = CONTROLLER.len() + DRIVERS.len();
 
-/// Their numbers and defaults in thousandths.
-pub(super) const EXTRAS: [(u16, u32); EXTRA_COUNT] = [
+/// Their numbers and defaults in thousandths. A setting keeps its index.
+pub(super) const EXTRAS: [(u16, u32); EXTRA_COUNT] = {
+    let mut all = [(0, 0); EXTRA_COUNT];
+    let mut index = 0;
+    while index < EXTRA_COUNT {
+        all[index] = match index.checked_sub(CONTROLLER.len()) {
+            Some(index) => DRIVERS[index],
+            None => CONTROLLER[index],
+        };
+        index += 1;
+    }
+    all
+};
+
+const CONTROLLER: [(u16, u32); 18] = [
     (0, 5000),
     (10, 511_000),
     (22, 0),
@@ -29,6 +42,24 @@ pub(super) const EXTRAS: [(u16, u32); EXTRA_COUNT] = [
     (481, 0),
     (485, 0),
 ];
+
+/// Those of drivers with a serial line, with the numbers of grblHAL where it has them.
+#[cfg(feature = "drivers")]
+const DRIVERS: [(u16, u32); 11] = [
+    (140, 500_000),
+    (141, 500_000),
+    (142, 500_000),
+    (150, 16_000),
+    (151, 16_000),
+    (152, 16_000),
+    (200, 0),
+    (201, 0),
+    (202, 0),
+    (339, 0),
+    (450, 7000),
+];
+#[cfg(not(feature = "drivers"))]
+const DRIVERS: [(u16, u32); 0] = [];
 
 // Indices in the list.
 const PULSE: usize = 0;

@@ -9,6 +9,8 @@
 
 #[cfg(feature = "coils")]
 mod coils;
+#[cfg(feature = "tmc2209")]
+mod drivers;
 mod memory;
 mod outputs;
 #[cfg(not(feature = "coils"))]
@@ -86,6 +88,8 @@ fn main() -> ! {
         switches: Switches::new(),
     };
     machine.set_pins(controller);
+    #[cfg(feature = "tmc2209")]
+    drivers::write(controller.memory());
     foreground::run(&mut machine, controller, &INTERRUPTS)
 }
 
@@ -146,6 +150,8 @@ impl Product for Machine {
     fn performed(&mut self, grbl: &Grbl) {
         if core::mem::take(&mut self.must_store) {
             self.memory.write(grbl.memory());
+            #[cfg(feature = "tmc2209")]
+            drivers::write(grbl.memory());
             self.must_set = true;
         }
         if core::mem::take(&mut self.must_set) {

@@ -188,7 +188,8 @@ impl Driver<'_> {
     pub(super) fn zero(&mut self, at: &Axes) -> Result<(), Trouble> {
         self.expect_free()?;
         let at = at.checked(3).map_err(Trouble::Refused)?;
-        if at.iter().any(|(_, mm)| *mm != 0.0) || !(at.iter().any(|(axis, _)| *axis < 2)) {
+        let has = |wanted: usize| at.iter().any(|(axis, _)| *axis == wanted);
+        if at.iter().any(|(_, mm)| *mm != 0.0) || !has(0) || !has(1) {
             return Err(Trouble::refused(
                 "a drill sets the zero of X and Y at once, to 0",
             ));

@@ -497,7 +497,7 @@ impl Driver<'_> {
         }
         let [x, y] = hole.at;
         let text = format!("hole {} drilled at {x},{y}", index + 1);
-        self.bench.machine.tell(From::Controller, text);
+        self.bench.machine.tell(From::Server, text);
         Ok(())
     }
 
