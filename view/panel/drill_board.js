@@ -426,8 +426,9 @@ export class DrillBoard {
         const travel = this.desk.machine?.info.travel_mm ?? [];
         const taught = this.desk.state?.drill?.taught_mm ?? [];
         const points = [...this.holes.map((hole) => hole.at_mm), ...taught];
+        const zero = this.desk.state?.zero_mm ?? [];
         return [0, 1].map((axis) => {
-            const table = travel[axis] ?? [0, 1];
+            const table = (travel[axis] ?? [0, 1]).map((end) => end - (zero[axis] ?? 0));
             let [least, most] = this.isWhole || points.length === 0 ? table : [0, 0];
             for (const point of points) {
                 least = Math.min(least, point[axis]);
@@ -475,8 +476,10 @@ export class DrillBoard {
     drawTable(context, look, place) {
         const [x, y] = this.desk.machine?.info.travel_mm ?? [];
         if (!x || !y) return;
-        const [left, bottom] = place(x[0], y[0]);
-        const [right, top] = place(x[1], y[1]);
+        // Holes are measured from the zero of the work.
+        const [zeroX = 0, zeroY = 0] = this.desk.state?.zero_mm ?? [];
+        const [left, bottom] = place(x[0] - zeroX, y[0] - zeroY);
+        const [right, top] = place(x[1] - zeroX, y[1] - zeroY);
         context.lineWidth = 1;
         context.setLineDash([]);
         context.strokeStyle = look.soft;

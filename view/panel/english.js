@@ -310,7 +310,7 @@ export const ENGLISH = {
         test: "Test the link",
         linkWorks: "The link works: answered within",
         unhomed: "The drill is not homed: it counts from where it was switched on.",
-        unhomedAdvice: "See that the bit is out of the board, then home it.",
+        unhomedAdvice: "See that the bit is out of the board, then home the drill.",
         board: "Board",
         fitBoard: "Fit board",
         fitTable: "Fit table",

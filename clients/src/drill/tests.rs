@@ -381,7 +381,6 @@ fn a_program_left_alone_is_ended_from_elsewhere() {
     }
 }
 
-/// A start that the device did not receive is reported: nothing has started.
 #[test]
 fn a_client_that_falls_silent_stops_the_drill() {
     let mut client = client(false).with_lease(250);
@@ -406,6 +405,7 @@ fn a_client_that_falls_silent_stops_the_drill() {
     assert_eq!(next, Err(ClientError::Link(Failure::Restarted)));
 }
 
+/// A start that the device did not receive is reported: nothing has started.
 #[test]
 fn a_start_that_was_lost_is_reported() {
     let parts = [part(1, &[[2000, 10]])];

@@ -118,6 +118,12 @@ fn keys_are_for_the_manual_mode_which_homes() {
     page.done(json!({"do": "goto", "to_mm": {"x": 2.0, "y": 1.0}}));
     assert_eq!(stands(&mut page), [214, 107]);
     assert!((page.at("machine_mm", 0) - 2.0).abs() < 0.001);
+    // A bit that may be in the board is not moved across it.
+    page.done(json!({"do": "steps", "steps": {"z": -100}}));
+    let why = page.refused(json!({"do": "goto", "to_mm": {"x": 3.0, "y": 1.0}}));
+    assert!(why.contains("raise the bit"), "{why}");
+    page.done(json!({"do": "steps", "steps": {"z": 100}}));
+    assert_eq!(stands(&mut page), [214, 107]);
     // Beyond the switch.
     let why = page.refused(json!({"do": "steps", "steps": {"y": -200}}));
     assert!(why.contains("at its end"), "{why}");
@@ -156,9 +162,9 @@ fn a_jog_moves_while_it_is_held_and_stops_when_it_is_released() {
     assert!(x > 50 && y > 50, "both axes take turns: {x} {y}");
     page.done(json!({"do": "release", "jog": 1}));
     let end = stands(&mut page);
-    // 300 ms, and the key that was being made.
+    // At most a second at 247 steps/s, on a busy computer. Without the release it goes on.
     let way = end[0] - x + end[1] - y;
-    assert!(way <= 247 * 3 / 10 + 25, "{way} steps after the release");
+    assert!(way <= 247, "{way} steps after the release");
     assert!(page.path.iter().any(|point| point[0] == 0));
 }
 
@@ -174,10 +180,7 @@ fn a_jog_that_is_not_renewed_stops() {
             .then_some(())
     });
     let way = stands(&mut page)[0] - from;
-    assert!(
-        way <= 247 * 55 / 100 + 25,
-        "{way} steps after the last renewal"
-    );
+    assert!(way <= 247, "{way} steps after the last renewal");
 }
 
 #[test]
@@ -195,10 +198,7 @@ fn a_jog_and_the_spindle_stop_when_their_page_is_closed() {
         (drill(page)["spindle"] == false).then_some(())
     });
     let way = stands(&mut watcher)[0] - from;
-    assert!(
-        way <= 247 * 5 / 10 + 25,
-        "{way} steps after the page was closed"
-    );
+    assert!(way <= 247, "{way} steps after the page was closed");
 }
 
 #[test]
@@ -241,7 +241,8 @@ fn holes_are_taught_and_become_a_program() {
 
 #[test]
 fn a_board_is_drilled_with_its_tools_and_has_a_report() {
-    let served = served(&["--speed", "40"]);
+    // Lamps are lit long enough to be seen on a busy computer.
+    let served = served(&["--speed", "10"]);
     let mut page = operator(&served);
     let (status, report) = served.load(page.client, "board.drl", BOARD);
     assert_eq!((status, &report["errors"]), (200, &json!(0)), "{report}");
@@ -311,14 +312,46 @@ fn stop_ends_a_drilling_and_the_program_goes_on_with_that_hole() {
     );
     assert_eq!(page.states[0]["program"]["resume_line"], 1);
     assert!(page.states[0]["why"].is_null());
-    // X moves: STOP ends that too.
+    // The memory is left empty, for holes that are taught.
+    assert_eq!(drill(&page)["records"], 0);
     page.refused(json!({"do": "run", "from": 4}));
+    // STOP ends a move of X as well.
+    page.done(json!({"do": "home"}));
+    assert_eq!(stands(&mut page), [0, 0]);
     page.done(json!({"do": "run", "from": 1, "confirmed": true}));
-    page.until("line 1", |page| {
-        (page.states[0]["program"]["phase"] == "running").then_some(())
+    page.until("X", |page| {
+        let lights = drill(page)["lights"].as_array()?;
+        lights.contains(&json!("x")).then_some(())
+    });
+    page.pass(Duration::from_millis(200));
+    page.done(json!({"do": "stop"}));
+    until_phase(&mut page, "stopped");
+    let [x, y] = stands(&mut page);
+    assert!(0 < x && x < 1070 && y == 0, "{x} {y}");
+}
+
+#[test]
+fn a_program_does_not_go_on_from_another_zero() {
+    let served = served(&["--speed", "40"]);
+    let mut page = operator(&served);
+    assert_eq!(served.load(page.client, "board.drl", BOARD).0, 200);
+    page.done(json!({"do": "breakpoints", "lines": [3]}));
+    page.done(json!({"do": "run", "confirmed": true}));
+    page.until("hole 3", |page| {
+        (page.states[0]["program"]["waits_before"] == 3).then_some(())
     });
     page.done(json!({"do": "stop"}));
     until_phase(&mut page, "stopped");
+    page.done(json!({"do": "manual", "on": true}));
+    page.until("the manual mode", |page| {
+        (drill(page)["is_manual"] == true).then_some(())
+    });
+    page.done(json!({"do": "steps", "steps": {"x": 100, "y": 50}}));
+    page.done(json!({"do": "zero", "at_mm": {"x": 0, "y": 0}}));
+    let why = page.refused(json!({"do": "run", "from": 3}));
+    assert!(why.contains("the zero has changed"), "{why}");
+    // All holes from another zero are another board.
+    page.done(json!({"do": "run"}));
 }
 
 #[test]

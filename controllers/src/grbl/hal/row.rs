@@ -151,7 +151,7 @@ fn extra_row(number: u16, index: usize) -> Row {
         140..=142 => (
             axis(140),
             "Current of the motor",
-            (Kind::Whole, "mA", "###0", ["50", "2000"]),
+            (Kind::Whole, "mA", "###0", ["50", "1750"]),
         ),
         150..=152 => (
             axis(150),

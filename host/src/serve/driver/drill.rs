@@ -85,15 +85,19 @@ struct Driver<'a> {
 impl Driver<'_> {
     /// Drives until the program ends.
     fn drive(&mut self) -> Result<(), String> {
-        let ended = self.read_place().and_then(|()| {
-            self.bench.begin_path();
-            self.turns()
-        });
+        let ended = self.begin().and_then(|()| self.turns());
         match ended {
-            Err(Trouble::Lost(why)) => Err(why),
-            // What has ended otherwise leaves the drill at rest.
-            _ => Ok(()),
+            Err(_) if self.bench.machine.is_ending() => Ok(()),
+            ended => ended.map_err(Trouble::text),
         }
+    }
+
+    /// Finds out where the drill is. A spindle that an earlier program has left on is switched off.
+    fn begin(&mut self) -> Result<(), Trouble> {
+        self.read_place()?;
+        self.spindle(false).or_else(Trouble::unless_lost)?;
+        self.bench.begin_path();
+        Ok(())
     }
 
     fn turns(&mut self) -> Result<(), Trouble> {

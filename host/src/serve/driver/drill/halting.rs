@@ -12,11 +12,18 @@ impl Driver<'_> {
         self.bench.machine.lease.end();
         let had_jog = self.bench.jogging.is_active();
         self.bench.jogging = Jogging::default();
+        let had_program = self.bench.running.is_active();
         self.bench.stop_program();
-        self.spindle(false)?;
+        self.spindle(false).or_else(Trouble::unless_lost)?;
+        if had_program {
+            self.empty()?;
+        }
         if had_jog {
             self.read_place()?;
         }
+        // What was asked for meanwhile is refused, not made now.
+        self.bench.attend();
+        self.bench.machine.lease.end();
         self.bench.halting = None;
         self.bench.machine.stop.clear();
         self.bench.end_program(why);

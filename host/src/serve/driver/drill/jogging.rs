@@ -1,7 +1,7 @@
 //! Jogs that go on while the page renews their lease: one key of the manual mode after the other.
 //!
-//! A key makes so few steps that a jog ends within a tenth of a second after its last renewal. If
-//! this program is lost, no further key is sent.
+//! A key makes so few steps that a jog ends within a tenth of a second after its lease. If this
+//! program is lost, no further key is sent.
 
 use super::bench::{Bench, Work};
 use super::stepping::Trouble;

@@ -80,6 +80,11 @@ impl Driver<'_> {
     /// Moves to a position.
     pub(super) fn go(&mut self, to: &Axes, frame: Frame) -> Result<(), Trouble> {
         let to = to.checked(3).map_err(Trouble::Refused)?;
+        if !self.bench.place.is_some_and(|place| place.machine.is_up) {
+            return Err(Trouble::refused(
+                "raise the bit first: it may be in the board",
+            ));
+        }
         let (at, zero) = (self.bench.at(), self.bench.zero());
         let mut by = Vec::new();
         for (axis, mm) in to {

@@ -20,10 +20,15 @@ impl Bench<'_> {
     ///
     /// A sentence about why not. The program stays as it was.
     pub(super) fn place_board(&mut self, placing: &Placing) -> Result<Value, String> {
+        self.is_free()?;
         let before = self.running.program().ok_or("no program is loaded")?;
         let text = before.text.clone();
         let placed = Loaded::of_drill(&before.name, text, &surroundings(), placing)?;
-        self.replace(placed)
+        let report = self.replace(placed)?;
+        if !placing.references.is_empty() {
+            self.running.measured_zero = Some(self.zero());
+        }
+        Ok(report)
     }
 
     /// Loads a program that was made here, as if a page had sent it.

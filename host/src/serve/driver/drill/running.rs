@@ -45,6 +45,10 @@ pub(super) struct Running {
     pub(super) breakpoints: BTreeSet<usize>,
     message: Option<String>,
     resume_hole: Option<usize>,
+    /// The zero from which the holes of the references were measured.
+    pub(super) measured_zero: Option<[u16; 2]>,
+    /// The zero from which holes were drilled.
+    drilled_zero: Option<[u16; 2]>,
     /// Time of the link when the run was looked at.
     looked_at: Duration,
     /// Time in motion.
@@ -343,13 +347,16 @@ impl Driver<'_> {
             let part = holes.parts.get(hole.part)?;
             (part.tool > 0).then(|| part.name())
         });
-        let taught = self.bench.taught.len();
-        let warnings = [
-            tool.map(|tool| format!("put in {tool}")),
-            (taught > 0).then(|| {
-                format!("the memory of the drill is cleared: {taught} taught holes are lost")
+        let records = self.bench.place.and_then(|place| place.records);
+        let lost = match self.bench.taught.len() {
+            0 => records.filter(|records| *records > 0).map(|records| {
+                format!("the memory of the drill is cleared: its {records} records are lost")
             }),
-        ];
+            taught => Some(format!(
+                "the memory of the drill is cleared: {taught} taught holes are lost"
+            )),
+        };
+        let warnings = [tool.map(|tool| format!("put in {tool}")), lost];
         Ok(json!({
             "name": program.name,
             "lines": program.count - first,
@@ -375,6 +382,22 @@ impl Driver<'_> {
         if !place.is_some_and(|place| place.machine.is_homed) {
             return Err("home the drill first: it does not know where it is".into());
         }
+        let running = &self.bench.running;
+        let drilled_zero = running.drilled_zero.filter(|_| from.is_some());
+        let zeros = [running.measured_zero, drilled_zero];
+        if zeros
+            .into_iter()
+            .flatten()
+            .any(|zero| zero != self.bench.zero())
+        {
+            let done = match drilled_zero {
+                Some(_) => "the first holes were drilled",
+                None => "the board was measured",
+            };
+            return Err(format!(
+                "the zero has changed since {done}: the holes would be at other places"
+            ));
+        }
         let [zero_x, zero_y] = self.bench.zero();
         let holes = program.holes.as_ref().map(|holes| &holes.holes[..]);
         let is_off = |hole: &&Hole| {
@@ -397,6 +420,7 @@ impl Driver<'_> {
         let holes = holes.unwrap_or_default();
         let done_s = holes.iter().take(first).map(|hole| hole.seconds).sum();
         let part = holes.get(first).map_or(0, |hole| hole.part);
+        let zero = self.bench.zero();
         let running = &mut *self.bench.running;
         *running = Running {
             record: Some(RunRecord::new(Arc::clone(&program), from)),
@@ -412,6 +436,8 @@ impl Driver<'_> {
             breakpoints: std::mem::take(&mut running.breakpoints),
             looked_at: self.bench.now,
             done_s: [done_s; 2],
+            measured_zero: running.measured_zero,
+            drilled_zero: Some(zero),
             ..Running::default()
         };
         self.bench.taught.clear();
@@ -448,6 +474,9 @@ impl Driver<'_> {
                 let why = format!("hole {number}: {}", trouble.text());
                 self.bench.fail_program(&why);
             }
+        }
+        if !self.bench.running.is_active() {
+            self.empty()?;
         }
         Ok(true)
     }
@@ -512,6 +541,12 @@ impl Driver<'_> {
             }
         }
         Ok(())
+    }
+
+    /// Empties the memory of the drill of the last record. Holes that are taught begin there.
+    pub(super) fn empty(&mut self) -> Result<(), Trouble> {
+        let emptied = self.step(Step::Empty).and_then(|()| self.read_place());
+        emptied.or_else(Trouble::unless_lost)
     }
 
     /// Sends a record as a program of its own, and runs it.

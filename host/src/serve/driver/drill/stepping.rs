@@ -35,6 +35,14 @@ impl Trouble {
         Self::Lost(error.text())
     }
 
+    /// Nothing, if the drill is at rest and answers.
+    pub(super) fn unless_lost(self) -> Result<(), Self> {
+        match self {
+            Self::Lost(_) => Err(self),
+            _ => Ok(()),
+        }
+    }
+
     /// It as a sentence.
     pub(super) fn text(self) -> String {
         match self {
