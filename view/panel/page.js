@@ -9,7 +9,6 @@ import { DrillBoard } from "husillo/panel/drill_board.js";
 import { DrillHand } from "husillo/panel/drill_hand.js";
 import { Gamepads } from "husillo/panel/gamepad.js";
 import { Header } from "husillo/panel/header.js";
-import { HeightMap } from "husillo/panel/height_map.js";
 import { Jog } from "husillo/panel/jog.js";
 import { Joystick } from "husillo/panel/joystick.js";
 import { Keys } from "husillo/panel/keys.js";
@@ -45,11 +44,9 @@ export function fillPage(place, desk, words) {
     const jogs = [jog, millJog, drillHand, joystick];
     const shownJog = () => jogs.find((one) => one.isShown) ?? jog;
     const wizard = new Wizard(desk, words);
-    const heights = new HeightMap(desk, words);
     const stop = new Stop(desk, words, () => {
         for (const one of jogs) one.hold.end("stop");
         wizard.stop();
-        heights.stop();
     });
     const header = new Header(desk, words, stop.root);
     const notices = new Notices(desk, words);
@@ -66,7 +63,6 @@ export function fillPage(place, desk, words) {
     });
     const more = tabs(words.more, [
         { id: "probing", name: words.probingTab, content: wizard.root },
-        { id: "heights", name: words.heightMap, content: heights.root },
         { id: "settings", name: words.settings, content: new Settings(desk, words).root },
         { id: "macros", name: words.macros, content: new Macros(desk, words).root },
     ]);

@@ -53,7 +53,7 @@ const SCRIPT: &str = "text/javascript; charset=utf-8";
 pub const PANEL: &[Asset] = assets![
     "panel/by_hand.js" "panel/change.js" "panel/console.js" "panel/desk.js" "panel/drill.js"
     "panel/drill_board.js" "panel/drill_hand.js" "panel/english.js" "panel/fixes.js"
-    "panel/gamepad.js" "panel/header.js" "panel/height_map.js" "panel/hold.js" "panel/jog.js"
+    "panel/gamepad.js" "panel/header.js" "panel/hold.js" "panel/jog.js"
     "panel/joystick.js" "panel/keys.js" "panel/line_state.js" "panel/link.js" "panel/macros.js"
     "panel/main.js" "panel/measuring.js" "panel/mill.js" "panel/mill_jog.js" "panel/mill_plot.js"
     "panel/notices.js" "panel/page.js" "panel/positions.js" "panel/preview.js" "panel/probing.js"
