@@ -204,6 +204,7 @@ test("a board is corrected, registered, drilled, stopped, and goes on", async (t
     assert.equal(end.program.resume_line, 2);
     await until(page, ({ state, drill }) => state === "Idle" && drill.z === "up" && drill.is_homed);
     await press(page, "button::-p-text(Go on from hole 2)");
+    await says(page, ".confirm", "2 holes");
     await press(page, ".confirm button.main");
     await until(page, ({ program }) => program.phase === "waiting" && program.waits_before === 3);
     await says(page, ".message", "put in T2 (1 mm)");
