@@ -91,6 +91,10 @@ pub struct DrillProgram {
     pub is_drill_file: bool,
     /// Steps of travel in the order of the file, if the order was changed.
     pub file_travel_steps: Option<u64>,
+    /// Estimated time of the move home after each part, s.
+    backs_s: Vec<f64>,
+    /// Estimated time without the changes of tools, s.
+    total_s: f64,
 }
 
 impl DrillProgram {
@@ -127,7 +131,10 @@ impl DrillProgram {
             program.parts = parts.map_err(|error| error.to_string())?;
             program.divide(&HashMap::new());
         }
-        if program.holes.is_empty() && findings.errors == 0 {
+        if findings.errors > 0 {
+            // A part of a program is no program.
+            program.holes.clear();
+        } else if program.holes.is_empty() {
             let message = "the program drills no hole";
             findings.add(Finding::general(Severity::Error, "E0401", message));
         }
@@ -196,21 +203,21 @@ impl DrillProgram {
                     }),
                 }
             }
+            let last = part.stops().last().map_or([0; 2], |stop| stop.at);
+            self.backs_s.push(travel_s(last, [0; 2]));
         }
+        let drilled: f64 = self.holes.iter().map(|hole| hole.seconds).sum();
+        self.total_s = drilled + self.backs_s.iter().sum::<f64>();
     }
 
     /// Estimated time of the move home after the last hole of a part, s.
     pub fn back_s(&self, part: usize) -> f64 {
-        let mut holes = self.holes.iter().filter(|hole| hole.part == part);
-        let last = holes.next_back().map_or([0; 2], |hole| hole.at);
-        travel_s(last, [0; 2])
+        self.backs_s.get(part).copied().unwrap_or(0.0)
     }
 
     /// Estimated time without the changes of tools, s.
-    pub fn total_s(&self) -> f64 {
-        let drilled: f64 = self.holes.iter().map(|hole| hole.seconds).sum();
-        let back = (0..self.parts.len()).map(|part| self.back_s(part));
-        drilled + back.sum::<f64>()
+    pub const fn total_s(&self) -> f64 {
+        self.total_s
     }
 
     /// A hole as text, such as `X10.000 Y5.000, T1 (0.8 mm)`.

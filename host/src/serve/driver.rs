@@ -4,6 +4,7 @@
 //! changed. Each [`Family`] has its own [`Drive`]. This module keeps it going: a lost controller is
 //! tried again.
 
+mod course;
 mod drill;
 mod grbl;
 mod measuring;

@@ -197,11 +197,7 @@ impl Loaded {
         placing: &Placing,
     ) -> Result<Self, String> {
         let mut findings = Findings::new(FINDINGS);
-        let mut holes = DrillProgram::read(name, &text, placing, &mut findings)?;
-        if findings.errors > 0 {
-            // A part of a program is no program.
-            holes.holes.clear();
-        }
+        let holes = DrillProgram::read(name, &text, placing, &mut findings)?;
         let time_s = (findings.errors == 0).then(|| holes.total_s());
         let listed: Vec<_> = findings.kept().iter().map(described).collect();
         let report = json!({

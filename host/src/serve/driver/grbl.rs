@@ -291,7 +291,7 @@ impl<'a> Driver<'a> {
     /// Asks for the modes, when all lines are answered.
     fn ask_modes(&mut self) {
         let is_idle = matches!(self.session.state(), Some(State::Idle | State::Alarm))
-            && !self.running.is_active();
+            && !self.running.course.is_active();
         if self.modes_are_due && is_idle && self.stream.is_empty() && self.waiting.is_empty() {
             self.modes_are_due = false;
             self.send_known("$G");

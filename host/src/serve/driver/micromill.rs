@@ -11,6 +11,7 @@ mod orders;
 mod place;
 mod running;
 
+use super::phase::Phase;
 use super::{Desk, Drive, Port, Published};
 use crate::serve::console_lines::From;
 use crate::serve::machine::{Asked, Machine};
@@ -175,7 +176,7 @@ impl Driver<'_> {
             Some(Order::Home) => "Home",
             Some(Order::Jog(_) | Order::Run(..)) => "Jog",
             Some(_) => "Run",
-            None if self.running.is_moving() => "Run",
+            None if self.running.course.phase() == Phase::Running => "Run",
             None => "Idle",
         }
     }
@@ -210,15 +211,15 @@ impl Driver<'_> {
             Request::Zero { at_mm } => self.zero(&at_mm, reply),
             Request::Backlash { um } => self.backlash(&um, reply),
             Request::Line { text } => self.line(&text, reply),
-            Request::Hold => reply.with(self.pause()),
-            Request::Resume => reply.with(self.resume()),
+            Request::Hold => reply.with(self.running.course.pause()),
+            Request::Resume => reply.with(self.running.course.resume()),
             Request::Run { confirmed, from } => self.run(confirmed, from, reply),
             Request::SingleBlock { on } => {
-                self.running.single_block = on;
+                self.running.course.single_block = on;
                 reply.ok();
             }
             Request::Breakpoints { lines } => {
-                self.running.breakpoints = lines.into_iter().collect();
+                self.running.course.breakpoints = lines.into_iter().collect();
                 reply.ok();
             }
             Request::Load(program) => self.load(program, reply),

@@ -6,6 +6,7 @@ use super::running::Running;
 use crate::serve::console_lines::From;
 use crate::serve::drill_program::millimetres;
 use crate::serve::driver::WAITING;
+use crate::serve::driver::phase::Phase;
 use crate::serve::loaded::{Surroundings, Target};
 use crate::serve::machine::{Asked, Machine};
 use crate::serve::machine_state::MachineState;
@@ -114,14 +115,14 @@ impl<'a> Bench<'a> {
     /// Carries out what needs no step on the link.
     pub(super) fn settle(&mut self, request: Request, reply: Reply) {
         match request {
-            Request::Hold => reply.with(self.pause()),
-            Request::Resume => reply.with(self.resume()),
+            Request::Hold => reply.with(self.running.course.pause()),
+            Request::Resume => reply.with(self.running.course.resume()),
             Request::SingleBlock { on } => {
-                self.running.single_block = on;
+                self.running.course.single_block = on;
                 reply.ok();
             }
             Request::Breakpoints { lines } => {
-                self.running.breakpoints = lines.into_iter().collect();
+                self.running.course.breakpoints = lines.into_iter().collect();
                 reply.ok();
             }
             Request::Surroundings(to) => {
@@ -145,7 +146,7 @@ impl<'a> Bench<'a> {
             | Request::SettingsSave { .. }
             | Request::Pace { .. }
             | Request::Backlash { .. } => reply.error("a drill does not have this"),
-            _ if self.running.is_active() => reply.error("a program runs"),
+            _ if self.running.course.is_active() => reply.error("a program runs"),
             _ => reply.error("the machine moves"),
         }
     }
@@ -156,7 +157,7 @@ impl<'a> Bench<'a> {
     ///
     /// A sentence about why not.
     pub(super) fn is_free(&self) -> Result<(), String> {
-        if self.running.is_active() {
+        if self.running.course.is_active() {
             return Err("a program runs".into());
         }
         match self.jogging.is_active() {
@@ -167,7 +168,7 @@ impl<'a> Bench<'a> {
 
     /// Whether everything must be stopped.
     pub(super) fn must_halt(&mut self) -> bool {
-        let has_left = self.machine.take_left() && !self.running.is_active();
+        let has_left = self.machine.take_left() && !self.running.course.is_active();
         if self.machine.stop.is_asked() {
             self.halting = Some("stopped");
         } else if has_left && self.halting.is_none() {
@@ -280,7 +281,7 @@ impl<'a> Bench<'a> {
         match self.work {
             Work::Home => "Home",
             _ if self.jogging.is_active() => "Jog",
-            _ if self.running.is_moving() => "Run",
+            _ if self.running.course.phase() == Phase::Running => "Run",
             Work::None | Work::Receive => "Idle",
             _ => "Run",
         }

@@ -12,7 +12,7 @@ impl Driver<'_> {
         self.bench.machine.lease.end();
         let had_jog = self.bench.jogging.is_active();
         self.bench.jogging = Jogging::default();
-        let had_program = self.bench.running.is_active();
+        let had_program = self.bench.running.course.is_active();
         self.bench.stop_program();
         self.spindle(false).or_else(Trouble::unless_lost)?;
         if had_program {

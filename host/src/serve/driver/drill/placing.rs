@@ -21,7 +21,11 @@ impl Bench<'_> {
     /// A sentence about why not. The program stays as it was.
     pub(super) fn place_board(&mut self, placing: &Placing) -> Result<Value, String> {
         self.is_free()?;
-        let before = self.running.program().ok_or("no program is loaded")?;
+        let before = self
+            .running
+            .course
+            .program()
+            .ok_or("no program is loaded")?;
         let text = before.text.clone();
         let placed = Loaded::of_drill(&before.name, text, &surroundings(), placing)?;
         let report = self.replace(placed)?;

@@ -5,14 +5,13 @@ use super::bench::{Bench, Work};
 use super::stepping::Trouble;
 use crate::serve::console_lines::From;
 use crate::serve::drill_program::Hole;
+use crate::serve::driver::course::{Course, Progress};
 use crate::serve::driver::phase::Phase;
 use crate::serve::loaded::Loaded;
-use crate::serve::run_record::RunRecord;
 use crate::serve::tool_path::Motion;
 use husillo_transports::drill::{Record, Step, Table};
 use serde_json::{Value, json};
-use std::collections::BTreeSet;
-use std::sync::{Arc, PoisonError};
+use std::sync::Arc;
 use std::time::Duration;
 
 /// What is made next.
@@ -27,32 +26,17 @@ enum Next {
 /// The program of a drill.
 #[derive(Debug, Default)]
 pub(super) struct Running {
-    program: Option<Arc<Loaded>>,
-    record: Option<RunRecord>,
-    noted: &'static str,
-    runs: u64,
-    loads: u64,
-    phase: Phase,
+    pub(super) course: Course,
     /// Holes that are made.
     made: usize,
     /// Parts whose move home is made.
     returned: usize,
-    /// The operator has let the hole before which the program waits pass.
-    is_passed: bool,
-    /// It waits before the next hole, because the operator has asked for that.
-    pauses: bool,
-    pub(super) single_block: bool,
-    pub(super) breakpoints: BTreeSet<usize>,
-    message: Option<String>,
-    resume_hole: Option<usize>,
     /// The zero from which the holes of the references were measured.
     pub(super) measured_zero: Option<[u16; 2]>,
     /// The zero from which holes were drilled.
     drilled_zero: Option<[u16; 2]>,
     /// Time of the link when the run was looked at.
     looked_at: Duration,
-    /// Time in motion.
-    elapsed: Duration,
     /// Time in motion at the begin of what is being made.
     begun: Duration,
     /// Estimated time that was done at the start, and is done, s.
@@ -60,27 +44,14 @@ pub(super) struct Running {
 }
 
 impl Running {
-    /// Whether holes are made, or will be.
-    pub(super) const fn is_active(&self) -> bool {
-        matches!(
-            self.phase,
-            Phase::Running | Phase::Waiting | Phase::Stopping
-        )
-    }
-
-    /// Whether a hole is being made.
-    pub(super) const fn is_moving(&self) -> bool {
-        matches!(self.phase, Phase::Running)
-    }
-
-    /// The loaded program.
-    pub(super) fn program(&self) -> Option<Arc<Loaded>> {
-        self.program.clone()
-    }
-
     fn hole(&self, index: usize) -> Option<&Hole> {
-        let program = self.program.as_ref()?;
+        let program = self.course.program()?;
         program.holes.as_ref()?.holes.get(index)
+    }
+
+    /// The number of the next hole.
+    fn next_hole(&self) -> Option<usize> {
+        self.hole(self.made).map(|_| self.made + 1)
     }
 
     fn next(&self) -> Option<Next> {
@@ -97,7 +68,7 @@ impl Running {
 
     /// Estimated seconds of what is made next.
     fn next_s(&self) -> f64 {
-        let program = self.program.as_ref().and_then(|one| one.holes.as_ref());
+        let program = self.course.program().and_then(|one| one.holes.as_ref());
         match (program, self.next()) {
             (Some(program), Some(Next::Home(part))) => program.back_s(part),
             (_, Some(Next::Hole(index))) => self.hole(index).map_or(0.0, |hole| hole.seconds),
@@ -113,11 +84,12 @@ impl Running {
 
     /// Whether it waits before this hole.
     fn must_wait(&self, index: usize) -> bool {
-        let is_due = self.pauses
+        let course = &self.course;
+        let is_due = course.pauses
             || self.is_new_tool(index)
-            || self.single_block && self.elapsed > Duration::ZERO
-            || self.breakpoints.contains(&(index + 1));
-        is_due && !self.is_passed
+            || course.single_block && course.elapsed > Duration::ZERO
+            || course.breakpoints.contains(&(index + 1));
+        is_due && !course.is_passed
     }
 }
 
@@ -129,15 +101,10 @@ impl Bench<'_> {
     /// A program runs.
     pub(super) fn load(&mut self, program: Arc<Loaded>) -> Result<(), String> {
         self.is_free()?;
-        self.machine
-            .tell(From::Server, format!("{} is loaded", program.name));
-        let running = &mut *self.running;
-        *running = Running {
-            resume_hole: program.resume_line,
-            program: Some(program),
-            loads: running.loads + 1,
-            runs: running.runs,
-            single_block: running.single_block,
+        let mut course = std::mem::take(&mut self.running.course);
+        course.load(self.machine, program);
+        *self.running = Running {
+            course,
             ..Running::default()
         };
         Ok(())
@@ -146,179 +113,80 @@ impl Bench<'_> {
     /// Forgets the program.
     pub(super) fn unload(&mut self) -> Result<(), Trouble> {
         self.is_free().map_err(Trouble::Refused)?;
-        let mut program = self
-            .machine
-            .program
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner);
-        *program = None;
-        let running = &mut *self.running;
-        *running = Running {
-            loads: running.loads,
-            runs: running.runs,
-            single_block: running.single_block,
+        let mut course = std::mem::take(&mut self.running.course);
+        course.unload(self.machine);
+        *self.running = Running {
+            course,
             ..Running::default()
         };
         Ok(())
     }
 
-    /// Waits before the next hole. A hole that is being drilled is drilled to its end.
-    ///
-    /// # Errors
-    ///
-    /// No program runs.
-    pub(super) fn pause(&mut self) -> Result<(), &'static str> {
-        match self.running.phase {
-            Phase::Running | Phase::Waiting => {
-                self.running.pauses = true;
-                Ok(())
-            }
-            _ => Err("no program runs"),
-        }
-    }
-
-    /// Goes on after a wait.
-    ///
-    /// # Errors
-    ///
-    /// Nothing waits.
-    pub(super) fn resume(&mut self) -> Result<(), &'static str> {
-        let running = &mut *self.running;
-        let is_pausing = running.pauses && running.phase == Phase::Running;
-        if running.phase != Phase::Waiting && !is_pausing {
-            return Err("nothing waits");
-        }
-        running.is_passed = running.phase == Phase::Waiting;
-        running.pauses = false;
-        running.phase = Phase::Running;
-        running.message = None;
-        Ok(())
-    }
-
     fn fail_program(&mut self, why: &str) {
-        if self.running.is_active() {
-            self.running.phase = Phase::Failed;
-            let text = format!("{why}; {}", self.holes_made());
-            self.machine.tell(From::Server, text.as_str());
-            self.running.message = Some(text);
-        }
+        let next = self.running.next_hole();
+        self.running.course.fail(self.machine, why, next);
     }
 
     /// STOP was pressed.
     pub(super) fn stop_program(&mut self) {
-        if self.running.is_active() {
-            self.running.phase = Phase::Stopping;
-            self.running.message = Some(format!("stopped; {}", self.holes_made()));
-        }
+        let next = self.running.next_hole();
+        self.running.course.stop(next);
     }
 
     /// The machine stands after a stop, or the controller is lost.
     pub(super) fn end_program(&mut self, why: &str) {
-        match self.running.phase {
-            Phase::Stopping => self.running.phase = Phase::Stopped,
-            _ => self.fail_program(why),
-        }
-    }
-
-    /// Which holes are made. The next one is that with which the program goes on.
-    fn holes_made(&mut self) -> String {
-        let running = &mut *self.running;
-        let next = running.made + 1;
-        running.resume_hole = running.hole(running.made).map(|_| next);
-        match running.resume_hole {
-            Some(1) => "no hole is drilled".into(),
-            Some(number) => format!("all holes before hole {number} are drilled"),
-            None => "all holes are drilled".into(),
-        }
+        let next = self.running.next_hole();
+        self.running.course.end(self.machine, why, next);
     }
 
     /// Notes what has changed in a run, and publishes its record when it has ended.
     pub(super) fn note_run(&mut self) {
         let running = &mut *self.running;
-        let Some(record) = &mut running.record else {
-            return;
-        };
-        let phase = running.phase.name();
-        let before = std::mem::replace(&mut running.noted, phase);
-        let number = running.made + 1;
-        match phase {
-            _ if phase == before => {}
-            "stopping" => record.stop(format!("STOP at hole {number}")),
-            "waiting" => record.event(format!("waits before hole {number}")),
-            "running" if before == "waiting" => record.event("goes on"),
-            _ => {}
-        }
-        if running.is_active() {
-            return;
-        }
-        if let Some(mut record) = running.record.take() {
-            let all = record.program.count;
-            let result = running.message.as_deref().unwrap_or(phase);
-            record.end(result, [running.made, all], running.elapsed.as_secs_f64());
-            running.runs += 1;
-            let mut last = self
-                .machine
-                .run
-                .lock()
-                .unwrap_or_else(PoisonError::into_inner);
-            *last = Some(Arc::new(record));
-        }
+        let count = running.course.program().map_or(0, |program| program.count);
+        let (hole, made) = (running.made + 1, [running.made, count]);
+        let phase = running.course.phase().name();
+        running.course.note(self.machine, phase, [hole; 2], made);
     }
 
     /// The program in the state of the machine. Its holes are what others call lines.
     pub(super) fn program_shown(&mut self) -> Option<Value> {
         let now = self.now;
         let running = &mut *self.running;
-        let program = Arc::clone(running.program.as_ref()?);
+        let program = Arc::clone(running.course.program()?);
         let passed = now.saturating_sub(std::mem::replace(&mut running.looked_at, now));
-        if running.phase == Phase::Running {
-            running.elapsed += passed;
+        let is_moving = running.course.phase() == Phase::Running;
+        if is_moving {
+            running.course.elapsed += passed;
         }
         let total_s = program.holes.as_ref().map(|holes| holes.total_s());
         let total_s = total_s.filter(|_| program.errors == 0);
         let [start_s, done_s] = running.done_s;
-        let elapsed_s = running.elapsed.as_secs_f64();
         // The link and the motors are as fast as they were until now.
         let pace = match done_s - start_s {
             made_s if made_s > 1.0 => (running.begun.as_secs_f64() / made_s).max(0.1),
             _ => 1.0,
         };
-        let within_s = match running.phase {
-            Phase::Running => (running.elapsed - running.begun).as_secs_f64() / pace,
-            _ => 0.0,
+        let within_s = match is_moving {
+            true => (running.course.elapsed - running.begun).as_secs_f64() / pace,
+            false => 0.0,
         };
         let at_s = done_s + within_s.min(running.next_s());
-        let is_begun = running.phase != Phase::Loaded;
-        let hole = running.made + usize::from(running.made < program.count);
-        let waits = running.phase == Phase::Waiting;
-        // Tenths, so that a state does not change without need.
-        let tenths = |s: f64| (s * 10.0).round() / 10.0;
         let left_s = total_s.map(|total_s| (total_s - at_s).max(0.0) * pace);
         let progress = total_s
             .filter(|total| *total > 0.0)
-            .map(|total| (at_s / total).clamp(0.0, 1.0));
-        Some(json!({
-            "name": program.name,
-            "lines": program.count,
-            "errors": program.errors,
-            "warnings": program.warnings,
-            "load": running.loads,
-            "phase": running.phase.name(),
-            "line": is_begun.then_some(hole),
-            "sent": running.made,
-            "answered": running.made,
-            "of": program.count,
-            "time_s": total_s.map(tenths),
-            "elapsed_s": tenths(elapsed_s),
-            "remaining_s": left_s.filter(|_| is_begun).map(tenths),
-            "progress": progress.map(|part| (part * 1e3).round() / 1e3),
-            "single_block": running.single_block,
-            "breakpoints": running.breakpoints,
-            "waits_before": waits.then_some(hole),
-            "message": running.message,
-            "resume_line": running.resume_hole,
-            "runs": running.runs,
-        }))
+            .map(|total| at_s / total);
+        let next = running.next_hole();
+        running.course.shown(&Progress {
+            phase: running.course.phase().name(),
+            line: next.or((running.made > 0).then_some(running.made)),
+            sent: running.made,
+            answered: running.made,
+            of: program.count,
+            time_s: total_s,
+            remaining_s: left_s,
+            progress,
+            next,
+        })
     }
 }
 
@@ -370,7 +238,7 @@ impl Driver<'_> {
     /// The program, if it may be run.
     fn may_run(&self, from: Option<usize>) -> Result<Arc<Loaded>, String> {
         self.bench.is_free()?;
-        let program = self.bench.running.program();
+        let program = self.bench.running.course.program().cloned();
         let program = program.ok_or("no program is loaded")?;
         if program.errors > 0 {
             return Err("the program has errors: correct them first".into());
@@ -413,27 +281,20 @@ impl Driver<'_> {
     }
 
     fn start(&mut self, program: Arc<Loaded>, first: usize, from: Option<usize>) {
-        let how = from.map_or("starts".into(), |hole| format!("goes on from hole {hole}"));
-        let text = format!("{} {how}", program.name);
-        self.bench.machine.tell(From::Server, text);
         let holes = program.holes.as_ref().map(|holes| &holes.holes[..]);
         let holes = holes.unwrap_or_default();
         let done_s = holes.iter().take(first).map(|hole| hole.seconds).sum();
         let part = holes.get(first).map_or(0, |hole| hole.part);
         let zero = self.bench.zero();
         let running = &mut *self.bench.running;
+        let mut course = std::mem::take(&mut running.course);
+        course.start(self.bench.machine, program, from);
+        // What was confirmed has named the tool.
+        course.is_passed = true;
         *running = Running {
-            record: Some(RunRecord::new(Arc::clone(&program), from)),
-            program: Some(program),
-            loads: running.loads,
-            runs: running.runs,
-            phase: Phase::Running,
+            course,
             made: first,
             returned: part,
-            // What was confirmed has named the tool.
-            is_passed: true,
-            single_block: running.single_block,
-            breakpoints: std::mem::take(&mut running.breakpoints),
             looked_at: self.bench.now,
             done_s: [done_s; 2],
             measured_zero: running.measured_zero,
@@ -446,7 +307,7 @@ impl Driver<'_> {
 
     /// Makes the next hole. Returns whether it was made.
     pub(super) fn feed_program(&mut self) -> Result<bool, Trouble> {
-        if self.bench.running.phase != Phase::Running {
+        if self.bench.running.course.phase() != Phase::Running {
             return Ok(false);
         }
         let Some(next) = self.bench.running.next() else {
@@ -458,7 +319,7 @@ impl Driver<'_> {
                 return Ok(false);
             }
         }
-        self.bench.running.begun = self.bench.running.elapsed;
+        self.bench.running.begun = self.bench.running.course.elapsed;
         let seconds = self.bench.running.next_s();
         let made = match next {
             Next::Hole(index) => self.make(index),
@@ -475,7 +336,7 @@ impl Driver<'_> {
                 self.bench.fail_program(&why);
             }
         }
-        if !self.bench.running.is_active() {
+        if !self.bench.running.course.is_active() {
             self.empty()?;
         }
         Ok(true)
@@ -483,16 +344,16 @@ impl Driver<'_> {
 
     fn wait(&mut self, index: usize) {
         let running = &mut *self.bench.running;
-        running.phase = Phase::Waiting;
-        running.pauses = false;
+        let mut tool = None;
         if running.is_new_tool(index) {
-            let program = running.program.as_ref().and_then(|one| one.holes.as_ref());
+            let program = running.course.program().and_then(|one| one.holes.as_ref());
             let part = running.hole(index).map(|hole| hole.part);
             let part = program
                 .zip(part)
                 .and_then(|(program, part)| program.parts.get(part));
-            running.message = part.map(|part| format!("put in {}, then resume", part.name()));
+            tool = part.map(|part| format!("put in {}, then resume", part.name()));
         }
+        running.course.wait(tool);
     }
 
     fn made(&mut self, next: &Next, seconds: f64) {
@@ -500,18 +361,15 @@ impl Driver<'_> {
         match next {
             Next::Hole(_) => {
                 running.made += 1;
-                running.is_passed = false;
+                running.course.is_passed = false;
             }
             Next::Home(part) => running.returned = part + 1,
         }
         running.done_s[1] += seconds;
-        running.begun = running.elapsed;
+        running.begun = running.course.elapsed;
         if running.next().is_none() {
-            running.phase = Phase::Done;
-            running.resume_hole = None;
             let message = format!("{} holes drilled", running.made);
-            self.bench.machine.tell(From::Server, message.as_str());
-            self.bench.running.message = Some(message);
+            running.course.done(self.bench.machine, message);
         }
     }
 

@@ -32,7 +32,7 @@ impl Driver<'_> {
         if self.session.is_held() {
             return Err("the controller answers no line while it is held: resume or STOP".into());
         }
-        if self.running.is_active() {
+        if self.running.course.is_active() {
             return Err("a program runs".into());
         }
         if self.sequence.is_some() {

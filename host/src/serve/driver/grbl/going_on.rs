@@ -46,7 +46,7 @@ impl Driver<'_> {
         let Some(making) = self.making.take() else {
             return;
         };
-        let present = self.running.program.as_ref();
+        let present = self.running.course.program();
         let is_loaded = present.is_some_and(|program| Arc::ptr_eq(program, &making.program));
         match making.made.try_recv() {
             _ if !is_loaded => making.reply.error("another program was loaded"),
@@ -79,8 +79,7 @@ impl Driver<'_> {
             Err(why) => return reply.error(why),
         };
         let lines = Arc::from(shown.lines(&program));
-        let how = format!("goes on from line {}", shown.from);
-        self.start(&program, lines, shown.before.len(), &how);
+        self.start(program, lines, shown.before.len(), Some(shown.from));
         reply.ok();
     }
 

@@ -30,7 +30,7 @@ impl Driver<'_> {
                 self.alarm = Some(*number);
                 let why = husillo_clients::grbl::alarm(*number);
                 self.note_alarm(&why);
-                self.fail_program(why.clone());
+                self.fail_program(&why);
                 self.end_sequence(&why);
                 self.state.why = Some(why);
                 if self.halting.is_none() {

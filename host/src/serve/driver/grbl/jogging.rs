@@ -137,7 +137,7 @@ impl Driver<'_> {
     ///
     /// The controller is lost.
     pub(super) fn jog(&mut self) -> Result<(), String> {
-        let is_by_hand = self.halting.is_none() && !self.running.is_active();
+        let is_by_hand = self.halting.is_none() && !self.running.course.is_active();
         if self.machine.take_left() && is_by_hand {
             match self.sequence.is_some() {
                 true => self.begin_halt(false, "its operator has gone")?,

@@ -2,21 +2,20 @@
 
 use super::{Driver, From, Purpose};
 use crate::serve::continuation::Continuation;
+use crate::serve::driver::course::{Course, Progress};
 use crate::serve::driver::phase::Phase;
 use crate::serve::loaded::{Loaded, Surroundings, Target};
 use crate::serve::reply::Reply;
-use crate::serve::run_record::RunRecord;
 use husillo_clients::grbl::SYNCHRONISE;
 use husillo_transports::grbl::{Realtime, State};
 use serde_json::{Value, json};
-use std::collections::BTreeSet;
-use std::sync::{Arc, PoisonError};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// The program of a machine.
 #[derive(Debug, Default)]
 pub(in crate::serve) struct Running {
-    pub(super) program: Option<Arc<Loaded>>,
+    pub(in crate::serve) course: Course,
     /// The lines that are sent: all of the program, or those of a continuation.
     lines: Arc<[(usize, String)]>,
     /// How many of them come before those of the program.
@@ -25,17 +24,8 @@ pub(in crate::serve) struct Running {
     pub(super) continuation: Option<Continuation>,
     /// Where the machine was when the program was started at its first line, mm.
     pub(super) begun_mm: Option<Vec<f64>>,
-    /// Its run, for its report.
-    record: Option<RunRecord>,
-    /// The phase and the overrides that were noted in it.
-    noted: (&'static str, Option<Value>),
-    /// Number of runs that have ended. The last one has a report.
-    runs: u64,
-    /// The line with which an interrupted program goes on.
-    resume_line: Option<usize>,
-    /// Number of programs that were loaded.
-    loads: u64,
-    phase: Phase,
+    /// The overrides that were noted in its record.
+    noted: Option<Value>,
     /// Index of the next line to send.
     next: usize,
     answered: usize,
@@ -45,52 +35,26 @@ pub(in crate::serve) struct Running {
     is_synchronising: bool,
     /// All lines are made. The next report of the controller has the last position.
     is_made: bool,
-    single_block: bool,
-    breakpoints: BTreeSet<usize>,
-    message: Option<String>,
     turned_at: Option<Instant>,
-    /// Time of motion since the start.
-    elapsed: Duration,
     /// Simulated time that is done, s.
     done_s: f64,
 }
 
 impl Running {
-    /// Whether lines are sent, or will be.
-    pub(in crate::serve) const fn is_active(&self) -> bool {
-        matches!(
-            self.phase,
-            Phase::Running | Phase::Waiting | Phase::Stopping
-        )
-    }
-
     /// The phase, as pages get it.
     fn phase_name(&self, is_held: bool) -> &'static str {
-        match self.phase {
+        match self.course.phase() {
             Phase::Running if is_held => "held",
             phase => phase.name(),
         }
     }
 
-    /// Loads a program.
-    fn load(&mut self, program: Arc<Loaded>) {
-        *self = Self {
-            lines: Arc::clone(&program.lines),
-            resume_line: program.resume_line,
-            program: Some(program),
-            loads: self.loads + 1,
-            runs: self.runs,
-            single_block: self.single_block,
-            ..Self::default()
-        };
-    }
-
     fn is_at_breakpoint(&self) -> bool {
         let is_marked = |(number, _): &(usize, String)| {
-            self.next >= self.before && self.breakpoints.contains(number)
+            self.next >= self.before && self.course.breakpoints.contains(number)
         };
         let next = self.lines.get(self.next);
-        let must = (self.single_block && self.next > 0) || next.is_some_and(is_marked);
+        let must = (self.course.single_block && self.next > 0) || next.is_some_and(is_marked);
         must && self.passed != self.next + 1
     }
 
@@ -98,7 +62,7 @@ impl Running {
     fn line(&self, moves: usize) -> Option<usize> {
         let lines = &self.lines;
         let index = self.answered.saturating_sub(moves + 1);
-        match self.phase {
+        match self.course.phase() {
             Phase::Loaded => None,
             _ => lines.get(index).map(|(number, _)| *number),
         }
@@ -108,31 +72,30 @@ impl Running {
 impl Driver<'_> {
     /// Takes a program that was checked.
     pub(super) fn load(&mut self, program: Arc<Loaded>, reply: Reply) {
-        if self.running.is_active() {
+        if self.running.course.is_active() {
             return reply.error("a program runs: stop it first");
         }
-        self.machine
-            .tell(From::Server, format!("{} is loaded", program.name));
-        self.running.load(program);
+        let mut course = std::mem::take(&mut self.running.course);
+        let lines = Arc::clone(&program.lines);
+        course.load(self.machine, program);
+        *self.running = Running {
+            course,
+            lines,
+            ..Running::default()
+        };
         reply.ok();
     }
 
     /// Forgets the program.
     pub(super) fn unload(&mut self, reply: Reply) {
-        if self.running.is_active() {
+        if self.running.course.is_active() {
             return reply.error("a program runs: stop it first");
         }
-        *self
-            .machine
-            .program
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner) = None;
-        let (loads, runs) = (self.running.loads, self.running.runs);
-        *self.running = super::Running {
-            loads,
-            runs,
-            single_block: self.running.single_block,
-            ..super::Running::default()
+        let mut course = std::mem::take(&mut self.running.course);
+        course.unload(self.machine);
+        *self.running = Running {
+            course,
+            ..Running::default()
         };
         reply.ok();
     }
@@ -156,7 +119,7 @@ impl Driver<'_> {
         if is_confirmed {
             self.running.begun_mm.clone_from(&self.state.machine_mm);
             let lines = Arc::clone(&program.lines);
-            self.start(&program, lines, 0, "starts");
+            self.start(program, lines, 0, None);
             return reply.ok();
         }
         reply.data(json!({
@@ -175,7 +138,7 @@ impl Driver<'_> {
     /// A sentence about why not.
     pub(super) fn may_run(&self) -> Result<Arc<Loaded>, String> {
         self.takes_lines()?;
-        let program = self.running.program.clone();
+        let program = self.running.course.program().cloned();
         let program = program.ok_or("no program is loaded")?;
         if program.errors > 0 {
             return Err("the program has errors: correct them first".into());
@@ -198,30 +161,20 @@ impl Driver<'_> {
     /// Begins to send these lines, `before` of which come before those of the program.
     pub(super) fn start(
         &mut self,
-        program: &Arc<Loaded>,
+        program: Arc<Loaded>,
         lines: Arc<[(usize, String)]>,
         before: usize,
-        how: &str,
+        from: Option<usize>,
     ) {
-        let text = format!("{} {how}", program.name);
-        self.machine.tell(From::Server, text);
         let running = &mut *self.running;
-        let from = lines
-            .first()
-            .filter(|_| before > 0)
-            .map(|(number, _)| *number);
-        *running = super::Running {
-            program: Some(Arc::clone(program)),
+        let mut course = std::mem::take(&mut running.course);
+        course.start(self.machine, program, from);
+        *running = Running {
+            course,
             lines,
             before,
-            loads: running.loads,
-            runs: running.runs,
-            record: Some(RunRecord::new(Arc::clone(program), from)),
-            phase: Phase::Running,
             begun_mm: running.begun_mm.take(),
-            single_block: running.single_block,
-            breakpoints: std::mem::take(&mut running.breakpoints),
-            ..super::Running::default()
+            ..Running::default()
         };
     }
 
@@ -231,9 +184,9 @@ impl Driver<'_> {
     ///
     /// The controller is lost.
     pub(super) fn resume(&mut self, reply: Reply) -> Result<(), String> {
-        if self.running.phase == Phase::Waiting && !self.session.is_held() {
+        let waits = self.running.course.phase() == Phase::Waiting;
+        if waits && !self.session.is_held() && self.running.course.resume().is_ok() {
             self.running.passed = self.running.next + 1;
-            self.running.phase = Phase::Running;
         } else {
             self.put(Realtime::Resume)?;
         }
@@ -243,13 +196,13 @@ impl Driver<'_> {
 
     /// Waits after each line, or no more.
     pub(super) fn set_single_block(&mut self, is_on: bool, reply: Reply) {
-        self.running.single_block = is_on;
+        self.running.course.single_block = is_on;
         reply.ok();
     }
 
     /// Waits before these lines.
     pub(super) fn set_breakpoints(&mut self, lines: Vec<usize>, reply: Reply) {
-        self.running.breakpoints = lines.into_iter().collect();
+        self.running.course.breakpoints = lines.into_iter().collect();
         reply.ok();
     }
 
@@ -260,7 +213,7 @@ impl Driver<'_> {
     /// The controller is lost.
     pub(super) fn feed_program(&mut self) -> Result<(), String> {
         let lines = Arc::clone(&self.running.lines);
-        while self.running.phase == Phase::Running && self.halting.is_none() {
+        while self.running.course.phase() == Phase::Running && self.halting.is_none() {
             if self.running.is_synchronising {
                 break;
             }
@@ -294,8 +247,8 @@ impl Driver<'_> {
     pub(super) fn program_answered(&mut self, result: Result<(), String>) -> Result<(), String> {
         let line = self.running.lines.get(self.running.answered).cloned();
         match (result, line) {
-            (Err(why), Some((number, line))) if self.running.phase != Phase::Failed => {
-                self.fail_program(format!("line {number}, {line}: {why}"));
+            (Err(why), Some((number, line))) if self.running.course.phase() != Phase::Failed => {
+                self.fail_program(&format!("line {number}, {line}: {why}"));
                 self.begin_halt(false, "a line of the program was refused")?;
             }
             (Ok(()), _) => self.running.answered += 1,
@@ -309,8 +262,8 @@ impl Driver<'_> {
         let running = &mut *self.running;
         if running.next < running.lines.len() {
             running.is_synchronising = false;
-            running.phase = Phase::Waiting;
-        } else if running.phase == Phase::Running {
+            running.course.wait(None);
+        } else if running.course.phase() == Phase::Running {
             // Until then no further line is sent.
             running.is_made = true;
         }
@@ -323,61 +276,46 @@ impl Driver<'_> {
             return;
         }
         running.is_synchronising = false;
-        if running.phase != Phase::Running {
+        if running.course.phase() != Phase::Running {
             return;
         }
-        running.phase = Phase::Done;
-        let program = running.program.as_ref();
+        let program = running.course.program();
         let times = program.and_then(|program| program.times.as_ref());
         running.done_s = times.map_or(running.done_s, |times| times.total_s());
         let count = running.lines.len() - running.before;
         let message = format!("{count} lines made; {}", self.session.stands());
-        self.machine.tell(From::Server, message.as_str());
-        self.running.message = Some(message);
+        running.course.done(self.machine, message);
     }
 
     /// The program cannot go on.
-    pub(super) fn fail_program(&mut self, why: String) {
-        if self.running.is_active() {
-            self.running.phase = Phase::Failed;
-            let text = format!("{why}; {}", self.lines_made());
-            self.machine.tell(From::Server, text.as_str());
-            self.running.message = Some(text);
-        }
+    pub(super) fn fail_program(&mut self, why: &str) {
+        let next = self.first_open();
+        self.running.course.fail(self.machine, why, next);
     }
 
     /// STOP was pressed.
     pub(super) fn stop_program(&mut self) {
-        if self.running.is_active() {
-            self.running.phase = Phase::Stopping;
-            self.running.message = Some(format!("stopped; {}", self.lines_made()));
-        }
+        let next = self.first_open();
+        self.running.course.stop(next);
     }
 
     /// The machine stands after a stop, or its lines are lost.
     pub(super) fn end_program(&mut self, why: &str) {
         self.running.is_synchronising = false;
         self.running.is_made = false;
-        match self.running.phase {
-            Phase::Stopping => self.running.phase = Phase::Stopped,
-            _ => self.fail_program(why.to_owned()),
-        }
+        let next = self.first_open();
+        self.running.course.end(self.machine, why, next);
     }
 
-    /// Which lines are certainly made. The first other one is that with which the program goes on.
-    fn lines_made(&mut self) -> String {
-        let running = &mut *self.running;
-        let open = running.answered.saturating_sub(self.queue_moves + 1);
-        running.resume_line = running.lines.get(open).map(|(number, _)| *number);
-        match running.resume_line {
-            Some(number) => format!("all lines before line {number} are made"),
-            None => "all lines are made".into(),
-        }
+    /// The first line that is not certainly made.
+    fn first_open(&self) -> Option<usize> {
+        let open = self.running.answered.saturating_sub(self.queue_moves + 1);
+        self.running.lines.get(open).map(|(number, _)| *number)
     }
 
     /// An alarm has come.
     pub(super) fn note_alarm(&mut self, why: &str) {
-        if let Some(record) = &mut self.running.record {
+        if let Some(record) = self.running.course.record() {
             record.alarm(format!("alarm: {why}"));
         }
     }
@@ -387,49 +325,22 @@ impl Driver<'_> {
         let phase = self.running.phase_name(self.session.is_held());
         let overrides = self.state.overrides.clone();
         let shown = self.state.program.as_ref();
-        let line = shown
-            .and_then(|program| program["line"].as_u64())
-            .unwrap_or(0);
+        let line = shown.and_then(|program| program["line"].as_u64());
+        let line = line.map_or(0, |line| line as usize);
         let running = &mut *self.running;
-        let Some(record) = &mut running.record else {
-            return;
-        };
-        let (before, percents) = std::mem::replace(&mut running.noted, (phase, overrides.clone()));
-        if let (true, Some(all)) = (percents != overrides, &overrides) {
-            record.event(format!(
-                "overrides: feed {} %, rapids {} %, spindle {} %",
-                all["feed"], all["rapid"], all["spindle"]
-            ));
-        }
-        match phase {
-            _ if phase == before => {}
-            "held" => record.stop(format!("held at line {line}")),
-            "stopping" => record.stop(format!("STOP at line {line}")),
-            "waiting" => {
-                let next = running
-                    .lines
-                    .get(running.next)
-                    .map_or(0, |(number, _)| *number);
-                record.event(format!("waits before line {next}"));
+        let before = std::mem::replace(&mut running.noted, overrides.clone());
+        if let (Some(record), Some(all)) = (running.course.record(), overrides) {
+            if before.as_ref() != Some(&all) {
+                record.event(format!(
+                    "overrides: feed {} %, rapids {} %, spindle {} %",
+                    all["feed"], all["rapid"], all["spindle"]
+                ));
             }
-            "running" if ["held", "waiting"].contains(&before) => record.event("goes on"),
-            _ => {}
         }
-        if running.is_active() {
-            return;
-        }
-        if let Some(mut record) = running.record.take() {
-            let made = [running.answered, running.lines.len()];
-            let result = running.message.as_deref().unwrap_or(phase);
-            record.end(result, made, running.elapsed.as_secs_f64());
-            running.runs += 1;
-            let mut last = self
-                .machine
-                .run
-                .lock()
-                .unwrap_or_else(PoisonError::into_inner);
-            *last = Some(Arc::new(record));
-        }
+        let next = running.lines.get(running.next);
+        let next = next.map_or(0, |(number, _)| *number);
+        let made = [running.answered, running.lines.len()];
+        running.course.note(self.machine, phase, [line, next], made);
     }
 
     /// The program in the state of the machine. Progress goes on by the simulated time, between the
@@ -448,11 +359,11 @@ impl Driver<'_> {
         };
         let (feed, rapid) = (percent("feed"), percent("rapid"));
         let running = &mut *self.running;
-        let program = Arc::clone(running.program.as_ref()?);
+        let program = Arc::clone(running.course.program()?);
         // Reports without the room in the queue (bit 1 of `$10`) leave the time to tell the line.
         let timed = program.times.as_ref().filter(|_| waiting.is_none());
         let line = match (timed, running.line(0)) {
-            (Some(times), Some(last)) if running.phase != Phase::Done => {
+            (Some(times), Some(last)) if running.course.phase() != Phase::Done => {
                 Some(times.line_at(running.done_s).min(last))
             }
             (Some(_), last) => last,
@@ -463,11 +374,10 @@ impl Driver<'_> {
             .turned_at
             .replace(now)
             .map_or(Duration::ZERO, |then| now - then);
-        if running.phase == Phase::Running && is_moving {
-            running.elapsed += passed;
+        if running.course.phase() == Phase::Running && is_moving {
+            running.course.elapsed += passed;
             running.done_s += passed.as_secs_f64() * feed / 100.0;
         }
-        let is_begun = running.phase != Phase::Loaded;
         let times = program.times.as_ref();
         let mut left_s = None;
         if let (Some(times), Some(line)) = (times, line) {
@@ -475,7 +385,7 @@ impl Driver<'_> {
             let last = last
                 .and_then(|last| running.lines.get(last))
                 .map_or(0, |(line, _)| *line);
-            if running.phase != Phase::Done {
+            if running.course.phase() != Phase::Done {
                 let least = match timed {
                     Some(_) => 0.0,
                     None => times.end_s(line.saturating_sub(1)),
@@ -486,34 +396,20 @@ impl Driver<'_> {
             left_s = Some(times.left_s(line, running.done_s, feed, rapid));
         }
         let total_s = times.map(|times| times.total_s());
-        // Tenths, so that a state does not change without need.
-        let tenths = |s: f64| (s * 10.0).round() / 10.0;
         let progress = total_s
             .filter(|total| *total > 0.0)
             .map(|total| running.done_s / total);
-        let phase = running.phase_name(is_held);
-        let before = running.lines.get(running.next).map(|(number, _)| *number);
-        Some(json!({
-            "name": program.name,
-            "lines": program.count,
-            "errors": program.errors,
-            "warnings": program.warnings,
-            "load": running.loads,
-            "phase": phase,
-            "line": line,
-            "sent": running.next,
-            "answered": running.answered,
-            "of": running.lines.len(),
-            "time_s": total_s,
-            "elapsed_s": tenths(running.elapsed.as_secs_f64()),
-            "remaining_s": left_s.filter(|_| is_begun).map(tenths),
-            "progress": progress.map(|part| (part.clamp(0.0, 1.0) * 1e3).round() / 1e3),
-            "single_block": running.single_block,
-            "breakpoints": running.breakpoints,
-            "waits_before": before.filter(|_| running.phase == Phase::Waiting),
-            "message": running.message,
-            "resume_line": running.resume_line,
-            "runs": running.runs,
-        }))
+        let next = running.lines.get(running.next).map(|(number, _)| *number);
+        running.course.shown(&Progress {
+            phase: running.phase_name(is_held),
+            line,
+            sent: running.next,
+            answered: running.answered,
+            of: running.lines.len(),
+            time_s: total_s,
+            remaining_s: left_s,
+            progress,
+            next,
+        })
     }
 }

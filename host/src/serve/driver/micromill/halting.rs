@@ -22,7 +22,7 @@ impl Driver<'_> {
         let has_left = self.machine.take_left();
         if self.machine.stop.is_asked() {
             self.begin_halt("stopped");
-        } else if has_left && !self.running.is_active() && self.is_busy() {
+        } else if has_left && !self.running.course.is_active() && self.is_busy() {
             self.begin_halt("its operator has gone");
         }
     }

@@ -59,7 +59,7 @@ impl Driver<'_> {
     ///
     /// A sentence about why not.
     pub(super) fn is_free(&self) -> Result<(), String> {
-        if self.running.is_active() {
+        if self.running.course.is_active() {
             return Err("a program runs".into());
         }
         if self.jogging.is_active() {
