@@ -245,7 +245,9 @@ export class RoutinePanel {
             return element(
                 "tr",
                 {},
-                element("th", { scope: "row" }, index === 0 ? `${kind} ${feature}` : ""),
+                index === 0
+                    ? element("th", { scope: "row" }, `${kind} ${feature}`)
+                    : element("td"),
                 element("td", {}, `${one.figure}, ${one.unit}`),
                 element("td", { class: "number" }, number(one.actual)),
                 element("td", { class: "number" }, number(one.nominal)),

@@ -12,6 +12,7 @@ use super::run_record::RunRecord;
 use super::tool_path::ToolPath;
 use axum::extract::ws::Utf8Bytes;
 use husillo_clients::StopRequests;
+use jiff::Timestamp;
 use serde_json::{Value, json};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -39,6 +40,16 @@ pub struct ReportPage {
     pub name: String,
     /// HTML.
     pub text: String,
+}
+
+impl ReportPage {
+    /// The name of the file of a report about a program or a routine.
+    pub fn name_of(program: &str, time: Timestamp) -> String {
+        let stem = program.rsplit_once('.').map_or(program, |(stem, _)| stem);
+        let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '-' };
+        let stem: String = stem.chars().map(plain).collect();
+        format!("{stem}-{}.html", time.strftime("%Y%m%d-%H%M%S"))
+    }
 }
 
 /// A machine.

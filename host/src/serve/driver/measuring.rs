@@ -318,10 +318,11 @@ impl Driver<'_> {
             Request::Zero { at_mm } => self.zero(&at_mm, reply),
             Request::Touch(touch) => self.touch(&touch, reply),
             Request::Tip(tip) => self.set_tip(tip, reply),
-            Request::Resume => {
+            Request::Resume if self.routines.is_waiting() => {
                 self.hands.resume();
                 reply.ok();
             }
+            Request::Resume => reply.error("nothing waits"),
             Request::Routine { name, text } => reply.result(Routines::checked(&name, text)),
             Request::RoutineRun { name, text, part } => self.run(&name, text, part, reply),
             Request::Measured => reply.data(self.routines.all()),

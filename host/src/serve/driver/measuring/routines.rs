@@ -1,4 +1,10 @@
 //! Routines: their check, their sketch, their run and its results.
+//!
+//! A routine has a [`Phase`], but not the `Course` of a program. A course has a program that was
+//! loaded and simulated, waits before its parts, goes on with the part that was interrupted, and
+//! ends with a record of its times. A routine comes with the request that starts it, is carried
+//! out in one go by the thread of the head, cannot go on after a stop, because it needs the features
+//! that were measured before, and ends with results.
 
 use super::measured::Measured;
 use super::{Driver, Job, Purpose};
@@ -87,6 +93,11 @@ impl Routines {
         self.line = line.or(self.line);
     }
 
+    /// Whether it waits at an M0.
+    pub(super) fn is_waiting(&self) -> bool {
+        self.phase == Phase::Waiting
+    }
+
     pub(super) fn feature(&mut self, feature: Value) {
         self.features.push(feature);
     }
@@ -100,13 +111,8 @@ impl Routines {
             self.message = Some("the probe has collided: no result counts".into());
         }
         self.runs += 1;
-        let stem = self.name.rsplit_once('.');
-        let stem = stem.map_or(self.name.as_str(), |(stem, _)| stem);
-        let letter = |c: char| if c.is_ascii_alphanumeric() { c } else { '-' };
-        let stem: String = stem.chars().map(letter).collect();
-        let time = Timestamp::now().strftime("%Y%m%d-%H%M%S");
         let page = ReportPage {
-            name: format!("{stem}-{time}.html"),
+            name: ReportPage::name_of(&self.name, Timestamp::now()),
             text: measured.page,
         };
         let mut kept = machine
@@ -131,7 +137,7 @@ impl Routines {
 
     /// The machine is lost, or this program ends.
     pub(super) fn end(&mut self, why: &str) {
-        if matches!(self.phase, Phase::Running | Phase::Waiting) {
+        if self.phase.is_active() {
             self.ended(Err(why.into()), false);
         }
     }
