@@ -1,6 +1,6 @@
 /**
- * The drawing of a routine: where its features and touches should be, what was measured, and where
- * the tip is. Verdicts have a colour and a sign.
+ * The drawing of a routine: where its features and touches should be, and what was measured.
+ * Verdicts have a colour and a sign.
  */
 
 import { button, element } from "husillo/viewer/element.js";
