@@ -111,8 +111,7 @@ export class RoutinePanel {
             this.drawing.root,
             this.results
         );
-        // Before the part of the page that takes programs.
-        window.addEventListener("drop", (event) => this.dropped(event), { capture: true });
+        window.addEventListener("drop", (event) => this.dropped(event));
         desk.listen(() => this.show());
         this.show();
     }
@@ -121,7 +120,6 @@ export class RoutinePanel {
     dropped(event) {
         if (this.root.hidden) return;
         event.preventDefault();
-        event.stopImmediatePropagation();
         this.take(event.dataTransfer?.files[0]);
     }
 
