@@ -92,7 +92,7 @@ export class RoutinePanel {
         this.report = element("p", { class: "items", hidden: true }, this.open, this.saveReport);
         this.root = element(
             "section",
-            { class: "card", "aria-label": words.routine },
+            { class: "card routine", "aria-label": words.routine },
             element("h2", {}, words.routine),
             element(
                 "div",

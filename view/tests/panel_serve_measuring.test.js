@@ -54,6 +54,8 @@ test("a measuring machine is steered, moved, zeroed, and touches", async (t) => 
         "Keys",
     ]);
     await says(page, ".notices", "Not every axis is homed");
+    const hasLine = await page.$eval('[placeholder^="G1"]', (one) => one.checkVisibility());
+    assert.ok(!hasLine, "its modules take no lines of G-code");
     await press(page, "button::-p-aria([name='Home'][role='button'])");
     await until(page, ({ state }) => state === "Home");
     const isHomed = (/** @type {any} */ { machine }) => machine !== null;
@@ -109,7 +111,7 @@ test("a measuring machine is steered, moved, zeroed, and touches", async (t) => 
 test("one axis touches a face: trigger, contact and pre-travel", async (t) => {
     const { page } = await served(t, {}, "-m", "cmm", "--speed", "2");
     await until(page, ({ measuring }) => measuring?.unit === "counts");
-    await says(page, ".message", "Routines are in mm");
+    await says(page, ".routine .message", "Routines are in mm");
     await write(page, '[data-target="X"]', "2000");
     await press(page, "button::-p-aria(Go to target)");
     await until(page, (state) => isIdle(state) && Math.abs(work(state)[0] - 2000) < 3);
@@ -132,10 +134,10 @@ test("a routine is written, drawn, run, judged and reported", async (t) => {
     const wanted = { width: 390, scheme: /** @type {const} */ ("dark"), language: "es-MX" };
     const { page } = await served(t, wanted, "-m", "cmm3", "--speed", "40");
     await until(page, ({ measuring }) => measuring);
-    await write(page, "textarea", "bore B at x1 y1 z1\n");
-    await says(page, ".findings", "diameter");
+    await write(page, ".routine textarea", "bore B at x1 y1 z1\n");
+    await says(page, ".routine .findings", "diameter");
     const isDisabled = await page.$eval(
-        "button.main",
+        ".routine button.main",
         (one) => /** @type {any} */ (one).disabled
     );
     assert.ok(isDisabled, "a routine with a mistake cannot be started");
@@ -154,7 +156,7 @@ test("a routine is written, drawn, run, judged and reported", async (t) => {
     assert.equal(drawn, 3);
     // Nothing moves before the second step.
     await press(page, "button::-p-aria(Ejecutar la rutina…)");
-    await says(page, ".confirm", "3 elementos");
+    await says(page, ".routine .confirm", "3 elementos");
     assert.ok(isIdle(await until(page, isIdle)));
     await press(page, "button::-p-aria(Empezar)");
     await until(page, ({ measuring }) => measuring.routine?.phase === "running");
@@ -167,7 +169,7 @@ test("a routine is written, drawn, run, judged and reported", async (t) => {
     await says(page, ".features", "✓ dentro");
     await page.waitForSelector(".routine-drawing .good [class=mark]");
     assert.equal(await page.$$eval(".routine-drawing .bad", (all) => all.length), 1);
-    const report = await page.$eval(".card a[download]", (one) => one.getAttribute("href"));
+    const report = await page.$eval(".routine a[download]", (one) => one.getAttribute("href"));
     const text2 = await page.evaluate(async (href) => {
         const got = await fetch(String(href));
         return got.text();
@@ -180,7 +182,7 @@ test("a routine is written, drawn, run, judged and reported", async (t) => {
 test("a reload stops a jog, and the routine is still there", async (t) => {
     const { page } = await served(t, {}, "-m", "cmm3");
     await until(page, ({ measuring }) => measuring);
-    await write(page, "textarea", "goto x1\n");
+    await write(page, ".routine textarea", "goto x1\n");
     await page.$eval(`${PAD}[data-jog="X+"]`, (one) => one.scrollIntoView({ block: "center" }));
     await page.hover(`${PAD}[data-jog="X+"]`);
     await page.mouse.down();
@@ -191,6 +193,6 @@ test("a reload stops a jog, and the routine is still there", async (t) => {
     await page.evaluate(() => new Promise((resolve) => setTimeout(resolve, 500)));
     const later = await until(page, isIdle);
     assert.ok(Math.abs(work(later)[0] - work(first)[0]) < 0.05);
-    assert.equal(await page.$eval("textarea", (one) => one.value), "goto x1\n");
+    assert.equal(await page.$eval(".routine textarea", (one) => one.value), "goto x1\n");
     await page.mouse.up();
 });

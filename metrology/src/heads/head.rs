@@ -301,6 +301,8 @@ mod tests {
     use crate::heads::operator::StopButton;
     use crate::simulated::{SimulatedNetwork, SimulatedPort, three_axes};
     use husillo_probe::Failure;
+    use std::cell::RefCell;
+    use std::rc::Rc;
 
     type Head = super::Head<SimulatedPort>;
 
@@ -321,9 +323,12 @@ mod tests {
         head
     }
 
+    /// A position, and whether the probe is pressed there.
+    type Reading = ([i64; 3], bool);
+
     /// What the operator sees of a machine.
     #[derive(Clone, Debug, Default)]
-    struct Seen(std::rc::Rc<std::cell::RefCell<Vec<([i64; 3], bool)>>>);
+    struct Seen(Rc<RefCell<Vec<Reading>>>);
 
     impl crate::heads::Operator for Seen {
         fn reads(&self, position: [i64; 3], is_pressed: bool) {

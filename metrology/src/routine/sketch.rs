@@ -30,6 +30,15 @@ pub struct SketchedTouch {
 }
 
 impl Statement {
+    /// Whether the lines after it have other coordinates: it changes the frame or its zero.
+    #[must_use]
+    pub const fn changes_coordinates(&self) -> bool {
+        matches!(
+            self.order,
+            Order::Zero(_) | Order::MachineFrame | Order::Frame { .. }
+        )
+    }
+
     /// The sketch of its feature. `None`: it touches nothing. A coordinate that the line does not
     /// give, because it is that of the tip then, is 0.
     #[must_use]
@@ -182,6 +191,22 @@ mod tests {
         assert_eq!(all[4].touches[1].towards, [0.0, 1.0, 0.0]);
         assert_eq!(all[4].round_nm, Some((mm(20, 20, -4), 12_000_000)));
         assert_eq!(all[5].touches[0].at_nm, mm(0, 0, 10));
+    }
+
+    #[test]
+    fn a_frame_and_a_zero_change_the_coordinates() {
+        let statements = Parser::file(
+            "plane P towards -z at x1 y1 z-3 at x4 y1 z-3 at x1 y9 z-3\n\
+             line L towards +y at x1 y1 z-5 at x9 y1 z-5\n\
+             point A towards +x at x1 y3 z-5\n\
+             frame plane P line L point A\n\
+             goto x5\n\
+             zero x y\n\
+             frame machine\n",
+        );
+        let statements = statements.unwrap();
+        let changing = statements.iter().filter(|one| one.changes_coordinates());
+        assert_eq!(changing.map(|one| one.line).collect::<Vec<_>>(), [4, 6, 7]);
     }
 
     /// On an ideal part the touches are where the sketch has them.

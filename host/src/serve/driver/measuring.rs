@@ -1,6 +1,6 @@
 //! The driver of a measuring machine.
 //!
-//! The motions of a head last until they end, so a second thread owns it ([`work`]). This one
+//! The motions of a head last until they end, so a second thread owns it ([`mod@work`]). This one
 //! carries out requests meanwhile, and stops the head.
 
 mod hands;

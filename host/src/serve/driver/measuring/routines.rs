@@ -3,8 +3,8 @@
 //! A routine has a [`Phase`], but not the `Course` of a program. A course has a program that was
 //! loaded and simulated, waits before its parts, goes on with the part that was interrupted, and
 //! ends with a record of its times. A routine comes with the request that starts it, is carried
-//! out in one go by the thread of the head, cannot go on after a stop, because it needs the features
-//! that were measured before, and ends with results.
+//! out in one go by the thread of the head, cannot go on after a stop, because it needs the
+//! features that were measured before, and ends with results.
 
 use super::measured::Measured;
 use super::{Driver, Job, Purpose};
@@ -14,7 +14,7 @@ use crate::serve::loaded::described;
 use crate::serve::machine::{Machine, ReportPage};
 use crate::serve::reply::Reply;
 use crate::serve::tool_path::Motion;
-use husillo_metrology::routine::{Sketch, Statement, number};
+use husillo_metrology::routine::{Sketch, number};
 use jiff::Timestamp;
 use serde_json::{Value, json};
 use std::sync::{Arc, PoisonError};
@@ -47,8 +47,15 @@ impl Routines {
         }
         Ok(match Routine::parse(&plain(name), text.into_bytes()) {
             Ok(routine) => {
-                let sketches = routine.statements().iter().filter_map(Statement::sketch);
-                let sketches: Vec<_> = sketches.map(|one| sketch(&one)).collect();
+                let mut coordinates_from = 1;
+                let mut sketches = Vec::new();
+                for statement in routine.statements() {
+                    if statement.changes_coordinates() {
+                        coordinates_from = statement.line;
+                    }
+                    let found = statement.sketch();
+                    sketches.extend(found.map(|one| sketch(&one, coordinates_from)));
+                }
                 json!({"findings": [], "sketch": sketches})
             }
             Err(findings) => {
@@ -202,8 +209,8 @@ fn plain(name: &str) -> String {
     }
 }
 
-/// A sketch, as pages get it. Lengths are in mm.
-fn sketch(sketch: &Sketch) -> Value {
+/// A sketch, as pages get it. Lengths are in mm, in the coordinates that begin with a line.
+fn sketch(sketch: &Sketch, coordinates_from: usize) -> Value {
     let touches = sketch
         .touches
         .iter()
@@ -212,6 +219,7 @@ fn sketch(sketch: &Sketch) -> Value {
         "kind": sketch.keyword,
         "feature": sketch.name,
         "line": sketch.line,
+        "coordinates_from": coordinates_from,
         "touches": touches.collect::<Vec<_>>(),
         "round": sketch.round_nm.map(|(centre, diameter)| {
             json!({"centre": centre.map(number), "diameter": number(diameter)})
