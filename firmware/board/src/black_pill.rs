@@ -38,6 +38,7 @@ pub use tim3::drive;
 use crate::nvic::{Vector, vectors};
 use pill as table;
 use stm32f4 as chip;
+use systick as timer;
 #[cfg(not(feature = "usb"))]
 use usart2 as link;
 #[cfg(feature = "usb")]

@@ -1,11 +1,11 @@
-//! The lines of a firmware at pins of several ports, for the boards with an STM32.
+//! The lines of a firmware at pins of several ports, for the boards with an STM32 or an ESP32-C3.
 //!
-//! The file of the board has `table`, the pins of each line; `chip`, the registers of its chip; and
-//! `link`.
+//! The file of the board has `table`, the pins of each line; `chip`, the registers of its chip;
+//! `timer`; and `link`.
 
 use super::chip::{drive_low, is_low, pull_up, set_port, start_chip};
 use super::table::{INPUTS, MOTORS, OUTPUTS, PWM};
-use super::{link, systick};
+use super::{link, timer};
 use crate::Pins;
 
 /// A pin: its port, 0 for A, and its number.
@@ -19,7 +19,7 @@ compile_error!("this board has 8 pins for motors: leave out the feature `wide`")
 /// Starts the chip, the pins and the link.
 pub fn start() {
     start_chip();
-    systick::start();
+    timer::start();
     let outputs = MOTORS.iter().chain(&OUTPUTS).chain([&PWM]);
     outputs.for_each(|pin| drive_low(*pin));
     INPUTS.iter().for_each(|pin| pull_up(*pin));

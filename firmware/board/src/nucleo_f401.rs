@@ -34,6 +34,7 @@ pub use usart2::{baud, is_sent, send};
 use crate::nvic::{Vector, vectors};
 use nucleo as table;
 use stm32f4 as chip;
+use systick as timer;
 use usart2 as link;
 
 /// The clock of the processor.

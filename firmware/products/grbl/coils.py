@@ -1,6 +1,8 @@
 """With the feature `coils` a step is one change of the levels of a motor, and no step is lost.
 
-Each motor has four wires, which follow the eight states of half steps.
+Each motor has four wires, which follow the eight states of half steps. The current is off while the
+motors are, and stays on if a setting changes. The protocol is that of grblHAL, because Grbl obeys
+no line in the time in which the motors are on after power-on.
 """
 
 from __future__ import annotations
@@ -19,6 +21,7 @@ from products.grbl.link import ANSWER_S, Edges, Grbl
 
 WIRES = 4
 OFF = 0
+FEATURES = "coils,grblhal"
 # One wire and two wires in turn.
 STATES = (0b0001, 0b1001, 0b1000, 0b1100, 0b0100, 0b0110, 0b0010, 0b0011)
 
@@ -42,22 +45,44 @@ def steps(happened: Iterable[Happened]) -> Edges:
     return found
 
 
+def last(grbl: Grbl, log: Path) -> int:
+    """The present levels of all wires."""
+    # The monitor answers when everything before it has been written.
+    grbl.monitor("info status")
+    return made(registers.read_file(grbl.board, log))[-1].levels
+
+
+def hold(board: Board) -> None:
+    """Motors that never rest keep their current from power-on, also when a setting changes."""
+    with tempfile.TemporaryDirectory() as path:
+        log = Path(path) / "log"
+        # QEMU waits with the first lines, so that the motors move before they would rest.
+        trace = *registers.ACCESSES, "-D", str(log), "-S"
+        with Grbl("grbl", board, *trace, features=FEATURES) as grbl:
+            grbl.connect()
+            grbl.say("$1=255\nG91 G1 X1 F600\nG4 P0.1\n")
+            grbl.monitor("cont")
+            for _ in range(3):
+                answer = list(grbl.answered())
+                require(answer[-1] == "ok", f"{board}: {answer}")
+            for line in ("$10=1", "G4 P0.1"):
+                require(grbl.ask(line) == ["ok"], f"{board}: {line}")
+            held = last(grbl, log)
+    are_held = all(wires(held, axis) != OFF for axis in range(3))
+    require(are_held, f"{board}: no current after a setting: {held:b}")
+
+
 def check(board: Board, lines: list[str], expected: Edges) -> None:
     """Runs a program, and compares its steps with those of the emulator."""
     with tempfile.TemporaryDirectory() as path:
         log = Path(path) / "log"
-        with Grbl("grbl", board, *registers.ACCESSES, "-D", str(log), features="coils") as grbl:
+        with Grbl("grbl", board, *registers.ACCESSES, "-D", str(log), features=FEATURES) as grbl:
             grbl.start()
             for line in lines:
                 require(grbl.ask(line) == ["ok"], f"{board}: {line}")
             grbl.ask("$SLP")
-
-            def is_off() -> bool:
-                # The monitor answers when everything before it has been written.
-                grbl.monitor("info status")
-                return made(registers.read_file(board, log))[-1].levels == OFF
-
-            until(is_off, ANSWER_S, f"{board}: the current is on in sleep")
+            until(lambda: last(grbl, log) == OFF, ANSWER_S, f"{board}: the current is on in sleep")
         found = steps(registers.read_file(board, log))
     require(found == expected, f"{board}: coils: {found} instead of {expected}")
+    hold(board)
     print(f"{board}: coils: {sum(found.pulses)} steps as in the emulator")

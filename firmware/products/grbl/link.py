@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from typing import Self
 
 from husillo_firmware.qemu import Firmware
 from husillo_firmware.registers import Happened, made
@@ -20,7 +21,7 @@ class Grbl(Firmware):
 
     begun = b""
 
-    def __enter__(self) -> Grbl:
+    def __enter__(self) -> Self:
         return self
 
     def start(self) -> None:
@@ -94,12 +95,17 @@ class Edges:
     @staticmethod
     def of(happened: Iterable[Happened]) -> Edges:
         """Counts the edges at the pins."""
+        return Edges.among(one.levels for one in made(happened))
+
+    @staticmethod
+    def among(levels: Iterable[int]) -> Edges:
+        """Counts the edges in successive levels of the motors' pins."""
         edges, before = Edges([0] * 3, [0] * 3), 0
-        for one in made(happened):
-            rising = one.levels & ~before & STEPS
+        for after in levels:
+            rising = after & ~before & STEPS
             for axis in range(3):
                 if rising >> axis & 1:
                     edges.pulses[axis] += 1
-                    edges.net[axis] += -1 if one.levels >> 3 + axis & 1 else 1
-            before = one.levels
+                    edges.net[axis] += -1 if after >> 3 + axis & 1 else 1
+            before = after
         return edges

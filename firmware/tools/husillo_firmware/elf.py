@@ -45,6 +45,9 @@ class Elf:
     def __init__(self, path: Path) -> None:
         self.path = path
         self.data = path.read_bytes()
+        # Where the program begins.
+        self.entry: int
+        (self.entry,) = struct.unpack_from("<I", self.data, 0x18)
         (offset,) = struct.unpack_from("<I", self.data, 0x20)
         size, count, names = struct.unpack_from("<HHH", self.data, 0x2E)
         raw = [struct.unpack_from("<10I", self.data, offset + n * size) for n in range(count)]

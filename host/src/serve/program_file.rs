@@ -211,11 +211,17 @@ fn checked(machine: &Machine, client: u64, name: &str, text: Vec<u8>) -> Result<
 /// What a program is checked against, from the driver.
 fn surroundings(machine: &Machine, client: u64) -> Result<Surroundings, String> {
     let (to, around) = sync_channel(1);
-    let (nobody, _) = channel(1);
+    let (refusal, mut refused) = channel(1);
     let request = Request::Surroundings(to);
-    machine.ask(client, request, Reply::new(Value::Null, nobody));
-    let around = around.recv_timeout(ANSWER);
-    around.map_err(|_| "the machine does not answer".to_owned())
+    machine.ask(client, request, Reply::new(Value::Null, refusal));
+    around.recv_timeout(ANSWER).map_err(|_| {
+        let answer: Option<Value> = refused
+            .try_recv()
+            .ok()
+            .and_then(|answer| serde_json::from_str(&answer).ok());
+        let why = answer.and_then(|answer| answer["error"].as_str().map(str::to_owned));
+        why.unwrap_or_else(|| "the machine does not answer".into())
+    })
 }
 
 fn refused(status: StatusCode, why: &str) -> Response {

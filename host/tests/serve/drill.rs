@@ -1,6 +1,8 @@
 //! The circuit-board drill, operated by pages.
 
+use super::emulated::Emulated;
 use super::page::{Page, Served};
+use super::relay::Relay;
 use serde_json::{Value, json};
 use std::time::{Duration, Instant};
 
@@ -59,6 +61,8 @@ fn until_phase(page: &mut Page, phase: &str) {
     });
 }
 
+/// Holes of a board that is placed for more than a second.
+const HOLES: u64 = 300_000;
 const BOARD: &str = "M48\nMETRIC,TZ\nT1C0.8\nT2C1.0\n%\nT1\nX10.0Y10.0\nX12.0Y10.0\nT2\n\
                      X10.0Y12.0\nM30\n";
 
@@ -442,4 +446,75 @@ fn errors_have_places_and_nothing_moves() {
     let (_, report) = served.load(page.client, "far.drl", &BOARD.replace("Y12.0", "Y60.0"));
     assert_eq!(report["findings"][0]["code"], "E0401");
     page.refused(json!({"do": "place", "placing": {"tango": true, "turn_degrees": null}}));
+}
+
+#[test]
+fn a_lost_answer_at_rest_ends_neither_a_waiting_program_nor_the_link() {
+    let device = Emulated::listening("drill", &[]);
+    let relay = Relay::to(device.port());
+    let served = served(&["--port", &relay.port]);
+    let mut page = operator(&served);
+    let asked_again = |page: &mut Page, times: usize| {
+        relay.lose(4);
+        page.until("the second question", |page| {
+            let lines = page.lines.iter().map(|line| line["text"].as_str().unwrap());
+            (lines
+                .filter(|text| text.starts_with("asked once more"))
+                .count()
+                == times)
+                .then_some(())
+        });
+        page.pass(Duration::from_millis(1500));
+        assert_eq!(page.states[0]["link"], "up", "{:?}", page.states[0]);
+    };
+    let near = "%\nG21\nG90\nX0.1 Y0.1\nX0.2\n%\n";
+    assert_eq!(served.load(page.client, "near.txt", near).0, 200);
+    page.done(json!({"do": "breakpoints", "lines": [2]}));
+    page.done(json!({"do": "run", "confirmed": true}));
+    until_phase(&mut page, "waiting");
+    asked_again(&mut page, 1);
+    assert_eq!(page.states[0]["program"]["phase"], "waiting");
+    page.done(json!({"do": "stop"}));
+    until_phase(&mut page, "stopped");
+    // The manual mode ends, so that its keys are known to arrive.
+    page.done(json!({"do": "manual", "on": true}));
+    page.until("the manual mode", |page| {
+        (drill(page)["is_manual"] == true && page.states[0]["state"] == "Idle").then_some(())
+    });
+    asked_again(&mut page, 2);
+    assert_eq!(drill(&page)["is_manual"], false);
+    let why = page.refused(json!({"do": "steps", "steps": {"x": 10}}));
+    assert!(why.contains("manual mode"), "{why}");
+    page.done(json!({"do": "link_test"}));
+}
+
+#[test]
+fn stop_does_not_wait_for_a_board_that_is_placed() {
+    let served = served(&["--speed", "20"]);
+    let mut page = operator(&served);
+    let hole = |at: u64| {
+        let [x, y] = [at * 7919 % 21_400, at * 104_729 % 4400];
+        format!("X{}.{:02}Y{}.{:02}\n", x / 100, x % 100, y / 100, y % 100)
+    };
+    let holes: String = (0..HOLES).map(hole).collect();
+    let board = format!("M48\nMETRIC,TZ\nT1C0.8\n%\nT1\n{holes}M30\n");
+    assert_eq!(served.load(page.client, "large.drl", &board).0, 200);
+    let placing = page.begin(json!({"do": "place", "placing": {"shortest": true}}));
+    let begun = Instant::now();
+    // The driver answers while the board is placed.
+    page.done(json!({"do": "single_block", "on": true}));
+    let why = page.refused(json!({"do": "run"}));
+    assert!(why.contains("being placed"), "{why}");
+    page.done(json!({"do": "stop"}));
+    let why = page.answer(placing).unwrap_err();
+    assert_eq!(why, "stopped");
+    println!("{HOLES} holes: STOP after {:?}", begun.elapsed());
+    page.until("the stop", |page| {
+        page.has_line("the machine has stopped").then_some(())
+    });
+    let shown = &page.states[0]["program"];
+    assert_eq!(
+        (&shown["load"], &shown["lines"]),
+        (&json!(1), &json!(HOLES))
+    );
 }

@@ -20,6 +20,12 @@ fn a_lost_controller_is_reported_and_found_again() {
     assert!(page.states[0]["machine_mm"].is_null());
     assert!(page.states[0]["why"].is_string() && page.states[0]["advice"].is_string());
     assert!(page.refused(json!({"do": "unlock"})).contains("lost"));
+    let (status, why) = served.load(page.client, "part.nc", "G1 X1 F300\n");
+    assert_eq!(status, 400);
+    assert!(
+        why.as_str().unwrap().contains("the controller is lost"),
+        "{why}"
+    );
     // The operator has not changed.
     assert_eq!(page.states[0]["operator"], page.client);
     let again = Emulated::listening_at(port.trim_start_matches("tcp:"), "grbl", &[]);

@@ -20,6 +20,7 @@ mod mtconnect;
 mod page;
 mod probing;
 mod programs;
+mod relay;
 mod reports;
 mod settings;
 mod watching;

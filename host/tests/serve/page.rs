@@ -225,12 +225,23 @@ impl Page {
             .unwrap();
     }
 
-    /// Sends a request and waits for its answer.
-    pub fn ask(&mut self, mut request: Value) -> Result<Value, String> {
+    /// Sends a request. Returns the number of its answer.
+    pub fn begin(&mut self, mut request: Value) -> u64 {
         let id = self.next;
         self.next += 1;
         request["id"] = json!(id);
         self.say(request);
+        id
+    }
+
+    /// Sends a request and waits for its answer.
+    pub fn ask(&mut self, request: Value) -> Result<Value, String> {
+        let id = self.begin(request);
+        self.answer(id)
+    }
+
+    /// Waits for the answer with this number.
+    pub fn answer(&mut self, id: u64) -> Result<Value, String> {
         self.until("an answer", |page| {
             let at = page.answers.iter().position(|answer| answer["id"] == id)?;
             let mut answer = page.answers.swap_remove(at);

@@ -27,7 +27,7 @@ const WIRES: usize = 4;
 pub struct Motors(husillo_stepper::Motors<3, Motor>);
 
 impl Motors {
-    /// All at the first state of their cycle, with the current off.
+    /// All at the first state of their cycle, with the current off until the pins are set.
     pub fn new() -> Self {
         let mut coils = husillo_stepper::Motors::new([MOTOR; 3], Idle::Hold);
         coils.set_enabled(false);
@@ -56,6 +56,9 @@ impl Motors {
     }
 
     /// Switches the current of all coils. The next current is that of the same state.
+    ///
+    /// It is on from power-on for the time `$1`, during a motion and for that time after it, and
+    /// with `$1=255` until sleep.
     pub fn set_enabled(&mut self, is_on: bool) {
         self.0.set_enabled(is_on);
     }

@@ -82,7 +82,7 @@ fn main() -> ! {
         must_store: false,
         motors: Motors::new(),
         mist: 0,
-        is_disable_high: true,
+        is_disable_high: false,
         must_set: false,
         outputs: Outputs::default(),
         switches: Switches::new(),

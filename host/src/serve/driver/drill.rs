@@ -70,6 +70,7 @@ impl Drive for Drill {
             Ok(()) => "this program has ended",
             Err(_) => "the controller is lost",
         };
+        driver.bench.drop_placing(why);
         driver.bench.end_program(why);
         driver.bench.show();
         ended
@@ -113,6 +114,7 @@ impl Driver<'_> {
             while let Ok(asked) = self.bench.requests.try_recv() {
                 self.carry_out(asked)?;
             }
+            self.bench.finish_placing();
             let has_moved = self.jog()? || self.feed_program()?;
             if !has_moved {
                 self.client.rest(REST).map_err(Trouble::lost)?;
@@ -168,7 +170,7 @@ impl Driver<'_> {
             }
             Request::Unload => self.bench.unload(),
             Request::Place { placing } => {
-                reply.result(self.bench.place_board(&placing));
+                self.bench.place_board(placing, reply);
                 return Ok(());
             }
             Request::Taught => {

@@ -2,6 +2,7 @@
 
 use super::Published;
 use super::jogging::Jogging;
+use super::placing::Placement;
 use super::running::Running;
 use crate::serve::console_lines::From;
 use crate::serve::drill_program::millimetres;
@@ -56,6 +57,8 @@ pub(super) struct Bench<'a> {
     pub(super) heartbeats: u64,
     /// Positions that were taught since the memory was cleared, steps.
     pub(super) taught: Vec<[u16; 2]>,
+    /// A board that is being placed.
+    pub(super) placement: Option<Placement>,
     /// Why everything is being stopped.
     pub(super) halting: Option<&'static str>,
     /// Time of the link.
@@ -83,6 +86,7 @@ impl<'a> Bench<'a> {
             has_spindle: false,
             heartbeats: 0,
             taught: Vec::new(),
+            placement: None,
             halting: None,
             now: Duration::ZERO,
             published: Published::new(),
@@ -159,6 +163,9 @@ impl<'a> Bench<'a> {
     pub(super) fn is_free(&self) -> Result<(), String> {
         if self.running.course.is_active() {
             return Err("a program runs".into());
+        }
+        if self.placement.as_ref().is_some_and(Placement::is_wanted) {
+            return Err("the board is being placed: wait, or press STOP".into());
         }
         match self.jogging.is_active() {
             true => Err("the machine jogs".into()),

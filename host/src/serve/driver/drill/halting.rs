@@ -12,6 +12,7 @@ impl Driver<'_> {
         self.bench.machine.lease.end();
         let had_jog = self.bench.jogging.is_active();
         self.bench.jogging = Jogging::default();
+        self.bench.drop_placing(why);
         let had_program = self.bench.running.course.is_active();
         self.bench.stop_program();
         self.spindle(false).or_else(Trouble::unless_lost)?;

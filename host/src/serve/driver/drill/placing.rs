@@ -6,33 +6,83 @@ use super::stepping::Trouble;
 use crate::drill::program_text;
 use crate::serve::drill_program::Placing;
 use crate::serve::loaded::Loaded;
+use crate::serve::reply::Reply;
 use husillo_transports::drill::{Record, Step};
 use serde_json::Value;
+use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
 use std::sync::{Arc, PoisonError};
 
 /// The name of a program that was taught.
 const TAUGHT: &str = "taught.txt";
 
+/// A board that is being placed, in a thread of its own: STOP and states do not wait for it.
+#[derive(Debug)]
+pub(super) struct Placement {
+    made: Receiver<Result<Loaded, String>>,
+    /// Where the answer goes. None: nobody wants it any more.
+    reply: Option<Reply>,
+    /// The zero from which the holes of the references were measured.
+    measured_zero: Option<[u16; 2]>,
+}
+
+impl Placement {
+    /// Whether its result is wanted.
+    pub(super) const fn is_wanted(&self) -> bool {
+        self.reply.is_some()
+    }
+}
+
 impl Bench<'_> {
-    /// Places the loaded drill file. Returns its report, as after it was loaded.
-    ///
-    /// # Errors
-    ///
-    /// A sentence about why not. The program stays as it was.
-    pub(super) fn place_board(&mut self, placing: &Placing) -> Result<Value, String> {
-        self.is_free()?;
-        let before = self
-            .running
-            .course
-            .program()
-            .ok_or("no program is loaded")?;
-        let text = before.text.clone();
-        let placed = Loaded::of_drill(&before.name, text, &surroundings(), placing)?;
-        let report = self.replace(placed)?;
-        if !placing.references.is_empty() {
-            self.running.measured_zero = Some(self.zero());
+    /// Begins to place the loaded drill file. The answer is its report, as after it was loaded, or
+    /// a sentence about why not. The program then stays as it was.
+    pub(super) fn place_board(&mut self, placing: Placing, reply: Reply) {
+        let program = self.running.course.program();
+        let program = match (self.is_free(), program, &self.placement) {
+            (Err(why), ..) => return reply.error(why),
+            (_, None, _) => return reply.error("no program is loaded"),
+            (.., Some(_)) => return reply.error("the board is still being placed: try again"),
+            (Ok(()), Some(program), None) => Arc::clone(program),
+        };
+        let has_references = !placing.references.is_empty();
+        let (to, made) = sync_channel(1);
+        std::thread::spawn(move || {
+            let text = program.text.clone();
+            let placed = Loaded::of_drill(&program.name, text, &surroundings(), &placing);
+            // If the driver has ended, nobody wants it.
+            let _ = to.send(placed);
+        });
+        self.placement = Some(Placement {
+            made,
+            reply: Some(reply),
+            measured_zero: has_references.then(|| self.zero()),
+        });
+    }
+
+    /// Loads the board when it is placed.
+    pub(super) fn finish_placing(&mut self) {
+        let placed = match self.placement.as_ref().map(|one| one.made.try_recv()) {
+            None | Some(Err(TryRecvError::Empty)) => return,
+            Some(Err(TryRecvError::Disconnected)) => Err("the board could not be placed".into()),
+            Some(Ok(placed)) => placed,
+        };
+        let placement = self.placement.take();
+        let Some((reply, zero)) = placement.and_then(|one| Some((one.reply?, one.measured_zero)))
+        else {
+            return;
+        };
+        let loaded = placed.and_then(|program| self.replace(program));
+        if loaded.is_ok() && zero.is_some() {
+            self.running.measured_zero = zero;
         }
-        Ok(report)
+        reply.result(loaded);
+    }
+
+    /// The board that is being placed is not wanted any more.
+    pub(super) fn drop_placing(&mut self, why: &str) {
+        let placement = self.placement.as_mut();
+        if let Some(reply) = placement.and_then(|one| one.reply.take()) {
+            reply.error(why);
+        }
     }
 
     /// Loads a program that was made here, as if a page had sent it.

@@ -2,7 +2,8 @@
 
 use super::Driver;
 use super::bench::Work;
-use husillo_clients::drill::{ClientError, Going, Place};
+use crate::serve::console_lines::From;
+use husillo_clients::drill::{Client, ClientError, Going, Place};
 use husillo_transports::drill::{Failure, Reading, Step};
 use std::time::Duration;
 
@@ -96,12 +97,13 @@ impl Driver<'_> {
     fn rest_after(&mut self, error: &ClientError) -> Trouble {
         self.bench.is_manual = false;
         let why = error.text();
-        let is_gone = matches!(
-            error,
-            ClientError::Port(_) | ClientError::Link(Failure::Fault | Failure::Restarted)
-        );
+        if self.bench.halting.is_none() && !is_gone(error) {
+            // To find out takes some seconds.
+            let text = format!("{why}; the drill is asked what it does");
+            self.bench.machine.tell(From::Server, text);
+        }
         self.bench.show();
-        if is_gone || self.client.find_out().is_err() {
+        if is_gone(error) || self.client.find_out().is_err() {
             return Trouble::Lost(why);
         }
         self.bench.has_spindle = false;
@@ -117,7 +119,7 @@ impl Driver<'_> {
 
     /// Reads where the drill is.
     pub(super) fn read_place(&mut self) -> Result<(), Trouble> {
-        let place = Place::read(&mut self.client).map_err(Trouble::lost)?;
+        let place = self.ask(Place::read)?;
         self.bench.has_spindle = place.machine.spindle_turns;
         self.bench.place = Some(place);
         Ok(())
@@ -125,11 +127,40 @@ impl Driver<'_> {
 
     /// Asks a drill at rest for its sensors and its spindle.
     pub(super) fn ask_state(&mut self) -> Result<(), Trouble> {
-        let (_, bits) = self.client.read(Reading::State).map_err(Trouble::lost)?;
+        let (_, bits) = self.ask(|client| client.read(Reading::State))?;
         if let Some(place) = &mut self.bench.place {
             place.machine.set_bits(bits);
             self.bench.has_spindle = place.machine.spindle_turns;
         }
         Ok(())
     }
+
+    /// Asks a drill at rest. After a byte that was lost it asks once more: nothing moves, so a
+    /// program that waits is not ended by that. The manual mode is.
+    fn ask<T>(
+        &mut self,
+        question: impl Fn(&mut Client) -> Result<T, ClientError>,
+    ) -> Result<T, Trouble> {
+        let error = match question(&mut self.client) {
+            Ok(answer) => return Ok(answer),
+            Err(error) => error,
+        };
+        if is_gone(&error) || self.client.find_out().is_err() {
+            return Err(Trouble::lost(error));
+        }
+        let mut text = format!("asked once more: {}", error.text());
+        if std::mem::take(&mut self.bench.is_manual) {
+            text += "; the manual mode has ended";
+        }
+        self.bench.machine.tell(From::Server, text);
+        question(&mut self.client).map_err(Trouble::lost)
+    }
+}
+
+/// Whether a drill cannot be asked again after this error.
+const fn is_gone(error: &ClientError) -> bool {
+    matches!(
+        error,
+        ClientError::Port(_) | ClientError::Link(Failure::Fault | Failure::Restarted)
+    )
 }
