@@ -1,10 +1,11 @@
 //! The general circular arc in a plane: any centre, any end points, several turns.
 
-use crate::Step;
 use crate::counted::Counted;
+use crate::interpolator::Totals;
 use crate::length::square_root;
 use crate::method::interpolator;
 use crate::walk::{Spread, Start, Toward, Walk};
+use crate::{Run, Step};
 use core::fmt;
 
 /// Largest distance of an end from the centre in BLU. The difference of any two points of the arc
@@ -210,6 +211,48 @@ impl Arc {
             counted: Counted::with_totals(walk, totals),
             radius,
         })
+    }
+
+    /// Prepares an arc whose totals are known from an arc of the same [`ArcMove`].
+    pub(crate) fn with_totals(
+        arc: &ArcMove,
+        plane: [u32; 2],
+        totals: Totals,
+    ) -> Result<Arc, ArcError> {
+        let (start, radius, fits_narrow) = start(arc, plane)?;
+        let walk = if fits_narrow {
+            Width::Narrow(Walk::new(&start))
+        } else {
+            Width::Wide(Walk::new(&start))
+        };
+        Ok(Arc {
+            counted: Counted::with_totals(walk, totals),
+            radius,
+        })
+    }
+
+    /// See [`Helix::directions`](crate::Helix::directions). `None` for words of 64 bits: with the
+    /// [`fraction_bits_for`] a radius, only arcs of more than 2^24 steps have them.
+    pub(crate) fn directions(&mut self) -> Option<[u8; 2]> {
+        match &mut self.counted.walk {
+            Width::Narrow(walk) => walk.directions(),
+            Width::Wide(_) => None,
+        }
+    }
+
+    /// See [`Helix::fill`](crate::Helix::fill). `each` takes the sweep and the steps of each event.
+    pub(crate) fn fill<'a, const N: usize>(
+        &mut self,
+        places: impl Iterator<Item = (&'a mut u32, &'a mut [i8; N])>,
+        room: u32,
+        each: impl FnMut(u32, &mut [i8; N]),
+    ) -> Run<N> {
+        let Width::Narrow(walk) = &mut self.counted.walk else {
+            return Run::NONE;
+        };
+        let run = walk.fill(places, room, each);
+        self.counted.pass(run.events);
+        run
     }
 
     /// Number of events of the whole arc.

@@ -24,6 +24,11 @@ impl<W> Counted<W> {
         }
     }
 
+    /// Counts events that the walk made by itself.
+    pub(crate) const fn pass(&mut self, events: u32) {
+        self.left = self.left.wrapping_sub(events);
+    }
+
     /// Number of events of the whole walk.
     pub(crate) const fn events(&self) -> u32 {
         self.totals.events

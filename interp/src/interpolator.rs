@@ -1,6 +1,6 @@
 //! Traits of the methods and of the set of methods that a machine uses.
 
-use crate::{ArcError, ArcMove, GridEllipse, Line, Step};
+use crate::{ArcError, ArcMove, GridEllipse, Helix, Line, Step};
 
 /// A move in progress: an iterator of events that knows how many remain.
 ///
@@ -46,9 +46,37 @@ pub trait Moves<const N: usize>: Interpolator {
         Err(ArcError::Unequal)
     }
 
+    /// What making an arc with [`arc`](Self::arc) has found out by walking it, for
+    /// [`arc_again`](Self::arc_again). `None` if that would walk it again, as by default.
+    fn totals_of_arc(&self) -> Option<Totals> {
+        None
+    }
+
+    /// Creates an arc that was created before, without walking it. The events are those of
+    /// [`arc`](Self::arc).
+    ///
+    /// `totals` are the [`totals_of_arc`](Self::totals_of_arc) of an arc with the same parameters.
+    ///
+    /// # Errors
+    /// As [`arc`](Self::arc).
+    fn arc_again(
+        arc: &ArcMove,
+        plane: [usize; 2],
+        along: [i32; N],
+        _totals: Totals,
+    ) -> Result<Self, ArcError> {
+        Self::arc(arc, plane, along)
+    }
+
     /// Radius of an arc in the unit of its sweep: `total_sweep / radius` is its length in BLU of
     /// the first axis of its plane. `None` for a line.
     fn radius(&self) -> Option<u64>;
+
+    /// The move as an arc with motion of the other axes, if it is one, for loops over many of its
+    /// events. A set with another method for arcs returns `None`.
+    fn as_arc(&mut self) -> Option<&mut Helix<N>> {
+        None
+    }
 
     /// The move as a [`Line`], if it is one, for loops over many of its events. A set with another
     /// method for lines returns `None`.
@@ -59,10 +87,14 @@ pub trait Moves<const N: usize>: Interpolator {
 
 /// Sums over a whole move.
 #[derive(Copy, Clone, PartialEq, Eq, Debug, Default)]
-pub(crate) struct Totals {
-    pub(crate) events: u32,
-    pub(crate) total_sweep: u64,
-    pub(crate) largest_sweep: u32,
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Totals {
+    /// Number of events.
+    pub events: u32,
+    /// Sum of the sweeps of all events.
+    pub total_sweep: u64,
+    /// Largest sweep of an event.
+    pub largest_sweep: u32,
 }
 
 impl Totals {

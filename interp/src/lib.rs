@@ -34,6 +34,7 @@ mod conic_move;
 mod nurbs;
 
 mod helix;
+mod run;
 
 mod path;
 
@@ -60,13 +61,14 @@ pub use direct_search_printed::DirectSearchPrinted;
 pub use fixed;
 pub use grid_ellipse::GridEllipse;
 pub use helix::Helix;
-pub use interpolator::{Interpolator, Moves};
+pub use interpolator::{Interpolator, Moves, Totals};
 pub use length::length;
 pub use line::Line;
 pub use narrow_arc::NarrowArc;
 pub use nurbs::{Nurbs, TooManyPoints};
 pub use path::Path;
 pub use programmed_arc::{GridArc, ProgrammedArc};
+pub use run::Run;
 pub use scale::Scale;
 pub use staircase::Staircase;
 pub use step::Step;

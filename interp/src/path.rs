@@ -44,6 +44,30 @@ impl<const N: usize> Moves<N> for Path<N> {
         }
     }
 
+    fn totals_of_arc(&self) -> Option<Totals> {
+        match self {
+            Path::Arc(helix) => helix.totals_of_arc(),
+            _ => None,
+        }
+    }
+
+    fn arc_again(
+        arc: &ArcMove,
+        plane: [usize; 2],
+        along: [i32; N],
+        totals: Totals,
+    ) -> Result<Self, ArcError> {
+        Ok(Path::Arc(Helix::again(arc, plane, along, totals)?))
+    }
+
+    #[inline]
+    fn as_arc(&mut self) -> Option<&mut Helix<N>> {
+        match self {
+            Path::Arc(helix) => Some(helix),
+            _ => None,
+        }
+    }
+
     #[inline]
     fn as_line(&mut self) -> Option<&mut Line<N>> {
         match self {

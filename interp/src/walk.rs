@@ -12,7 +12,7 @@
 //!         +---------+-- u   the quadrant ends when du >= 0, that is u <= 1/2 BLU
 //! ```
 
-use crate::{Step, interpolator::Totals};
+use crate::{Run, Step, interpolator::Totals};
 
 /// A signed machine word for the state: `i32` where it fits, `i64` otherwise.
 ///
@@ -298,6 +298,100 @@ impl<W: Word> Walk<W> {
             }
         }
         (self.residue, self.du, self.dv, *totals) = (residue, du, dv, sum);
+    }
+
+    /// The axes of the next events, as a mask, and those of them that step backwards. They hold up
+    /// to the end of the quadrant. `None` where an event does not go to the nearest point.
+    pub(crate) fn directions(&mut self) -> Option<[u8; 2]> {
+        if self.is_at_limit() {
+            if self.quadrants == 0 {
+                return None;
+            }
+            // As in `next`. A circle of a step or two may be at the next limit at once.
+            let mut turned = *self;
+            turned.turn();
+            if turned.is_at_limit() {
+                return None;
+            }
+            *self = turned;
+        }
+        Some(self.toward_u.and(self.toward_v).0.to_le_bytes())
+    }
+
+    /// Writes the sweeps and the steps of the events for which [`directions`](Self::directions)
+    /// holds. Ends after the event that goes beyond `room`. `each` may add steps of other axes.
+    #[inline(always)]
+    pub(crate) fn fill<'a, const N: usize>(
+        &mut self,
+        places: impl Iterator<Item = (&'a mut u32, &'a mut [i8; N])>,
+        mut room: u32,
+        mut each: impl FnMut(u32, &mut [i8; N]),
+    ) -> Run<N> {
+        let mut run = Run::NONE;
+        if self.directions().is_none() {
+            return run;
+        }
+        // Without the rest of the state these fit in registers.
+        let (mut residue, mut du, mut dv) = (self.residue, self.du, self.dv);
+        let (du_limit, dv_limit) = (self.du_limit, self.dv_limit);
+        let (one, two) = (self.one, self.one.plus(self.one));
+        let [toward_u, toward_v] = [self.toward_u, self.toward_v];
+        let deltas = |toward: Toward| toward.step(1).deltas::<N>();
+        let (along_u, along_v) = (deltas(toward_u), deltas(toward_v));
+        let along_both = deltas(toward_u.and(toward_v));
+        let (mut events, mut steps_u, mut steps_v) = (0_u32, 0_u32, 0_u32);
+        for (place, delta) in places {
+            if self.spread.left != 0 {
+                residue = residue.minus(self.change_of_radius());
+            }
+            let (way, after, sweep) = nearest(residue, du, dv, one);
+            residue = after;
+            events = events.wrapping_add(1);
+            match way {
+                Way::U => {
+                    du = du.plus(two);
+                    steps_u = steps_u.wrapping_add(1);
+                    *delta = along_u;
+                }
+                Way::V => {
+                    dv = dv.plus(two);
+                    steps_v = steps_v.wrapping_add(1);
+                    *delta = along_v;
+                }
+                Way::Both => {
+                    du = du.plus(two);
+                    dv = dv.plus(two);
+                    steps_u = steps_u.wrapping_add(1);
+                    steps_v = steps_v.wrapping_add(1);
+                    *delta = along_both;
+                }
+            }
+            let sweep = sweep.max(self.least_sweep).sweep(self.sweep_shift);
+            *place = sweep;
+            each(sweep, delta);
+            match room.checked_sub(sweep) {
+                Some(rest) => room = rest,
+                None => {
+                    run.is_beyond = true;
+                    break;
+                }
+            }
+            if (du >= du_limit) | (dv >= dv_limit) {
+                break;
+            }
+        }
+        (self.residue, self.du, self.dv) = (residue, du, dv);
+        run.events = events;
+        for (steps, (u, v)) in run.steps.iter_mut().zip(along_u.iter().zip(along_v)) {
+            // At most 255 each.
+            if *u != 0 {
+                *steps = steps_u as u8;
+            }
+            if v != 0 {
+                *steps = steps_v as u8;
+            }
+        }
+        run
     }
 
     /// Whether something other than a step to the nearest point may be due.

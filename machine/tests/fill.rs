@@ -189,6 +189,14 @@ proptest! {
         compare(&ready::<(), Ramp>(router(30, None)), &acts, &lengths);
     }
 
+    /// Arcs are ellipses on the grid.
+    #[test]
+    fn ramps_on_unequal_steps(acts in acts(), lengths in lengths(), backlash in 0..2_u32) {
+        let mut config = router(backlash * 20, None);
+        config.axes[1].scale = husillo_machine::Scale::new(3_500, 1).unwrap();
+        compare(&ready::<(), Ramp>(config), &acts, &lengths);
+    }
+
     #[test]
     fn limited_jerk(acts in acts(), lengths in lengths(), backlash in 0..2_u32) {
         let config = router(backlash * 20, Some(80_000_000));

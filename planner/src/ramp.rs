@@ -92,6 +92,9 @@ pub struct Ramp {
     /// Timer of the top speed; made when the path reaches it.
     cruise: Timer,
     has_cruise: bool,
+    /// Whether all parts of the move at the top speed are below 2^25 ticks. Then an event within
+    /// one is less than a quarter of a tick early.
+    is_cruise_quick: bool,
     /// Acceleration for which `course.slowness` was computed.
     acceleration: u64,
     /// That of `course.other`; 0 where it is not known.
@@ -156,6 +159,7 @@ impl Ramp {
             fine_bits: 0,
             cruise: Timer::new(0, 1, 1),
             has_cruise: false,
+            is_cruise_quick: false,
             acceleration: 0,
             upper_acceleration: 0,
             top: 1,
@@ -402,6 +406,32 @@ impl Ramp {
             }
         }
         waits
+    }
+
+    /// Sweep up to which [`fill_swept`](Ramp::fill_swept) can time the next events of a move with
+    /// events of different sweep. 0 where [`wait`](Ramp::wait) has to be called for the next event.
+    ///
+    /// `limits` are those of [`LookAhead::limits`](crate::LookAhead::limits) at this moment. At
+    /// least one event has to be timed before they change, or before a hold.
+    pub fn room(&mut self, limits: &Limits) -> u32 {
+        self.follow(limits);
+        let is_even = self.late == 0 && self.course.slowness.fraction_bits == 32;
+        if self.is_line || self.course.is_held || !is_even {
+            return 0;
+        }
+        if self.span.passed == self.span.sweep {
+            self.next_span();
+        }
+        self.span.room()
+    }
+
+    /// Replaces the sweeps of the next events by the waits before them, as [`wait`](Ramp::wait)
+    /// returns them. Together the sweeps are at most the [`room`](Ramp::room).
+    ///
+    /// # Cost
+    /// Three 32-bit products per event; one at constant speed.
+    pub fn fill_swept<'a>(&mut self, places: impl Iterator<Item = &'a mut u32>) -> Waits {
+        self.span.fill(&mut self.events.owed, places)
     }
 
     /// Writes the waits of events next to standstill, but not of the last one.
@@ -671,6 +701,7 @@ impl Ramp {
     /// Returns the ticks of a sweep within the present span.
     fn pass(&mut self, sweep: u64, is_end: bool) -> u64 {
         if let Law::Level = self.span.law {
+            // The timer keeps the time.
             self.span.passed = self.span.passed.wrapping_add(sweep);
             let time = self.cruise.product(sweep);
             return self.settle(time, self.cruise_bits());
@@ -696,14 +727,19 @@ impl Ramp {
             self.course.next_rest(sweep, grain)
         };
         let sweep_of = |count: u32| u64::from(count).wrapping_shl(grain);
-        let (time, gain, law) = match next {
+        match next {
             Part::Level { count } => {
                 if !self.has_cruise {
                     self.prepare_cruise();
                 }
                 // The rest of a grain is zero.
                 sweep = sweep.max(sweep_of(count));
-                (0, 0, Law::Level)
+                self.span = if self.is_cruise_quick {
+                    let time = self.level_time(sweep);
+                    Span::level(sweep, time)
+                } else {
+                    Span::with(sweep, 0, 0, Law::Level)
+                };
             }
             Part::Ramp { count, from, gain } => {
                 // The rest of a grain is zero.
@@ -718,30 +754,44 @@ impl Ramp {
                     end.wrapping_add(gain)
                 };
                 // Next to standstill the cubic would be wrong.
-                let law = if start.min(end)
+                let is_slow = start.min(end)
                     < self
                         .course
                         .gain()
-                        .saturating_mul(4_u64.wrapping_shl(self.course.parts.into()))
-                {
-                    Law::Exact {
+                        .saturating_mul(4_u64.wrapping_shl(self.course.parts.into()));
+                self.span = if is_slow {
+                    let law = Law::Exact {
                         from: start,
                         speed: from.speed,
                         is_rising,
-                    }
+                    };
+                    Span::with(sweep, time, gain, law)
                 } else {
-                    Law::cubic(time, &Shape::new(&from, &root, gain))
+                    Span::cubic(sweep, time, gain, &Shape::new(&from, &root, gain))
                 };
-                (time, gain, law)
             }
             Part::Corner { from, change, path } => {
                 sweep = if sweep == 0 { sweep_of(1) } else { sweep };
-                (self.course.corner_time(&from, path), change, Law::Even)
+                self.span = Span::even(sweep, self.course.corner_time(&from, path), change);
             }
             // Only lines stop before a grain.
-            Part::Stop => (0, 0, Law::Even),
+            Part::Stop => self.span = Span::even(sweep, 0, 0),
+        }
+    }
+
+    /// Returns the time of a sweep at constant speed in 2^-32 tick. The rest is carried.
+    fn level_time(&mut self, sweep: u64) -> u64 {
+        let time = self.cruise.product_of_many(sweep);
+        let bits = self.cruise_bits();
+        let Some(down) = bits.checked_sub(32) else {
+            return time.wrapping_shl(32_u32.wrapping_sub(bits));
         };
-        self.span = Span::new(sweep, time, gain, law);
+        let low = (time & 1_u64.wrapping_shl(down).wrapping_sub(1)) as u32;
+        // Below 2^32.
+        let low = low.wrapping_shl(32_u32.wrapping_sub(down));
+        let (owed, carries) = self.owed_low.overflowing_add(low);
+        self.owed_low = owed;
+        time.wrapping_shr(down).wrapping_add(carries.into())
     }
 
     /// Ends the present part at the present event.
@@ -787,7 +837,11 @@ impl Ramp {
         let whole = rest.wrapping_shr(grain).min(u32::MAX.into()) as u32;
         self.course.left = self.course.left.saturating_add(whole);
         self.grain_rest = rest & 1_u64.wrapping_shl(grain).wrapping_sub(1);
-        if let Law::Cubic { .. } | Law::Exact { .. } = self.span.law {
+        if self.span.is_level {
+            let rest = self.level_time(rest);
+            let given = self.span.time.saturating_sub(self.span.given);
+            self.late = self.late.wrapping_add(given.wrapping_sub(rest) as i64);
+        } else if let Law::Cubic(_) | Law::Exact { .. } = self.span.law {
             let slowness = &self.course.slowness;
             let rest = slowness.time(end.speed.abs_diff(self.course.root.speed));
             let given = self.span.time.saturating_sub(self.span.given);
@@ -919,10 +973,16 @@ impl Ramp {
     fn prepare_cruise(&mut self) {
         self.has_cruise = true;
         let ticks = scale(self.cruise_ticks_q16, self.programmed_top, self.top);
-        let largest = if self.is_line {
-            LONGEST
+        let longest = u64::from(self.largest_sweep).wrapping_mul(LONGEST.into());
+        // Bits of the ticks in 2^-16 of the longest part, or one less.
+        let part_bits = bits(ticks)
+            .wrapping_add(bits(longest))
+            .saturating_sub(bits(self.total_sweep));
+        self.is_cruise_quick = part_bits < 41 && self.course.slowness.fraction_bits == 32;
+        let largest = if self.is_line || self.is_cruise_quick {
+            longest
         } else {
-            self.largest_sweep
+            self.largest_sweep.into()
         };
         self.cruise = Timer::with_most_bits(ticks, self.total_sweep, largest, 47);
     }

@@ -47,12 +47,12 @@ impl Timer {
     /// `ticks / sweep * largest_sweep`, has to be below 2^61 ticks; longer waits are cut to it. A
     /// sweep of 0 is taken as 1.
     pub fn new(ticks: u64, sweep: u64, largest_sweep: u32) -> Timer {
-        Timer::rounded_up(ticks, sweep, largest_sweep, 61, true)
+        Timer::rounded_up(ticks, sweep, largest_sweep.into(), 61, true)
     }
 
     /// Does [`Timer::new`] with at most `most` fraction bits (limited to 61), and always 32 more
     /// below them: for times that add up over many moves.
-    pub(crate) fn with_most_bits(ticks: u64, sweep: u64, largest_sweep: u32, most: u8) -> Timer {
+    pub(crate) fn with_most_bits(ticks: u64, sweep: u64, largest_sweep: u64, most: u8) -> Timer {
         Timer::rounded_up(ticks, sweep, largest_sweep, most, false)
     }
 
@@ -60,11 +60,11 @@ impl Timer {
     fn rounded_up(
         ticks: u64,
         sweep: u64,
-        largest_sweep: u32,
+        largest_sweep: u64,
         most: u8,
         is_one_move: bool,
     ) -> Timer {
-        let (sweep, largest_sweep) = (sweep.max(1), u64::from(largest_sweep));
+        let sweep = sweep.max(1);
         // The longest wait is below 2^(bits(ticks) - bits(sweep) + 1 + bits(largest)).
         let longest = bits(ticks)
             .wrapping_add(1)
@@ -200,6 +200,16 @@ impl Timer {
         self.owed_low = low as u32;
         // rate sweep <= 2^62, low >> 32 < 2^32.
         self.rate.wrapping_mul(sweep).wrapping_add(low >> 32)
+    }
+
+    /// Does [`product`](Self::product) for the sweep of many events, below 2^63.
+    pub(crate) fn product_of_many(&mut self, sweep: u64) -> u64 {
+        let [upper, lower] = [sweep >> 32, sweep & 0xffff_ffff];
+        let lower = self.product(lower);
+        let low = u64::from(self.rate_low).wrapping_mul(upper);
+        lower
+            .wrapping_add(self.rate.wrapping_mul(upper << 32))
+            .wrapping_add(low)
     }
 
     /// Number of fraction bits of the rate.

@@ -14,7 +14,7 @@ from husillo_firmware.waiting import fail
 GOLDEN = FIRMWARE / "proofs/counts/golden.txt"
 # The columns, from left to right: the board and the heading.
 COLUMNS = ((MPS2, "thumbv7em"), (MICROBIT, "thumbv6m"), (VIRT, "rv32imac"))
-PROGRAMS = ("counts", "counts-text", "counts-line")
+PROGRAMS = ("counts", "counts-text", "counts-events", "counts-line")
 
 
 def counted(package: str, program: str, board: Board) -> Figures:

@@ -38,6 +38,10 @@ pub trait RampParts: Clone + Debug {
         places: impl ExactSizeIterator<Item = &'a mut u32>,
         moves: &mut Self::Queue<M, QUEUE>,
     ) -> Waits;
+    /// Most sweep of the next events of an arc that can be timed together: [`Ramp::room`].
+    fn room<M: Clone + Debug, const QUEUE: usize>(&mut self, moves: &Self::Queue<M, QUEUE>) -> u32;
+    /// Replaces their sweeps by the waits before them: [`Ramp::fill_swept`].
+    fn fill_swept<'a>(&mut self, places: impl Iterator<Item = &'a mut u32>) -> Waits;
     /// Path speed in nm/s.
     fn speed_nm_per_s<M: Clone + Debug, const QUEUE: usize>(
         &self,
@@ -122,6 +126,16 @@ impl RampParts for Ramp {
         moves: &mut LookAhead<M, QUEUE>,
     ) -> Waits {
         self.fill(places, moves.limits())
+    }
+
+    #[inline]
+    fn room<M: Clone + Debug, const QUEUE: usize>(&mut self, moves: &LookAhead<M, QUEUE>) -> u32 {
+        self.room(moves.limits())
+    }
+
+    #[inline]
+    fn fill_swept<'a>(&mut self, places: impl Iterator<Item = &'a mut u32>) -> Waits {
+        self.fill_swept(places)
     }
 
     fn speed_nm_per_s<M: Clone + Debug, const QUEUE: usize>(&self, _: &LookAhead<M, QUEUE>) -> u32 {

@@ -17,8 +17,6 @@ pub(crate) struct Work<const N: usize, K> {
     pub(crate) kept: K,
     /// Steps of the axes at its end.
     pub(crate) end: [i32; N],
-    /// Whether it continues the path of the previous part.
-    pub(crate) is_continued: bool,
     /// Step direction of each axis over the whole of a straight move.
     pub(crate) heading: [i8; N],
     /// Axes for the guard of the steps, see [`StepGuard`](crate::StepGuard).
@@ -33,9 +31,21 @@ pub(crate) struct Work<const N: usize, K> {
     /// the spindle.
     pub(crate) time_q16: u64,
     pub(crate) pace: Pace,
-    pub(crate) is_round: bool,
+    pub(crate) figure: Figure,
     /// Tag of [`Machine::push`](crate::Machine::push); 0 for the moves of lines.
     pub(crate) tag: u32,
+}
+
+/// What a move is, and how its path is made.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Figure {
+    Straight,
+    /// An arc. Its events and sweeps are the [`Moves::totals_of_arc`] of its path.
+    Known,
+    /// An arc, or the first part of one, which is walked when it begins.
+    Arc,
+    /// The path of the part before it continues.
+    Continued,
 }
 
 /// A stop: no path, no speed.
@@ -282,7 +292,6 @@ impl<const N: usize, P: Moves<N>, K: Kept<N>, R: RampParts, const QUEUE: usize>
         let work = Work {
             kept: K::of(&segment, whole),
             end,
-            is_continued: false,
             heading: if is_round { [0; N] } else { ways },
             steady,
             events: path.remaining(),
@@ -292,7 +301,11 @@ impl<const N: usize, P: Moves<N>, K: Kept<N>, R: RampParts, const QUEUE: usize>
             is_indexed,
             time_q16: counts_q16.unwrap_or(ticks_q16),
             pace: tempo.pace,
-            is_round,
+            figure: match (is_round, path.totals_of_arc()) {
+                (false, _) => Figure::Straight,
+                (true, Some(_)) => Figure::Known,
+                (true, None) => Figure::Arc,
+            },
             tag: self.tag,
         };
         // The caller has checked that there is room.
@@ -368,7 +381,6 @@ impl<const N: usize, P: Moves<N>, K: Kept<N>, R: RampParts, const QUEUE: usize>
         let work = Work {
             kept: arc.kept.clone(),
             end: arc.end,
-            is_continued,
             heading: [0; N],
             steady: arc.steady,
             events,
@@ -378,7 +390,11 @@ impl<const N: usize, P: Moves<N>, K: Kept<N>, R: RampParts, const QUEUE: usize>
             is_indexed: false,
             time_q16: ticks_q16,
             pace: arc.pace,
-            is_round: true,
+            figure: if is_continued {
+                Figure::Continued
+            } else {
+                Figure::Arc
+            },
             tag: self.tag,
         };
         let _ = self.moves.push(stretch, work);

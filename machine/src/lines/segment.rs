@@ -1,7 +1,7 @@
 //! One move command, and its conversion to steps.
 
 use husillo_gcode::{Command, Nm};
-use husillo_interp::{ArcError, ArcMove, GridArc, GridEllipse, Moves, length};
+use husillo_interp::{ArcError, ArcMove, GridArc, GridEllipse, Moves, Totals, length};
 
 use crate::lines::arc::in_plane;
 use crate::lines::curve::chords_of;
@@ -362,6 +362,18 @@ impl<const N: usize> Config<N> {
     ///
     /// `start` and `end` are the steps of the axes at both ends; the path begins exactly at `from`.
     pub fn path<P: Moves<N>>(&self, segment: &Segment<N>, start: [i32; N], end: [i32; N]) -> P {
+        self.path_again(segment, start, end, None)
+    }
+
+    /// Does [`Config::path`] for a move whose path was made before. `totals` are the
+    /// [`Moves::totals_of_arc`] of that path.
+    pub(crate) fn path_again<P: Moves<N>>(
+        &self,
+        segment: &Segment<N>,
+        start: [i32; N],
+        end: [i32; N],
+        totals: Option<Totals>,
+    ) -> P {
         let mut delta = [0; N];
         for ((delta, start), end) in delta.iter_mut().zip(start).zip(end) {
             *delta = end.wrapping_sub(start);
@@ -376,7 +388,11 @@ impl<const N: usize> Config<N> {
             match grid {
                 Ok(OnGrid::Circle(grid)) => {
                     // Returned from here: each copy of a path takes 264 bytes of stack.
-                    if let Ok(path) = P::arc(&grid.arc, plane, delta) {
+                    let path = match totals {
+                        Some(totals) => P::arc_again(&grid.arc, plane, delta, totals),
+                        None => P::arc(&grid.arc, plane, delta),
+                    };
+                    if let Ok(path) = path {
                         return path;
                     }
                 }

@@ -95,6 +95,18 @@ impl RampParts for SmoothRamp {
         }
     }
 
+    /// The jerk window times arcs one event at a time.
+    fn room<M: Clone + Debug, const QUEUE: usize>(&mut self, moves: &SmoothQueue<M, QUEUE>) -> u32 {
+        match moves {
+            SmoothQueue::Acceleration(moves) => self.ramp.room(moves.limits()),
+            SmoothQueue::Jerk(_) => 0,
+        }
+    }
+
+    fn fill_swept<'a>(&mut self, places: impl Iterator<Item = &'a mut u32>) -> Waits {
+        self.ramp.fill_swept(places)
+    }
+
     fn speed_nm_per_s<M: Clone + Debug, const QUEUE: usize>(
         &self,
         moves: &SmoothQueue<M, QUEUE>,

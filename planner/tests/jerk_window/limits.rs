@@ -48,6 +48,9 @@ fn holds_and_overrides_keep_all_limits() {
 }
 
 proptest! {
+    // A case integrates up to a minute of motion.
+    #![proptest_config(ProptestConfig::with_cases(ProptestConfig::default().cases / 4))]
+
     /// Any moves on any machine, with queues of any length, however fast moves arrive, and with
     /// holds and overrides at random.
     #[test]

@@ -1,4 +1,4 @@
-//! Counts the stages from a line of text to its events. `firmware/check counts` runs this program.
+//! Counts a line of text to its commands. `firmware/check counts` runs this program.
 #![no_std]
 #![no_main]
 
@@ -7,5 +7,5 @@ mod report;
 #[cfg_attr(target_arch = "arm", cortex_m_rt::entry)]
 #[cfg_attr(target_arch = "riscv32", riscv_rt::entry)]
 fn main() -> ! {
-    report::report(kernels::text)
+    report::report(kernels::commands)
 }

@@ -47,11 +47,13 @@ const EXCUSED_TRAITS: [&str; 15] = [
 ];
 
 /// Functions that need not be in the proof, as `crate Type::function`, each with the reason.
-const EXCUSED_FUNCTIONS: [(&str, &str); 5] = [
+const EXCUSED_FUNCTIONS: [(&str, &str); 7] = [
     ("controllers GrblMemory::driver", PRODUCT),
+    ("interp Helix::fill", PLACES),
     ("interp Line::fill", PLACES),
     ("planner JerkRamp::fill", PLACES),
     ("planner Ramp::fill", PLACES),
+    ("planner Ramp::fill_swept", PLACES),
     ("planner Timer::fill", PLACES),
 ];
 const PLACES: &str = "takes any iterator of places: a function of the proof calls it with a slice";

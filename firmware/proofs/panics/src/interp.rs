@@ -5,7 +5,8 @@ use core::hint::black_box;
 use husillo_interp::{
     Arc, ArcDda, Bezier, Chords, Conic, DirectSearch, DirectSearchPrinted, Direction, GridEllipse,
     Helix, Interpolator, Line, LineDda, LineDdaExact, Moves, NarrowArc, Nurbs, Path, ProgrammedArc,
-    Scale, Staircase, Step, TimedDirectSearch, fixed::types::I32F32, fraction_bits_for, length,
+    Run, Scale, Staircase, Step, TimedDirectSearch, fixed::types::I32F32, fraction_bits_for,
+    length,
 };
 
 /// Keeps every function in the program.
@@ -71,6 +72,10 @@ pub fn keep() {
         <Chords as Iterator>::next as *const (),
         <Chords as Iterator>::size_hint as *const (),
         Helix::<3>::new as *const (),
+        Helix::<3>::again as *const (),
+        Helix::<3>::totals_of_arc as *const (),
+        Helix::<3>::directions as *const (),
+        helix_fill as *const (),
         Helix::<3>::arc as *const (),
         Helix::<3>::events as *const (),
         Helix::<3>::remaining as *const (),
@@ -91,6 +96,9 @@ pub fn keep() {
         <Path<3> as Iterator>::next as *const (),
         <Path<3> as Iterator>::size_hint as *const (),
         <Path<3> as Moves<3>>::as_line as *const (),
+        <Path<3> as Moves<3>>::as_arc as *const (),
+        <Path<3> as Moves<3>>::arc_again as *const (),
+        <Path<3> as Moves<3>>::totals_of_arc as *const (),
         <Path<3> as Moves<3>>::line as *const (),
         <Path<3> as Moves<3>>::arc as *const (),
         <Path<3> as Moves<3>>::ellipse as *const (),
@@ -182,6 +190,11 @@ pub fn keep() {
         <Bezier<3> as Iterator>::next as *const (),
         <Bezier<3> as Iterator>::size_hint as *const (),
     ]);
+}
+
+fn helix_fill(helix: &mut Helix<3>, sweeps: &mut [u32], deltas: &mut [[i8; 3]]) -> Run<3> {
+    let places = sweeps.iter_mut().zip(deltas);
+    Helix::<3>::fill(helix, places, u32::MAX)
 }
 
 fn line_fill(line: &mut Line<3>, places: &mut [[i8; 3]]) -> [u8; 3] {

@@ -75,6 +75,8 @@ fn path() {
         Ramp::wait as *const (),
         Ramp::take_piece as *const (),
         ramp_fill as *const (),
+        Ramp::room as *const (),
+        ramp_fill_swept as *const (),
         Piece::next as *const (),
         Ramp::hold as *const (),
         Ramp::resume as *const (),
@@ -204,6 +206,10 @@ fn timer_fill(timer: &mut Timer, places: &mut [u32]) -> Waits {
 
 fn ramp_fill(ramp: &mut Ramp, places: &mut [u32], limits: &Limits) -> Waits {
     Ramp::fill(ramp, places.iter_mut(), limits)
+}
+
+fn ramp_fill_swept(ramp: &mut Ramp, places: &mut [u32]) -> Waits {
+    Ramp::fill_swept(ramp, places.iter_mut())
 }
 
 fn jerk_ramp_fill(

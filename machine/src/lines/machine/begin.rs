@@ -2,13 +2,14 @@
 
 use husillo_backlash::BacklashModel;
 use husillo_gcode::{Command, SpindleDirection};
-use husillo_interp::Moves;
+use husillo_interp::{Moves, Totals};
 use husillo_planner::Timer;
 
 use super::{Machine, Run};
 use crate::lines::extension::Extension;
 use crate::lines::kept::Kept;
 use crate::lines::path_ramp::{MoveQueue, PathRamp};
+use crate::lines::schedule::Figure;
 use crate::{Event, MAX_WAIT_TICKS, Output, Pause, Segment};
 
 impl<
@@ -29,7 +30,8 @@ impl<
         let heading = work.heading;
         let percent = self.schedule.moves.percent();
         let ticks = self.guard.ticks(&work.pace, percent, events);
-        self.guard.watch(work.is_round, events, work.steady);
+        self.guard
+            .watch(work.figure != Figure::Straight, events, work.steady);
         if self.schedule.has_ramps() && stretch.length_nm != 0 {
             let sweeps = [work.sweep.max(1), work.largest_sweep.max(1).into()];
             let time_q16 = work.time_q16;
@@ -44,9 +46,16 @@ impl<
             false => (!self.schedule.has_ramps()).then_some(ticks),
         };
         let is_indexed = work.is_indexed;
+        let totals = (work.figure == Figure::Known).then_some(Totals {
+            events,
+            total_sweep: work.sweep,
+            largest_sweep: work.largest_sweep,
+        });
         // All moves before it have been made, so it begins where the load is.
         self.run = Some(Run {
-            path: self.config.path(&segment, self.load, work.end),
+            path: self
+                .config
+                .path_again(&segment, self.load, work.end, totals),
             timer: timed.map(|whole| Timer::new(whole, work.sweep, work.largest_sweep)),
             left: events,
             next: None,

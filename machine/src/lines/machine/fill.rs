@@ -7,7 +7,7 @@ use husillo_planner::Waits;
 
 use super::{Machine, Origin};
 use crate::lines::extension::Extension;
-use crate::lines::guard::StepGuard;
+use crate::lines::guard::{StepGuard, bits};
 use crate::lines::path_ramp::PathRamp;
 use crate::lines::take_up::TakeUp;
 use crate::{Config, Event, MAX_WAIT_TICKS, Segment, StepEvent};
@@ -163,21 +163,40 @@ impl<
         };
         let room = to.len().min(left as usize);
         let to = to.get_mut(..room).unwrap_or_default();
-        let has_ramp = run.timer.is_none();
-        match (&mut run.timer, run.path.as_line()) {
-            (timer, Some(line)) if !walk.may_owe(line) => {
-                let places = to.iter_mut().map(|step| &mut step.wait_ticks);
-                let waits = match timer {
-                    Some(timer) => timer.fill(places),
-                    None => ramp.fill(places, moves),
-                };
-                walk.line(line, &waits, to);
-            }
-            (timer, _) => {
-                walk.steps(&mut run.path, to, |sweep, _| match timer {
-                    Some(timer) => Some(timer.wait(sweep)),
-                    None => ramp.wait(sweep, moves),
-                });
+        let timer = &mut run.timer;
+        let has_ramp = timer.is_none();
+        if let Some(line) = run
+            .path
+            .as_line()
+            .filter(|line| !walk.may_owe(line.directions()))
+        {
+            let places = waits_of(to);
+            let waits = match timer {
+                Some(timer) => timer.fill(places),
+                None => ramp.fill(places, moves),
+            };
+            walk.line(line, &waits, to);
+        } else {
+            while walk.made < to.len() && walk.held.is_none() && walk.refused.is_none() {
+                let before = walk.made;
+                if has_ramp {
+                    walk.arc_of_ramp(&mut run.path, ramp, moves, to);
+                }
+                if walk.made == before {
+                    let most = if has_ramp {
+                        before.wrapping_add(1)
+                    } else {
+                        to.len()
+                    };
+                    let to = to.get_mut(..most).unwrap_or_default();
+                    walk.steps(&mut run.path, to, |sweep, _| match timer {
+                        Some(timer) => Some(timer.wait(sweep)),
+                        None => ramp.wait(sweep, moves),
+                    });
+                }
+                if walk.made == before {
+                    break;
+                }
             }
         }
         if has_ramp {
@@ -198,6 +217,11 @@ impl<
         }
         made
     }
+}
+
+/// The waits of steps.
+fn waits_of<const N: usize>(steps: &mut [StepEvent<N>]) -> impl ExactSizeIterator<Item = &mut u32> {
+    steps.iter_mut().map(|step| &mut step.wait_ticks)
 }
 
 /// Most steps that are noted together: counts of a byte per axis hold them.
@@ -274,9 +298,8 @@ struct Walk<'a, const N: usize, L: BacklashModel<N>> {
 }
 
 impl<const N: usize, L: BacklashModel<N>> Walk<'_, N, L> {
-    /// Whether a take-up may be due before a step of this line.
-    fn may_owe(&self, line: &Line<N>) -> bool {
-        let [axes, negative] = line.directions();
+    /// Whether a take-up may be due before steps in these directions.
+    fn may_owe(&self, [axes, negative]: [u8; 2]) -> bool {
         let sweep = 1;
         self.take_up.may_owe(Step {
             axes,
@@ -288,28 +311,130 @@ impl<const N: usize, L: BacklashModel<N>> Walk<'_, N, L> {
     /// Writes steps of a line that owes no take-up. Their waits are written already.
     fn line(&mut self, line: &mut Line<N>, waits: &Waits, to: &mut [StepEvent<N>]) {
         let to = to.get_mut(..waits.count as usize).unwrap_or_default();
-        let [axes, _] = line.directions();
+        let directions = line.directions();
+        let [axes, _] = directions;
         if waits.least < self.longest_interval && self.guard.watches(axes) {
             self.steps(line, to, |_, wait| Some(wait.into()));
         } else {
             let steps = line.fill(to.iter_mut().map(|step| &mut step.delta));
+            self.move_load(directions, &steps);
             self.guard.pass_line(to, &steps, waits.ticks);
-            let negative = line.directions()[1];
-            let mut bit = 1_u8;
-            for (load, steps) in self.load.iter_mut().zip(steps) {
-                let steps = i32::from(steps);
-                *load = if negative & bit == 0 {
-                    load.wrapping_add(steps)
-                } else {
-                    load.wrapping_sub(steps)
-                };
-                bit = bit.wrapping_shl(1);
-            }
-            self.made = to.len();
-            self.noted = self.made;
+            (self.made, self.noted) = (to.len(), to.len());
         }
         if let Some(wait) = waits.long {
             *self.held = line.next().map(|step| (step.deltas(), wait));
+        }
+    }
+
+    /// Writes steps of an arc up to the end of a quadrant or of a part of the ramp, and times them
+    /// after that. Writes none where a step has to be looked at.
+    fn arc_of_ramp<P: Moves<N>, R: PathRamp, M: Clone + core::fmt::Debug, const QUEUE: usize>(
+        &mut self,
+        path: &mut P,
+        ramp: &mut R,
+        moves: &mut R::Queue<M, QUEUE>,
+        to: &mut [StepEvent<N>],
+    ) {
+        let Some(arc) = path.as_arc() else { return };
+        let Some(directions) = arc.directions() else {
+            return;
+        };
+        if self.may_owe(directions) {
+            return;
+        }
+        let room = ramp.room(moves);
+        if room == 0 {
+            return;
+        }
+        self.note(to);
+        let free = to.get_mut(self.made..).unwrap_or_default();
+        let places = free
+            .iter_mut()
+            .map(|step| (&mut step.wait_ticks, &mut step.delta));
+        let run = arc.fill(places, room);
+        // Below 256.
+        let events = run.events as usize;
+        let inside = events.wrapping_sub(run.is_beyond.into());
+        let within = free.get_mut(..inside).unwrap_or_default();
+        let waits = ramp.fill_swept(waits_of(within));
+        let Waits {
+            mut ticks,
+            mut least,
+            ..
+        } = waits;
+        let (mut steps, mut count) = (run.steps, inside);
+        if let (true, Some(last)) = (run.is_beyond, free.get_mut(inside)) {
+            match ramp.wait(last.wait_ticks, moves) {
+                Some(wait) if wait <= u64::from(MAX_WAIT_TICKS) => {
+                    last.wait_ticks = wait as u32;
+                    ticks = ticks.wrapping_add(last.wait_ticks);
+                    least = least.min(last.wait_ticks);
+                    count = events;
+                }
+                wait => {
+                    self.put_off(last, directions, wait);
+                    for (steps, delta) in steps.iter_mut().zip(last.delta) {
+                        *steps = steps.wrapping_sub(delta.unsigned_abs());
+                    }
+                }
+            }
+        }
+        let end = self.made.wrapping_add(count);
+        let [axes, _] = directions;
+        self.move_load(directions, &steps);
+        if least < self.longest_interval && self.guard.watches(axes) {
+            self.look_at(to, end);
+        } else {
+            let new = to.get(self.made..end).unwrap_or_default();
+            self.guard.pass_line(new, &steps, ticks);
+            (self.made, self.noted) = (end, end);
+        }
+    }
+
+    /// Holds a step with a long wait, or gives back one that the ramp refuses.
+    #[cold]
+    fn put_off(&mut self, step: &StepEvent<N>, [_, negative]: [u8; 2], wait: Option<u64>) {
+        match wait {
+            Some(wait) => *self.held = Some((step.delta, wait)),
+            None => {
+                let axes = bits(&step.delta);
+                self.refused = Some(Step {
+                    axes,
+                    negative: negative & axes,
+                    sweep: step.wait_ticks,
+                });
+            }
+        }
+    }
+
+    /// Compares written steps with the steps of their axes before them, where the axes are watched.
+    fn look_at(&mut self, to: &mut [StepEvent<N>], end: usize) {
+        let mut moved = 0;
+        while self.made < end {
+            let Some(step) = to.get(self.made) else { break };
+            let axes = bits(&step.delta);
+            if self.guard.watches(axes) {
+                self.watched(axes, moved, to);
+                moved = 0;
+            } else {
+                moved |= axes;
+            }
+            self.made = self.made.wrapping_add(1);
+        }
+        self.moved = moved;
+    }
+
+    /// Moves the load in these directions.
+    fn move_load(&mut self, [_, negative]: [u8; 2], steps: &[u8; N]) {
+        let mut bit = 1_u8;
+        for (load, steps) in self.load.iter_mut().zip(steps) {
+            let steps = i32::from(*steps);
+            *load = if negative & bit == 0 {
+                load.wrapping_add(steps)
+            } else {
+                load.wrapping_sub(steps)
+            };
+            bit = bit.wrapping_shl(1);
         }
     }
 

@@ -9,6 +9,7 @@ use crate::lines::extension::Extension;
 use crate::lines::guard::bits;
 use crate::lines::kept::Kept;
 use crate::lines::path_ramp::{MoveQueue, PathRamp};
+use crate::lines::schedule::Figure;
 use crate::lines::take_up::Followed;
 use crate::{Event, FollowEvent, MAX_WAIT_TICKS, Segment, StepEvent};
 
@@ -327,7 +328,7 @@ impl<
         }
         self.refill();
         let goes_on = match self.schedule.moves.front() {
-            Some((stretch, work)) if work.is_continued => Some((*stretch, work)),
+            Some((stretch, work)) if work.figure == Figure::Continued => Some((*stretch, work)),
             _ => None,
         };
         match (goes_on, &mut self.run) {

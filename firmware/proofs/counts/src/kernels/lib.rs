@@ -3,7 +3,8 @@
 //! A stream is moved into a local variable and iterated to its end: `for step in stream {
 //! black_box(masks) }`. So a count includes the loop, the test for the end of the move, and work
 //! that is not done at every event. It does not include the set-up. The same kernels run on
-//! emulated microcontrollers (the programs `counts`, `counts-text` and `counts-line`) and on the
+//! emulated microcontrollers (the programs `counts`, `counts-text`, `counts-events` and
+//! `counts-line`) and on the
 //! host (`husillo-bench`).
 #![no_std]
 #![forbid(unsafe_code)]
@@ -51,10 +52,21 @@ pub fn methods(count: Count<'_>) {
     probe::all(count);
 }
 
-/// From text to events. Together with the methods, this would not fit in a microbit.
+/// From text to events.
 pub fn text(count: Count<'_>) {
+    commands(count);
+    events(count);
+}
+
+/// From text to commands. Together with the methods, or with the events, this would not fit in a
+/// microbit.
+pub fn commands(count: Count<'_>) {
     words::all(count);
     words::line(count);
+}
+
+/// From commands, and from messages, to events at constant speed.
+pub fn events(count: Count<'_>) {
     chain::all(count);
     transports::all(count);
 }
