@@ -1,7 +1,7 @@
 /**
- * The live plot of the micro mill: each motion is drawn while it is made, in the three colours of
- * the original. Jogs and steps are grey, rapids and homing yellow, feeds blue; patterns carry the
- * meaning without colour.
+ * The live plot of the micro mill and of measuring machines: each motion is drawn while it is made,
+ * in the three colours of the original mill. Jogs and steps are grey, rapids and homing yellow,
+ * feeds blue; patterns carry the meaning without colour.
  */
 
 import { button, element } from "husillo/viewer/element.js";
@@ -86,7 +86,9 @@ export class MillPlot {
 
     show() {
         const { desk, words } = this;
-        this.root.hidden = desk.family !== "micromill";
+        // The path of one axis is no picture.
+        const isFlat = (desk.machine?.info.axes.length ?? 0) > 1;
+        this.root.hidden = !["micromill", "measuring"].includes(desk.family) || !isFlat;
         if (this.root.hidden) return;
         for (const { plane, button } of this.planes) {
             button.setAttribute("aria-pressed", String(plane === this.plane));
@@ -94,8 +96,7 @@ export class MillPlot {
         this.fitPath.setAttribute("aria-pressed", String(!this.isWhole));
         this.fitArea.setAttribute("aria-pressed", String(this.isWhole));
         const count = desk.machine?.path.length ?? 0;
-        const mill = desk.state?.mill;
-        const from = mill?.is_homed ? words.fromMachineZero : words.fromPowerOn;
+        const from = desk.state?.machine_mm ? words.fromMachineZero : words.fromPowerOn;
         put(this.text, `${this.plane}, ${from}: ${count} ${words.points}`);
         const label = `${words.plot}: ${this.text.textContent}`;
         if (this.canvas.getAttribute("aria-label") !== label) {

@@ -10,7 +10,9 @@ import { DrillHand } from "husillo/panel/drill_hand.js";
 import { Gamepads } from "husillo/panel/gamepad.js";
 import { Header } from "husillo/panel/header.js";
 import { Jog } from "husillo/panel/jog.js";
+import { Joystick } from "husillo/panel/joystick.js";
 import { Keys } from "husillo/panel/keys.js";
+import { Contact, RawBytes, Scales } from "husillo/panel/measuring.js";
 import { Backlash, Confirmation, MillSpeeds } from "husillo/panel/mill.js";
 import { MillJog } from "husillo/panel/mill_jog.js";
 import { MillPlot } from "husillo/panel/mill_plot.js";
@@ -18,6 +20,7 @@ import { Macros } from "husillo/panel/macros.js";
 import { Notices } from "husillo/panel/notices.js";
 import { Positions } from "husillo/panel/positions.js";
 import { Program } from "husillo/panel/program.js";
+import { RoutinePanel } from "husillo/panel/routine.js";
 import { Settings } from "husillo/panel/settings.js";
 import { Outputs, Speeds } from "husillo/panel/speeds.js";
 import { Stop } from "husillo/panel/stop.js";
@@ -37,7 +40,8 @@ export function fillPage(place, desk, words) {
     const jog = new Jog(desk, words, units);
     const millJog = new MillJog(desk, words);
     const drillHand = new DrillHand(desk, words, units, () => program.run.ask());
-    const jogs = [jog, millJog, drillHand];
+    const joystick = new Joystick(desk, words);
+    const jogs = [jog, millJog, drillHand, joystick];
     const shownJog = () => jogs.find((one) => one.isShown) ?? jog;
     const wizard = new Wizard(desk, words);
     const stop = new Stop(desk, words, () => {
@@ -65,6 +69,7 @@ export function fillPage(place, desk, words) {
     desk.listen(() => {
         program.root.hidden = !desk.offers.has("program");
         more.offer(desk.offers);
+        positions.root.hidden = desk.family === "measuring";
         speeds.root.hidden = outputs.root.hidden = desk.family !== "grbl";
     });
     const keys = new Keys(desk, words, {
@@ -97,7 +102,9 @@ export function fillPage(place, desk, words) {
                 drillStatus.root,
                 new DrillBoard(desk, words, program).root,
                 program.root,
+                new RoutinePanel(desk, words).root,
                 new Confirmation(desk, words).root,
+                new RawBytes(desk, words).root,
                 lines.root,
                 more.root
             ),
@@ -105,9 +112,12 @@ export function fillPage(place, desk, words) {
                 "div",
                 { class: "column right" },
                 positions.root,
+                new Scales(desk, words).root,
                 jog.root,
                 millJog.root,
                 drillHand.root,
+                joystick.root,
+                new Contact(desk, words).root,
                 speeds.root,
                 new MillSpeeds(desk, words, units).root,
                 new Backlash(desk, words).root,

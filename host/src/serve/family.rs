@@ -2,6 +2,8 @@
 
 use super::drill_program::millimetres;
 use husillo_machine::Config;
+use husillo_metrology::heads;
+use husillo_metrology::simulated::SimulatedNetwork;
 use husillo_simulator::machines::machine_file::MachineFile;
 use husillo_transports::drill::Table;
 use husillo_transports::grbl::Settings;
@@ -21,6 +23,19 @@ pub enum Family {
     },
     /// The circuit-board drill.
     Drill,
+    /// A measuring machine.
+    Measuring(Box<MeasuringMachine>),
+}
+
+/// A measuring machine.
+#[derive(Clone, Debug)]
+pub struct MeasuringMachine {
+    /// Its name, or the path of its file.
+    pub name: String,
+    /// Its description.
+    pub machine: heads::Machine,
+    /// Its modules in a simulation.
+    pub network: SimulatedNetwork,
 }
 
 impl Family {
@@ -30,6 +45,7 @@ impl Family {
             Self::Grbl(_) => "grbl",
             Self::Micromill { .. } => "micromill",
             Self::Drill => "drill",
+            Self::Measuring(_) => "measuring",
         }
     }
 
@@ -38,13 +54,25 @@ impl Family {
         match self {
             Self::Grbl(_) => &["program", "from", "report", "probing", "settings", "macros"],
             Self::Micromill { .. } | Self::Drill => &["program", "from", "report"],
+            Self::Measuring(_) => &["routine", "report"],
+        }
+    }
+
+    /// The letters of its axes.
+    pub fn axes(&self) -> Vec<char> {
+        match self {
+            Self::Measuring(measuring) => {
+                let axes = measuring.machine.axes.iter();
+                axes.map(|axis| axis.letter).collect()
+            }
+            Self::Grbl(_) | Self::Micromill { .. } | Self::Drill => vec!['X', 'Y', 'Z'],
         }
     }
 
     /// The travel of its axes from machine zero, mm, as far as it is known without the controller.
     pub fn travel_mm(&self) -> Option<[Option<[f64; 2]>; 3]> {
         match self {
-            Self::Grbl(_) => None,
+            Self::Grbl(_) | Self::Measuring(_) => None,
             Self::Micromill { config, .. } => Some(config.axes.map(|axis| {
                 let travel = axis.travel?;
                 Some(travel.map(|nm| nm.0 as f64 / 1e6))
@@ -64,6 +92,7 @@ impl Family {
             Self::Grbl(_) => husillo_clients::grbl::BAUD,
             Self::Micromill { .. } => husillo_clients::micromill::BAUD,
             Self::Drill => husillo_clients::drill::BAUD,
+            Self::Measuring(measuring) => measuring.machine.baud.bits_per_s(),
         }
     }
 }

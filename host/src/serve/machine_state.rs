@@ -58,6 +58,9 @@ pub struct MachineState {
     /// What only a drill has.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub drill: Option<DrillState>,
+    /// What only a measuring machine has.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub measuring: Option<Value>,
 }
 
 /// What only a micro mill has.

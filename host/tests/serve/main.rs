@@ -12,6 +12,7 @@ mod jogging;
 mod lines;
 mod links;
 mod macros;
+mod measuring;
 mod micromill;
 mod mqtt;
 mod mqtt_jobs;

@@ -99,7 +99,8 @@ impl Served {
         page.until("states", |page| {
             // A mill that is not homed has no position.
             let are_up = |state: &Value| {
-                state["link"] == "up" && (!state["work_mm"].is_null() || state["mill"].is_object())
+                let has_own = state["mill"].is_object() || state["measuring"].is_object();
+                state["link"] == "up" && (!state["work_mm"].is_null() || has_own)
             };
             let is_complete = !page.states.is_empty() && page.states.iter().all(are_up);
             is_complete.then_some(())
