@@ -30,6 +30,7 @@ pub use calibrating::{calibrate_axis, calibrate_squareness};
 #[cfg(unix)]
 pub use emulated::emulate;
 pub use halt::halt;
+pub use routine::{Routine, now};
 
 use crate::cli::{Measure, Results};
 use crate::console::stop::INTERRUPTED;
@@ -37,14 +38,17 @@ use action::Action;
 use husillo_metrology::Error;
 use husillo_metrology::calibration::Calibrated;
 use husillo_metrology::heads::{Head, Machine, Prober as _, Stylus};
-use husillo_metrology::simulated::Mounted;
-use husillo_simulator::machines::machine_file::LoadError;
+use husillo_metrology::simulated::{Contact, Mounted, SimulatedNetwork};
+use husillo_simulator::machines::machine_file::{LoadError, MachineFile};
 use husillo_simulator::text::json::write_line;
 use interrupt::{Interrupt, User};
 use result_row::{CSV_HEAD, ResultRow};
-use routine::{Ending, Routine};
+use routine::Ending;
 use session::{AnyPort, Session};
 use std::io::{self, BufRead, BufReader, Write};
+
+/// The face before the first axis of a simulation without a work piece, counts.
+const FACE_TO_TRY: i64 = 3018;
 
 /// Why a command on a measuring machine has failed.
 pub enum Stopped {
@@ -293,6 +297,41 @@ fn prepared(
     Ok(session.stylus())
 }
 
+/// Whether this is the name of a measuring machine, or the path of the file of one.
+pub fn is_measuring(name: &str) -> bool {
+    let is_kind = |text: String| {
+        let table: Option<toml::Table> = text.parse().ok();
+        table.is_some_and(|table| table.get("kind").and_then(|kind| kind.as_str()) == Some("cmm"))
+    };
+    MachineFile::is_measuring(name)
+        || (!MachineFile::is_built_in(name)
+            && crate::input::read_to_string(name).is_ok_and(is_kind))
+}
+
+/// The modules of a machine with a work piece, for a simulation that a page operates: the piece of
+/// this file, or one to try the machine with.
+///
+/// # Errors
+///
+/// The file cannot be read, or does not fit the machine.
+pub fn network_to_try(path: Option<&str>, machine: &Machine) -> Result<SimulatedNetwork, Stopped> {
+    let piece = match (path, machine.scale.count_mm()) {
+        (Some(_), _) => mounted(path, machine)?,
+        (None, Some(_)) => {
+            let piece = piece_file::to_try().map_err(Stopped::File)?;
+            Some(Mounted::new(piece, machine)?)
+        }
+        // The length of a count is not known.
+        (None, None) => None,
+    };
+    let face = match (&piece, machine.axes.first()) {
+        (None, Some(axis)) => Some(format!("{}:{FACE_TO_TRY}", axis.module).parse()?),
+        _ => None,
+    };
+    let faces: Vec<Contact> = face.into_iter().collect();
+    Ok(SimulatedNetwork::of_machine(machine, &faces, piece)?)
+}
+
 /// The work piece of this file, mounted on a machine.
 fn mounted(path: Option<&str>, machine: &Machine) -> Result<Option<Mounted>, Stopped> {
     let piece = path.map(piece_file::load).transpose();
@@ -376,6 +415,14 @@ const fn ended(ending: Ending, has_met_end: bool) -> Result<(), Stopped> {
         Ending::OutOfTolerance => Err(Stopped::Reported(OUT_OF_TOLERANCE)),
         Ending::Failed => Err(Stopped::Reported(FAILED)),
         Ending::Collision => Err(Stopped::Reported(COLLISION)),
+    }
+}
+
+/// An error and its hint, as a sentence.
+pub fn sentence(error: &Error) -> String {
+    match help::help(error) {
+        Some(help) => format!("{error}; {help}"),
+        None => error.to_string(),
     }
 }
 

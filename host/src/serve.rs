@@ -45,7 +45,7 @@ use crate::console::sharing::share;
 use crate::console::stop::{INTERRUPTED, stop_requests, stops_asked};
 use access::Access;
 use driver::Port;
-pub use family::Family;
+pub use family::{Family, MeasuringMachine};
 pub use figure_program::Factory;
 use machine::Machine;
 use macros::MacroFile;

@@ -26,6 +26,7 @@ pub mod program;
 mod record;
 mod runner;
 mod site;
+mod sketch;
 #[cfg(test)]
 mod solid;
 mod statement;
@@ -45,5 +46,6 @@ pub use parser::Parser;
 pub use record::{Refusal, Refused, record};
 pub use runner::Runner;
 pub use site::{Contact, Site};
+pub use sketch::{Sketch, SketchedTouch};
 pub use statement::Statement;
 pub use words::span;

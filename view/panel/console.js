@@ -84,8 +84,9 @@ export class Console {
             ["Idle", "Alarm", "Check", "Jog"].includes(word);
         // The field stays open, so that a line can be written while the machine moves.
         disable(this.send, !may);
-        // A drill takes single keys and records.
-        this.byHand.hidden = ["drill", "microfactory"].includes(desk.family);
+        // These take single keys, records, or the bytes of their modules.
+        const isSilent = ["drill", "microfactory", "measuring"].includes(desk.family ?? "");
+        this.byHand.hidden = isSilent;
         const isMill = desk.family === "micromill";
         this.field.placeholder = isMill ? "G01X01000.00F08;" : "G1 X10 F600";
         // A mill holds between the lines of a program only.

@@ -16,7 +16,7 @@ const MOST_POINTS = 100_000;
  * @property {string} port
  * @property {boolean} [is_simulated]
  * @property {string[]} axes
- * @property {"grbl" | "micromill" | "drill" | "microfactory"} family
+ * @property {"grbl" | "micromill" | "drill" | "microfactory" | "measuring"} family
  * @property {string[]} offers what the page can do with it, beside moving it by hand
  * @property {([number, number] | null)[] | null} [travel_mm] of each axis, from machine zero
  *
@@ -82,6 +82,7 @@ const MOST_POINTS = 100_000;
  * @property {Mill} [mill]
  * @property {Drill} [drill]
  * @property {Factory} [factory]
+ * @property {Measuring} [measuring]
  *
  * @typedef {object} Mill what only a micro mill has
  * @property {boolean} is_homed
@@ -114,6 +115,41 @@ const MOST_POINTS = 100_000;
  * @property {string | null} motion
  * @property {number | null} line of the drawn program whose move is cut
  * @property {number | null} stored
+ *
+ * @typedef {object} Measuring what only a measuring machine has; lengths are in its unit
+ * @property {"mm" | "counts"} unit
+ * @property {{
+ *     letter: string,
+ *     work: number,
+ *     machine: number | null,
+ *     counts: number,
+ *     target: number,
+ *     error: number,
+ * }[]} axes
+ * @property {boolean} is_pressed
+ * @property {{fast: number, slow: number}} speeds per second
+ * @property {{pre_travel: [number, number], ball: number}} tip
+ * @property {{
+ *     trigger: number[],
+ *     contact: number[],
+ *     pre_travel: number,
+ *     touches: number,
+ *     spread: number,
+ *     over_travel: number,
+ * } | null} touch
+ * @property {{sent: string, received: string}[]} line the last bytes
+ * @property {RoutineState | null} routine
+ *
+ * @typedef {object} RoutineState the last routine
+ * @property {string} name
+ * @property {string} phase
+ * @property {number | null} line
+ * @property {number | null} waits_at
+ * @property {string | null} message
+ * @property {string | null} summary
+ * @property {boolean} is_good
+ * @property {number} features how many were measured
+ * @property {number} runs how many have ended: the last one has a report
  */
 
 /** A machine, as the page knows it. */
@@ -194,7 +230,7 @@ export class Desk {
     get isBusy() {
         const { state } = this;
         const word = state?.state ?? "";
-        return this.isUnderWay || ["Run", "Jog", "Home", "Hold", "Door"].includes(word);
+        return this.isUnderWay || ["Run", "Jog", "Home", "Probe", "Hold", "Door"].includes(word);
     }
 
     /** @param {() => void} listener called after each change */

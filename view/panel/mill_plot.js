@@ -1,7 +1,7 @@
 /**
- * The live plot of the micro mill and of the microfactory: each motion is drawn while it is made,
- * in the three colours of the original mill. Jogs and steps are grey, rapids and homing yellow,
- * feeds blue; patterns carry the meaning without colour.
+ * The live plot of the micro mill, of the microfactory and of measuring machines: each motion is
+ * drawn while it is made, in the three colours of the original mill. Jogs and steps are grey,
+ * rapids and homing yellow, feeds blue; patterns carry the meaning without colour.
  */
 
 import { button, element } from "husillo/viewer/element.js";
@@ -91,7 +91,10 @@ export class MillPlot {
 
     show() {
         const { desk, words } = this;
-        this.root.hidden = !["micromill", "microfactory"].includes(desk.family);
+        // The path of one axis is no picture.
+        const isFlat = (desk.machine?.info.axes.length ?? 0) > 1;
+        const families = ["micromill", "microfactory", "measuring"];
+        this.root.hidden = !families.includes(desk.family) || !isFlat;
         if (this.root.hidden) return;
         for (const { plane, button } of this.planes) {
             button.setAttribute("aria-pressed", String(plane === this.plane));

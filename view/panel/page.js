@@ -12,7 +12,9 @@ import { FactoryHand } from "husillo/panel/factory_hand.js";
 import { Gamepads } from "husillo/panel/gamepad.js";
 import { Header } from "husillo/panel/header.js";
 import { Jog } from "husillo/panel/jog.js";
+import { Joystick } from "husillo/panel/joystick.js";
 import { Keys } from "husillo/panel/keys.js";
+import { Contact, RawBytes, Scales } from "husillo/panel/measuring.js";
 import { Backlash, Confirmation, MillSpeeds } from "husillo/panel/mill.js";
 import { MillJog } from "husillo/panel/mill_jog.js";
 import { MillPlot } from "husillo/panel/mill_plot.js";
@@ -20,6 +22,7 @@ import { Macros } from "husillo/panel/macros.js";
 import { Notices } from "husillo/panel/notices.js";
 import { Positions } from "husillo/panel/positions.js";
 import { Program } from "husillo/panel/program.js";
+import { RoutinePanel } from "husillo/panel/routine.js";
 import { Settings } from "husillo/panel/settings.js";
 import { Outputs, Speeds } from "husillo/panel/speeds.js";
 import { Stop } from "husillo/panel/stop.js";
@@ -40,7 +43,8 @@ export function fillPage(place, desk, words) {
     const millJog = new MillJog(desk, words);
     const drillHand = new DrillHand(desk, words, units, () => program.run.ask());
     const factoryHand = new FactoryHand(desk, words, () => program.run.ask());
-    const jogs = [jog, millJog, drillHand, factoryHand];
+    const joystick = new Joystick(desk, words);
+    const jogs = [jog, millJog, drillHand, factoryHand, joystick];
     const shownJog = () => jogs.find((one) => one.isShown) ?? jog;
     const wizard = new Wizard(desk, words);
     const stop = new Stop(desk, words, () => {
@@ -68,7 +72,7 @@ export function fillPage(place, desk, words) {
     desk.listen(() => {
         program.root.hidden = !desk.offers.has("program");
         more.offer(desk.offers);
-        positions.root.hidden = desk.family === "microfactory";
+        positions.root.hidden = ["microfactory", "measuring"].includes(desk.family);
         speeds.root.hidden = outputs.root.hidden = desk.family !== "grbl";
     });
     const keys = new Keys(desk, words, {
@@ -101,7 +105,9 @@ export function fillPage(place, desk, words) {
                 drillStatus.root,
                 new DrillBoard(desk, words, program).root,
                 program.root,
+                new RoutinePanel(desk, words).root,
                 new Confirmation(desk, words).root,
+                new RawBytes(desk, words).root,
                 lines.root,
                 more.root
             ),
@@ -110,10 +116,13 @@ export function fillPage(place, desk, words) {
                 { class: "column right" },
                 new FactoryStatus(desk, words, units).root,
                 positions.root,
+                new Scales(desk, words).root,
                 jog.root,
                 millJog.root,
                 drillHand.root,
                 factoryHand.root,
+                joystick.root,
+                new Contact(desk, words).root,
                 speeds.root,
                 new MillSpeeds(desk, words, units).root,
                 new Backlash(desk, words).root,

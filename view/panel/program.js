@@ -108,6 +108,8 @@ export class Program {
         window.addEventListener("drop", (event) => {
             event.preventDefault();
             toggle(this.drop, "drop");
+            // Files of other machines are dropped elsewhere on the page.
+            if (this.root.hidden) return;
             this.choose(event.dataTransfer?.files ?? null);
         });
     }

@@ -35,6 +35,8 @@ export function stateText({ link, state }, words) {
             return { text: words.stateJog, kind: "busy" };
         case "Home":
             return { text: words.stateHome, kind: "busy" };
+        case "Probe":
+            return { text: words.stateProbe, kind: "busy" };
         case "Hold":
             return {
                 text: state.detail === 1 ? words.stateBraking : words.stateHold,
@@ -132,7 +134,11 @@ function ofState(state, words) {
         case "Check":
             return [{ id: "check", kind: "wait", text: words.checkLong }];
         default:
-            return [...ofUnhomed(state, words), ...(why ? [ofWhy(why)] : [])];
+            return [
+                ...ofUnhomed(state, words),
+                ...ofMeasuring(state, words),
+                ...(why ? [ofWhy(why)] : []),
+            ];
     }
 }
 
@@ -161,4 +167,16 @@ function ofUnhomed({ mill, drill, factory, state }, words) {
         return [{ id: "unhomed", kind: "wait", text, advice }];
     }
     return [];
+}
+
+/**
+ * @param {State} state
+ * @param {Words} words
+ * @returns {Notice[]}
+ */
+function ofMeasuring({ measuring, state }, words) {
+    const isHomed = measuring?.axes.every(({ machine }) => machine !== null) ?? true;
+    if (isHomed || state !== "Idle") return [];
+    const { unhomed: text, unhomedAdvice: advice } = words;
+    return [{ id: "unhomed", kind: "wait", text, advice }];
 }

@@ -130,7 +130,9 @@ export async function open(t, wanted) {
     const errors = [];
     page.on("console", (message) => {
         const text = message.text();
-        if (message.type() === "error" && !wanted.expected?.test(text)) errors.push(text);
+        if (message.type() !== "error" || wanted.expected?.test(text)) return;
+        // A resource that is missing is not named in the text.
+        errors.push(`${text} (${message.location().url ?? "?"})`);
     });
     page.on("pageerror", (error) => errors.push(String(error)));
     page.on("requestfailed", (request) => {

@@ -11,6 +11,10 @@ import { husillo } from "husillo/tests/reports.js";
 /** What takes longer than this does not come, milliseconds. */
 const PATIENCE = Number(process.env.PATIENCE ?? 120_000);
 
+/** What ends the servers. @type {Set<() => void>} */
+const kills = new Set();
+process.once("exit", () => kills.forEach((kill) => kill()));
+
 /**
  * Starts `husillo serve` on a free port, and gives the address of its page.
  *
@@ -28,6 +32,10 @@ function serve(...more) {
             const { kind, url } = JSON.parse(line);
             if (kind !== "open") return;
             clearTimeout(stuck);
+            // A test whose page has failed does not end its server: it ends with the tests.
+            kills.add(kill);
+            child.unref();
+            /** @type {import("node:net").Socket} */ (child.stdout).unref();
             resolve({ address: url, kill });
         });
     });

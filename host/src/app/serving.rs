@@ -3,7 +3,8 @@
 use super::job::load;
 use super::{Failure, grbl, milling};
 use crate::cli::Serve;
-use crate::serve::{Factory, Family, Served};
+use crate::measuring::{self, Stopped};
+use crate::serve::{Factory, Family, MeasuringMachine, Served};
 use husillo_gcode::Dialect;
 use husillo_simulator::programs::setup;
 use std::iter::repeat_n;
@@ -28,7 +29,7 @@ pub fn machines(args: &Serve) -> Result<Vec<Served>, Failure> {
     };
     let served = pairs.into_iter().map(|(name, port)| {
         Ok(Served {
-            family: family(name, port)?,
+            family: family(name, port, args.piece.as_deref())?,
             port: port.clone(),
         })
     });
@@ -36,7 +37,17 @@ pub fn machines(args: &Serve) -> Result<Vec<Served>, Failure> {
 }
 
 /// The family of a machine.
-fn family(name: &str, port: &str) -> Result<Family, Failure> {
+fn family(name: &str, port: &str, piece: Option<&str>) -> Result<Family, Failure> {
+    if measuring::is_measuring(name) {
+        let machine =
+            measuring::machine_file::load(name).map_err(|error| of(Stopped::File(error)))?;
+        let network = measuring::network_to_try(piece, &machine).map_err(of)?;
+        return Ok(Family::Measuring(Box::new(MeasuringMachine {
+            name: name.to_owned(),
+            machine,
+            network,
+        })));
+    }
     if name == "drill" {
         return Ok(Family::Drill);
     }
@@ -54,4 +65,13 @@ fn family(name: &str, port: &str) -> Result<Family, Failure> {
         file: Arc::new(file),
         config: Box::new(config),
     })
+}
+
+/// A machine file or a work piece that cannot be read.
+fn of(stopped: Stopped) -> Failure {
+    match super::ended(Err(stopped)) {
+        Err(failure) => failure,
+        // Nothing else is reported by what reads them.
+        Ok(_) => Failure::Usage("the machine cannot be read".into()),
+    }
 }

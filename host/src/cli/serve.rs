@@ -9,11 +9,14 @@ pub struct Serve {
     /// Port: sim, a serial device, or tcp:HOST:PORT; repeated, for several machines side by side
     #[arg(short, long, value_name = "PORT", default_value = "sim")]
     pub port: Vec<String>,
-    /// Machine: micromill, drill, microfactory, or for a controller with Grbl's protocol the one
-    /// whose steps, rates, ramps and travel a simulated controller has; a name or a TOML file;
-    /// repeated, one for each port
+    /// Machine: micromill, drill, microfactory, cmm, cmm3, or for a controller with Grbl's protocol
+    /// the one whose steps, rates, ramps and travel a simulated controller has; a name or a TOML
+    /// file; repeated, one for each port
     #[arg(short, long, value_name = "NAME|FILE", default_value = "router")]
     pub machine: Vec<String>,
+    /// Work piece of simulated measuring machines [default: that of examples/piece.toml]
+    #[arg(long, value_name = "FILE.toml")]
+    pub piece: Option<String>,
     /// Address of the page; port 0 chooses a free one
     #[arg(long, value_name = "HOST:PORT", default_value = "127.0.0.1:8017")]
     pub listen: String,

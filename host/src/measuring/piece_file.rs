@@ -25,6 +25,16 @@ pub fn load(path: &str) -> Result<Piece, LoadError> {
     parse(path, &text).map_err(LoadError::Findings)
 }
 
+/// The piece of `examples/piece.toml`.
+///
+/// # Errors
+///
+/// Never: a test reads the same file.
+pub fn to_try() -> Result<Piece, LoadError> {
+    const PATH: &str = "examples/piece.toml";
+    parse(PATH, include_str!("../../examples/piece.toml")).map_err(LoadError::Findings)
+}
+
 fn parse(path: &str, text: &str) -> Result<Piece, Vec<Finding>> {
     let mut findings = Vec::new();
     let document = document(path, text)?;

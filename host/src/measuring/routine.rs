@@ -8,3 +8,4 @@ mod job;
 mod measured;
 
 pub use job::{Ending, Routine, recorded, run};
+pub use measured::now;

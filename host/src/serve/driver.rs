@@ -7,12 +7,13 @@
 mod course;
 mod drill;
 mod grbl;
+mod measuring;
 mod microfactory;
 mod micromill;
 mod phase;
 
 use super::console_lines::From;
-use super::family::Family;
+use super::family::{Family, MeasuringMachine};
 use super::machine::{Asked, Machine};
 use super::machine_state::MachineState;
 use std::sync::Arc;
@@ -58,6 +59,15 @@ trait Drive {
 pub fn start(machine: Arc<Machine>, family: Family, port: Port, requests: Receiver<Asked>) {
     std::thread::spawn(move || match family {
         Family::Grbl(settings) => keep(&machine, &port, &requests, grbl::Grbl::new(*settings)),
+        Family::Measuring(measuring) => {
+            let MeasuringMachine {
+                name,
+                machine: file,
+                network,
+            } = *measuring;
+            let drive = measuring::Measuring::new(name, file, network);
+            keep(&machine, &port, &requests, drive);
+        }
         Family::Drill => keep(&machine, &port, &requests, drill::Drill::default()),
         Family::Microfactory(factory) => {
             let drive = microfactory::Microfactory::new(factory);

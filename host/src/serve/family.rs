@@ -3,6 +3,8 @@
 use super::drill_program::millimetres;
 use super::figure_program::Factory;
 use husillo_machine::Config;
+use husillo_metrology::heads;
+use husillo_metrology::simulated::SimulatedNetwork;
 use husillo_simulator::machines::machine_file::MachineFile;
 use husillo_transports::drill::Table;
 use husillo_transports::grbl::Settings;
@@ -24,6 +26,19 @@ pub enum Family {
     Drill,
     /// The desktop microfactory.
     Microfactory(Arc<Factory>),
+    /// A measuring machine.
+    Measuring(Box<MeasuringMachine>),
+}
+
+/// A measuring machine.
+#[derive(Clone, Debug)]
+pub struct MeasuringMachine {
+    /// Its name, or the path of its file.
+    pub name: String,
+    /// Its description.
+    pub machine: heads::Machine,
+    /// Its modules in a simulation.
+    pub network: SimulatedNetwork,
 }
 
 impl Family {
@@ -34,6 +49,7 @@ impl Family {
             Self::Micromill { .. } => "micromill",
             Self::Drill => "drill",
             Self::Microfactory(_) => "microfactory",
+            Self::Measuring(_) => "measuring",
         }
     }
 
@@ -44,6 +60,20 @@ impl Family {
             Self::Micromill { .. } | Self::Drill => &["program", "from", "report"],
             // The controller cuts a figure from its begin to its end.
             Self::Microfactory(_) => &["program", "report"],
+            Self::Measuring(_) => &["routine", "report"],
+        }
+    }
+
+    /// The letters of its axes.
+    pub fn axes(&self) -> Vec<char> {
+        match self {
+            Self::Measuring(measuring) => {
+                let axes = measuring.machine.axes.iter();
+                axes.map(|axis| axis.letter).collect()
+            }
+            Self::Grbl(_) | Self::Micromill { .. } | Self::Drill | Self::Microfactory(_) => {
+                vec!['X', 'Y', 'Z']
+            }
         }
     }
 
@@ -51,7 +81,7 @@ impl Family {
     pub fn travel_mm(&self) -> Option<[Option<[f64; 2]>; 3]> {
         match self {
             // That of the microfactory is not documented.
-            Self::Grbl(_) | Self::Microfactory(_) => None,
+            Self::Grbl(_) | Self::Microfactory(_) | Self::Measuring(_) => None,
             Self::Micromill { config, .. } => Some(config.axes.map(|axis| {
                 let travel = axis.travel?;
                 Some(travel.map(|nm| nm.0 as f64 / 1e6))
@@ -72,6 +102,7 @@ impl Family {
             Self::Micromill { .. } => husillo_clients::micromill::BAUD,
             Self::Drill => husillo_clients::drill::BAUD,
             Self::Microfactory(_) => husillo_clients::microfactory::BAUD,
+            Self::Measuring(measuring) => measuring.machine.baud.bits_per_s(),
         }
     }
 }

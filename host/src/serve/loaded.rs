@@ -394,7 +394,7 @@ pub fn in_nm(mm: &[f64]) -> [Nm; AXES] {
 }
 
 /// A finding, as a page gets it.
-fn described(finding: &Finding) -> Value {
+pub fn described(finding: &Finding) -> Value {
     let (line, column) = finding.line_and_column();
     let whole = serde_json::to_value(finding).unwrap_or_default();
     let fixes = whole["fixes"].as_array().into_iter().flatten();

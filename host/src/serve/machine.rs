@@ -12,6 +12,7 @@ use super::run_record::RunRecord;
 use super::tool_path::ToolPath;
 use axum::extract::ws::Utf8Bytes;
 use husillo_clients::StopRequests;
+use jiff::Timestamp;
 use serde_json::{Value, json};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -30,6 +31,25 @@ pub struct Asked {
     pub request: Request,
     /// Where the answer goes.
     pub reply: Reply,
+}
+
+/// A report that is made.
+#[derive(Debug)]
+pub struct ReportPage {
+    /// The name of its file.
+    pub name: String,
+    /// HTML.
+    pub text: String,
+}
+
+impl ReportPage {
+    /// The name of the file of a report about a program or a routine.
+    pub fn name_of(program: &str, time: Timestamp) -> String {
+        let stem = program.rsplit_once('.').map_or(program, |(stem, _)| stem);
+        let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '-' };
+        let stem: String = stem.chars().map(plain).collect();
+        format!("{stem}-{}.html", time.strftime("%Y%m%d-%H%M%S"))
+    }
 }
 
 /// A machine.
@@ -55,6 +75,8 @@ pub struct Machine {
     pub program: Mutex<Option<Arc<Loaded>>>,
     /// The last run of a program that has ended.
     pub run: Mutex<Option<Arc<RunRecord>>>,
+    /// The report of the last routine.
+    pub report: Mutex<Option<Arc<ReportPage>>>,
     /// The macros, which all machines share.
     pub macros: Arc<MacroFile>,
     requests: SyncSender<Asked>,
@@ -88,7 +110,7 @@ pub fn described(number: u32, family: &Family, port: &str) -> Value {
         "name": port,
         "port": port,
         "is_simulated": port == "sim",
-        "axes": ["X", "Y", "Z"],
+        "axes": family.axes(),
     })
 }
 
@@ -115,6 +137,7 @@ impl Machine {
             path: ToolPath::default(),
             program: Mutex::default(),
             run: Mutex::default(),
+            report: Mutex::default(),
             macros,
             requests,
             published: Mutex::default(),

@@ -61,6 +61,9 @@ pub struct MachineState {
     /// What only a microfactory has.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub factory: Option<FactoryState>,
+    /// What only a measuring machine has.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub measuring: Option<Value>,
 }
 
 /// What only a micro mill has.

@@ -157,6 +157,22 @@ fn with_holes<T>(machine: &Machine, give: impl FnOnce(&DrillProgram) -> T) -> Op
 
 /// The report of the last run.
 pub async fn report(machine: &Machine) -> Response {
+    let made = {
+        let made = machine
+            .report
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        made.clone()
+    };
+    if let Some(made) = made {
+        let name = format!("inline; filename=\"{}\"", made.name);
+        let headers = [
+            (CONTENT_TYPE, "text/html; charset=utf-8"),
+            (CONTENT_DISPOSITION, name.as_str()),
+            (CONTENT_SECURITY_POLICY, REPORT_POLICY),
+        ];
+        return (headers, made.text.clone()).into_response();
+    }
     let run = {
         let run = machine.run.lock().unwrap_or_else(PoisonError::into_inner);
         run.clone()

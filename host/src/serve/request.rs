@@ -116,6 +116,9 @@ pub enum Request {
         /// Speed along the path, mm/min. A micro mill has none.
         #[serde(default)]
         feed: f64,
+        /// A measuring machine moves fast, and stops abruptly at a contact.
+        #[serde(default)]
+        rapid: bool,
     },
     /// Give the present position new work coordinates.
     Zero {
@@ -164,6 +167,31 @@ pub enum Request {
     Unload,
     /// Move an axis until the probe touches.
     Probe(Probe),
+    /// End the present motion or routine of a measuring machine.
+    Cancel,
+    /// Touch the part with a measuring machine.
+    Touch(Touch),
+    /// Set the tip of a measuring machine.
+    Tip(Tip),
+    /// Check a routine, and sketch its features.
+    Routine {
+        /// Its name. The ending of a program marks G-code.
+        name: String,
+        /// Its lines.
+        text: String,
+    },
+    /// Run a routine.
+    RoutineRun {
+        /// Its name.
+        name: String,
+        /// Its lines.
+        text: String,
+        /// Name or number of the part, for the report.
+        #[serde(default)]
+        part: Option<String>,
+    },
+    /// Tell what the last routine has measured.
+    Measured,
     /// List the macros.
     Macros,
     /// Add or replace a macro.
@@ -225,6 +253,37 @@ pub struct Probe {
     pub beside: bool,
 }
 
+/// A touch of a measuring machine. Lengths are in mm, or in counts of unknown length.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Touch {
+    /// The direction.
+    pub towards: Axes,
+    /// The longest distance. Without it the end of the travel.
+    #[serde(default)]
+    pub within: Option<f64>,
+    /// Slow touches in the mean.
+    #[serde(default = "one")]
+    pub touches: u8,
+    /// The true position of the face on its axis: the touch calibrates the pre-travel.
+    #[serde(default)]
+    pub reference: Option<f64>,
+}
+
+const fn one() -> u8 {
+    1
+}
+
+/// The tip of a measuring machine. Lengths are in mm, or in counts of unknown length.
+#[derive(Clone, Copy, Debug, Deserialize)]
+pub struct Tip {
+    /// Pre-travel in positive and in negative direction.
+    #[serde(default)]
+    pub pre_travel: Option<[f64; 2]>,
+    /// Radius of the ball.
+    #[serde(default)]
+    pub ball: Option<f64>,
+}
+
 /// Coordinates of a position.
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
@@ -268,10 +327,19 @@ impl Request {
 
     /// Whether a client needs control for it.
     pub const fn needs_control(&self) -> bool {
-        use Request::{Emergency, Hold, Macros, Settings, SettingsDiff, Stop, Take};
+        use Request::{
+            Emergency, Hold, Macros, Measured, Routine, Settings, SettingsDiff, Stop, Take,
+        };
         !matches!(
             self,
-            Stop | Emergency | Take { .. } | Hold | Macros | Settings | SettingsDiff { .. }
+            Stop | Emergency
+                | Take { .. }
+                | Hold
+                | Macros
+                | Measured
+                | Routine { .. }
+                | Settings
+                | SettingsDiff { .. }
         )
     }
 }

@@ -1,6 +1,7 @@
 //! What became of a program on a machine, for its report.
 
 use super::loaded::Loaded;
+use super::machine::ReportPage;
 use husillo_reports::operation::Operation;
 use husillo_reports::text::duration;
 use jiff::Timestamp;
@@ -83,11 +84,7 @@ impl RunRecord {
 
     /// The name of the file of its report.
     pub fn file_name(&self) -> String {
-        let stem = self.program.name.rsplit_once('.');
-        let stem = stem.map_or(self.program.name.as_str(), |(stem, _)| stem);
-        let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '-' };
-        let stem: String = stem.chars().map(plain).collect();
-        format!("{stem}-{}.html", self.begun.strftime("%Y%m%d-%H%M%S"))
+        ReportPage::name_of(&self.program.name, self.begun)
     }
 
     /// As a report has it.

@@ -12,6 +12,7 @@ mod jogging;
 mod lines;
 mod links;
 mod macros;
+mod measuring;
 mod microfactory;
 mod micromill;
 mod mqtt;

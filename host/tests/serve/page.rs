@@ -99,7 +99,8 @@ impl Served {
         page.until("states", |page| {
             // A mill that is not homed has no position.
             let are_up = |state: &Value| {
-                let has_own = state["mill"].is_object() || state["factory"].is_object();
+                let own = ["mill", "factory", "measuring"];
+                let has_own = own.iter().any(|own| state[*own].is_object());
                 state["link"] == "up" && (!state["work_mm"].is_null() || has_own)
             };
             let is_complete = !page.states.is_empty() && page.states.iter().all(are_up);

@@ -1,7 +1,9 @@
 //! A machine whose known errors are corrected. Positions and goals are true positions.
 
 use crate::error::Error;
-use crate::heads::{AxisPosition, Errors, Head, Memory, Port, Probed, Prober, Touched, View};
+use crate::heads::{
+    AxisPosition, Deflection, Errors, Head, Memory, Port, Probed, Prober, Touched, View,
+};
 use husillo_backlash::{ErrorTable, Flank};
 use husillo_probe::{Edge, Measurement, UnitVector};
 use std::cmp::Ordering;
@@ -330,6 +332,31 @@ impl<P: Port> Calibrated<Head<P>> {
         } else {
             Flank::Negative
         };
+        Ok(())
+    }
+
+    /// Follows a joystick as [`Head::steer`] does.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Head::steer`].
+    pub fn steer(
+        &mut self,
+        joystick: impl FnMut() -> Option<[Deflection; 3]>,
+    ) -> Result<(), Error> {
+        self.sent = None;
+        self.prober.see_as(&self.view);
+        let last = self
+            .prober
+            .steer(joystick)
+            .map_err(|error| self.lost(error))?;
+        for (flank, way) in self.view.flanks.iter_mut().zip(last) {
+            *flank = match way {
+                1.. => Flank::Positive,
+                0 => *flank,
+                ..0 => Flank::Negative,
+            };
+        }
         Ok(())
     }
 

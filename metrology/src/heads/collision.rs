@@ -34,6 +34,11 @@ pub(super) struct Watch {
 }
 
 impl Watch {
+    /// The axes that move now, by their letters.
+    pub(super) fn follow(&mut self, axes: String) {
+        self.axes = axes;
+    }
+
     fn note(&mut self, now_us: u64, replies: &[Reply]) {
         if self.readings.len() == SPEED_READINGS {
             self.readings.pop_front();

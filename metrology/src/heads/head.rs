@@ -166,6 +166,11 @@ impl<P: Port> Head<P> {
         &self.probe
     }
 
+    /// Sets the number of slow touches to average from now on, at least 1.
+    pub fn set_touches(&mut self, touches: u8) {
+        self.touches = touches.max(1);
+    }
+
     /// Status of the module of a standing axis.
     ///
     /// # Errors
@@ -296,6 +301,8 @@ mod tests {
     use crate::heads::operator::StopButton;
     use crate::simulated::{SimulatedNetwork, SimulatedPort, three_axes};
     use husillo_probe::Failure;
+    use std::cell::RefCell;
+    use std::rc::Rc;
 
     type Head = super::Head<SimulatedPort>;
 
@@ -314,6 +321,43 @@ mod tests {
         // Homed where it stands.
         head.axes.iter_mut().for_each(|axis| axis.is_homed = true);
         head
+    }
+
+    /// A position, and whether the probe is pressed there.
+    type Reading = ([i64; 3], bool);
+
+    /// What the operator sees of a machine.
+    #[derive(Clone, Debug, Default)]
+    struct Seen(Rc<RefCell<Vec<Reading>>>);
+
+    impl crate::heads::Operator for Seen {
+        fn reads(&self, position: [i64; 3], is_pressed: bool) {
+            self.0.borrow_mut().push((position, is_pressed));
+        }
+    }
+
+    #[test]
+    fn an_operator_sees_the_positions_while_the_axes_move() {
+        let seen = Seen::default();
+        let network =
+            SimulatedNetwork::new(&[4; 3], &["3:..-2000".parse().unwrap()], None).unwrap();
+        let line = Line::new(SimulatedPort::new(network)).with_operator(seen.clone());
+        let mut head = Head::start(line, &three_axes(), 1).unwrap();
+        seen.0.take();
+        head.go_to([MM, 0, 0]).unwrap();
+        let way: Vec<_> = seen.0.take().iter().map(|(at, _)| at[0]).collect();
+        let between = way.iter().filter(|x| (100_000..900_000).contains(*x));
+        assert!(between.count() > 20, "{way:?}");
+        // Pressed, in a move that ends in a collision, and still pressed at rest.
+        head.go_to([MM, 0, -5 * MM]).unwrap_err();
+        head.come_to_rest().unwrap();
+        seen.0.take();
+        head.read_at_rest().unwrap();
+        let now = seen.0.take();
+        let [(at, true)] = now[..] else {
+            panic!("{now:?}")
+        };
+        assert!(at[2] <= -4 * MM);
     }
 
     /// Before homing an axis moves as slowly as in a search. The travel counts from home.

@@ -18,6 +18,12 @@ pub trait Operator {
         let _ = is_moving;
     }
 
+    /// Called with each reading of all axes, also while they move: the position, in amounts of the
+    /// scale, and whether the probe is pressed.
+    fn reads(&self, position: [i64; 3], is_pressed: bool) {
+        let _ = (position, is_pressed);
+    }
+
     /// Called with the bytes that were sent to the modules.
     fn sent(&self, bytes: &[u8]) {
         let _ = bytes;

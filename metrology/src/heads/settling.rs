@@ -9,7 +9,7 @@ use husillo_transports::nmc::Reply;
 pub const SETTLING_US: u64 = 2_000_000;
 
 /// The axes are at rest after this number of consecutive readings in position.
-const STILL_READINGS: u32 = 3;
+pub const STILL_READINGS: u32 = 3;
 
 impl<P: Port> Head<P> {
     /// Waits until all axes are at rest, at the goal or at the position where they have stopped.

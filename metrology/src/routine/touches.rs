@@ -5,7 +5,7 @@ use super::site::{Contact, Site, beyond};
 use super::statement::{Job, Place};
 use super::vector::{Vector, cross, scaled};
 
-const UP: Vector = [0.0, 0.0, 1.0];
+pub(super) const UP: Vector = [0.0, 0.0, 1.0];
 
 impl Site<'_> {
     /// Makes all touches of a job and returns them in order. A job that only calculates has none.
@@ -195,7 +195,7 @@ impl Site<'_> {
 }
 
 /// Directions around Z, evenly spaced over a whole turn, or over an arc including both ends.
-fn spokes(points: u32, [from, to]: [f64; 2]) -> Vec<Vector> {
+pub(super) fn spokes(points: u32, [from, to]: [f64; 2]) -> Vec<Vector> {
     let is_whole = to - from >= 360.0;
     let gaps = if is_whole { points } else { points - 1 };
     let angle = |point: u32| from + (to - from) * f64::from(point) / f64::from(gaps);
@@ -208,7 +208,7 @@ fn spokes(points: u32, [from, to]: [f64; 2]) -> Vec<Vector> {
 
 /// Directions of the upper half: a spiral with equal steps in height, each rotated by the golden
 /// angle. So no great circle contains most of them.
-fn hemisphere(points: u32) -> Vec<Vector> {
+pub(super) fn hemisphere(points: u32) -> Vec<Vector> {
     let golden = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
     let spoke = |point: u32| {
         let height = 1.0 - f64::from(point) / f64::from(points - 1);

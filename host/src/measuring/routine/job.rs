@@ -26,6 +26,7 @@ pub enum Ending {
 }
 
 /// A routine or a program, ready to run.
+#[derive(Debug)]
 pub enum Routine {
     /// Statements.
     Statements {
@@ -46,37 +47,52 @@ impl Routine {
     /// The file cannot be read.
     pub fn load(name: &str) -> Result<Option<Self>, String> {
         let text = crate::input::read(name).map_err(|error| format!("{name}: {error}"))?;
-        let is_program = [".nc", ".ngc", ".gcode", ".tap", ".cnc"];
-        let lower = name.to_ascii_lowercase();
-        let name = name.to_owned();
-        let checked = if is_program.iter().any(|end| lower.ends_with(end)) {
-            match program::check(&text) {
-                Ok(()) => Ok(Self::Program { name, text }),
-                Err(errors) => Err(errors
-                    .iter()
-                    .map(|error| findings::of_program(error, &name))
-                    .collect::<Vec<_>>()),
-            }
-        } else {
-            let text = String::from_utf8_lossy(&text).into_owned();
-            match Parser::file(&text) {
-                Ok(statements) => Ok(Self::Statements {
-                    name,
-                    text,
-                    statements,
-                }),
-                Err(mistakes) => Err(mistakes
-                    .into_iter()
-                    .map(|mistake| findings::of_mistake(mistake, &name, &text))
-                    .collect()),
-            }
-        };
-        match checked {
+        match Self::parse(name, text) {
             Ok(routine) => Ok(Some(routine)),
             Err(findings) => {
                 findings.iter().for_each(tell);
                 Ok(None)
             }
+        }
+    }
+
+    /// Checks a text. The ending of its name marks G-code.
+    ///
+    /// # Errors
+    ///
+    /// Its mistakes.
+    pub fn parse(name: &str, text: Vec<u8>) -> Result<Self, Vec<Finding>> {
+        let is_program = [".nc", ".ngc", ".gcode", ".tap", ".cnc"];
+        let lower = name.to_ascii_lowercase();
+        let name = name.to_owned();
+        if is_program.iter().any(|end| lower.ends_with(end)) {
+            return match program::check(&text) {
+                Ok(()) => Ok(Self::Program { name, text }),
+                Err(errors) => Err(errors
+                    .iter()
+                    .map(|error| findings::of_program(error, &name))
+                    .collect()),
+            };
+        }
+        let text = String::from_utf8_lossy(&text).into_owned();
+        match Parser::file(&text) {
+            Ok(statements) => Ok(Self::Statements {
+                name,
+                text,
+                statements,
+            }),
+            Err(mistakes) => Err(mistakes
+                .into_iter()
+                .map(|mistake| findings::of_mistake(mistake, &name, &text))
+                .collect()),
+        }
+    }
+
+    /// Its statements. A program has none.
+    pub fn statements(&self) -> &[Statement] {
+        match self {
+            Self::Statements { statements, .. } => statements,
+            Self::Program { .. } => &[],
         }
     }
 
@@ -86,11 +102,18 @@ impl Routine {
         name
     }
 
-    /// Carries the routine out. `each` receives each feature when it is measured.
-    fn carry_out(
+    /// Carries the routine out. `begin` receives the line of each statement before it, `each`
+    /// receives each feature when it is measured, and `pause` waits at the M0 of a program.
+    ///
+    /// # Errors
+    ///
+    /// The finding of the line that has failed.
+    pub fn carry_out(
         &self,
         runner: &mut Runner<'_>,
+        mut begin: impl FnMut(usize),
         mut each: impl FnMut(&Feature),
+        pause: impl FnMut(usize),
     ) -> Result<(), Box<Finding>> {
         match self {
             Self::Program { name, text } => program::run(text, runner, each, pause)
@@ -102,6 +125,7 @@ impl Routine {
             } => {
                 let lines: Vec<&str> = text.lines().collect();
                 for statement in statements {
+                    begin(statement.line);
                     let done = runner.run(statement).map_err(|failure| {
                         let line = lines.get(statement.line - 1).copied().unwrap_or_default();
                         let line_number = statement.line;
@@ -131,11 +155,12 @@ pub fn run(
 ) -> io::Result<Ending> {
     let mut runner = Runner::new(Site::new(prober, stylus));
     let mut written = Ok(());
-    let done = routine.carry_out(&mut runner, |feature| {
+    let each = |feature: &Feature| {
         if args.format == Results::Text && written.is_ok() {
             written = writeln!(out, "{}", routine::text(feature)).and_then(|()| out.flush());
         }
-    });
+    };
+    let done = routine.carry_out(&mut runner, |_| (), each, pause);
     written?;
     let has_collided = runner.site.has_collided();
     if has_collided {

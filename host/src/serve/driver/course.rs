@@ -58,10 +58,7 @@ pub(super) struct Progress {
 impl Course {
     /// Whether parts are made, or will be.
     pub(super) const fn is_active(&self) -> bool {
-        matches!(
-            self.phase,
-            Phase::Running | Phase::Waiting | Phase::Stopping
-        )
+        self.phase.is_active()
     }
 
     pub(super) const fn phase(&self) -> Phase {

@@ -409,7 +409,9 @@ impl<'a> Driver<'a> {
             Request::Unlock => self.by_hand("$X", reply, Purpose::Asked),
             Request::Home { axis } => self.home(axis, reply),
             Request::Step { move_mm, feed } => self.step(&move_mm, feed, reply),
-            Request::Goto { to_mm, frame, feed } => self.go(&to_mm, frame, feed, reply),
+            Request::Goto {
+                to_mm, frame, feed, ..
+            } => self.go(&to_mm, frame, feed, reply),
             Request::Line { text } => return self.line(&text, reply),
             Request::Run { confirmed, from } => match from {
                 None => self.run(confirmed, reply),

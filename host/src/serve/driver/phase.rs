@@ -21,6 +21,11 @@ pub enum Phase {
 }
 
 impl Phase {
+    /// Whether parts are made, or will be.
+    pub const fn is_active(self) -> bool {
+        matches!(self, Self::Running | Self::Waiting | Self::Stopping)
+    }
+
     /// Its name in the state of the machine.
     pub const fn name(self) -> &'static str {
         match self {

@@ -5,20 +5,30 @@ use super::{Head, READ, stop};
 use crate::error::Error;
 use crate::heads::port::Port;
 use crate::heads::servo::Servo;
+use crate::heads::settling::{SETTLING_US, STILL_READINGS};
 use husillo_transports::nmc::{Command, Items, Reply, Stop, StopMode};
 
 impl<P: Port> Head<P> {
+    /// Reads all axes, and shows the operator what was read.
+    fn readings(&mut self) -> Result<Vec<Reply>, Error> {
+        let mut replies = Vec::with_capacity(self.axes.len());
+        for axis in &self.axes {
+            let module = axis.settings.module;
+            replies.push(self.line.command(module, Command::ReadStatus(READ))?);
+        }
+        let position = self.view.position(self.place_of(&replies));
+        let is_pressed = self.is_closed(&replies);
+        self.line.operator().reads(position, is_pressed);
+        Ok(replies)
+    }
+
     /// Reads all axes.
     ///
     /// # Errors
     ///
     /// No answer, or an axis with a fault.
     pub(crate) fn read(&mut self) -> Result<Vec<Reply>, Error> {
-        let mut replies = Vec::with_capacity(self.axes.len());
-        for axis in &self.axes {
-            let module = axis.settings.module;
-            replies.push(self.line.command(module, Command::ReadStatus(READ))?);
-        }
+        let replies = self.readings()?;
         for (index, (axis, reply)) in self.axes.iter().zip(&replies).enumerate() {
             let checked = axis.check(reply, || self.axis_text(index, reply.readings.position));
             if checked.is_err() {
@@ -28,6 +38,43 @@ impl<P: Port> Head<P> {
         }
         self.look_at_ends(&replies)?;
         Ok(replies)
+    }
+
+    /// Reads the axes while nothing is to move, for [`Operator::reads`]. A fault is reported once:
+    /// its axis stays without drive until the next motion, which clears the fault.
+    ///
+    /// # Errors
+    ///
+    /// No answer, an axis with a fault, or an end switch that has closed.
+    ///
+    /// [`Operator::reads`]: crate::heads::Operator::reads
+    pub fn read_at_rest(&mut self) -> Result<(), Error> {
+        if self.is_astray {
+            return self.readings().map(drop);
+        }
+        let read = self.read().map(drop);
+        self.is_astray = read.is_err();
+        read
+    }
+
+    /// Waits until the axes, which are braking, stand. Their faults are not looked at.
+    ///
+    /// # Errors
+    ///
+    /// No answer.
+    pub fn come_to_rest(&mut self) -> Result<(), Error> {
+        let end_us = self.line.elapsed_us() + self.braking_us() + SETTLING_US;
+        let (mut still, mut before) = (0, Vec::new());
+        while still < STILL_READINGS && self.line.elapsed_us() < end_us {
+            let replies = self.readings()?;
+            let at: Vec<i32> = replies.iter().map(|one| one.readings.position).collect();
+            let mut pairs = self.axes.iter().zip(at.iter().zip(&before));
+            let is_still =
+                !before.is_empty() && pairs.all(|(axis, (at, to))| axis.is_near(*at, *to));
+            still = if is_still { still + 1 } else { 0 };
+            before = at;
+        }
+        Ok(())
     }
 
     /// Carries out `what`, which moves axes. After any failure, also of the link, and after a stop
