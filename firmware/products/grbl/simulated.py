@@ -16,18 +16,21 @@ from husillo_firmware import esp32c3, image
 from husillo_firmware.boards import Board
 from husillo_firmware.emulated import same
 from husillo_firmware.esp32c3 import CODE, DATA, Esp32c3
+from husillo_firmware.rp2040 import Rp2040
 from husillo_firmware.rp2350 import FLASH, Rp2350
 from husillo_firmware.simulated import Chip
 from husillo_firmware.waiting import require
 
 from products.grbl import dialogue
-from products.grbl.check import emulated, program
+from products.grbl.check import LINES, WAIT, emulated, program
 from products.grbl.link import Edges, Grbl
 
 BOOT_US = 100_000
 # The longest time until the firmware has read the inputs, or obeyed a byte.
 NOTICED_US = 20_000
 PULSE_US, TOLERANCE_US = 37, 3
+# Lines of a short program.
+SHORT = 50
 # More changes of a setting than fit into a sector of the flash.
 CHANGES = 40
 # The boot ROM of an ESP32-C3 uses the RAM from here on while it loads. Static data and stack of the
@@ -49,9 +52,25 @@ class Table:
     # The register of the duty, and its values at half and at full speed.
     duty: int
     duties: tuple[int, int]
+    # How many lines of the program it makes. A Cortex-M0 is slow in the simulation.
+    lines: int = LINES
 
     def __str__(self) -> str:
         return self.board.name
+
+
+def pico(target: str, chip: type[Chip], ram: int) -> Table:
+    """A Pico or a Pico 2."""
+    return Table(
+        Board("pico" if chip is Rp2040 else "pico2", target, (), 0x2000_0000, ram, "3"),
+        chip,
+        (2, 3, 4, 5, 6, 7),
+        10,
+        {14: "X", 15: "Y", 16: "Z", 17: "P", 18: "H", 19: "S"},
+        0x400A_8048,
+        (128, 255),
+        SHORT if chip is Rp2040 else LINES,
+    )
 
 
 TABLES = {
@@ -64,15 +83,8 @@ TABLES = {
         0x6001_9008,
         (128 << 4, 256 << 4),
     ),
-    "pico2": Table(
-        Board("pico2", "thumbv8m.main-none-eabihf", (), 0x2000_0000, 512 << 10, "3"),
-        Rp2350,
-        (2, 3, 4, 5, 6, 7),
-        10,
-        {14: "X", 15: "Y", 16: "Z", 17: "P", 18: "H", 19: "S"},
-        0x400A_8048,
-        (128, 255),
-    ),
+    "pico": pico("thumbv6m-none-eabi", Rp2040, 256 << 10),
+    "pico2": pico("thumbv8m.main-none-eabihf", Rp2350, 512 << 10),
 }
 
 
@@ -173,7 +185,7 @@ def dialogues(table: Table, flash: bytearray) -> None:
 def keeps(table: Table, flash: bytearray) -> None:
     """A setting outlives the loss of power, also after the sectors of the flash were erased."""
     flash = flash[:]
-    program = flash[: len(flash) // 2]
+    program = flash[: len(flash) // 4]
     with Simulated(table, flash) as grbl:
         for number in range(CHANGES):
             require(grbl.ask(f"$100={number + 1}") == ["ok"], f"{table}: setting {number}")
@@ -261,5 +273,6 @@ def main(arguments: list[str]) -> int:
             loads(table.chip(flash))
         for check in (dialogues, keeps, pins, stops, is_deaf):
             check(table, flash)
-        cuts(table, flash, program(), emulated())
+        lines = [*program()[: table.lines], WAIT]
+        cuts(table, flash, lines, emulated(lines))
     return 0

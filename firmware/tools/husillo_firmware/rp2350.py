@@ -9,6 +9,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import ClassVar
 
 from unicorn import arm_const as arm
 from unicorn.unicorn import Uc
@@ -17,7 +18,6 @@ from unicorn.unicorn_const import UC_ARCH_ARM, UC_HOOK_CODE, UC_MODE_MCLASS, UC_
 from husillo_firmware.simulated import LONGEST_SLEEP_US, Chip
 from husillo_firmware.usb_host import INTERRUPTS, MEMORY_BYTES, Usb
 
-CORE_MHZ = 150
 # The host makes its next transaction after this time.
 POLL_US = 20
 FLASH = 0x1000_0000
@@ -35,16 +35,20 @@ TIMER_RAW, TIMER_ENABLE = 0x400B_003C, 0x400B_0040
 NVIC_ENABLE, VECTORS = 0xE000_E100, 0xE000_ED08
 # Where a handler returns to, without the bit of Thumb.
 RETURN = 0xFFFF_FFF8
-TIMER_INTERRUPT, USB_INTERRUPT = 0, 14
+TIMER_INTERRUPT = 0
 
 
 @dataclass
 class Rp2350(Chip):
     """The chip."""
 
-    core_mhz = CORE_MHZ
+    core_mhz = 150
     sleep = b"\x30\xbf"
     mode = 1
+    model: ClassVar[int] = arm.UC_CPU_ARM_CORTEX_M33
+    usb_interrupt: ClassVar[int] = 14
+    vectors: ClassVar[int] = FLASH
+    parts: ClassVar[tuple[tuple[int, int], ...]] = REGISTERS
     end = RETURN
 
     alarm_us: int | None = None
@@ -52,7 +56,7 @@ class Rp2350(Chip):
 
     def processor(self) -> Uc:
         cpu = Uc(UC_ARCH_ARM, UC_MODE_THUMB | UC_MODE_MCLASS)
-        cpu.ctl_set_cpu_model(arm.UC_CPU_ARM_CORTEX_M33)
+        cpu.ctl_set_cpu_model(self.model)
         for begin, length in ((0, ROM_BYTES), (FLASH, self.flash_bytes), (RAM, RAM_BYTES)):
             cpu.mem_map(begin, length)
         cpu.mem_write(FLASH, bytes(self.flash))
@@ -60,23 +64,31 @@ class Rp2350(Chip):
         cpu.mem_write(0, b"\x70\x47" * (ROM_BYTES // 2))
         cpu.mem_write(0x16, struct.pack("<H", LOOKUP | 1))
         cpu.hook_add(UC_HOOK_CODE, self.call, begin=0, end=ROM_BYTES)
-        for begin, length in REGISTERS:
+        for begin, length in self.parts:
             cpu.mmio_map(begin, length, self.reader(begin), None, self.writer(begin), None)
         return cpu
 
     def start(self) -> None:
-        stack, entry = struct.unpack_from("<II", self.flash)
+        stack, entry = struct.unpack_from("<II", self.flash, self.vectors - FLASH)
         self.cpu.reg_write(arm.UC_ARM_REG_SP, stack)
         self.at = entry & ~1
         self.usb = Usb(self.to_chip, self.to_host)
 
     def reader(self, base: int) -> Callable[[Uc, int, int, object], int]:
         """Reads a part of the address space."""
-        return lambda _, offset, size, __: self.read(base + offset, size)
+        return lambda _, offset, size, __: self.read(self.place(base + offset), size)
 
     def writer(self, base: int) -> Callable[[Uc, int, int, int, object], None]:
         """Writes a part of the address space."""
-        return lambda _, offset, size, value, __: self.write(base + offset, size, value)
+        return lambda _, offset, size, value, __: self.change(base + offset, size, value)
+
+    def place(self, address: int) -> int:
+        """Where an RP2350 has the register with this address."""
+        return address
+
+    def change(self, address: int, size: int, value: int) -> None:
+        """Writes to an address."""
+        self.write(address, size, value)
 
     def read(self, address: int, size: int) -> int:
         """A register."""
@@ -89,7 +101,7 @@ class Rp2350(Chip):
         kept = self.registers.get(address, 0)
         match address:
             case 0x4001_0038:
-                return 1 << 2
+                return 1 << (self.registers.get(0x4001_0030, 0) & 3)
             case 0x4001_0044:
                 return 1 << (self.registers.get(0x4001_003C, 0) & 1)
             case 0x4002_0008:
@@ -128,7 +140,7 @@ class Rp2350(Chip):
         self.registers[address] = value
 
     def poll(self) -> None:
-        if self.clocks - self.polled > POLL_US * CORE_MHZ:
+        if self.clocks - self.polled > POLL_US * self.core_mhz:
             self.polled = self.clocks
             self.usb.is_open = self.is_open
             next(self.usb.host)
@@ -142,8 +154,8 @@ class Rp2350(Chip):
         timer = self.registers.get(TIMER_RAW, 0) & self.registers.get(TIMER_ENABLE, 0)
         if timer & 1 and enabled >> TIMER_INTERRUPT & 1:
             return TIMER_INTERRUPT
-        if self.usb.read(INTERRUPTS) and enabled >> USB_INTERRUPT & 1:
-            return USB_INTERRUPT
+        if self.usb.read(INTERRUPTS) and enabled >> self.usb_interrupt & 1:
+            return self.usb_interrupt
         return None
 
     def call(self, cpu: Uc, address: int, *_: object) -> None:
@@ -176,7 +188,7 @@ class Rp2350(Chip):
         cpu.mem_write(frame, struct.pack("<8I", *saved, flags))
         cpu.reg_write(arm.UC_ARM_REG_SP, frame)
         cpu.reg_write(arm.UC_ARM_REG_LR, RETURN | 1)
-        table = self.registers.get(VECTORS, FLASH)
+        table = self.registers.get(VECTORS, self.vectors)
         (handler,) = struct.unpack("<I", cpu.mem_read(table + 64 + 4 * number, 4))
         assert handler & 1, f"interrupt {number} has no handler"
         self.at = handler & ~1
@@ -197,9 +209,9 @@ class Rp2350(Chip):
         return True
 
     def events(self) -> list[int]:
-        times = [self.polled + POLL_US * CORE_MHZ + 1]
+        times = [self.polled + POLL_US * self.core_mhz + 1]
         if self.alarm_us is not None and self.alarm_us > self.us:
-            times.append(self.alarm_us * CORE_MHZ)
+            times.append(self.alarm_us * self.core_mhz)
         return times
 
     def counter(self) -> int:

@@ -149,4 +149,8 @@ class Chip(ABC):
             self.is_handling = not self.leaves()
         # Unicorn stops behind an instruction that waits for an interrupt.
         before = self.at - len(self.sleep)
-        self.is_asleep = self.cpu.mem_read(before, len(self.sleep)) == self.sleep
+        try:
+            self.is_asleep = self.cpu.mem_read(before, len(self.sleep)) == self.sleep
+        except UcError:
+            # The next instruction is the first one of a memory.
+            self.is_asleep = False
