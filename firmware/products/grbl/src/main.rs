@@ -146,7 +146,7 @@ impl Product for Machine {
         })
     }
 
-    /// Keeps what has changed, before the line is answered.
+    /// Keeps what has changed. The answer of the line may be on its way already.
     fn performed(&mut self, grbl: &Grbl) {
         if core::mem::take(&mut self.must_store) {
             self.memory.write(grbl.memory());

@@ -37,6 +37,7 @@ const READINGS: u32 = 10_000_000;
 const IS_WHOLE: bool = cfg!(not(any(
     feature = "methods",
     feature = "text",
+    feature = "events",
     feature = "line"
 )));
 
@@ -83,7 +84,10 @@ fn table(counter: Counter) -> fmt::Result {
         print(counter, kernels::methods)?;
     }
     if cfg!(feature = "text") || IS_WHOLE {
-        print(counter, kernels::text)?;
+        print(counter, kernels::commands)?;
+    }
+    if cfg!(feature = "events") || IS_WHOLE {
+        print(counter, kernels::events)?;
     }
     if cfg!(feature = "line") || IS_WHOLE {
         print(counter, kernels::line)?;

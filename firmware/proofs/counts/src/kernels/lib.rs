@@ -4,8 +4,7 @@
 //! black_box(masks) }`. So a count includes the loop, the test for the end of the move, and work
 //! that is not done at every event. It does not include the set-up. The same kernels run on
 //! emulated microcontrollers (the programs `counts`, `counts-text`, `counts-events` and
-//! `counts-line`) and on the
-//! host (`husillo-bench`).
+//! `counts-line`) and on the host (`husillo-bench`).
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -33,7 +32,8 @@ pub type Count<'a> = &'a mut dyn FnMut(&str, u32, &mut dyn FnMut());
 /// Passes every kernel to `count`.
 pub fn all(count: Count<'_>) {
     methods(count);
-    text(count);
+    commands(count);
+    events(count);
     line(count);
 }
 
@@ -50,12 +50,6 @@ pub fn methods(count: Count<'_>) {
     encoder::all(count);
     pid::all(count);
     probe::all(count);
-}
-
-/// From text to events.
-pub fn text(count: Count<'_>) {
-    commands(count);
-    events(count);
 }
 
 /// From text to commands. Together with the methods, or with the events, this would not fit in a
