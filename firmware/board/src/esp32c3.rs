@@ -22,7 +22,7 @@
 //!
 //! The boot ROM copies the whole program from the flash into RAM, as it does with the boot loader
 //! of ESP-IDF, which is not used. So no cache delays a step. Debian's QEMU does not have this chip:
-//! `firmware/check esp32c3` simulates it.
+//! `firmware/check simulated` simulates it.
 //!
 //! The boot ROM loads `CODE` and `CONSTANTS`. It needs the RAM behind them only until then. From
 //! 0x3fcde710 on are the data of its functions.

@@ -7,7 +7,7 @@
 //! ```
 //!
 //! `rp2040-hal` starts the clocks and runs the USB. It may panic. Then everything stops. QEMU does
-//! not have this chip, so the firmware is built, but not run.
+//! not have this chip: `firmware/check simulated` simulates it.
 //: MEMORY
 //: {
 //:   BOOT2 : ORIGIN = 0x10000000, LENGTH = 256

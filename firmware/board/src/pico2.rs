@@ -1,14 +1,15 @@
 //! The Raspberry Pi Pico 2: an RP2350 at 150 MHz with two Cortex-M33, of which one is used. Its
-//! pins are those of a Pico. Its link is UART0: GP0 sends, GP1 receives. A Debug Probe of Raspberry
-//! Pi has this port on USB.
+//! pins are those of a Pico. Its link is USB: a serial port of the class CDC-ACM, `/dev/ttyACM0` at
+//! the host.
 //!
 //! ```sh
-//! BOARD=src/pico2.rs cargo build --release -p grbl --features board/switches \
+//! BOARD=src/pico2.rs cargo build --release -p grbl --features board/rp2350,board/switches \
 //!     --target thumbv8m.main-none-eabihf
 //! ```
 //!
-//! There is no USB: `rp235x-hal` 0.4 needs another `riscv-rt` than the other boards. QEMU does not
-//! have this chip, so the firmware is built, but not run.
+//! Without the feature `rp2350` the link is UART0: GP0 sends, GP1 receives. The crates of the USB
+//! may panic. Then everything stops. QEMU does not have this chip: `firmware/check simulated`
+//! simulates it.
 //: MEMORY
 //: {
 //:   FLASH : ORIGIN = 0x10000000, LENGTH = 4M - 8K
@@ -25,16 +26,30 @@
 
 #[cfg(feature = "flash")]
 mod pico2_flash;
+#[cfg(not(feature = "usb"))]
+mod pico2_uart;
 mod rp2;
+#[cfg(feature = "usb")]
+mod rp2350_usb;
+#[cfg(feature = "usb")]
+mod usb_serial;
+
+pub use link::{baud, is_sent, send};
 
 #[cfg(feature = "flash")]
 pub use pico2_flash::{SECTOR_BYTES, UNIT_BYTES, flash_erase, flash_read, flash_write};
 pub use rp2::{CLOCKS_PER_US, LONGEST_US, clock, counts, drive, inputs, stop, switch, wait, write};
 
 use crate::{
-    nvic::{self, Vector, vectors},
+    nvic::{Vector, vectors},
     registers::{read, set},
 };
+#[cfg(not(feature = "usb"))]
+use pico2_uart as link;
+#[cfg(feature = "usb")]
+use usb_serial as link;
+#[cfg(feature = "usb")]
+use {rp2350_usb::Bus as UsbBus, usb_device::class_prelude::UsbBusAllocator};
 
 // Addresses of the peripherals, and offsets of their registers (RP2350 datasheet, chapters 3, 8, 9
 // and 12).
@@ -52,16 +67,9 @@ const CRYSTAL: usize = 0x4004_8000;
 const CRYSTAL_STATUS: usize = CRYSTAL + 0x04;
 const CRYSTAL_STARTUP: usize = CRYSTAL + 0x0c;
 const PLL: usize = 0x4005_0000;
-const PLL_POWER: usize = PLL + 0x04;
-const PLL_FACTOR: usize = PLL + 0x08;
-const PLL_DIVIDERS: usize = PLL + 0x0c;
-const UART: usize = 0x4007_0000;
-const UART_FLAGS: usize = UART + 0x18;
-const UART_WHOLE: usize = UART + 0x24;
-const UART_FRACTION: usize = UART + 0x28;
-const UART_LINE: usize = UART + 0x2c;
-const UART_CONTROL: usize = UART + 0x30;
-const UART_INTERRUPTS: usize = UART + 0x38;
+const PLL_POWER: usize = 0x04;
+const PLL_FACTOR: usize = 0x08;
+const PLL_DIVIDERS: usize = 0x0c;
 const PWM: usize = 0x400a_8000;
 const TIMER: usize = 0x400b_0000;
 const NOW_US: usize = 0x28;
@@ -75,12 +83,10 @@ const OUT_CLR: usize = 0x20;
 const OE_SET: usize = 0x38;
 /// Bits of `RESETS`: pins, pads, PLL, PWM, timer, UART.
 const USED: u32 = 1 << 6 | 1 << 9 | 1 << 14 | 1 << 16 | 1 << 23 | 1 << 26;
-/// The function of a pin that the UART drives.
-const BY_UART: u32 = 2;
 const CRYSTAL_MHZ: u32 = 12;
-const CORE_HZ: u32 = 150_000_000;
 /// Number of the interrupt.
-const UART_0: usize = 33;
+#[cfg(feature = "usb")]
+const USB: usize = 14;
 
 /// Tells the boot loader that this is a program for a Cortex-M33 (RP2350 datasheet, 5.9.5.1).
 #[used]
@@ -96,19 +102,11 @@ static IMAGE: [u32; 5] = [
 #[cfg(feature = "wide")]
 compile_error!("the link takes the pins of the jumpers: leave out the feature `wide`");
 
-/// Starts clocks, pins, timer, UART and interrupts.
+/// Starts clocks, pins, timer, link and interrupts.
 pub fn start() {
     start_clocks();
     rp2::start();
-    for pin in 0..2 {
-        // An input with a pull-up, which is not isolated.
-        set(PADS + 4 + 4 * pin, 1 << 6 | 1 << 4 | 1 << 3);
-        set(IO_BANK + 8 * pin + 4, BY_UART);
-    }
-    baud(9600);
-    set(UART_CONTROL, 1 << 9 | 1 << 8 | 1); // both directions
-    set(UART_INTERRUPTS, 1 << 4); // a byte received
-    nvic::unmask(UART_0 as u16);
+    link::start();
 }
 
 /// Runs the processor and the UART at 150 MHz from the crystal, and the timer at 1 MHz.
@@ -126,12 +124,7 @@ fn start_clocks() {
     set(RESETS, read(RESETS) & !USED);
     while read(RESET_DONE) & USED != USED {}
     // 12 MHz times 125, divided by 5 and by 2.
-    set(PLL, 1);
-    set(PLL_FACTOR, 125);
-    set(PLL_POWER, 1 << 3 | 1 << 2); // on, without its dividers
-    while read(PLL) >> 31 == 0 {}
-    set(PLL_DIVIDERS, 5 << 16 | 2 << 12);
-    set(PLL_POWER, 1 << 2);
+    start_pll(PLL, 125, 5, 2);
     set(SYS_CONTROL, 1);
     while read(SYS_SELECTED) >> 1 & 1 == 0 {}
     set(PERI_CONTROL, 1 << 11);
@@ -139,37 +132,34 @@ fn start_clocks() {
     set(TICKS_OF_TIMER, 1);
 }
 
-/// Sends a byte, if the transmitter is free.
-pub fn send(byte: u8) -> bool {
-    let is_free = read(UART_FLAGS) >> 5 & 1 == 0;
-    if is_free {
-        set(UART, byte.into());
-    }
-    is_free
+/// Starts a PLL at 12 MHz times a factor and divided twice.
+fn start_pll(pll: usize, factor: u32, first: u32, second: u32) {
+    set(pll, 1);
+    set(pll + PLL_FACTOR, factor);
+    set(pll + PLL_POWER, 1 << 3 | 1 << 2); // on, without its dividers
+    while read(pll) >> 31 == 0 {}
+    set(pll + PLL_DIVIDERS, first << 16 | second << 12);
+    set(pll + PLL_POWER, 1 << 2);
 }
 
-/// Sets the rate of the UART.
-pub fn baud(bits_per_s: u32) {
-    // In 64ths: 4 clocks per bit, because the UART takes 16 samples.
-    let divisor = CORE_HZ.wrapping_mul(4) / bits_per_s.max(1);
-    set(UART_WHOLE, divisor >> 6);
-    set(UART_FRACTION, divisor & 0x3f);
-    set(UART_LINE, 0b11 << 5); // 8 bits; this takes the rate into use
-}
-
-/// Whether the last stop bit has been sent.
-pub fn is_sent() -> bool {
-    read(UART_FLAGS) >> 3 & 1 == 0
+/// Starts the USB and its clock of 48 MHz.
+#[cfg(feature = "usb")]
+fn bus() -> Option<&'static UsbBusAllocator<UsbBus>> {
+    const PLL_USB: usize = 0x4005_8000;
+    const USB_CONTROL: usize = CLOCKS + 0x60;
+    const RESET: u32 = 1 << 28 | 1 << 15;
+    set(RESETS, read(RESETS) | RESET);
+    set(RESETS, read(RESETS) & !RESET);
+    while read(RESET_DONE) & RESET != RESET {}
+    start_pll(PLL_USB, 100, 5, 5);
+    set(USB_CONTROL, 1 << 11);
+    let bus = UsbBusAllocator::new(UsbBus::new());
+    let bus = cortex_m::singleton!(: UsbBusAllocator<UsbBus> = bus)?;
+    Some(bus)
 }
 
 /// The chip's interrupts by their numbers.
 #[unsafe(link_section = ".vector_table.interrupts")]
 #[unsafe(no_mangle)]
 static __INTERRUPTS: [Vector; 52] =
-    vectors([(0, rp2::on_timer_interrupt), (UART_0, on_uart_interrupt)]);
-
-extern "C" fn on_uart_interrupt() {
-    while read(UART_FLAGS) >> 4 & 1 == 0 {
-        crate::heard(read(UART) as u8);
-    }
-}
+    vectors([(0, rp2::on_timer_interrupt), (link::INTERRUPT, link::on_interrupt)]);

@@ -70,12 +70,12 @@ class Link:
                 return said
 
 
-def emulated() -> Edges:
-    """The steps that the emulator makes of the program."""
+def emulated(lines: list[str] | None = None) -> Edges:
+    """The steps that the emulator makes of the program, or of other lines."""
     with tempfile.TemporaryDirectory() as path:
         with Emulated("grbl", Path(path), SPEED) as machine:
             link = Link(machine.link)
-            for line in program():
+            for line in lines or program():
                 same(f"emulator: {line}: ok", link.ask(line) == "ok", True)
         rows: list[Row] = machine.rows()
     steps = [[row[name] for row in rows] for name in ("dx", "dy", "dz")]

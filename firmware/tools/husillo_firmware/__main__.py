@@ -17,7 +17,7 @@ CHECKS = {
     "microfactory": "products.microfactory.check",
     "servo_module": "products.servo_module.check",
     "grbl": "products.grbl.check",
-    "esp32c3": "products.grbl.esp32c3",
+    "simulated": "products.grbl.simulated",
     "counts": "proofs.counts.check",
     "cycles": "proofs.cycles.check",
     "sizes": "proofs.sizes.check",

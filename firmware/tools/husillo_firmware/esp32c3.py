@@ -1,106 +1,70 @@
 """A simulated ESP32-C3, because Debian's QEMU does not have this chip.
 
-The emulator Unicorn executes the instructions of an image. This module has the parts of the chip
-that `board/src/esp32c3.rs` uses: the loading by the boot ROM, its functions for the flash, pins,
-system timer, PWM, interrupts, and the serial port on USB. It shows that the firmware uses the
-registers as the manual describes them, not that the chip does.
+It has the parts that `board/src/esp32c3.rs` uses: the loading by the boot ROM, its functions for
+the flash, pins, system timer, PWM, interrupts, and the serial port on USB.
 """
 
 from __future__ import annotations
 
 import re
 import struct
-from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from unicorn import riscv_const as rv
-from unicorn.unicorn import Uc, UcError
+from unicorn.unicorn import Uc
 from unicorn.unicorn_const import UC_ARCH_RISCV, UC_HOOK_CODE, UC_MODE_RISCV32
 
-CORE_MHZ = 160
-TIMER_MHZ = 16
-# The most instructions between two looks at the interrupts. Each takes one clock.
-SLICE = 1000
-FLASH_BYTES = 4 << 20
+from husillo_firmware.simulated import Chip
+
+CORE_MHZ, TIMER_MHZ = 160, 16
 # Addresses and sizes: instruction bus and data bus of the RAM, boot ROM, peripherals.
 CODE, DATA, RAM_BYTES = 0x4038_0000, 0x3FC8_0000, 0x6_0000
 ROM, ROM_BYTES = 0x4000_0000, 0x6_0000
 PERIPHERALS, PERIPHERAL_BYTES = 0x6000_0000, 0xD_1000
 ROM_DATA = 0x3FCD_FFF0
 RETURN = 0x8082
-SLEEP = bytes.fromhex("73005010")
 NUMBER_OF_TIMER, NUMBER_OF_USB = 37, 26
-GPIO, TIMER, USB, MATRIX = 0x6000_4000, 0x6002_3000, 0x6004_3000, 0x600C_2000
+TIMER, USB, MATRIX = 0x6002_3000, 0x6004_3000, 0x600C_2000
 # The host looks for a packet after this time.
 POLL_US = 100
-# The most time that passes at once while the processor sleeps.
-LONGEST_SLEEP_US = 1000
 INTERRUPTS_ON, WERE_ON, MACHINE_MODE = 1 << 3, 1 << 7, 0b11 << 11
 
 
-def erased() -> bytearray:
-    """An empty flash."""
-    return bytearray(b"\xff" * FLASH_BYTES)
-
-
 @dataclass
-class Edge:
-    """A change of the pins: when, and their levels after it."""
+class Esp32c3(Chip):
+    """The chip."""
 
-    us: float
-    levels: int
+    core_mhz = CORE_MHZ
+    sleep = bytes.fromhex("73005010")
 
-
-@dataclass
-class Chip:
-    """The chip after a reset, with an image at the beginning of its flash."""
-
-    flash: bytearray
-    # Pins of switches that are closed to ground.
-    closed: int = 0
-    # The host has opened the port.
-    is_open: bool = True
-    clocks: int = 0
-    levels: int = 0
-    edges: list[Edge] = field(default_factory=list)
-    to_chip: bytearray = field(default_factory=bytearray)
-    to_host: bytearray = field(default_factory=bytearray)
     packet: bytearray = field(default_factory=bytearray)
+    # When the packet was complete, until the host takes it.
     completed: int | None = None
-    registers: dict[int, int] = field(default_factory=dict)
     copied: int = 0
     alarm: int = 0
-    is_asleep: bool = False
+    # Where each part of the program is loaded, and its length.
+    parts: list[tuple[int, int]] = field(default_factory=list)
 
-    def __post_init__(self) -> None:
-        self.cpu = Uc(UC_ARCH_RISCV, UC_MODE_RISCV32)
-        self.cpu.mem_map(CODE, RAM_BYTES)
-        self.cpu.mem_map(DATA, RAM_BYTES)
-        self.cpu.mem_map(ROM, ROM_BYTES)
-        self.cpu.mem_write(ROM, struct.pack("<H", RETURN) * (ROM_BYTES // 2))
-        self.cpu.mmio_map(PERIPHERALS, PERIPHERAL_BYTES, self.read, None, self.write, None)
-        self.cpu.hook_add(UC_HOOK_CODE, self.call, begin=ROM, end=ROM + ROM_BYTES)
+    def processor(self) -> Uc:
+        cpu = Uc(UC_ARCH_RISCV, UC_MODE_RISCV32)
+        cpu.mem_map(CODE, RAM_BYTES)
+        cpu.mem_map(DATA, RAM_BYTES)
+        cpu.mem_map(ROM, ROM_BYTES)
+        cpu.mem_write(ROM, struct.pack("<H", RETURN) * (ROM_BYTES // 2))
+        cpu.mmio_map(PERIPHERALS, PERIPHERAL_BYTES, self.read, None, self.write, None)
+        cpu.hook_add(UC_HOOK_CODE, self.call, begin=ROM, end=ROM + ROM_BYTES)
         # The data of the boot ROM on the flash.
-        self.cpu.mem_write(ROM_DATA, struct.pack("<I", ROM_DATA + 4))
-        # Where each part of the program is loaded, and its length.
-        self.parts: list[tuple[int, int]] = []
-        self.at = self.load()
+        cpu.mem_write(ROM_DATA, struct.pack("<I", ROM_DATA + 4))
+        return cpu
 
-    def load(self) -> int:
-        """Copies the program into RAM, as the boot ROM does. Returns where it begins."""
-        _, parts, _, _, entry = struct.unpack_from("<4BI", self.flash)
+    def start(self) -> None:
+        _, parts, _, _, self.at = struct.unpack_from("<4BI", self.flash)
         place = 24
         for _ in range(parts):
             address, length = struct.unpack_from("<II", self.flash, place)
             self.cpu.mem_write(address, bytes(self.flash[place + 8 : place + 8 + length]))
             self.parts.append((address, length))
             place += 8 + length
-        return int(entry)
-
-    @property
-    def us(self) -> float:
-        """The time since the reset."""
-        return self.clocks / CORE_MHZ
 
     @property
     def ticks(self) -> int:
@@ -129,11 +93,9 @@ class Chip:
                 return self.to_chip.pop(0) if self.to_chip else 0
             case 0x6004_3004:
                 self.poll()
-                has_room = self.completed is None
-                return int(has_room) << 1 | int(bool(self.to_chip)) << 2
+                return int(self.completed is None) << 1 | int(bool(self.to_chip)) << 2
             case 0x6004_3008:
                 self.poll()
-                return self.registers.get(address, 0)
         return self.registers.get(address, 0)
 
     def write(self, _: Uc, offset: int, __: int, value: int, ___: object) -> None:
@@ -159,19 +121,15 @@ class Chip:
                 self.registers[USB + 8] = self.registers.get(USB + 8, 0) & ~value
         self.registers[address] = value
 
-    def drive(self, levels: int) -> None:
-        """Sets the pins."""
-        if levels != self.levels:
-            self.levels = levels
-            self.edges.append(Edge(self.us, levels))
-
     def rings(self) -> bool:
         """Whether the time of the timer's alarm has come."""
-        compares = self.registers.get(TIMER, 0) >> 24 & 1
-        return bool(compares) and self.ticks >= self.alarm
+        return self.compares() and self.ticks >= self.alarm
+
+    def compares(self) -> bool:
+        """Whether the timer compares its counter with the alarm."""
+        return bool(self.registers.get(TIMER, 0) >> 24 & 1)
 
     def poll(self) -> None:
-        """Lets the host take a complete packet."""
         if self.completed is None or not self.is_open:
             return
         if self.clocks - self.completed > POLL_US * CORE_MHZ:
@@ -181,7 +139,6 @@ class Chip:
             self.registers[USB + 8] = self.registers.get(USB + 8, 0) | 1 << 3
 
     def pending(self) -> int | None:
-        """The interrupt of the processor that is due."""
         sources = []
         if self.rings() and self.registers.get(TIMER + 0x64, 0) & 1:
             sources.append(NUMBER_OF_TIMER)
@@ -213,8 +170,10 @@ class Chip:
                 raise AssertionError(f"the boot ROM is called at {address:#x}")
         cpu.reg_write(rv.UC_RISCV_REG_A0, 0)
 
-    def interrupt(self, number: int) -> None:
-        """Enters an interrupt of the processor."""
+    def permits(self) -> bool:
+        return bool(self.cpu.reg_read(rv.UC_RISCV_REG_MSTATUS) & INTERRUPTS_ON)
+
+    def enter(self, number: int) -> None:
         cpu = self.cpu
         status = cpu.reg_read(rv.UC_RISCV_REG_MSTATUS)
         cpu.reg_write(rv.UC_RISCV_REG_MEPC, self.at)
@@ -223,51 +182,22 @@ class Chip:
         # The table has 256-byte alignment, and the mode is fixed.
         self.at = (cpu.reg_read(rv.UC_RISCV_REG_MTVEC) & ~0xFF) + 4 * number
 
-    def run(self, us: float, until: Callable[[], bool] = lambda: False) -> None:
-        """Runs for a time, or until the condition."""
-        end = self.clocks + int(us * CORE_MHZ)
-        while self.clocks < end and not until():
-            self.poll()
-            number = self.pending()
-            if number is None and self.is_asleep:
-                self.clocks = min(end, self.next())
-                continue
-            status = self.cpu.reg_read(rv.UC_RISCV_REG_MSTATUS)
-            if number is not None and not status & INTERRUPTS_ON:
-                if status & MACHINE_MODE:
-                    # In another interrupt, which ends where that one began.
-                    self.go(SLICE, self.cpu.reg_read(rv.UC_RISCV_REG_MEPC))
-                else:
-                    # Interrupts may be permitted for one instruction only.
-                    self.go(1)
-                continue
-            if number is not None:
-                self.interrupt(number)
-            # Not beyond the next alarm, so that the time of its interrupt is exact.
-            self.go(min(SLICE, self.next() - self.clocks))
+    def leaves(self) -> bool:
+        # The last instruction of the handler has done all.
+        return not self.cpu.reg_read(rv.UC_RISCV_REG_MSTATUS) & MACHINE_MODE
 
-    def next(self) -> int:
-        """When something may happen next by itself, in clocks."""
-        times = [self.clocks + LONGEST_SLEEP_US * CORE_MHZ]
-        if self.registers.get(TIMER, 0) >> 24 & 1 and self.ticks < self.alarm:
+    def events(self) -> list[int]:
+        times = []
+        if self.compares() and self.ticks < self.alarm:
             times.append(self.alarm * CORE_MHZ // TIMER_MHZ)
         if self.completed is not None and self.is_open:
             times.append(self.completed + POLL_US * CORE_MHZ + 1)
-        return max(self.clocks + 1, min(times))
+        return times
+
+    def counter(self) -> int:
+        return int(self.cpu.reg_read(rv.UC_RISCV_REG_PC))
 
     def never_used(self, begin: int, end: int) -> int:
         """The bytes between static data and stack that are still zero: the longest run of them."""
         ram = bytes(self.cpu.mem_read(begin, end - begin))
         return max(len(zeros) for zeros in re.findall(rb"\0+", ram))
-
-    def go(self, count: int, end: int = 0) -> None:
-        """Executes instructions, up to an address."""
-        try:
-            self.cpu.emu_start(self.at, end, count=count)
-        except UcError as error:
-            at = self.cpu.reg_read(rv.UC_RISCV_REG_PC)
-            raise AssertionError(f"{error} at {at:#x}") from error
-        self.at = self.cpu.reg_read(rv.UC_RISCV_REG_PC)
-        self.clocks += count
-        # Unicorn stops behind an instruction that waits for an interrupt.
-        self.is_asleep = self.cpu.mem_read(self.at - 4, 4) == SLEEP

@@ -55,7 +55,7 @@ M4F = "thumbv7em-none-eabihf"
 # By the names of their files in `board/src`.
 BOARDS = {
     "pico": Board("thumbv6m-none-eabi", "board/rp2040,board/switches", 0xE48BFF56, "3"),
-    "pico2": Board("thumbv8m.main-none-eabihf", "board/switches", 0xE48BFF59, "3"),
+    "pico2": Board("thumbv8m.main-none-eabihf", "board/rp2350,board/switches", 0xE48BFF59, "3"),
     "nucleo_f401": Board(M4F, "board/switches"),
     "nucleo_f446": Board(M4F, "board/switches"),
     "black_pill": Board(M4F, "board/otg,board/switches"),
