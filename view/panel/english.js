@@ -199,6 +199,7 @@ export const ENGLISH = {
         failed: "failed",
     }),
     drawing: "Drawing",
+    drawingCoordinates: "Coordinates from line",
     drawingEmpty: "The drawing appears when the text has no mistake.",
     drawingHelp:
         "Circles and arrows: where the routine expects its touches. Crosses: what was measured.",

@@ -39,7 +39,6 @@ export class Scales {
             words.axis,
             words.position,
             words.machine,
-            words.positionError,
             words.target,
             words.zeroColumn,
         ];
@@ -158,8 +157,12 @@ class Scale {
             element("th", { scope: "row" }, letter),
             element("td", {}, this.work, this.counts),
             element("td", {}, this.machine),
-            element("td", {}, this.error),
-            element("td", {}, this.target),
+            element(
+                "td",
+                {},
+                this.target,
+                element("small", {}, `${words.positionError} `, this.error)
+            ),
             element("td", {}, element("div", { class: "items" }, this.button, this.home))
         );
     }

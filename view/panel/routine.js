@@ -46,8 +46,15 @@ export class RoutinePanel {
             spellcheck: "false",
             "aria-label": words.routineText,
         });
-        this.text.value = sessionStorage.getItem("husillo.routine") ?? EXAMPLE;
-        this.text.addEventListener("input", () => this.later());
+        const kept = sessionStorage.getItem("husillo.routine");
+        this.text.value = kept ?? EXAMPLE;
+        /** Whether it was written here. If not, the routine of the machine takes its place. */
+        this.isOwn = kept !== null;
+        this.text.addEventListener("input", () => {
+            this.isOwn = true;
+            sessionStorage.setItem("husillo.routine", this.text.value);
+            this.later();
+        });
         this.file = element("input", { type: "file", "aria-label": words.routineFile });
         this.file.addEventListener("change", () => this.take(this.file.files?.[0]));
         this.list = element("ul", { class: "findings", "aria-label": words.findings });
@@ -128,6 +135,7 @@ export class RoutinePanel {
         if (!file) return;
         this.name.value = file.name;
         this.text.value = await file.text();
+        this.isOwn = true;
         this.check();
     }
 
@@ -140,7 +148,6 @@ export class RoutinePanel {
 
     /** Checks the text after the last key. */
     later() {
-        sessionStorage.setItem("husillo.routine", this.text.value);
         clearTimeout(this.timer);
         this.timer = setTimeout(() => {
             this.timer = undefined;
@@ -151,7 +158,7 @@ export class RoutinePanel {
     async check() {
         const { desk } = this;
         const [name, text] = [this.name.value, this.text.value];
-        sessionStorage.setItem("husillo.routine", text);
+        if (this.isOwn) sessionStorage.setItem("husillo.routine", text);
         this.checked = `${desk.machine?.info.machine}/${text}`;
         const checked = await desk.command("routine", { name, text });
         // The text may have changed meanwhile.
@@ -217,6 +224,11 @@ export class RoutinePanel {
         this.fetched = key;
         const measured = await this.desk.command("measured");
         if (!measured || this.fetched !== key) return;
+        if (!this.isOwn && this.text.value !== measured.text) {
+            this.name.value = measured.name;
+            this.text.value = measured.text;
+            this.check();
+        }
         this.drawing.features = measured.features;
         this.drawing.show();
         this.body.replaceChildren(
@@ -294,7 +306,7 @@ export class RoutinePanel {
         if (!routine) return "";
         const phase = words.routinePhases[routine.phase] ?? routine.phase;
         const line = routine.phase === "running" || routine.phase === "waiting"
-            ? ` ${words.line} ${routine.line ?? "–"}`
+            ? `, ${words.line.toLowerCase()} ${routine.line ?? "–"}`
             : "";
         const hasEnded = !["running", "waiting"].includes(routine.phase);
         const summary = routine.summary && hasEnded ? ` ${routine.summary}.` : "";

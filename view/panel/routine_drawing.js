@@ -12,6 +12,7 @@ import { button, element } from "husillo/viewer/element.js";
  * @property {string} kind
  * @property {string} feature
  * @property {number} line
+ * @property {number} coordinates_from the line from which its coordinates are in force
  * @property {{at: number[], towards: number[]}[]} touches
  * @property {{centre: number[], diameter: number} | null} round
  *
@@ -55,6 +56,20 @@ export class RoutineDrawing {
         this.features = [];
         /** The line that is carried out. @type {number | null} */
         this.line = null;
+        /** Features before and after a change of the frame are not drawn together. */
+        this.frames = element("select", { "aria-label": words.drawingCoordinates });
+        this.frames.addEventListener("change", () => {
+            this.chosen = Number(this.frames.value);
+            this.show();
+        });
+        /** The line from which the chosen coordinates are in force. @type {number | null} */
+        this.chosen = null;
+        this.choice = element(
+            "label",
+            { class: "field" },
+            words.drawingCoordinates,
+            this.frames
+        );
         this.key = "";
         this.svg = svg("svg", {
             class: "routine-drawing",
@@ -72,7 +87,12 @@ export class RoutineDrawing {
         this.root = element(
             "div",
             {},
-            element("div", { class: "items" }, ...this.planes.map((one) => one.button)),
+            element(
+                "div",
+                { class: "items" },
+                ...this.planes.map((one) => one.button),
+                this.choice
+            ),
             this.svg,
             this.empty,
             element("p", { class: "soft" }, words.drawingHelp)
@@ -80,9 +100,36 @@ export class RoutineDrawing {
         this.show();
     }
 
+    /** The lines from which coordinates with features are in force. */
+    get starts() {
+        return [...new Set(this.sketch.map((one) => one.coordinates_from))];
+    }
+
+    /** The chosen coordinates, or those of the line that is carried out, or the last ones. */
+    get from() {
+        const { starts, chosen, line } = this;
+        if (chosen !== null && starts.includes(chosen)) return chosen;
+        return starts.filter((start) => line === null || start <= line).pop() ?? starts[0];
+    }
+
+    /** Shows between which coordinates there is a choice. */
+    showFrames() {
+        const { starts, frames, from } = this;
+        this.choice.hidden = starts.length < 2;
+        if (frames.dataset.starts !== starts.join()) {
+            frames.dataset.starts = starts.join();
+            frames.replaceChildren(
+                ...starts.map((start) => element("option", { value: start }, String(start)))
+            );
+        }
+        frames.value = String(from);
+    }
+
     /** Draws what has changed. */
     show() {
-        const { plane, sketch, features, line, words } = this;
+        const { plane, features, line, words, from } = this;
+        this.showFrames();
+        const sketch = this.sketch.filter((one) => one.coordinates_from === from);
         for (const one of this.planes) {
             one.button.setAttribute("aria-pressed", String(one.plane === plane));
         }
@@ -92,14 +139,15 @@ export class RoutineDrawing {
         this.empty.hidden = sketch.length > 0;
         this.svg.toggleAttribute("hidden", sketch.length === 0);
         const good = features.filter((one) => one.in_tolerance).length;
-        const label = `${words.drawing} ${plane}: ${sketch.length} ${words.features}, ` +
+        const label = `${words.drawing} ${plane}: ${this.sketch.length} ${words.features}, ` +
             `${features.length} ${words.measuredCount}, ${good} ${words.goodCount}`;
         this.svg.setAttribute("aria-label", label);
-        this.draw();
+        this.draw(sketch);
     }
 
-    draw() {
-        const { sketch, features, line } = this;
+    /** @param {Sketch[]} sketch */
+    draw(sketch) {
+        const { features, line } = this;
         const [across, up] = PLANES[this.plane];
         const all = sketch.flatMap(({ touches, round }) => {
             const points = touches.map(({ at }) => [at[across], at[up]]);

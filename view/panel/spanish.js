@@ -202,6 +202,7 @@ export const SPANISH = {
         failed: "fallida",
     }),
     drawing: "Dibujo",
+    drawingCoordinates: "Coordenadas desde la línea",
     drawingEmpty: "El dibujo aparece cuando el texto no tiene errores.",
     drawingHelp:
         "Círculos y flechas: dónde espera la rutina sus toques. Cruces: lo que se ha medido.",

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { picture, violations } from "husillo/tests/browser.js";
+import { open, picture, violations } from "husillo/tests/browser.js";
 import { press, says, textOf } from "husillo/tests/panels.js";
 import { isIdle, served, until } from "husillo/tests/served.js";
 
@@ -132,7 +132,7 @@ test("one axis touches a face: trigger, contact and pre-travel", async (t) => {
 
 test("a routine is written, drawn, run, judged and reported", async (t) => {
     const wanted = { width: 390, scheme: /** @type {const} */ ("dark"), language: "es-MX" };
-    const { page } = await served(t, wanted, "-m", "cmm3", "--speed", "40");
+    const { page, server } = await served(t, wanted, "-m", "cmm3", "--speed", "40");
     await until(page, ({ measuring }) => measuring);
     await write(page, ".routine textarea", "bore B at x1 y1 z1\n");
     await says(page, ".routine .findings", "diameter");
@@ -169,6 +169,18 @@ test("a routine is written, drawn, run, judged and reported", async (t) => {
     await says(page, ".features", "✓ dentro");
     await page.waitForSelector(".routine-drawing .good [class=mark]");
     assert.equal(await page.$$eval(".routine-drawing .bad", (all) => all.length), 1);
+    // A page that has written none gets the routine of the machine.
+    const watcher = await open(t, { address: server.address });
+    await watcher.waitForSelector('.routine-drawing .bad[data-feature="wrong"]');
+    assert.equal(await watcher.$eval(".routine textarea", (one) => one.value), text);
+    await page.bringToFront();
+    // Features in other coordinates are drawn apart.
+    await write(page, ".routine textarea", `${text}zero x\npoint after towards +y at x1 y1 z1\n`);
+    await page.waitForSelector('.routine-drawing [data-feature="after"]');
+    assert.equal(await page.$$eval(".routine-drawing [data-feature]", (all) => all.length), 1);
+    await page.select(".routine select", "1");
+    await page.waitForSelector(".routine-drawing .good [class=mark]");
+    assert.equal(await page.$$eval(".routine-drawing [data-feature]", (all) => all.length), 3);
     const report = await page.$eval(".routine a[download]", (one) => one.getAttribute("href"));
     const text2 = await page.evaluate(async (href) => {
         const got = await fetch(String(href));
