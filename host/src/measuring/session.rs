@@ -301,7 +301,8 @@ impl Session {
         match action {
             Action::GoTo(goal, approach) => {
                 row.action = "goto";
-                let held = head.held();
+                // An axis without a goal stays where it is, also after a move that has failed.
+                let held = head.hold()?;
                 let goal = [0, 1, 2].map(|axis| goal[axis].unwrap_or(held[axis]));
                 match approach {
                     Approach::Rapid => head.go_to(goal)?,

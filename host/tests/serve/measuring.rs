@@ -112,6 +112,18 @@ fn it_homes_moves_zeroes_and_is_cancelled() {
     let [x, ..] = stands(&mut page);
     assert!(x < 140.0, "{x}");
     assert!(page.has_line("stopped") && page.states[0]["advice"].is_null());
+    // The target is given up: a move of another axis does not go on to it.
+    assert!(axis(&page, 0, "error").abs() < 0.005);
+    page.done(json!({"do": "goto", "to_mm": {"z": -1}}));
+    assert!((stands(&mut page)[0] - x).abs() < 0.005);
+    page.say(json!({"do": "goto", "id": 901, "to_mm": {"x": 150}, "rapid": true}));
+    page.until("motion", |page| {
+        (axis(page, 0, "work") > x + 0.5).then_some(())
+    });
+    page.done(json!({"do": "cancel"}));
+    let [x, ..] = stands(&mut page);
+    page.done(json!({"do": "step", "move_mm": {"x": 1}}));
+    assert!((stands(&mut page)[0] - x - 1.0).abs() < 0.01);
     page.done(json!({"do": "goto", "to_mm": {"x": 0}}));
 }
 

@@ -51,6 +51,8 @@ fn a_program_runs_to_its_end() {
     assert_eq!(page.states[0]["state"], "Idle");
     page.done(json!({"do": "run", "confirmed": true}));
     until_phase(&mut page, "done");
+    // The same state tells that there is a report.
+    assert_eq!(program(&page)["runs"], 1);
     page.until_state("Idle");
     page.until_at("work_mm", 0, 8.0);
     page.until_at("work_mm", 1, 0.0);

@@ -226,6 +226,18 @@ impl<P: Port> Calibrated<Head<P>> {
         self.view.position_from(readings, self.view.flanks)
     }
 
+    /// Holds the axes and returns the commanded position, from which a move of some axes begins.
+    /// After a stop or a failure that is where they have come to rest, and [`Self::held`] still the
+    /// goal that was not reached.
+    ///
+    /// # Errors
+    ///
+    /// No answer, or the stop of the operator.
+    pub fn hold(&mut self) -> Result<[i64; 3], Error> {
+        self.prober.find_again()?;
+        Ok(self.held())
+    }
+
     /// Returns the positions of the axes, in all coordinates.
     ///
     /// # Errors

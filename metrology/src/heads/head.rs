@@ -297,6 +297,7 @@ impl<P: Port> Prober for Head<P> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::calibration::Calibrated;
     use crate::heads::operator::Operator as _;
     use crate::heads::operator::StopButton;
     use crate::simulated::{SimulatedNetwork, SimulatedPort, three_axes};
@@ -358,6 +359,20 @@ mod tests {
             panic!("{now:?}")
         };
         assert!(at[2] <= -4 * MM);
+    }
+
+    /// The next move of some axes does not go on to the goal that was not reached.
+    #[test]
+    fn after_a_collision_the_axes_are_held_where_they_stand() {
+        let mut head = Calibrated::new(head(), three_axes().errors);
+        head.go_to([20 * MM, 0, -5 * MM]).unwrap_err();
+        assert!(head.inner().is_astray());
+        let [x, y, z] = head.hold().unwrap();
+        assert!((15 * MM..17 * MM).contains(&x), "{x}");
+        assert!((-43 * MM / 10..=-39 * MM / 10).contains(&z), "{z}");
+        head.go_to([x, y, 0]).unwrap();
+        let [now, ..] = head.position().unwrap();
+        assert!(now.abs_diff(x) <= 6_000, "{now} {x}");
     }
 
     /// Before homing an axis moves as slowly as in a search. The travel counts from home.

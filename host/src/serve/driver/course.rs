@@ -262,6 +262,8 @@ impl Course {
         let is_begun = self.phase != Phase::Loaded;
         // Tenths, so that a state does not change without need.
         let tenths = |s: f64| (s * 10.0).round() / 10.0;
+        // A run that has ended in this turn is noted before pages get this.
+        let ended = u64::from(self.record.is_some() && !self.is_active());
         let progress = now.progress.map(|part| part.clamp(0.0, 1.0));
         Some(json!({
             "name": program.name,
@@ -283,7 +285,7 @@ impl Course {
             "waits_before": now.next.filter(|_| self.phase == Phase::Waiting),
             "message": self.message,
             "resume_line": self.resume_at,
-            "runs": self.runs,
+            "runs": self.runs + ended,
         }))
     }
 }

@@ -57,6 +57,13 @@ impl<P: Port> Head<P> {
         read
     }
 
+    /// Whether the last motion was stopped or has failed: the commanded position is that of a goal
+    /// that was not reached.
+    #[must_use]
+    pub const fn is_astray(&self) -> bool {
+        self.is_astray
+    }
+
     /// Waits until the axes, which are braking, stand. Their faults are not looked at.
     ///
     /// # Errors

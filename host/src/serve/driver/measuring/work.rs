@@ -225,7 +225,15 @@ impl Worker<'_> {
         }
         // An axis that somebody pushes has no two equal readings.
         if let Ok(axes) = head.axis_positions() {
-            self.tell(Event::Axes(axes, head.held()));
+            let mut held = head.held();
+            if head.inner().is_astray() {
+                for axis in &axes {
+                    if let Some(held) = held.get_mut(axis.coordinate) {
+                        *held = axis.work;
+                    }
+                }
+            }
+            self.tell(Event::Axes(axes, held));
         }
         Ok(())
     }
@@ -305,7 +313,8 @@ impl Worker<'_> {
         approach: Approach,
         head: &mut AnyHead,
     ) -> Result<(), Trouble> {
-        let mut goal = head.held();
+        // An axis without a goal stays where it is, also after a stop.
+        let mut goal = head.hold()?;
         let axes = head.axis_positions()?;
         for (axis, amount) in to {
             let zero = match (is_machine, axes.iter().find(|one| one.coordinate == *axis)) {
