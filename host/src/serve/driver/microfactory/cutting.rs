@@ -173,7 +173,7 @@ mod tests {
     #[test]
     fn short_moves_are_passed_and_far_ones_are_not() {
         let mut steps = cutting(&[[3, 0]; 100]);
-        steps.at([61, 0], 0.05);
+        steps.at([62, 0], 0.05);
         assert_eq!(steps.made(), 20);
         // Twice the same place, a second of cutting apart.
         let mut twice = cutting(&[[400, 0], [0, 400], [0, -400], [-400, 0]]);
