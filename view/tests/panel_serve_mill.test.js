@@ -60,7 +60,9 @@ test("a mill is homed, jogged, stepped, zeroed, sent a line, and stopped", async
     ]);
     const found = await homed(page);
     assert.deepEqual(found.machine_mm, [0, 0, 0]);
-    assert.equal(await textOf(page, '[data-machine="X"]'), "0.00000");
+    // The page draws a state after it has got it.
+    const isHome = () => document.querySelector('[data-machine="X"]')?.textContent === "0.00000";
+    await page.waitForFunction(isHome);
     // Two axes at once, held with the mouse and a key.
     await page.$eval(X_PLUS, (one) => one.scrollIntoView({ block: "center" }));
     await page.hover(X_PLUS);
