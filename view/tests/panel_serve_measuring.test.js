@@ -37,6 +37,29 @@ async function centreOf(page) {
 /** @param {any} state */
 const work = ({ measuring }) => measuring.axes.map((/** @type {any} */ { work }) => work);
 
+/**
+ * Holds the stick until the goal is reached. On a busy computer a jog may end, because its page did
+ * not renew it in time. Then the stick is released and held again.
+ *
+ * @param {import("puppeteer-core").Page} page
+ * @param {[number, number]} centre
+ * @param {[number, number]} by
+ * @param {(state: any) => boolean} isReached
+ */
+async function steer(page, [x, y], [right, down], isReached) {
+    await page.mouse.move(x + right, y + down);
+    for (;;) {
+        const seen = await until(page, (state) => isReached(state) || isIdle(state));
+        if (isReached(seen)) return;
+        // No button is pressed.
+        await page.mouse.reset();
+        await page.mouse.move(x, y);
+        await page.mouse.down();
+        await page.mouse.move(x + right, y + down);
+        await until(page, ({ state }) => state === "Jog");
+    }
+}
+
 test("a measuring machine is steered, moved, zeroed, and touches", async (t) => {
     const { page } = await served(t, {}, "-m", "cmm3", "--speed", "4");
     await until(page, ({ measuring }) => measuring);
@@ -62,13 +85,9 @@ test("a measuring machine is steered, moved, zeroed, and touches", async (t) => 
     await until(page, (state) => isIdle(state) && state.measuring.axes.every(isHomed));
     // The stick: a small deflection is slow, a large one fast, in two axes at once.
     const { x, y, far } = await centreOf(page);
-    await page.mouse.move(x, y);
-    await page.mouse.down();
-    await page.mouse.move(x + 0.3 * far, y);
-    await until(page, (state) => state.state === "Jog" && work(state)[0] > 0.1);
+    await steer(page, [x, y], [0.3 * far, 0], (state) => work(state)[0] > 0.1);
     assert.equal(await page.$eval("[data-stick]", (one) => one.getAttribute("data-stick")), "held");
-    await page.mouse.move(x + 0.68 * far, y - 0.68 * far);
-    await until(page, (state) => work(state)[1] > 1);
+    await steer(page, [x, y], [0.68 * far, -0.68 * far], (state) => work(state)[1] > 1);
     await page.mouse.up();
     const stopped = await until(page, isIdle);
     await page.evaluate(() => new Promise((resolve) => setTimeout(resolve, 500)));
