@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import subprocess
 from functools import cache
@@ -19,7 +20,9 @@ IN_VIRTUAL_TIME = ("--lease", "0")
 
 @cache
 def program() -> Path:
-    """Builds the host program. Returns its path."""
+    """The path of the host program: that of the variable HUSILLO, or of a new build."""
+    if given := os.environ.get("HUSILLO"):
+        return Path(given).resolve()
     root = FIRMWARE.parent
     cargo("build", "-q", "-p", "husillo-host", folder=root)
     return target_folder(root) / "debug/husillo"
