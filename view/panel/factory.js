@@ -47,7 +47,7 @@ export class FactoryStatus {
         this.rows = [...MOTORS, words.spindle].map((name) => ({
             name,
             steps: element("td", { class: "number", "data-steps": name }),
-            length: element("td", { class: "number", "data-machine": name }),
+            length: element("td", { class: "number", "data-length": name }),
         }));
         this.unit = element("th", { scope: "col" });
         this.root = element(

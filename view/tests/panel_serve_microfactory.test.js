@@ -82,7 +82,7 @@ test("a microfactory is homed, moved by its eight buttons and by steps", async (
     await says(page, ".notices", "not homed");
     await home(page);
     await lamp(page, "homed", true);
-    await says(page, '[data-machine="X"]', "0.0000");
+    await says(page, '[data-length="X"]', "0.0000");
     assert.deepEqual(await grey(page), []);
     assert.equal(await page.$$eval("section:not([hidden]) [data-jog]", (all) => all.length), 8);
     // Hold the spindle: the seven others are grey.
