@@ -103,6 +103,12 @@ pub trait Controller {
         true
     }
 
+    /// Whether [`transmit`](Controller::transmit) has made an event that the caller must request
+    /// now. It can be that an answer waits for this event.
+    fn has_event(&self) -> bool {
+        false
+    }
+
     /// Returns the next byte for the line.
     fn transmit(&mut self) -> Option<u8>;
 

@@ -477,8 +477,16 @@ impl<const QUEUE: usize> Controller for Grbl<QUEUE> {
         }
     }
 
+    fn has_event(&self) -> bool {
+        self.pending.is_none() && !self.events.is_empty()
+    }
+
     fn transmit(&mut self) -> Option<u8> {
         self.work();
+        // What was answered must be kept without power.
+        if self.events.contains(GrblEvent::Store) {
+            return None;
+        }
         self.output.pop()
     }
 

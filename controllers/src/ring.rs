@@ -33,6 +33,15 @@ impl<T: Copy, const N: usize> Ring<T, N> {
         self.length >= N
     }
 
+    /// Whether an element is in the queue.
+    pub(crate) fn contains(&self, element: T) -> bool
+    where
+        T: PartialEq,
+    {
+        let mut places = (0..self.length).map(|behind| self.place(behind));
+        places.any(|place| self.slots.get(place) == Some(&element))
+    }
+
     pub(crate) const fn clear(&mut self) {
         self.length = 0;
     }

@@ -267,6 +267,24 @@ fn the_memory_survives_a_loss_of_power() {
 }
 
 /// With braking at once, a hold in full motion stops within the distance of the acceleration.
+/// A sender that has got its answer may switch the power off.
+#[test]
+fn a_setting_is_stored_before_it_is_answered() {
+    let mut driven = Driven::new();
+    for line in ["$110=600\n", "$N0=G21\n", "G10L2P1X1\n"] {
+        driven.send(line.as_bytes());
+        assert_eq!(driven.grbl.transmit(), None, "{line}");
+        assert!(driven.grbl.has_event());
+        let inputs = GrblInputs::default();
+        let event = driven.grbl.next_event(0, &inputs);
+        assert_eq!(event, Some(GrblEvent::Store), "{line}");
+        driven.run(1000);
+        assert!(!driven.grbl.has_event());
+        assert_eq!(driven.lines().next(), Some(&b"ok"[..]), "{line}");
+        driven.said.clear();
+    }
+}
+
 #[test]
 fn a_hold_brakes_at_once() {
     let mut driven = Driven::new();

@@ -72,7 +72,7 @@ pub enum GrblEvent {
         /// Whether it flows.
         is_on: bool,
     },
-    /// Store [`Grbl::memory`](crate::Grbl::memory) now. The line is answered afterwards.
+    /// Store [`Grbl::memory`](crate::Grbl::memory) now. No byte is sent before.
     Store,
 }
 

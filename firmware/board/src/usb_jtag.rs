@@ -1,7 +1,8 @@
 //! The serial port on USB of an ESP32-C3, which is part of the chip: the link of its boards.
 //!
-//! The bytes for the host wait for the end of their line and are sent as one packet. If the host
-//! takes no packet, because no program has opened the port, further bytes are dropped.
+//! With the feature `buffered`, the bytes for the host wait for the end of their line and are sent
+//! as one packet. Otherwise each byte is a packet. If the host takes no packet, because no program
+//! has opened the port, further bytes are dropped.
 //!
 //! Source: ESP32-C3 Technical Reference Manual, USB Serial/JTAG controller.
 
@@ -67,7 +68,9 @@ pub fn send(byte: u8) -> bool {
         }
         set(FIFO, byte.into());
         packet.bytes = packet.bytes.wrapping_add(1);
-        if byte == b'\n' || packet.bytes == PACKET_BYTES {
+        // Without the feature, the bytes are answers of a protocol that has no lines.
+        let is_answer = cfg!(not(feature = "buffered"));
+        if is_answer || byte == b'\n' || packet.bytes == PACKET_BYTES {
             set(INTERRUPT_CLEAR, TAKEN);
             set(STATE, COMPLETE);
             packet.is_complete = true;

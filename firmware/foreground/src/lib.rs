@@ -115,7 +115,7 @@ pub fn run<P: Product, const PLACES: usize, const PULSED: Pins>(
         } else {
             !transmitter.send(|| controller.transmit())
         };
-        if is_silent {
+        if is_silent && !controller.has_event() {
             // Handling several made events costs as much as handling one.
             let together = if controller.reports_next() {
                 1

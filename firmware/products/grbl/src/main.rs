@@ -146,7 +146,7 @@ impl Product for Machine {
         })
     }
 
-    /// Keeps what has changed. The answer of the line may be on its way already.
+    /// Keeps what has changed, before the line is answered.
     fn performed(&mut self, grbl: &Grbl) {
         if core::mem::take(&mut self.must_store) {
             self.memory.write(grbl.memory());
