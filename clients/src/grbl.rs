@@ -14,7 +14,7 @@ mod stream;
 
 pub use action::Action;
 pub use hand::Hand;
-pub use sender::{Operator, Pacing, SYNCHRONISE, Sender, Sent};
+pub use sender::{Operator, Pacing, SYNCHRONISE, Sender, Sent, has_coordinate};
 pub use session::{Heard, Session, alarm, described};
 pub use stream::Stream;
 

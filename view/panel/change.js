@@ -1,5 +1,6 @@
 /**
- * Changes of elements that are made only where something differs. States arrive 30 times a second.
+ * Changes of elements that are made only where something differs. States arrive up to 80 times
+ * a second.
  */
 
 /**

@@ -26,6 +26,8 @@ export class Gamepads {
         this.stop = stop;
         this.isWatching = false;
         this.wasStop = false;
+        /** What it moved last. */
+        this.last = jog();
         this.root = element("p", { class: "soft", "data-gamepad": "none" });
         put(this.root, window.isSecureContext ? words.gamepadNone : words.gamepadInsecure);
         window.addEventListener("gamepadconnected", () => this.watch());
@@ -54,6 +56,12 @@ export class Gamepads {
     look() {
         const { words } = this;
         const jog = this.jog();
+        if (jog !== this.last) {
+            // It must be let go before it moves another machine.
+            this.last.hold.release("gamepad", "another");
+            this.last = jog;
+            jog.hold.ended.add("gamepad");
+        }
         const [pad] = this.pads;
         this.root.dataset.gamepad = pad ? "there" : "none";
         const there = `${words.gamepad}: ${pad?.id}. ${words.gamepadHelp}`;

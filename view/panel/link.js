@@ -3,6 +3,8 @@
  * files and programs.
  */
 
+/** After this time without a frame the link is lost, milliseconds. One comes each second. */
+const SILENCE = 4000;
 /** Waits before a connection is tried again, milliseconds. */
 const WAITS = [500, 1000, 2000];
 
@@ -40,6 +42,9 @@ export class Link {
         /** @type {WebSocket | undefined} */
         this.socket = undefined;
         this.timer = 0;
+        /** When the last frame came, or the socket was opened. */
+        this.heardAt = 0;
+        setInterval(() => this.watch(), 1000);
         window.addEventListener("online", () => this.retry());
         document.addEventListener("visibilitychange", () => {
             if (!document.hidden) this.retry();
@@ -52,10 +57,21 @@ export class Link {
         const address = `${this.origin.replace(/^http/, "ws")}/socket?token=${this.token}`;
         const socket = new WebSocket(address);
         this.socket = socket;
-        socket.addEventListener("message", ({ data }) => this.heard(String(data)));
+        this.heardAt = Date.now();
+        socket.addEventListener("message", ({ data }) => {
+            if (this.socket === socket) this.heard(String(data));
+        });
         socket.addEventListener("close", () => {
             if (this.socket === socket) this.closed();
         });
+    }
+
+    /** Closes a socket that hangs. The browser would notice much later, or never. */
+    watch() {
+        const { socket } = this;
+        if (!socket || Date.now() - this.heardAt < SILENCE) return;
+        this.closed();
+        socket.close();
     }
 
     /** Tries again at once, if the link is lost. */
@@ -93,6 +109,7 @@ export class Link {
 
     /** @param {string} text */
     heard(text) {
+        this.heardAt = Date.now();
         const frame = JSON.parse(text);
         if (frame.kind === "answer") {
             const waiting = this.pending.get(frame.id);

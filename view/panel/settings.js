@@ -70,8 +70,9 @@ export class Settings {
     }
 
     async load() {
+        const { machine } = this.desk;
         const data = await this.desk.command("settings");
-        if (data) this.fill(data.settings);
+        if (data && machine === this.desk.machine) this.fill(data.settings);
     }
 
     /** @param {Setting[]} settings */
@@ -137,8 +138,9 @@ export class Settings {
     /** Shows what would change. Nothing is written. */
     async diff() {
         const { desk, words, changes, values } = this;
+        const { machine } = desk;
         const data = await desk.command("settings_diff", { values });
-        if (!data) return;
+        if (!data || machine !== desk.machine) return;
         const mayWrite = data.refused.length === 0 && data.changes.length > 0;
         const write = button(words.write, () => this.save(values), { class: "main" });
         disable(write, !mayWrite);
@@ -171,8 +173,9 @@ export class Settings {
 
     /** @param {Record<string, string>} values */
     async save(values) {
+        const { machine } = this.desk;
         const data = await this.desk.command("settings_save", { values });
-        if (!data) return;
+        if (!data || machine !== this.desk.machine) return;
         this.fill(data.settings);
         put(this.note, this.words.written);
     }

@@ -88,6 +88,8 @@ export class Override {
         this.desk = desk;
         this.what = what;
         this.timer = 0;
+        /** The machine whose override it shows. @type {object | undefined} */
+        this.machine = undefined;
         /** Until when the slider is not moved by the machine. */
         this.ownUntil = 0;
         const [min, max, step] = RANGES[what];
@@ -144,6 +146,11 @@ export class Override {
 
     show() {
         const { desk, what, slider, percent } = this;
+        if (this.machine !== desk.machine) {
+            this.machine = desk.machine;
+            this.ownUntil = 0;
+            clearTimeout(this.timer);
+        }
         const value = desk.state?.override?.[what];
         disable(slider, !desk.mayCommand);
         disable(this.reset, !desk.mayCommand);

@@ -41,8 +41,8 @@ export class Wizard {
         this.words = words;
         /** @type {Kind} */
         this.kind = "height";
-        /** Whether the probe was seen closed, so that it works. */
-        this.isTested = false;
+        /** Machines whose probe was seen closed on this link, so that it works. */
+        this.works = new WeakSet();
         /** The contact of the first tool, of each machine. @type {Map<number, number>} */
         this.references = new Map();
         /** @type {LinkedRig | undefined} */
@@ -111,10 +111,16 @@ export class Wizard {
         this.show();
     }
 
+    /** Whether the probe of the shown machine works. */
+    get isTested() {
+        const { machine } = this.desk;
+        return machine !== undefined && this.works.has(machine);
+    }
+
     show() {
         const { desk, words, kind } = this;
         const isClosed = desk.state?.switches.includes("P") ?? false;
-        this.isTested ||= isClosed;
+        if (isClosed && desk.machine) this.works.add(desk.machine);
         const tested = isClosed
             ? words.probeIsClosed
             : this.isTested

@@ -171,6 +171,8 @@ export class FakeServer {
         const { offers } = this;
         const machines = this.infos.map((info) => ({ ...info, offers }));
         socket.send(JSON.stringify({ ...welcome, ...timing, machines }));
+        const alive = setInterval(() => socket.send(JSON.stringify({ kind: "alive" })), 1000);
+        socket.on("close", () => clearInterval(alive));
         for (const { machine } of this.infos) this.change({}, machine);
     }
 

@@ -19,12 +19,15 @@ process.once("exit", () => kills.forEach((kill) => kill()));
  * Starts `husillo serve` on a free port, and gives the address of its page.
  *
  * @param {...string} more arguments
- * @returns {Promise<{address: string, kill: () => void}>}
+ * @returns {Promise<{
+ *     address: string, kill: () => void, signal: (name: NodeJS.Signals) => void
+ * }>}
  */
 function serve(...more) {
     const all = ["serve", "--listen", "127.0.0.1:0", "--format", "json", ...more];
     const child = spawn(husillo(), all, { stdio: ["ignore", "pipe", "inherit"] });
     const kill = () => child.kill("SIGKILL");
+    const signal = (/** @type {NodeJS.Signals} */ name) => child.kill(name);
     return new Promise((resolve, reject) => {
         const stuck = setTimeout(() => reject(new Error("husillo serve is stuck")), PATIENCE);
         child.on("exit", (code) => reject(new Error(`husillo serve has ended: ${code}`)));
@@ -36,7 +39,7 @@ function serve(...more) {
             kills.add(kill);
             child.unref();
             /** @type {import("node:net").Socket} */ (child.stdout).unref();
-            resolve({ address: url, kill });
+            resolve({ address: url, kill, signal });
         });
     });
 }

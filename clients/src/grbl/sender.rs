@@ -5,6 +5,7 @@ use super::stream::Stream;
 use crate::{StopRequests, Wire};
 use husillo_sim::device::grbl::Device;
 use husillo_transports::grbl::{Realtime, State, Status};
+use std::collections::VecDeque;
 
 mod checked;
 
@@ -50,8 +51,15 @@ pub struct Sender {
     /// Index of each line that is sent and not yet answered.
     stream: Stream<usize>,
     answered: usize,
+    /// Indices of the last answered lines with motion, as many as may not be carried out.
+    moves: VecDeque<usize>,
     /// Largest number of moves that wait in the queue of the controller.
     queue: usize,
+}
+
+/// Whether a line has a coordinate. A line without one adds no move to the queue of the controller.
+pub fn has_coordinate(line: &str) -> bool {
+    line.contains(['X', 'Y', 'Z', 'A', 'B', 'C', 'x', 'y', 'z', 'a', 'b', 'c'])
 }
 
 /// A dwell of zero time. The controller answers it when all moves before it are carried out. A
@@ -95,6 +103,7 @@ impl Sender {
             queue,
             stream: Stream::new(),
             answered: 0,
+            moves: VecDeque::new(),
         })
     }
 
@@ -116,9 +125,10 @@ impl Sender {
     }
 
     /// Index of the first line that may not be carried out. The queue may be full, and one more
-    /// move is being carried out. A line is answered when its last move is in the queue.
-    pub const fn first_open(&self) -> usize {
-        self.answered.saturating_sub(self.queue + 1)
+    /// move is being carried out. A line is answered when its last move is in the queue, one
+    /// without motion at once.
+    pub fn first_open(&self) -> usize {
+        self.moves.front().copied().unwrap_or(0)
     }
 
     /// Sends these lines, each with its number, and waits until they are carried out.
@@ -135,6 +145,7 @@ impl Sender {
     ) -> Result<Sent, String> {
         self.stream = Stream::new();
         self.answered = 0;
+        self.moves.clear();
         let (mut next, mut finished) = (0, 0);
         while self.answered < lines.len() {
             self.intervene(operator)?;
@@ -210,8 +221,13 @@ impl Sender {
                         .map_or((0, ""), |(number, line)| (*number, line));
                     return Err(self.ended(format!("line {number}, {line}: {why}")));
                 }
-                if index.is_some_and(|index| index < lines.len()) {
+                if let Some((index, (_, line))) = index.and_then(|at| Some((at, lines.get(at)?))) {
                     self.answered += 1;
+                    if has_coordinate(line) {
+                        self.moves.push_back(index);
+                        let more = self.moves.len().saturating_sub(self.queue + 1);
+                        self.moves.drain(..more);
+                    }
                     operator.progress(self.answered);
                 }
             }

@@ -92,6 +92,8 @@ pub struct Session {
     work_zero: Option<Place>,
     /// Time of the last request for a report.
     asked_at: Duration,
+    /// A report was requested and has not come.
+    awaits_report: bool,
     /// Time of the last received byte.
     heard_at: Duration,
     /// Whether the port has failed, or the controller does not answer.
@@ -113,6 +115,7 @@ impl Session {
             status: None,
             work_zero: None,
             asked_at: now,
+            awaits_report: false,
             heard_at: now,
             is_lost: false,
             poll: POLL,
@@ -120,7 +123,8 @@ impl Session {
         }
     }
 
-    /// Sets the interval of the requests for a status report, 200 ms at first.
+    /// Sets the interval of the requests for a status report, 200 ms at first. A request waits for
+    /// the report before it, but not longer than 200 ms, because that may be lost.
     pub const fn poll_every(&mut self, interval: Duration) {
         self.poll = interval;
     }
@@ -247,11 +251,10 @@ impl Session {
             self.is_lost = true;
             return Err("the controller does not answer any more: check cable and power".into());
         }
-        if now.saturating_sub(self.asked_at) >= self.poll {
-            self.asked_at = now;
-            self.put(&[Realtime::Status.byte()])?;
+        if now >= self.next_request_at() {
+            self.request_report()?;
         }
-        let end = now + LOOK;
+        let end = self.next_request_at().min(now + LOOK);
         while let Some(left) = end.checked_sub(self.elapsed()) {
             let received = self.wire.receive(left);
             self.is_lost |= received.is_err();
@@ -270,6 +273,7 @@ impl Session {
                 Some(Heard::Status(status)) => {
                     self.work_zero = status.work_zero.or(self.work_zero);
                     self.status = Some(*status);
+                    self.awaits_report = false;
                 }
                 Some(Heard::Started(_)) => self.status = None,
                 _ => {}
@@ -279,6 +283,21 @@ impl Session {
         Ok(None)
     }
 
+    /// When the next report is requested. A slow line is not filled with requests.
+    fn next_request_at(&self) -> Duration {
+        let wait = match self.awaits_report {
+            true => self.poll.max(POLL),
+            false => self.poll,
+        };
+        self.asked_at + wait
+    }
+
+    fn request_report(&mut self) -> Result<(), String> {
+        self.asked_at = self.elapsed();
+        self.awaits_report = true;
+        self.put(&[Realtime::Status.byte()])
+    }
+
     /// Requests a report and waits for it.
     ///
     /// # Errors
@@ -286,8 +305,7 @@ impl Session {
     /// The port failed, the controller is silent, or an alarm has ended the motion.
     pub fn fresh_status(&mut self) -> Result<Status, String> {
         self.status = None;
-        self.asked_at = self.elapsed();
-        self.put(&[Realtime::Status.byte()])?;
+        self.request_report()?;
         loop {
             if let Some(Heard::Alarm(number)) = self.turn()? {
                 return Err(self.alarmed(number));

@@ -20,10 +20,12 @@ use std::sync::Arc;
 use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
 
-/// Shortest interval between two published states.
-const PUBLISH: Duration = Duration::from_millis(33);
+/// Shortest interval between two published states, so that none of 60 a second is left out.
+const PUBLISH: Duration = Duration::from_millis(12);
 /// A lost controller is tried again after this time.
 const RETRY: Duration = Duration::from_secs(1);
+/// Interval of the states of a lost controller.
+const LOOK: Duration = Duration::from_millis(100);
 /// Lines that wait for the controller.
 const WAITING: usize = 64;
 
@@ -116,7 +118,7 @@ fn wait(machine: &Machine, state: &mut MachineState, requests: &Receiver<Asked>)
         if machine.is_ending() {
             return;
         }
-        if let Ok(asked) = requests.recv_timeout(left.min(PUBLISH * 3)) {
+        if let Ok(asked) = requests.recv_timeout(left.min(LOOK)) {
             asked.reply.error("the controller is lost");
         }
     }

@@ -322,7 +322,8 @@ pub enum Accessory {
 impl Request {
     /// Whether it needs the modes and the work zero of the controller.
     pub const fn needs_modes(&self) -> bool {
-        matches!(self, Self::Probe(_) | Self::Run { .. })
+        use Request::{Probe, Run, UndoZero, Zero};
+        matches!(self, Probe(_) | Run { .. } | Zero { .. } | UndoZero)
     }
 
     /// Whether a client needs control for it.

@@ -23,12 +23,16 @@ use tokio::time::timeout;
 
 /// Interval of the pings. A browser answers them by itself.
 const PING: Duration = Duration::from_secs(10);
+/// Interval of the frames that tell a page that its link is up. A page does not see pings.
+const ALIVE: Duration = Duration::from_secs(1);
 /// A client that has sent nothing for this time, not even the answer to a ping, is gone.
 const SILENCE: Duration = Duration::from_secs(30);
 /// A client that does not take a frame within this time is closed.
 const BLOCKED: Duration = Duration::from_secs(15);
-/// Shortest interval between two rounds of states.
-const ROUND: Duration = Duration::from_millis(33);
+/// Shortest interval between two rounds of states, so that a page gets 60 a second.
+const ROUND: Duration = Duration::from_millis(12);
+/// The last wait for a client before it is closed.
+const GRACE: Duration = Duration::from_millis(33);
 /// Answers that wait for a client.
 const ANSWERS: usize = 256;
 /// Codes with which a socket is closed.
@@ -68,7 +72,7 @@ async fn read(
         }
         // A client that asks faster than it reads is closed by the other half.
         if answers.capacity() == 0 {
-            tokio::time::sleep(ROUND).await;
+            tokio::time::sleep(GRACE).await;
             if answers.capacity() == 0 {
                 return;
             }
@@ -178,6 +182,7 @@ async fn write(
 ) {
     let mut news = site.news.subscribe();
     let mut ping = tokio::time::interval(PING);
+    let mut alive = tokio::time::interval(ALIVE);
     let mut seen = vec![Seen::default(); site.machines.len()];
     let welcome = json!({
         "kind": "welcome",
@@ -231,6 +236,7 @@ async fn write(
                 Some(answer) => frames.push(answer),
                 None => return,
             },
+            _ = alive.tick() => frames.push(json!({"kind": "alive"}).to_string().into()),
             _ = ping.tick() => {
                 let pinged = timeout(BLOCKED, sink.send(Message::Ping(Vec::new().into()))).await;
                 if !matches!(pinged, Ok(Ok(()))) {
@@ -253,7 +259,7 @@ async fn close(mut sink: SplitSink<WebSocket, Message>) {
         code: TOO_SLOW,
         reason: "this page does not read".into(),
     };
-    let _ = timeout(ROUND, sink.send(Message::Close(Some(frame)))).await;
+    let _ = timeout(GRACE, sink.send(Message::Close(Some(frame)))).await;
 }
 
 /// What a client has of a machine.

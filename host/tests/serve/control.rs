@@ -1,7 +1,9 @@
 //! One page is in control, the others watch and may stop.
 
+use super::emulated::Emulated;
 use super::page::Served;
 use serde_json::json;
+use std::process::Command;
 use std::time::Duration;
 
 #[test]
@@ -122,4 +124,36 @@ fn the_end_of_the_program_stops_the_machine() {
         (has_stopped || !page.receive()).then_some(())
     });
     assert_eq!(served.process.wait().unwrap().code(), Some(130));
+}
+
+/// Grbl reports that it is idle during a dwell, and has lines that it will make.
+#[test]
+fn the_end_of_the_server_stops_a_program_in_a_dwell() {
+    let device = Emulated::listening("grbl", &[]);
+    let served = Served::new(&["--port", device.port()]);
+    let mut page = served.operator();
+    let text = "G21 G91\nG1 X1 F600\nG4 P30\nG1 X50 F600\n";
+    served.load(page.client, "dwell.nc", text);
+    page.done(json!({"do": "run", "confirmed": true}));
+    page.until_at("work_mm", 0, 1.0);
+    page.until("the dwell", |page| {
+        let state = &page.states[0];
+        (state["state"] == "Idle" && state["program"]["phase"] == "running").then_some(())
+    });
+    let id = served.process.id().to_string();
+    let sent = Command::new("kill").args(["-INT", &id]).status();
+    assert!(sent.unwrap().success());
+    // The page is told before its socket is closed.
+    while page.receive() {}
+    assert!(page.has_line("the machine has stopped"), "{:?}", page.lines);
+}
+
+/// A zero is set with the modes that the lines before it have set.
+#[test]
+fn a_zero_waits_for_the_modes() {
+    let served = Served::new(&[]);
+    let mut page = served.operator();
+    page.done(json!({"do": "line", "text": "G20"}));
+    page.done(json!({"do": "zero", "at_mm": {"x": 10}}));
+    page.until_at("work_mm", 0, 10.0);
 }

@@ -159,3 +159,25 @@ fn it_goes_on_from_another_work_zero() {
     let why = page.refused(json!({"do": "run", "from": 3}));
     assert!(why.contains("work zero"), "{why}");
 }
+
+/// Lines without motion are answered at once, so they do not wait among the moves of the
+/// controller.
+#[test]
+fn lines_without_motion_do_not_count_as_moves() {
+    let served = Served::new(&[]);
+    let mut page = served.operator();
+    let lines = (1..=60).map(|number| format!("G1 X{number} F1500\nF1500\n"));
+    let text: String = lines.collect();
+    served.load(page.client, "feeds.nc", &text);
+    page.done(json!({"do": "run", "confirmed": true}));
+    page.until("motion", |page| {
+        (page.at("work_mm", 0) > 20.0).then_some(())
+    });
+    page.done(json!({"do": "stop"}));
+    until_phase(&mut page, "stopped");
+    let from = page.states[0]["program"]["resume_line"].as_u64().unwrap();
+    let stands = page.at("work_mm", 0);
+    // Line 2 N - 1 ends at N mm: all before it are made, and most of them are not made again.
+    let made = from.div_ceil(2) as f64 - 1.0;
+    assert!(stands >= made && made > 1.0, "line {from}, {stands} mm");
+}

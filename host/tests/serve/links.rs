@@ -2,7 +2,9 @@
 
 use super::emulated::Emulated;
 use super::page::Served;
+use super::slow_line::SlowLine;
 use serde_json::json;
+use std::time::{Duration, Instant};
 
 #[test]
 fn a_lost_controller_is_reported_and_found_again() {
@@ -54,4 +56,59 @@ fn a_reset_of_the_controller_is_noticed() {
     });
     page.until_state("Idle");
     page.done(json!({"do": "step", "move_mm": {"x": 0.1}, "feed": 600}));
+}
+
+/// While it moves, a controller does not tell its settings.
+#[test]
+fn the_settings_are_known_after_a_connection_in_motion() {
+    let device = Emulated::listening("grbl", &[]);
+    let served = Served::new(&["--port", device.port()]);
+    let mut page = served.operator();
+    page.done(json!({"do": "line", "text": "G1 X8 F300"}));
+    page.until_state("Run");
+    drop((page, served));
+    let served = Served::new(&["--port", device.port()]);
+    let mut page = served.page();
+    page.until_state("Run");
+    page.done(json!({"do": "take"}));
+    page.until_state("Idle");
+    let asked = json!({"do": "settings_diff", "values": {"110": "1234"}});
+    let diff = page.until("the settings", |page| {
+        let diff = page.done(asked.clone());
+        diff["refused"]
+            .as_array()
+            .unwrap()
+            .is_empty()
+            .then_some(diff)
+    });
+    assert_eq!(diff["changes"][0]["to"], "1234");
+}
+
+/// A controller that takes equal bytes of an override as one reaches the wanted one all the same.
+#[test]
+fn an_override_is_reached() {
+    let device = Emulated::listening("grbl", &["--faithful"]);
+    let served = Served::new(&["--port", device.port()]);
+    let mut page = served.operator();
+    for percent in [150, 10, 137, 100] {
+        page.done(json!({"do": "override", "what": "feed", "percent": percent}));
+        page.until("the override", |page| {
+            (page.states[0]["override"]["feed"] == percent).then_some(())
+        });
+    }
+}
+
+/// A slow line is not filled with requests for reports.
+#[test]
+fn one_report_is_awaited_at_a_time() {
+    let device = Emulated::listening("grbl", &[]);
+    let line = SlowLine::to(device.port(), Duration::from_millis(100));
+    let served = Served::new(&["--port", &line.port]);
+    let mut page = served.operator();
+    page.done(json!({"do": "line", "text": "G1 X20 F600"}));
+    page.until_state("Run");
+    let (begun, before) = (Instant::now(), line.requests());
+    page.pass(Duration::from_secs(1));
+    let each_s = f64::from(line.requests() - before) / begun.elapsed().as_secs_f64();
+    assert!(each_s < 12.0, "{each_s} requests a second");
 }

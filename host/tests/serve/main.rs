@@ -24,4 +24,5 @@ mod programs;
 mod relay;
 mod reports;
 mod settings;
+mod slow_line;
 mod watching;

@@ -97,6 +97,33 @@ fn a_job_is_not_run_again_by_another_server() {
     assert!(page.states[0]["program"].is_null());
 }
 
+/// The next job comes as soon as the end of the last one is shown, and the operator may take its
+/// program away.
+#[test]
+fn a_job_is_done_whatever_follows() {
+    let Some(broker) = Broker::new("mqtt-follows") else {
+        return;
+    };
+    let mut host = Host::new(&broker);
+    let served = served(&broker, &["--speed", "5"]);
+    let mut page = unlocked(&served, &mut host);
+    host.job("first", STEP);
+    host.until_job("first", "running");
+    page.until("its end", |page| {
+        (page.states[0]["program"]["phase"] == "done").then_some(())
+    });
+    host.job("second", STEP);
+    host.until_job("first", "done");
+    host.until_job("second", "running");
+    page.until("the next end", |page| {
+        let program = &page.states[0]["program"];
+        (program["phase"] == "done" && program["runs"] == 2).then_some(())
+    });
+    page.done(json!({"do": "take"}));
+    page.done(json!({"do": "unload"}));
+    host.until_job("second", "done");
+}
+
 /// A job that is refused is not run later.
 #[test]
 fn a_refused_job_stays_refused() {

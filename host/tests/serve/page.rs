@@ -180,6 +180,7 @@ impl Page {
                 self.path.append(points);
             }
             Some("answer") => self.answers.push(frame),
+            Some("alive") => {}
             kind => panic!("a frame of the kind {kind:?}"),
         }
     }

@@ -1,5 +1,6 @@
 //! Programs: loaded, checked, run, held, stopped.
 
+use super::emulated::Emulated;
 use super::page::{Page, Served};
 use serde_json::{Value, json};
 use std::time::Duration;
@@ -242,4 +243,34 @@ fn a_program_is_checked_with_the_work_zero_just_set() {
         assert_eq!(status, 200);
         page.done(json!({"do": "run"}));
     }
+}
+
+/// The reason stays, although the dwell behind the line is answered.
+#[test]
+fn a_refused_line_in_single_block_is_a_failure() {
+    let device = Emulated::listening("grbl", &["--faithful"]);
+    let served = Served::new(&["--port", device.port()]);
+    let mut page = served.operator();
+    // Grbl is built without mist coolant.
+    let text = "G21 G90\nG1 X1 F600\nM7\nG1 X5\n";
+    served.load(page.client, "mist.nc", text);
+    page.done(json!({"do": "single_block", "on": true}));
+    page.done(json!({"do": "run", "confirmed": true}));
+    for _ in 0..2 {
+        until_phase(&mut page, "waiting");
+        page.done(json!({"do": "resume"}));
+        page.until("the line", |page| {
+            (program(page)["phase"] != "waiting").then_some(())
+        });
+    }
+    page.until("the end", |page| {
+        page.has_line("the machine has stopped").then_some(())
+    });
+    page.until_state("Idle");
+    assert_eq!(program(&page)["phase"], "failed");
+    let message = program(&page)["message"].to_string();
+    assert!(
+        message.contains("line 3") && message.contains("error 20"),
+        "{message}"
+    );
 }

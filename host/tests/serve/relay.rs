@@ -1,4 +1,4 @@
-//! A cable to an emulated device that loses bytes when a test wants it.
+//! A cable to an emulated device that loses bytes or is slow when a test wants it.
 
 use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};

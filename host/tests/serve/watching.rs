@@ -50,6 +50,32 @@ fn twenty_pages_watch_for_an_hour() {
     watched(Duration::from_secs(3600));
 }
 
+/// While 20,000 steps are made each second, each of twenty pages gets 60 positions a second.
+#[test]
+#[ignore = "measures this computer"]
+fn a_motion_is_shown_sixty_times_a_second() {
+    let served = Served::new(&[]);
+    let mut operator = served.operator();
+    let mut watchers: Vec<_> = (0..20).map(|_| served.page()).collect();
+    operator.done(json!({"do": "line", "text": "G1 F3000 X200"}));
+    operator.until_state("Run");
+    operator.pass(Duration::from_millis(500));
+    for watcher in &mut watchers {
+        watcher.pass(Duration::from_millis(10));
+    }
+    let mut positions = 0;
+    let begun = Instant::now();
+    let mut last = watchers[0].at("work_mm", 0);
+    while begun.elapsed() < Duration::from_secs(3) {
+        watchers[0].receive();
+        let now = watchers[0].at("work_mm", 0);
+        positions += u32::from(now != last);
+        last = now;
+    }
+    println!("{:.1} positions a second", f64::from(positions) / 3.0);
+    assert!(positions > 3 * 55);
+}
+
 /// A page that only listens, and answers no request, is not taken for lost: its pongs count.
 #[test]
 #[ignore = "takes a minute and a half"]

@@ -25,6 +25,7 @@ use husillo_clients::{StopRequests, Wire};
 use husillo_sim::device::grbl::Device;
 use husillo_transports::grbl::{Realtime, Settings, State};
 use jogging::Jogging;
+use overriding::Wanted;
 use running::Running;
 use sequence::Sequence;
 use serde_json::Value;
@@ -33,8 +34,12 @@ use std::sync::mpsc::Receiver;
 use std::time::Duration;
 use zeroing::Zeroing;
 
-/// Interval of the requests for a status report.
+/// Interval of the requests for a status report. That leaves most of a serial line of 115,200
+/// bits/s to the program.
 const POLL: Duration = Duration::from_millis(50);
+/// The same while a controller moves whose line is not a serial device. It is shown 60 times a
+/// second.
+const POLL_IN_MOTION: Duration = Duration::from_millis(16);
 /// While it homes, a controller may be silent for this time.
 const HOMING: Duration = Duration::from_secs(180);
 /// Moves that wait in the queue of Grbl.
@@ -65,7 +70,6 @@ impl Grbl {
         };
         // A stop that was requested meanwhile is carried out by the driver.
         let mut session = Session::new(wire, StopRequests::default());
-        session.poll_every(POLL);
         session.begin()?;
         Ok(session)
     }
@@ -74,7 +78,11 @@ impl Grbl {
 impl Drive for Grbl {
     fn drive(&mut self, port: &Port, desk: Desk<'_>) -> Result<(), String> {
         let session = self.connect(port)?;
-        Driver::new(session, desk, &mut self.kept).drive()
+        let mut driver = Driver::new(session, desk, &mut self.kept);
+        if port.name == "sim" || port.name.starts_with("tcp:") {
+            driver.poll_in_motion = POLL_IN_MOTION;
+        }
+        driver.drive()
     }
 }
 
@@ -136,8 +144,15 @@ struct Driver<'a> {
     alarm: Option<u16>,
     /// Moves that wait in the controller at most.
     queue_moves: usize,
+    /// Overrides of feed and spindle that the controller has not reached yet.
+    wanted: [Option<Wanted>; 2],
+    /// Interval of the requests for a status report while something moves.
+    poll_in_motion: Duration,
     /// Values of the settings.
     settings: BTreeMap<u16, String>,
+    /// The options and the settings are not known. While it moves, a controller refuses to tell
+    /// them.
+    settings_are_due: bool,
     /// The modes may have changed.
     modes_are_due: bool,
     /// The work zero may have changed. The next report contains it then.
@@ -164,7 +179,10 @@ impl<'a> Driver<'a> {
             halting: None,
             alarm: None,
             queue_moves: QUEUE,
+            wanted: [None, None],
+            poll_in_motion: POLL,
             settings: BTreeMap::new(),
+            settings_are_due: true,
             modes_are_due: true,
             zero_is_due: true,
             postponed: VecDeque::new(),
@@ -181,8 +199,6 @@ impl<'a> Driver<'a> {
         self.state.link = Link::Up;
         self.state.why = None;
         self.machine.tell(From::Server, "the controller answers");
-        self.send_known("$I");
-        self.send_known("$$");
         let ended = self.turns();
         self.drop_lines(match &ended {
             Ok(()) => "this program has ended",
@@ -195,7 +211,7 @@ impl<'a> Driver<'a> {
 
     fn turns(&mut self) -> Result<(), String> {
         loop {
-            if self.machine.is_ending() && !self.session.is_in_motion() && self.halting.is_none() {
+            if self.machine.is_ending() && self.rests() && self.halting.is_none() {
                 return Ok(());
             }
             if self.machine.is_ending() && self.halting.is_none() {
@@ -215,11 +231,26 @@ impl<'a> Driver<'a> {
             self.carry_out_postponed()?;
             self.send_waiting()?;
             self.feed_program()?;
+            let poll = match self.session.is_in_motion() {
+                true => self.poll_in_motion,
+                false => POLL,
+            };
+            self.session.poll_every(poll);
             if let Some(heard) = self.session.turn()? {
                 self.hear(heard)?;
             }
             self.publish();
         }
+    }
+
+    /// Whether nothing moves, and nothing that was sent will move. During a dwell Grbl reports
+    /// that it is idle.
+    fn rests(&self) -> bool {
+        !self.session.is_in_motion()
+            && !self.session.is_held()
+            && self.is_quiet()
+            && self.sequence.is_none()
+            && !self.running.course.is_active()
     }
 
     /// Publishes the state if it has changed, and not too often.
@@ -288,19 +319,26 @@ impl<'a> Driver<'a> {
         self.session.put(&[byte.byte()])
     }
 
-    /// Asks for the modes, when all lines are answered.
+    /// Asks for the settings and the modes, when all lines are answered.
     fn ask_modes(&mut self) {
         let is_idle = matches!(self.session.state(), Some(State::Idle | State::Alarm))
             && !self.running.course.is_active();
-        if self.modes_are_due && is_idle && self.stream.is_empty() && self.waiting.is_empty() {
-            self.modes_are_due = false;
+        if !is_idle || !self.stream.is_empty() || !self.waiting.is_empty() {
+            return;
+        }
+        if std::mem::take(&mut self.settings_are_due) {
+            self.send_known("$I");
+            self.send_known("$$");
+        }
+        if std::mem::take(&mut self.modes_are_due) {
             self.send_known("$G");
         }
     }
 
     /// Whether the modes and the work zero will be known soon.
     fn modes_are_pending(&self) -> bool {
-        self.modes_are_due
+        self.settings_are_due
+            || self.modes_are_due
             || self.zero_is_due
             || !self.stream.is_empty()
             || !self.waiting.is_empty()
@@ -354,6 +392,7 @@ impl<'a> Driver<'a> {
         for asked in self.postponed.drain(..) {
             asked.reply.error(why);
         }
+        self.forget_making(why);
         self.jogging.forget();
         self.end_sequence(why);
         self.end_program(why);

@@ -28,9 +28,10 @@ pub const CELL: u64 = 0;
 const ANSWER: Duration = Duration::from_secs(5);
 /// The driver has started a program within this time. That of a mill checks it once more.
 const START: Duration = Duration::from_secs(60);
-/// Interval in which a job is looked at, and its line is noted.
-const LOOK: Duration = Duration::from_millis(500);
-/// Interval in which a load is waited for.
+/// Interval in which the line of a job is noted.
+const NOTE: Duration = Duration::from_millis(500);
+/// Interval in which a load is waited for, and a job is looked at. The next job, and the operator,
+/// may change the program as soon as its end is shown.
 const SHOWN: Duration = Duration::from_millis(20);
 /// A machine with an interrupted job is looked at in this interval until it can be loaded.
 const AGAIN: Duration = Duration::from_secs(1);
@@ -242,16 +243,16 @@ impl Jobs {
     /// Follows a job until it ends.
     async fn follow(&self, index: usize, machine: &Machine, load: u64, mut record: Record) {
         self.tell(index, &record.report, true);
+        let mut noted_at = Instant::now();
         loop {
-            sleep(LOOK).await;
+            sleep(SHOWN).await;
             let state = shown(machine);
             let program = &state["program"];
-            if number(&program["load"]) < load {
-                // The state is one of before the load.
+            // The state is one of before the load. Without a program, it was taken away since.
+            if !program.is_null() && number(&program["load"]) < load {
                 continue;
             }
-            let before = record.report.clone();
-            let report = &mut record.report;
+            let mut report = record.report.clone();
             report.state = match program["phase"].as_str() {
                 Some("done") => JobState::Done,
                 Some("stopped") => JobState::Stopped,
@@ -270,7 +271,10 @@ impl Jobs {
                 JobState::Running => program["line"].as_u64(),
                 _ => line.or(report.line),
             };
-            if *report != before {
+            let is_due = noted_at.elapsed() >= NOTE || report.state != JobState::Running;
+            if is_due && report != record.report {
+                noted_at = Instant::now();
+                record.report = report;
                 self.note(index, &record).await;
             }
             if record.report.state != JobState::Running {

@@ -62,6 +62,13 @@ impl Driver<'_> {
         }
     }
 
+    /// Forgets a continuation that is being made. Who asked for it gets the reason.
+    pub(super) fn forget_making(&mut self, why: &str) {
+        if let Some(making) = self.making.take() {
+            making.reply.error(why);
+        }
+    }
+
     /// Starts the program at a line, exactly as it was shown.
     pub(super) fn go_on(&mut self, line: usize, reply: Reply) {
         let shown = self.may_run().and_then(|program| {

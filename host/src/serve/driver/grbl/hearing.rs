@@ -13,11 +13,14 @@ impl Driver<'_> {
     /// The controller is lost.
     pub(super) fn hear(&mut self, heard: Heard) -> Result<(), String> {
         match &heard {
-            Heard::Status(_) => {
+            Heard::Status(status) => {
                 self.zero_is_due = false;
                 self.state.report(&self.session, self.alarm);
                 if self.session.state() != Some(State::Alarm) {
                     self.alarm = None;
+                }
+                if status.overrides.is_some() {
+                    self.adjust()?;
                 }
                 self.sequence_reported();
                 self.program_reported();
@@ -41,8 +44,11 @@ impl Driver<'_> {
             Heard::Started(name) => {
                 self.machine.tell(From::Controller, name.as_str());
                 self.state.controller = Some(name.clone());
+                // A reset has ended them.
+                self.wanted = [None, None];
                 if self.halting.is_none() {
                     self.drop_lines("the controller was reset");
+                    self.settings_are_due = true;
                     self.modes_are_due = true;
                 }
             }

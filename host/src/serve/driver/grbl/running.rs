@@ -6,7 +6,7 @@ use crate::serve::driver::course::{Course, Progress};
 use crate::serve::driver::phase::Phase;
 use crate::serve::loaded::{Loaded, Surroundings, Target};
 use crate::serve::reply::Reply;
-use husillo_clients::grbl::SYNCHRONISE;
+use husillo_clients::grbl::{SYNCHRONISE, has_coordinate};
 use husillo_transports::grbl::{Realtime, State};
 use serde_json::{Value, json};
 use std::sync::Arc;
@@ -60,11 +60,35 @@ impl Running {
 
     /// The line that is probably being made, if this many moves wait in the controller.
     fn line(&self, moves: usize) -> Option<usize> {
-        let lines = &self.lines;
-        let index = self.answered.saturating_sub(moves + 1);
         match self.course.phase() {
             Phase::Loaded => None,
-            _ => lines.get(index).map(|(number, _)| *number),
+            _ => self.open(moves),
+        }
+    }
+
+    /// The first line that is not certainly made, if at most this many moves wait in the
+    /// controller and one is made. Lines without motion do not wait there: they are answered at
+    /// once.
+    fn open(&self, moves: usize) -> Option<usize> {
+        let moved = (0..self.answered).rev().filter(|index| self.moves(*index));
+        let index = moved.take(moves + 1).last();
+        // With fewer moves, all of them may wait.
+        self.lines
+            .get(index.unwrap_or(0))
+            .map(|(number, _)| *number)
+    }
+
+    /// Whether a line can wait in the queue of the controller: whether it takes time, or without
+    /// the times of the program, whether it has a coordinate.
+    fn moves(&self, index: usize) -> bool {
+        let program = self.course.program();
+        let times = program.and_then(|program| program.times.as_ref());
+        match (self.lines.get(index), times) {
+            (None, _) => false,
+            (Some((number, _)), Some(times)) if index >= self.before => {
+                times.end_s(*number) > times.end_s(number.saturating_sub(1))
+            }
+            (Some((_, line)), _) => has_coordinate(line),
         }
     }
 }
@@ -260,10 +284,13 @@ impl Driver<'_> {
     /// All lines that were sent are made.
     pub(super) fn synchronised(&mut self) {
         let running = &mut *self.running;
-        if running.next < running.lines.len() {
+        if running.course.phase() != Phase::Running {
+            // The line before was refused, or STOP was pressed.
+            running.is_synchronising = false;
+        } else if running.next < running.lines.len() {
             running.is_synchronising = false;
             running.course.wait(None);
-        } else if running.course.phase() == Phase::Running {
+        } else {
             // Until then no further line is sent.
             running.is_made = true;
         }
@@ -309,8 +336,7 @@ impl Driver<'_> {
 
     /// The first line that is not certainly made.
     fn first_open(&self) -> Option<usize> {
-        let open = self.running.answered.saturating_sub(self.queue_moves + 1);
-        self.running.lines.get(open).map(|(number, _)| *number)
+        self.running.open(self.queue_moves)
     }
 
     /// An alarm has come.
