@@ -76,6 +76,7 @@ const MOST_POINTS = 100_000;
  * @property {number} clients
  * @property {{client: number, jog: number} | null} jog
  * @property {boolean} stopping
+ * @property {boolean} [emergency_waits] an emergency stop is asked for, and not confirmed
  * @property {number} undo
  * @property {{at_mm: number[], touched: boolean, count: number} | null} probe
  * @property {Running | null} program

@@ -324,6 +324,10 @@ export const ENGLISH = {
         emergencyHelp: "It holds until the machine is reset and homed. Every page can press it.",
         reset: "Reset the machine",
         resetThere: "The emergency stop holds: press the reset of the panel at the machine.",
+        waits: "An emergency stop is asked for, and the controller has not confirmed it.",
+        waitsAdvice:
+            "Use the button at the machine. What is asked for here acts when the controller " +
+            "answers again.",
         latched: "EMERGENCY STOP",
         latchedLong: "The emergency stop holds. Nothing moves.",
         latchedAdvice:

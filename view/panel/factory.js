@@ -27,7 +27,8 @@ export class FactoryStatus {
         this.words = words;
         this.units = units;
         const { factory } = words;
-        // It works in every state, and from pages that watch.
+        // It works in every state, and from pages that watch. If the controller is lost, it acts
+        // when the controller answers again.
         this.emergency = button(factory.emergency, () => desk.command("emergency"), {
             class: "emergency",
         });
@@ -102,7 +103,7 @@ export class FactoryStatus {
         const state = desk.state;
         const factory = state?.factory;
         const isLatched = factory?.is_latched ?? false;
-        disable(this.emergency, state?.link !== "up");
+        disable(this.emergency, state === undefined);
         this.reset.hidden = !isLatched;
         const isSimulated = desk.machine?.info.is_simulated ?? false;
         disable(this.reset, !desk.mayCommand || !isSimulated);

@@ -261,18 +261,12 @@ export class Contact {
         return value;
     }
 
-    get hasMistake() {
-        return [this.within, this.touches, this.reference, this.plus, this.minus, this.ball].some(
-            (one) => one.getAttribute("aria-invalid") === "true"
-        );
-    }
-
     touch() {
         const [letter, sign] = this.towards.value;
         const within = this.number(this.within, false);
         const reference = this.number(this.reference, false);
         const touches = this.number(this.touches);
-        if (this.hasMistake || !letter) return;
+        if (hasMistake([this.within, this.reference, this.touches]) || !letter) return;
         this.desk.command("touch", {
             towards: { [letter.toLowerCase()]: sign === "+" ? 1 : -1 },
             within: within ?? null,
@@ -282,10 +276,9 @@ export class Contact {
     }
 
     setTip() {
-        const [plus, minus, ball] = [this.plus, this.minus, this.ball].map((one) =>
-            this.number(one)
-        );
-        if (this.hasMistake) return;
+        const fields = [this.plus, this.minus, this.ball];
+        const [plus, minus, ball] = fields.map((one) => this.number(one));
+        if (hasMistake(fields)) return;
         this.desk.command("tip", { pre_travel: [plus, minus], ball });
     }
 
@@ -332,6 +325,11 @@ export class Contact {
         const mayBegin = desk.mayCommand && desk.isIdle;
         for (const one of [this.button, this.set]) disable(one, !mayBegin);
     }
+}
+
+/** Whether a field of a form has no number. @param {HTMLInputElement[]} fields */
+function hasMistake(fields) {
+    return fields.some((one) => one.getAttribute("aria-invalid") === "true");
 }
 
 /** The bytes of the last commands and answers. */

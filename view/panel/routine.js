@@ -36,6 +36,8 @@ export class RoutinePanel {
         this.timer = undefined;
         /** The text that was checked last. */
         this.checked = "";
+        /** The text that a start was asked for. */
+        this.asked = "";
         /** What was fetched: machine, runs, features. */
         this.fetched = "";
         this.name = element("input", { size: 16, value: "part.routine" });
@@ -54,6 +56,7 @@ export class RoutinePanel {
             this.isOwn = true;
             sessionStorage.setItem("husillo.routine", this.text.value);
             this.later();
+            this.show();
         });
         this.file = element("input", { type: "file", "aria-label": words.routineFile });
         this.file.addEventListener("change", () => this.take(this.file.files?.[0]));
@@ -146,6 +149,11 @@ export class RoutinePanel {
         URL.revokeObjectURL(link.href);
     }
 
+    /** Which text for which machine is shown. */
+    get key() {
+        return `${this.desk.machine?.info.machine}/${this.text.value}`;
+    }
+
     /** Checks the text after the last key. */
     later() {
         clearTimeout(this.timer);
@@ -159,7 +167,8 @@ export class RoutinePanel {
         const { desk } = this;
         const [name, text] = [this.name.value, this.text.value];
         if (this.isOwn) sessionStorage.setItem("husillo.routine", text);
-        this.checked = `${desk.machine?.info.machine}/${text}`;
+        this.checked = this.key;
+        this.show();
         const checked = await desk.command("routine", { name, text });
         // The text may have changed meanwhile.
         if (!checked || this.text.value !== text) return;
@@ -194,6 +203,7 @@ export class RoutinePanel {
     /** Asks before anything moves. */
     ask() {
         const { desk, words } = this;
+        this.asked = this.key;
         const begin = button(
             words.startRoutine,
             () => {
@@ -269,11 +279,13 @@ export class RoutinePanel {
 
     show() {
         const { desk, words } = this;
+        // What was shown is not what would start.
+        if (this.asked !== this.key) this.confirm.hidden = true;
         this.root.hidden = !desk.offers.has("routine");
         if (this.root.hidden) return;
         const { state } = desk;
         const number = desk.machine?.info.machine;
-        if (state && this.checked !== `${number}/${this.text.value}` && !this.timer) this.later();
+        if (state && this.checked !== this.key && !this.timer) this.later();
         const routine = state?.measuring?.routine ?? null;
         const isInMm = state?.measuring?.unit !== "counts";
         this.drawing.line = desk.isIdle ? null : (routine?.line ?? null);

@@ -327,6 +327,10 @@ export const SPANISH = {
             "Dura hasta reiniciar la máquina y buscar su origen. Toda página puede pulsarlo.",
         reset: "Reiniciar la máquina",
         resetThere: "El paro de emergencia sigue: pulse el reinicio en el tablero de la máquina.",
+        waits: "Se ha pedido un paro de emergencia, y el controlador no lo ha confirmado.",
+        waitsAdvice:
+            "Use el botón de la máquina. Lo que se pide aquí actúa cuando el controlador vuelva " +
+            "a contestar.",
         latched: "PARO DE EMERGENCIA",
         latchedLong: "El paro de emergencia sigue. Nada se mueve.",
         latchedAdvice:

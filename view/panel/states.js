@@ -92,6 +92,10 @@ export function noticesOf(desk, words) {
     }
     /** @type {Notice[]} */
     const notices = [];
+    if (state?.emergency_waits) {
+        const { waits: text, waitsAdvice: advice } = words.factory;
+        notices.push({ id: "waits", kind: "bad", text, advice });
+    }
     if (state?.link === "lost") {
         notices.push({
             id: "controller",

@@ -1,6 +1,10 @@
 import assert from "node:assert/strict";
+import { mkdtempSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
 import { test } from "node:test";
 import { open, picture, violations } from "husillo/tests/browser.js";
+import { Cable } from "husillo/tests/cable.js";
 import { press, says, textOf } from "husillo/tests/panels.js";
 import { isIdle, served, until } from "husillo/tests/served.js";
 
@@ -226,4 +230,82 @@ test("a reload stops a jog, and the routine is still there", async (t) => {
     assert.ok(Math.abs(work(later)[0] - work(first)[0]) < 0.05);
     assert.equal(await page.$eval(".routine textarea", (one) => one.value), "goto x1\n");
     await page.mouse.up();
+});
+
+test("a routine is started as it was shown, and a mistake is that of its form", async (t) => {
+    const { page } = await served(t, {}, "-m", "cmm3", "--port", "sim", "--port", "sim");
+    await until(page, ({ measuring }) => measuring);
+    const asked = (/** @type {boolean} */ isShown) =>
+        page.waitForFunction(
+            (isShown) => document.querySelector(".routine .confirm")?.checkVisibility() === isShown,
+            {},
+            isShown
+        );
+    await write(page, ".routine textarea", "goto x1\n");
+    await press(page, "button::-p-aria(Run the routine…)");
+    await asked(true);
+    await write(page, ".routine textarea", "goto x2\n");
+    await asked(false);
+    await press(page, "button::-p-aria(Run the routine…)");
+    await asked(true);
+    await press(page, "[role=tab]:nth-child(2)");
+    await until(page, ({ machine }) => machine === 2);
+    await asked(false);
+    // A touch has a mistake. The tip has none.
+    await write(page, '[data-touch="reference"]', "near");
+    await press(page, "button::-p-aria([name='Touch'][role='button'])");
+    await page.waitForSelector('[data-touch="reference"][aria-invalid="true"]');
+    await write(page, '[data-touch="plus"]', "0.008");
+    await press(page, "button::-p-aria(Set tip)");
+    await until(page, ({ measuring }) => measuring.tip.pre_travel[0] === 0.008);
+});
+
+test("a pulled cable and a killed server move nothing on and lose no position", async (t) => {
+    const folder = mkdtempSync(join(tmpdir(), "husillo-panel-"));
+    process.env.XDG_STATE_HOME = folder;
+    t.after(() => {
+        delete process.env.XDG_STATE_HOME;
+        rmSync(folder, { recursive: true });
+    });
+    const cable = await Cable.to(t, "cmm3");
+    const wanted = { expected: /WebSocket|ERR_CONNECTION|failed: / };
+    const machine = ["-m", "cmm3", "--port", cable.port];
+    const fromHome = (/** @type {any} */ { measuring }) => measuring?.axes[0].machine ?? null;
+    const { page, server } = await served(t, wanted, ...machine);
+    await until(page, ({ measuring }) => measuring);
+    await press(page, "button::-p-aria([name='Home X'][role='button'])");
+    await until(page, (state) => isIdle(state) && fromHome(state) !== null);
+    /** Holds a button until the axis has moved, and gives where it is. */
+    const jog = async () => {
+        const before = fromHome(await until(page, (state) => isIdle(state)));
+        const held = `${PAD}[data-jog="X+"]`;
+        await page.$eval(held, (one) => one.scrollIntoView({ block: "center" }));
+        await page.hover(held);
+        await page.mouse.down();
+        const is = await until(page, (state) => fromHome(state) > before + 0.1);
+        return fromHome(is);
+    };
+    /** Where the axis stands: near where it was last seen. @param {any} on @param {number} seen */
+    const stands = async (on, seen) => {
+        const is = fromHome(await until(on, (state) => isIdle(state) && fromHome(state) !== null));
+        assert.ok(is > seen - 0.01 && is < seen + 0.5, `${seen} ${is}`);
+        await on.evaluate(() => new Promise((resolve) => setTimeout(resolve, 500)));
+        assert.ok(Math.abs(fromHome(await until(on, isIdle)) - is) < 0.01, "it moves on");
+    };
+    const pulledAt = await jog();
+    cable.pull();
+    await until(page, ({ link }) => link === "lost");
+    await says(page, ".state", "CONTROLLER LOST");
+    await says(page, ".notices", "use the emergency stop of the machine");
+    await page.mouse.up();
+    cable.plug();
+    await until(page, ({ link }) => link === "up");
+    await stands(page, pulledAt);
+    const killedAt = await jog();
+    server.kill();
+    await says(page, ".state", "NO LINK");
+    await says(page, ".notices", "Motion by hand has stopped");
+    await page.mouse.up();
+    const { page: other } = await served(t, wanted, ...machine);
+    await stands(other, killedAt);
 });

@@ -1,6 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { picture, violations } from "husillo/tests/browser.js";
+import { Cable } from "husillo/tests/cable.js";
 import { press, says, textOf } from "husillo/tests/panels.js";
 import { isIdle, served, state, until } from "husillo/tests/served.js";
 
@@ -190,6 +191,23 @@ test("an emergency stop holds until the reset, and any page can press it", async
     await until(page, ({ state, factory }) => state === "Idle" && !factory.is_latched);
     await lamp(page, "homed", false);
     await home(page);
+});
+
+test("an emergency stop without a link acts when the controller answers again", async (t) => {
+    const cable = await Cable.to(t, "microfactory");
+    const { page } = await served(t, {}, "-m", "microfactory", "--port", cable.port);
+    await until(page, ({ factory }) => factory);
+    cable.pull();
+    await until(page, ({ link }) => link === "lost");
+    await press(page, "button.emergency");
+    await until(page, ({ emergency_waits }) => emergency_waits);
+    await says(page, ".notices", "has not confirmed it");
+    await says(page, ".notices", "Use the button at the machine");
+    assert.deepEqual(await violations(page), []);
+    cable.plug();
+    await until(page, ({ factory }) => factory?.is_latched);
+    await says(page, ".state", "EMERGENCY STOP");
+    assert.ok(!(await state(page)).emergency_waits);
 });
 
 test("at the width of a phone, dark and in Spanish", async (t) => {

@@ -11,8 +11,7 @@ use husillo_gcode::Nm;
 use husillo_sim::device::microfactory::{self as device, Device};
 use husillo_sim::text::counted;
 use husillo_transports::microfactory::{
-    ByteTable, REJECTED, Report, STATUS_BYTES, SWITCHES_BYTES, Status, Switches, figure_check,
-    move_bytes,
+    ByteTable, REJECTED, Report, STATUS_BYTES, SWITCHES_BYTES, Status, Switches,
 };
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -485,25 +484,16 @@ impl Client {
     }
 
     fn load_once(&mut self, moves: &[[i16; 2]]) -> Result<(), String> {
-        let table = self.table;
-        if self.send(table.clear)? == Answer::Rejected {
-            return Err("the device stores no figures (`husillo jog figure` cuts its own)".into());
+        self.clear_figure()?;
+        for delta in moves {
+            self.store_move(*delta)?;
         }
-        let mut bytes = Vec::with_capacity(5 * moves.len() + 5);
-        for way in moves {
-            bytes.push(table.line);
-            bytes.extend(move_bytes(*way));
-        }
-        bytes.push(table.keep);
-        // The number of moves is at most the room of a device.
-        bytes.extend(u16::try_from(moves.len()).unwrap_or(u16::MAX).to_le_bytes());
-        bytes.extend(figure_check(moves).to_le_bytes());
-        self.command(&bytes)
+        self.keep_figure(moves)
     }
 
     /// Keeps the displacement and the duration of the loaded figure.
     fn note(&mut self, moves: &[[i16; 2]]) {
-        let sum = |axis: usize| moves.iter().map(|way| i32::from(way[axis])).sum();
+        let sum = |axis: usize| moves.iter().map(|delta| i32::from(delta[axis])).sum();
         self.figure_end = Some([sum(0), sum(1)]);
         let lengths = moves
             .iter()
@@ -544,7 +534,7 @@ impl Client {
         let mut how = String::new();
         while left != 0 {
             let count = u8::try_from(left.unsigned_abs().min(255)).unwrap_or(u8::MAX);
-            let way = i32::from(count) * left.signum();
+            let delta = i32::from(count) * left.signum();
             let from = self.position()?;
             self.command(&[
                 table.steps,
@@ -560,14 +550,14 @@ impl Client {
                     let place = |at: [i32; 4]| at.get(usize::from(motor)).copied().unwrap_or(0);
                     place(to).wrapping_sub(place(from))
                 };
-                if moved(motor) != way {
+                if moved(motor) != delta {
                     return Err(format!(
-                        "the motor made {} instead of {way}",
+                        "the motor made {} instead of {delta}",
                         counted(moved(motor), "step")
                     ));
                 }
             }
-            left -= way;
+            left -= delta;
         }
         Ok(how)
     }

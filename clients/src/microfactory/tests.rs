@@ -193,7 +193,12 @@ fn faults_in_long_sessions_are_survived_or_reported() {
     let moves: Vec<[i16; 2]> = (0..400)
         .map(|_| [0; 2].map(|_| random(9) as i16 - 3))
         .collect();
-    let sum = |axis: usize| moves.iter().map(|way| i32::from(way[axis])).sum::<i32>();
+    let sum = |axis: usize| {
+        moves
+            .iter()
+            .map(|delta| i32::from(delta[axis]))
+            .sum::<i32>()
+    };
     let expected = ([900 + sum(0), 700 + sum(1)], 1);
     let figure = Figure {
         name: "long".into(),
@@ -646,14 +651,14 @@ fn a_panel_drives_the_device_in_parts() {
     // A figure, of which one move arrives twice: it is not kept.
     let moves = [[30, 60], [30, -60]];
     client.clear_figure().unwrap();
-    for way in [moves[0], moves[0], moves[1]] {
-        client.store_move(way).unwrap();
+    for delta in [moves[0], moves[0], moves[1]] {
+        client.store_move(delta).unwrap();
     }
     assert!(client.keep_figure(&moves).is_err());
     client.halt().unwrap();
     client.clear_figure().unwrap();
-    for way in moves {
-        client.store_move(way).unwrap();
+    for delta in moves {
+        client.store_move(delta).unwrap();
     }
     client.keep_figure(&moves).unwrap();
     client.begin(Motion::Figure).unwrap();

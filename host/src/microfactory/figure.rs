@@ -53,7 +53,7 @@ fn of_file(file: &str, settings: &Settings) -> Result<Vec<[i16; 2]>, String> {
         ));
     }
     match programmed {
-        Ok(moves) => Ok(moves.into_iter().map(|(_, way)| way).collect()),
+        Ok(moves) => Ok(moves.into_iter().map(|(_, delta)| delta).collect()),
         Err(refused) => {
             let (line, _) = refused.line_and_column();
             Err(format!("{file}:{line}: {}", refused.message))
@@ -76,8 +76,8 @@ pub fn program(file: &str, settings: &Settings) -> Result<Option<String>, String
 /// Moves as a program, which can be drawn.
 pub fn drawn(moves: &[[i16; 2]], settings: &Settings) -> String {
     let mut at = [0; 2];
-    let places = moves.iter().map(|way| {
-        for (at, steps) in at.iter_mut().zip(way) {
+    let places = moves.iter().map(|delta| {
+        for (at, steps) in at.iter_mut().zip(delta) {
             *at += i64::from(*steps);
         }
         let [x, z] = settings.place(at);
@@ -118,7 +118,7 @@ pub fn programmed(
         |meaning, command, from, _| {
             if refused.is_none() {
                 match straight(command, from, &mut at, settings) {
-                    Ok(Some(way)) => moves.push((meaning.at.line, way)),
+                    Ok(Some(delta)) => moves.push((meaning.at.line, delta)),
                     Ok(None) => {}
                     Err(reason) => {
                         refused = Some(Finding::error("E0401", reason, meaning.at.whole()));
@@ -150,13 +150,13 @@ fn straight(
         return Err("a figure is in X and Z: Y is fed to the work piece by the machine".into());
     }
     let goal = settings.nearest([x, z]);
-    let mut way = [0; 2];
-    for ((way, at), goal) in way.iter_mut().zip(at).zip(goal) {
-        *way = i16::try_from(goal - *at)
+    let mut delta = [0; 2];
+    for ((delta, at), goal) in delta.iter_mut().zip(at).zip(goal) {
+        *delta = i16::try_from(goal - *at)
             .map_err(|_| "a move of a figure has 32767 steps at most, 61 mm".to_owned())?;
         *at = goal;
     }
-    Ok((way != [0; 2]).then_some(way))
+    Ok((delta != [0; 2]).then_some(delta))
 }
 
 #[cfg(test)]

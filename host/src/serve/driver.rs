@@ -14,8 +14,8 @@ mod phase;
 
 use super::console_lines::From;
 use super::family::{Family, MeasuringMachine};
-use super::machine::{Asked, Machine};
-use super::machine_state::MachineState;
+use super::machine::{Asked, EMERGENCY_WAITS, Machine};
+use super::machine_state::{Link, MachineState};
 use std::sync::Arc;
 use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
@@ -112,9 +112,9 @@ fn keep(machine: &Machine, port: &Port, requests: &Receiver<Asked>, mut drive: i
 fn wait(machine: &Machine, state: &mut MachineState, requests: &Receiver<Asked>) {
     let end = Instant::now() + RETRY;
     while let Some(left) = end.checked_duration_since(Instant::now()) {
-        state.operator = machine.control.operator();
-        state.clients = machine.clients();
+        shared(machine, state);
         publish(machine, state);
+        machine.emergency_waits(EMERGENCY_WAITS);
         if machine.is_ending() {
             return;
         }
@@ -124,7 +124,15 @@ fn wait(machine: &Machine, state: &mut MachineState, requests: &Receiver<Asked>)
     }
 }
 
+/// What pages have changed.
+fn shared(machine: &Machine, state: &mut MachineState) {
+    state.operator = machine.control.operator();
+    state.clients = machine.clients();
+    state.emergency_waits = machine.is_emergency_asked();
+}
+
 fn publish(machine: &Machine, state: &MachineState) {
+    machine.set_up(state.link == Link::Up);
     machine.publish(|number| state.frame(machine.number, machine.family, number));
 }
 
@@ -145,8 +153,7 @@ impl Published {
 
     /// Publishes a state if it has changed, and not too often.
     fn update(&mut self, machine: &Machine, state: &mut MachineState) {
-        state.operator = machine.control.operator();
-        state.clients = machine.clients();
+        shared(machine, state);
         if self.at.elapsed() >= PUBLISH && self.last.as_ref() != Some(state) {
             self.at = Instant::now();
             self.last = Some(state.clone());

@@ -22,6 +22,20 @@ use tokio::sync::watch;
 /// Requests that wait for the driver.
 const WAITING: usize = 64;
 
+/// The answer to an emergency stop without a controller.
+pub const EMERGENCY_WAITS: &str = "the controller is lost, so the emergency stop is not made: it \
+                                   acts when the controller answers again. Use the button at the \
+                                   machine";
+
+/// An emergency stop.
+#[derive(Debug, Default)]
+struct Emergency {
+    /// It is asked for, and not confirmed.
+    is_asked: bool,
+    /// Who waits for its answer.
+    replies: Vec<Reply>,
+}
+
 /// A request for the driver of a machine.
 #[derive(Debug)]
 pub struct Asked {
@@ -85,8 +99,9 @@ pub struct Machine {
     clients: AtomicU64,
     /// The operator has gone: a motion by hand ends.
     is_left: AtomicBool,
-    /// An emergency stop is asked for.
-    is_emergency: AtomicBool,
+    emergency: Mutex<Emergency>,
+    /// The controller answers.
+    is_up: AtomicBool,
     is_ending: AtomicBool,
     is_ended: AtomicBool,
 }
@@ -144,7 +159,8 @@ impl Machine {
             news,
             clients: AtomicU64::new(0),
             is_left: AtomicBool::new(false),
-            is_emergency: AtomicBool::new(false),
+            emergency: Mutex::default(),
+            is_up: AtomicBool::new(false),
             is_ending: AtomicBool::new(false),
             is_ended: AtomicBool::new(false),
         };
@@ -235,15 +251,44 @@ impl Machine {
         self.is_left.swap(false, Ordering::Relaxed)
     }
 
-    /// Asks for an emergency stop. It does not wait behind other requests.
-    pub fn request_emergency(&self) {
+    /// Asks for an emergency stop. It does not wait behind other requests. The driver answers, and
+    /// asks for it again until the controller confirms it.
+    pub fn request_emergency(&self, reply: Reply) {
         self.lease.end();
-        self.is_emergency.store(true, Ordering::Relaxed);
+        let mut emergency = self.emergency();
+        emergency.is_asked = true;
+        match self.is_up.load(Ordering::Relaxed) {
+            true => emergency.replies.push(reply),
+            false => reply.error(EMERGENCY_WAITS),
+        }
     }
 
-    /// Whether an emergency stop was asked for since the last call.
-    pub fn take_emergency(&self) -> bool {
-        self.is_emergency.swap(false, Ordering::Relaxed)
+    /// Whether an emergency stop is asked for, and not confirmed.
+    pub fn is_emergency_asked(&self) -> bool {
+        self.emergency().is_asked
+    }
+
+    /// The controller has confirmed the emergency stop.
+    pub fn emergency_made(&self) {
+        let Emergency { replies, .. } = std::mem::take(&mut *self.emergency());
+        replies.into_iter().for_each(Reply::ok);
+    }
+
+    /// The emergency stop is not confirmed. It stays asked for.
+    pub fn emergency_waits(&self, why: &str) {
+        let replies = std::mem::take(&mut self.emergency().replies);
+        replies.into_iter().for_each(|reply| reply.error(why));
+    }
+
+    fn emergency(&self) -> std::sync::MutexGuard<'_, Emergency> {
+        self.emergency
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Whether the controller answers.
+    pub fn set_up(&self, is_up: bool) {
+        self.is_up.store(is_up, Ordering::Relaxed);
     }
 
     /// Number of clients.

@@ -52,6 +52,9 @@ pub struct MachineState {
     pub undo: usize,
     pub probe: Option<Value>,
     pub program: Option<Value>,
+    /// An emergency stop is asked for, and the controller has not confirmed it.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub emergency_waits: bool,
     /// What only a micro mill has.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mill: Option<MillState>,

@@ -123,9 +123,8 @@ fn asked_of(machine: &Machine, client: u64, request: Request, reply: Reply) {
         }
         Request::Emergency if machine.family == "microfactory" => {
             machine.control.give(CELL);
-            machine.request_emergency();
             machine.tell(From::Server, format!("EMERGENCY STOP by client {client}"));
-            reply.ok();
+            machine.request_emergency(reply);
         }
         Request::Emergency => reply.error("this machine has no emergency stop of its own: STOP it"),
         Request::Take { force } => match machine.control.take(client, force) {

@@ -10,16 +10,9 @@ fn served(options: &[&str]) -> Served {
     Served::new(&[&["-m", "drill"], options].concat())
 }
 
-/// A page in control of a drill.
-fn operator(served: &Served) -> Page {
-    let mut page = served.page();
-    page.done(json!({"do": "take"}));
-    page
-}
-
 /// A page in control of a drill in the manual mode, which is at zero.
 fn manual(served: &Served) -> Page {
-    let mut page = operator(served);
+    let mut page = served.in_control();
     page.done(json!({"do": "manual", "on": true}));
     page.until("the manual mode", |page| {
         (drill(page)["is_manual"] == true && page.states[0]["state"] == "Idle").then_some(())
@@ -44,21 +37,6 @@ fn stands(page: &mut Page) -> [i64; 2] {
     page.pass(Duration::from_millis(400));
     assert_eq!(steps(page), first, "it moves on");
     first
-}
-
-/// Renews a jog for a time.
-fn hold(page: &mut Page, jog: u64, time: Duration) {
-    let begun = Instant::now();
-    while begun.elapsed() < time {
-        page.say(json!({"do": "renew", "jog": jog}));
-        page.pass(Duration::from_millis(60));
-    }
-}
-
-fn until_phase(page: &mut Page, phase: &str) {
-    page.until(phase, |page| {
-        (page.states[0]["program"]["phase"] == phase).then_some(())
-    });
 }
 
 /// Holes of a board that is placed for more than a second.
@@ -94,7 +72,7 @@ fn a_page_learns_what_a_drill_is_and_finds_it_at_rest() {
 #[test]
 fn the_link_is_watched_at_rest() {
     let served = served(&["--speed", "4"]);
-    let mut page = operator(&served);
+    let mut page = served.in_control();
     page.until("heartbeats", |page| {
         (drill(page)["heartbeats"].as_u64()? >= 2).then_some(())
     });
@@ -108,7 +86,7 @@ fn the_link_is_watched_at_rest() {
 #[test]
 fn keys_are_for_the_manual_mode_which_homes() {
     let served = served(&["--speed", "20"]);
-    let mut page = operator(&served);
+    let mut page = served.in_control();
     let why = page.refused(json!({"do": "steps", "steps": {"x": 10}}));
     assert!(why.contains("manual mode"), "{why}");
     page.refused(json!({"do": "jog", "jog": 1, "axes": {"x": 1}}));
@@ -160,7 +138,7 @@ fn a_jog_moves_while_it_is_held_and_stops_when_it_is_released() {
     let served = served(&[]);
     let mut page = manual(&served);
     page.done(json!({"do": "jog", "jog": 1, "axes": {"x": 1, "y": 1}}));
-    hold(&mut page, 1, Duration::from_millis(1000));
+    page.hold(1, Duration::from_millis(1000));
     assert_eq!(page.states[0]["state"], "Jog");
     let [x, y] = steps(&page);
     assert!(x > 50 && y > 50, "both axes take turns: {x} {y}");
@@ -177,7 +155,7 @@ fn a_jog_that_is_not_renewed_stops() {
     let served = served(&[]);
     let mut page = manual(&served);
     page.done(json!({"do": "jog", "jog": 7, "axes": {"x": 1}}));
-    hold(&mut page, 7, Duration::from_millis(600));
+    page.hold(7, Duration::from_millis(600));
     let [from, _] = steps(&page);
     page.until("the end", |page| {
         page.has_line("jog 7 ends: the page did not renew it")
@@ -193,7 +171,7 @@ fn a_jog_and_the_spindle_stop_when_their_page_is_closed() {
     let (mut page, mut watcher) = (manual(&served), served.page());
     page.done(json!({"do": "spindle", "on": true}));
     page.done(json!({"do": "jog", "jog": 1, "axes": {"x": 1}}));
-    hold(&mut page, 1, Duration::from_millis(600));
+    page.hold(1, Duration::from_millis(600));
     watcher.pass(Duration::from_millis(30));
     assert_eq!(drill(&watcher)["spindle"], true);
     let [from, _] = steps(&watcher);
@@ -247,7 +225,7 @@ fn holes_are_taught_and_become_a_program() {
 fn a_board_is_drilled_with_its_tools_and_has_a_report() {
     // Lamps are lit long enough to be seen on a busy computer.
     let served = served(&["--speed", "10"]);
-    let mut page = operator(&served);
+    let mut page = served.in_control();
     let (status, report) = served.load(page.client, "board.drl", BOARD);
     assert_eq!((status, &report["errors"]), (200, &json!(0)), "{report}");
     assert!(report["time_s"].as_f64().unwrap() > 90.0);
@@ -289,7 +267,7 @@ fn a_board_is_drilled_with_its_tools_and_has_a_report() {
     );
     page.refused(json!({"do": "home"}));
     page.done(json!({"do": "resume"}));
-    until_phase(&mut page, "done");
+    page.until_phase("done");
     assert_eq!(page.states[0]["program"]["progress"], 1.0);
     assert!(page.has_line("drilled at 1070,1070") && page.has_line("drilled at 1070,1284"));
     let report = served.get("/machines/1/report", &token);
@@ -299,7 +277,7 @@ fn a_board_is_drilled_with_its_tools_and_has_a_report() {
 #[test]
 fn stop_ends_a_drilling_and_the_program_goes_on_with_that_hole() {
     let served = served(&["--speed", "4"]);
-    let (mut page, mut watcher) = (operator(&served), served.page());
+    let (mut page, mut watcher) = (served.in_control(), served.page());
     assert_eq!(served.load(page.client, "board.drl", BOARD).0, 200);
     page.done(json!({"do": "run", "confirmed": true}));
     page.until("the drill", |page| {
@@ -308,7 +286,7 @@ fn stop_ends_a_drilling_and_the_program_goes_on_with_that_hole() {
     });
     page.pass(Duration::from_millis(800));
     watcher.done(json!({"do": "stop"}));
-    until_phase(&mut page, "stopped");
+    page.until_phase("stopped");
     assert_eq!(stands(&mut page), [1070, 1070], "the position stays valid");
     assert_eq!(
         (&drill(&page)["z"], &drill(&page)["spindle"]),
@@ -329,7 +307,7 @@ fn stop_ends_a_drilling_and_the_program_goes_on_with_that_hole() {
     });
     page.pass(Duration::from_millis(200));
     page.done(json!({"do": "stop"}));
-    until_phase(&mut page, "stopped");
+    page.until_phase("stopped");
     let [x, y] = stands(&mut page);
     assert!(0 < x && x < 1070 && y == 0, "{x} {y}");
 }
@@ -337,7 +315,7 @@ fn stop_ends_a_drilling_and_the_program_goes_on_with_that_hole() {
 #[test]
 fn a_program_does_not_go_on_from_another_zero() {
     let served = served(&["--speed", "40"]);
-    let mut page = operator(&served);
+    let mut page = served.in_control();
     assert_eq!(served.load(page.client, "board.drl", BOARD).0, 200);
     page.done(json!({"do": "breakpoints", "lines": [3]}));
     page.done(json!({"do": "run", "confirmed": true}));
@@ -345,7 +323,7 @@ fn a_program_does_not_go_on_from_another_zero() {
         (page.states[0]["program"]["waits_before"] == 3).then_some(())
     });
     page.done(json!({"do": "stop"}));
-    until_phase(&mut page, "stopped");
+    page.until_phase("stopped");
     page.done(json!({"do": "manual", "on": true}));
     page.until("the manual mode", |page| {
         (drill(page)["is_manual"] == true).then_some(())
@@ -385,11 +363,11 @@ fn stop_ends_homing_and_the_drill_knows_that_it_is_lost() {
 #[test]
 fn a_program_waits_between_holes() {
     let served = served(&["--speed", "40"]);
-    let mut page = operator(&served);
+    let mut page = served.in_control();
     assert_eq!(served.load(page.client, "board.drl", BOARD).0, 200);
     page.done(json!({"do": "single_block", "on": true}));
     page.done(json!({"do": "run", "confirmed": true}));
-    until_phase(&mut page, "waiting");
+    page.until_phase("waiting");
     assert_eq!(page.states[0]["program"]["waits_before"], 2);
     page.done(json!({"do": "single_block", "on": false}));
     page.done(json!({"do": "breakpoints", "lines": [3]}));
@@ -398,14 +376,14 @@ fn a_program_waits_between_holes() {
         (page.states[0]["program"]["waits_before"] == 3).then_some(())
     });
     page.done(json!({"do": "stop"}));
-    until_phase(&mut page, "stopped");
+    page.until_phase("stopped");
     assert_eq!(page.states[0]["program"]["resume_line"], 3);
 }
 
 #[test]
 fn a_board_is_registered_on_measured_holes() {
     let served = served(&["--speed", "20"]);
-    let mut page = operator(&served);
+    let mut page = served.in_control();
     page.refused(json!({"do": "place", "placing": {}}));
     assert_eq!(served.load(page.client, "board.drl", BOARD).0, 200);
     let reference =
@@ -436,7 +414,7 @@ fn a_board_is_registered_on_measured_holes() {
 #[test]
 fn errors_have_places_and_nothing_moves() {
     let served = served(&["--speed", "20"]);
-    let mut page = operator(&served);
+    let mut page = served.in_control();
     let (status, report) = served.load(page.client, "part.txt", "%\nG21\nX10 Y5\nX300 Q1\n%\n");
     assert_eq!(status, 200);
     assert!(report["errors"].as_u64().unwrap() > 0, "{report}");
@@ -453,7 +431,7 @@ fn a_lost_answer_at_rest_ends_neither_a_waiting_program_nor_the_link() {
     let device = Emulated::listening("drill", &[]);
     let relay = Relay::to(device.port());
     let served = served(&["--port", &relay.port]);
-    let mut page = operator(&served);
+    let mut page = served.in_control();
     let asked_again = |page: &mut Page, times: usize| {
         relay.lose(4);
         page.until("the second question", |page| {
@@ -471,11 +449,11 @@ fn a_lost_answer_at_rest_ends_neither_a_waiting_program_nor_the_link() {
     assert_eq!(served.load(page.client, "near.txt", near).0, 200);
     page.done(json!({"do": "breakpoints", "lines": [2]}));
     page.done(json!({"do": "run", "confirmed": true}));
-    until_phase(&mut page, "waiting");
+    page.until_phase("waiting");
     asked_again(&mut page, 1);
     assert_eq!(page.states[0]["program"]["phase"], "waiting");
     page.done(json!({"do": "stop"}));
-    until_phase(&mut page, "stopped");
+    page.until_phase("stopped");
     // The manual mode ends, so that its keys are known to arrive.
     page.done(json!({"do": "manual", "on": true}));
     page.until("the manual mode", |page| {
@@ -491,7 +469,7 @@ fn a_lost_answer_at_rest_ends_neither_a_waiting_program_nor_the_link() {
 #[test]
 fn stop_does_not_wait_for_a_board_that_is_placed() {
     let served = served(&["--speed", "20"]);
-    let mut page = operator(&served);
+    let mut page = served.in_control();
     let hole = |at: u64| {
         let [x, y] = [at * 7919 % 21_400, at * 104_729 % 4400];
         format!("X{}.{:02}Y{}.{:02}\n", x / 100, x % 100, y / 100, y % 100)

@@ -5,10 +5,9 @@ use serde_json::{Value, json};
 
 const PART: &str = "G21 G90\nG0 Z2\nG0 X5 Y5\nM3 S800\nG1 Z-1 F900\nM8\nX10\n(a note)\nY9\nX5\n";
 
-fn until_phase(page: &mut Page, phase: &str) {
-    page.until(phase, |page| {
-        (page.states[0]["program"]["phase"] == phase).then_some(())
-    });
+/// Receives until the program is in this phase, and the machine stands.
+fn ends(page: &mut Page, phase: &str) {
+    page.until_phase(phase);
     page.until_state("Idle");
 }
 
@@ -47,7 +46,7 @@ fn the_state_is_shown_and_then_restored() {
     assert!(!page.has_line("G0 Z2"));
     let mut lines = page.lines.len();
     page.done(json!({"do": "run", "from": 8, "confirmed": true}));
-    until_phase(&mut page, "done");
+    ends(&mut page, "done");
     page.until_at("work_mm", 0, 5.0);
     page.until_at("work_mm", 1, 9.0);
     page.until_at("work_mm", 2, -1.0);
@@ -113,7 +112,7 @@ fn a_stopped_run_goes_on() {
     page.done(json!({"do": "run", "confirmed": true}));
     page.until("motion", |page| (page.at("work_mm", 0) > 5.0).then_some(()));
     page.done(json!({"do": "stop"}));
-    until_phase(&mut page, "stopped");
+    ends(&mut page, "stopped");
     let from = page.states[0]["program"]["resume_line"].as_u64().unwrap();
     let stands = page.at("work_mm", 0);
     // Line N ends at N mm: all before it are made.
@@ -128,7 +127,7 @@ fn a_stopped_run_goes_on() {
         (page.states[0]["program"]["phase"] == "running").then_some(())
     });
     assert!(page.states[0]["program"]["resume_line"].is_null());
-    until_phase(&mut page, "done");
+    ends(&mut page, "done");
     page.until_at("work_mm", 0, 60.0);
 }
 
@@ -150,7 +149,7 @@ fn it_goes_on_from_another_work_zero() {
         (&json!("G0 Z2"), &json!("G0 X10 Y5"))
     );
     page.done(json!({"do": "run", "from": 9, "confirmed": true}));
-    until_phase(&mut page, "done");
+    ends(&mut page, "done");
     page.until_at("work_mm", 1, 9.0);
     page.until_at("machine_mm", 0, -35.0);
     page.until_at("machine_mm", 2, -6.0);

@@ -18,11 +18,7 @@ fn begin(page: &mut Page, jog: u64) {
 
 /// Renews a jog for a time, and returns where the machine is then.
 fn hold(page: &mut Page, jog: u64, time: Duration) -> f64 {
-    let begun = Instant::now();
-    while begun.elapsed() < time {
-        page.say(json!({"do": "renew", "jog": jog}));
-        page.pass(Duration::from_millis(60));
-    }
+    page.hold(jog, time);
     page.at("machine_mm", 0)
 }
 
@@ -114,8 +110,7 @@ fn a_jog_changes_its_direction() {
 #[test]
 fn a_jog_without_a_direction_or_while_locked_is_refused() {
     let served = Served::new(&[]);
-    let mut page = served.page();
-    page.done(json!({"do": "take"}));
+    let mut page = served.in_control();
     let jog = |axes| json!({"do": "jog", "jog": 1, "axes": axes, "feed": 600});
     assert!(page.refused(jog(json!({"x": 1}))).contains("locked"));
     page.done(json!({"do": "unlock"}));

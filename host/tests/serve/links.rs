@@ -11,8 +11,7 @@ fn a_lost_controller_is_reported_and_found_again() {
     let device = Emulated::listening("grbl", &[]);
     let port = device.port().to_owned();
     let served = Served::new(&["--port", &port]);
-    let mut page = served.page();
-    page.done(json!({"do": "take"}));
+    let mut page = served.in_control();
     page.done(json!({"do": "line", "text": "G1 X40 F300"}));
     page.until_state("Run");
     drop(device);

@@ -2,17 +2,12 @@
 
 use super::emulated::Emulated;
 use super::page::{Page, Served};
+use super::relay::Relay;
 use serde_json::{Value, json};
 use std::time::{Duration, Instant};
 
 fn served(options: &[&str]) -> Served {
     Served::new(&[&["-m", "cmm3"], options].concat())
-}
-
-fn operator(served: &Served) -> Page {
-    let mut page = served.page();
-    page.done(json!({"do": "take"}));
-    page
 }
 
 fn measuring(page: &Page) -> &Value {
@@ -22,15 +17,6 @@ fn measuring(page: &Page) -> &Value {
 /// A value of an axis: `work`, `counts`, `error`, ...
 fn axis(page: &Page, axis: usize, what: &str) -> f64 {
     measuring(page)["axes"][axis][what].as_f64().unwrap()
-}
-
-/// Renews a jog for a time.
-fn hold(page: &mut Page, jog: u64, time: Duration) {
-    let begun = Instant::now();
-    while begun.elapsed() < time {
-        page.say(json!({"do": "renew", "jog": jog}));
-        page.pass(Duration::from_millis(60));
-    }
 }
 
 /// Receives until the machine stands, and checks that it does. Returns the positions.
@@ -73,7 +59,7 @@ fn a_page_learns_the_machine() {
 #[test]
 fn it_homes_moves_zeroes_and_is_cancelled() {
     let served = served(&["--speed", "10"]);
-    let mut page = operator(&served);
+    let mut page = served.in_control();
     page.done(json!({"do": "home"}));
     page.until_state("Idle");
     assert!(page.states[0]["advice"].is_null(), "{:?}", page.states[0]);
@@ -130,7 +116,7 @@ fn it_homes_moves_zeroes_and_is_cancelled() {
 #[test]
 fn positions_come_often_while_it_moves() {
     let served = served(&[]);
-    let mut page = operator(&served);
+    let mut page = served.in_control();
     page.say(json!({"do": "goto", "to_mm": {"x": 20}}));
     page.until("motion", |page| {
         (axis(page, 0, "work") > 0.05).then_some(())
@@ -143,8 +129,8 @@ fn positions_come_often_while_it_moves() {
             seen.push(now);
         }
     }
-    // Four in a second are promised; on a busy computer there are more, too.
-    assert!(seen.len() > 10, "{} positions in 2 s", seen.len());
+    // Four in a second are promised.
+    assert!(seen.len() > 8, "{} positions in 2 s", seen.len());
     assert!(seen.windows(2).all(|pair| pair[1] > pair[0] - 0.01));
     let line = measuring(&page)["line"].as_array().unwrap();
     assert!(
@@ -157,19 +143,19 @@ fn positions_come_often_while_it_moves() {
 #[test]
 fn a_joystick_has_two_speeds_and_moves_several_axes() {
     let served = served(&[]);
-    let mut page = operator(&served);
+    let mut page = served.in_control();
     page.done(json!({"do": "home", "axis": "X"}));
     page.until_state("Idle");
     let (from, begun) = (axis(&page, 0, "work"), Instant::now());
     page.done(json!({"do": "jog", "jog": 1, "axes": {"x": 1, "y": -0.3}}));
-    hold(&mut page, 1, Duration::from_millis(1500));
+    page.hold(1, Duration::from_millis(1500));
     assert_eq!(page.states[0]["state"], "Jog");
     assert_eq!(page.states[0]["jog"]["jog"], 1);
     let way = axis(&page, 0, "work") - from;
     let speed = way / begun.elapsed().as_secs_f64();
     // The other axis alone, without letting go.
     page.done(json!({"do": "jog", "jog": 1, "axes": {"y": -0.3}}));
-    hold(&mut page, 1, Duration::from_millis(300));
+    page.hold(1, Duration::from_millis(300));
     page.done(json!({"do": "release", "jog": 1}));
     let [_, y, _] = stands(&mut page);
     // 2.4 mm/s, with a ramp, and 0.4 mm/s.
@@ -181,9 +167,9 @@ fn a_joystick_has_two_speeds_and_moves_several_axes() {
 #[test]
 fn a_jog_stops_when_it_is_not_renewed_and_when_its_page_is_closed() {
     let served = served(&[]);
-    let mut page = operator(&served);
+    let mut page = served.in_control();
     page.done(json!({"do": "jog", "jog": 7, "axes": {"y": 1}}));
-    hold(&mut page, 7, Duration::from_millis(500));
+    page.hold(7, Duration::from_millis(500));
     page.until("the end", |page| {
         page.has_line("jog 7: the page did not renew it")
             .then_some(())
@@ -191,7 +177,7 @@ fn a_jog_stops_when_it_is_not_renewed_and_when_its_page_is_closed() {
     stands(&mut page);
     let mut watcher = served.page();
     page.done(json!({"do": "jog", "jog": 8, "axes": {"y": 1}}));
-    hold(&mut page, 8, Duration::from_millis(500));
+    page.hold(8, Duration::from_millis(500));
     watcher.pass(Duration::from_millis(30));
     let from = axis(&watcher, 1, "work");
     drop(page);
@@ -203,7 +189,7 @@ fn a_jog_stops_when_it_is_not_renewed_and_when_its_page_is_closed() {
 #[test]
 fn anybody_stops_it() {
     let served = served(&[]);
-    let (mut page, mut watcher) = (operator(&served), served.page());
+    let (mut page, mut watcher) = (served.in_control(), served.page());
     page.say(json!({"do": "goto", "to_mm": {"x": 50}}));
     watcher.until_state("Run");
     watcher.until("motion", |page| {
@@ -227,7 +213,7 @@ fn anybody_stops_it() {
 #[test]
 fn a_touch_has_trigger_contact_and_pre_travel() {
     let served = Served::new(&["-m", "cmm", "--speed", "10"]);
-    let mut page = operator(&served);
+    let mut page = served.in_control();
     page.done(json!({"do": "tip", "pre_travel": [18, 18]}));
     page.until("the tip", |page| {
         (measuring(page)["tip"]["pre_travel"] == json!([18.0, 18.0])).then_some(())
@@ -268,7 +254,7 @@ point wrong towards +y at x30 y10 z-25 y 11 +-0.02
 #[test]
 fn a_routine_is_checked_sketched_and_run() {
     let served = served(&["--speed", "40"]);
-    let mut page = operator(&served);
+    let mut page = served.in_control();
     let wrong = "bore B at x1 y1 z1\n";
     let checked = page.done(json!({"do": "routine", "name": "a.routine", "text": wrong}));
     assert_eq!(checked["findings"][0]["code"], "E1003");
@@ -320,7 +306,7 @@ fn a_routine_is_checked_sketched_and_run() {
 #[test]
 fn a_routine_is_stopped_and_survives_its_page() {
     let served = served(&["--speed", "5"]);
-    let mut page = operator(&served);
+    let mut page = served.in_control();
     let long = "goto x5\ngoto x0\n".repeat(200);
     page.done(json!({"do": "routine_run", "name": "long.routine", "text": long}));
     page.until("a line", |page| {
@@ -340,7 +326,7 @@ fn a_routine_is_stopped_and_survives_its_page() {
 #[test]
 fn a_collision_in_a_jog_stops_it() {
     let served = Served::new(&["-m", "cmm", "--speed", "10"]);
-    let mut page = operator(&served);
+    let mut page = served.in_control();
     page.done(json!({"do": "goto", "to_mm": {"x": 2700}}));
     page.done(json!({"do": "jog", "jog": 1, "axes": {"x": 1}}));
     let begun = Instant::now();
@@ -350,15 +336,10 @@ fn a_collision_in_a_jog_stops_it() {
             "{:?}",
             page.lines
         );
-        hold(&mut page, 1, Duration::from_millis(60));
+        page.hold(1, Duration::from_millis(60));
     }
     page.until_state("Idle");
     page.pass(Duration::from_millis(200));
-    assert!(
-        page.has_line("touch") || page.has_line("contact"),
-        "{:?}",
-        page.lines
-    );
     assert!(page.has_line("collision"), "{:?}", page.lines);
     assert_eq!(measuring(&page)["is_pressed"], true);
     let at = axis(&page, 0, "counts");
@@ -376,9 +357,9 @@ fn a_killed_server_moves_nothing_on() {
     let state = [("XDG_STATE_HOME", folder.to_str().unwrap())];
     let options = ["-m", "cmm3", "--port", device.port()];
     let mut served = Served::with(&options, &state);
-    let mut page = operator(&served);
+    let mut page = served.in_control();
     page.done(json!({"do": "jog", "jog": 1, "axes": {"x": 1}}));
-    hold(&mut page, 1, Duration::from_millis(800));
+    page.hold(1, Duration::from_millis(800));
     let before = axis(&page, 0, "work");
     served.process.kill().unwrap();
     served.process.wait().unwrap();
@@ -394,5 +375,192 @@ fn a_killed_server_moves_nothing_on() {
         (-0.01..0.3).contains(&way),
         "{way} mm after the end of the server"
     );
+    let _ = std::fs::remove_dir_all(folder);
+}
+
+/// The point of the path that was drawn last, mm.
+fn drawn(page: &Page) -> [f64; 3] {
+    let last = page.path.last().unwrap();
+    [1, 2, 3].map(|at: usize| last[at].as_f64().unwrap() / 1e6)
+}
+
+/// Over the block of `examples/piece.toml`, homed, with the tip that it is touched with.
+fn over_the_block(served: &Served) -> Page {
+    let mut page = served.in_control();
+    page.done(json!({"do": "tip", "pre_travel": [0.008, 0.008], "ball": 1}));
+    page.done(json!({"do": "home"}));
+    page.done(json!({"do": "goto", "to_mm": {"x": 14, "y": 14}, "rapid": true}));
+    page
+}
+
+/// Runs a routine. Returns its state after the end.
+fn run(page: &mut Page, name: &str, text: &str) -> Value {
+    let runs = |page: &Page| measuring(page)["routine"]["runs"].as_u64().unwrap_or(0);
+    let before = runs(page);
+    page.done(json!({"do": "routine_run", "name": name, "text": text}));
+    page.until("the end", |page| {
+        (runs(page) > before && page.states[0]["state"] == "Idle").then_some(())
+    });
+    measuring(page)["routine"].clone()
+}
+
+#[test]
+fn a_collision_spoils_what_is_measured_then_and_nothing_later() {
+    let served = served(&["--speed", "40"]);
+    let mut page = over_the_block(&served);
+    let why = page.refused(json!({"do": "goto", "to_mm": {"z": -25}}));
+    assert!(why.contains("collision"), "{why}");
+    page.done(json!({"do": "goto", "to_mm": {"z": -10}}));
+    let point = "point left towards +x at x10 y30 z-25 x 10 +-0.02\n";
+    let text = format!("safe z -10\nclearance 1\nsearch 2\n{point}");
+    let good = run(&mut page, "a.routine", &text);
+    assert_eq!(
+        (&good["phase"], &good["is_good"]),
+        (&json!("done"), &json!(true))
+    );
+    // What has failed, and that nothing counts, are both said.
+    let into = format!("{text}goto z-10\ngoto x14 y14\ngoto z-25\n");
+    let spoiled = run(&mut page, "a.routine", &into);
+    assert_eq!(
+        (&spoiled["phase"], &spoiled["is_good"]),
+        (&json!("failed"), &json!(false))
+    );
+    let message = spoiled["message"].as_str().unwrap();
+    assert!(message.contains("no result counts"), "{message}");
+    assert!(message.contains("line 7: "), "{message}");
+    page.done(json!({"do": "goto", "to_mm": {"z": -10}}));
+    assert_eq!(run(&mut page, "a.routine", &text)["is_good"], true);
+}
+
+#[test]
+fn a_stop_ends_what_was_asked_for_before_it() {
+    let served = served(&[]);
+    let mut page = served.in_control();
+    let mut from = 0.0;
+    for _ in 0..4 {
+        let waits = page.begin(json!({"do": "goto", "to_mm": {"x": 50}}));
+        page.done(json!({"do": "stop"}));
+        page.answer(waits).unwrap_err();
+        let [x, ..] = stands(&mut page);
+        assert!((x - from).abs() < 0.3, "{from} {x}");
+        from = x;
+    }
+    page.done(json!({"do": "goto", "to_mm": {"x": from + 0.2}}));
+}
+
+#[test]
+fn a_jog_back_begins_when_the_axes_have_braked() {
+    let served = served(&[]);
+    let mut page = served.in_control();
+    page.done(json!({"do": "home", "axis": "X"}));
+    page.until_state("Idle");
+    let mut jog = 0;
+    for part in [1.0, -1.0, 1.0] {
+        jog += 1;
+        let begun = page.begin(json!({"do": "jog", "jog": jog, "axes": {"x": part}}));
+        page.until("the jog", |page| {
+            page.say(json!({"do": "renew", "jog": jog}));
+            (page.states[0]["jog"]["jog"] == jog).then_some(())
+        });
+        page.answer(begun).unwrap();
+        let from = axis(&page, 0, "work");
+        page.hold(jog, Duration::from_millis(800));
+        let way = (axis(&page, 0, "work") - from) * part;
+        assert!(way > 0.2, "jog {jog}: {way} mm");
+        page.done(json!({"do": "release", "jog": jog}));
+    }
+    // Let go again before the axes have braked: nothing begins.
+    let begun = page.begin(json!({"do": "jog", "jog": 9, "axes": {"x": -1}}));
+    page.done(json!({"do": "release", "jog": 9}));
+    page.answer(begun).unwrap();
+    stands(&mut page);
+    // A stop ends the jog that waits, too.
+    page.done(json!({"do": "jog", "jog": 10, "axes": {"x": 1}}));
+    page.hold(10, Duration::from_millis(400));
+    page.done(json!({"do": "release", "jog": 10}));
+    let waits = page.begin(json!({"do": "jog", "jog": 11, "axes": {"x": -1}}));
+    page.done(json!({"do": "stop"}));
+    page.answer(waits).unwrap_err();
+    stands(&mut page);
+}
+
+#[test]
+fn the_zero_of_an_axis_that_is_not_homed_counts_from_where_it_was_switched_on() {
+    let served = served(&["--speed", "10"]);
+    let mut page = served.in_control();
+    page.done(json!({"do": "goto", "to_mm": {"x": 3}}));
+    stands(&mut page);
+    assert!((drawn(&page)[0] - 3.0).abs() < 0.06, "{:?}", drawn(&page));
+    page.done(json!({"do": "zero", "at_mm": {"x": 0}}));
+    assert!(stands(&mut page)[0].abs() < 0.005);
+    assert!((page.at("zero_mm", 0) - 3.0).abs() < 0.005);
+    page.done(json!({"do": "goto", "to_mm": {"x": 1}}));
+    stands(&mut page);
+    assert!((drawn(&page)[0] - 4.0).abs() < 0.06, "{:?}", drawn(&page));
+}
+
+#[test]
+fn a_program_tells_its_line_and_waits() {
+    let served = served(&["--speed", "4"]);
+    let mut page = served.in_control();
+    let text = "G21 G90 G94 F60\nG1 X1\nM0\nG1 X3\nM2\n";
+    page.done(json!({"do": "routine_run", "name": "part.nc", "text": text}));
+    for (line, phase) in [(2, "running"), (3, "waiting"), (4, "running")] {
+        page.until(&format!("line {line}"), |page| {
+            let routine = &measuring(page)["routine"];
+            (routine["line"] == line && routine["phase"] == phase).then_some(())
+        });
+        if phase == "waiting" {
+            assert_eq!(measuring(&page)["routine"]["waits_at"], 3);
+            page.done(json!({"do": "resume"}));
+        }
+    }
+    page.until("the end", |page| {
+        (measuring(page)["routine"]["phase"] == "done").then_some(())
+    });
+}
+
+/// The cable is pulled, and then the modules lose their supply.
+#[test]
+fn a_lost_link_loses_nothing_and_a_reset_is_told() {
+    let device = Emulated::listening("cmm3", &[]);
+    let address = device.port().trim_start_matches("tcp:").to_owned();
+    let relay = Relay::to(device.port());
+    let folder = std::env::temp_dir().join(format!("husillo-link-{}", std::process::id()));
+    let state = [("XDG_STATE_HOME", folder.to_str().unwrap())];
+    let served = Served::with(&["-m", "cmm3", "--port", &relay.port], &state);
+    let mut page = served.in_control();
+    page.done(json!({"do": "tip", "pre_travel": [0.007, 0.009], "ball": 1.5}));
+    page.done(json!({"do": "home", "axis": "X"}));
+    page.until_state("Idle");
+    let tip = measuring(&page)["tip"].clone();
+    assert_eq!(tip["ball"], 1.5);
+    page.done(json!({"do": "jog", "jog": 1, "axes": {"x": 1}}));
+    page.hold(1, Duration::from_millis(800));
+    let before = axis(&page, 0, "machine");
+    relay.pull();
+    let link = |page: &mut Page, is: &str| {
+        page.until(is, |page| (page.states[0]["link"] == is).then_some(()));
+    };
+    link(&mut page, "lost");
+    relay.plug();
+    link(&mut page, "up");
+    page.until("the note", |page| {
+        page.has_line("zero and home are kept").then_some(())
+    });
+    let now = axis(&page, 0, "machine");
+    assert!((-0.01..1.0).contains(&(now - before)), "{before} {now}");
+    assert_eq!(measuring(&page)["tip"], tip);
+    drop(device);
+    link(&mut page, "lost");
+    let again = Emulated::listening_at(&address, "cmm3", &[]);
+    link(&mut page, "up");
+    page.until("the note", |page| {
+        page.has_line("the modules were reset or moved, so zero and home are lost")
+            .then_some(())
+    });
+    assert!(measuring(&page)["axes"][0]["machine"].is_null());
+    assert_eq!(measuring(&page)["tip"], tip);
+    drop(again);
     let _ = std::fs::remove_dir_all(folder);
 }

@@ -14,16 +14,9 @@ fn served(options: &[&str]) -> Served {
     Served::new(&[&["-m", "microfactory"], options].concat())
 }
 
-/// A page in control of a microfactory.
-fn operator(served: &Served) -> Page {
-    let mut page = served.page();
-    page.done(json!({"do": "take"}));
-    page
-}
-
 /// A page in control of a microfactory that is homed.
 fn homed(served: &Served) -> Page {
-    let mut page = operator(served);
+    let mut page = served.in_control();
     page.done(json!({"do": "home"}));
     page.until("home", |page| {
         (factory(page)["is_homed"] == true).then_some(())
@@ -54,21 +47,6 @@ fn stands(page: &mut Page) -> [i64; 4] {
     page.pass(Duration::from_millis(700));
     assert_eq!(steps(page), first, "it moves on");
     first
-}
-
-/// Renews a jog for a time.
-fn hold(page: &mut Page, jog: u64, time: Duration) {
-    let begun = Instant::now();
-    while begun.elapsed() < time {
-        page.say(json!({"do": "renew", "jog": jog}));
-        page.pass(Duration::from_millis(60));
-    }
-}
-
-fn until_phase(page: &mut Page, phase: &str) {
-    page.until(phase, |page| {
-        (page.states[0]["program"]["phase"] == phase).then_some(())
-    });
 }
 
 fn token(served: &Served) -> String {
@@ -139,11 +117,11 @@ fn one_motor_turns_by_counted_steps() {
 #[test]
 fn a_jog_turns_one_motor_while_it_is_held() {
     let served = served(&[]);
-    let mut page = operator(&served);
+    let mut page = served.in_control();
     let why = page.refused(json!({"do": "jog", "jog": 1, "axes": {"x": 1, "y": 1}}));
     assert!(why.contains("one motor"), "{why}");
     page.done(json!({"do": "jog", "jog": 2, "axes": {"y": 1}}));
-    hold(&mut page, 2, Duration::from_millis(900));
+    page.hold(2, Duration::from_millis(900));
     assert_eq!(
         (&page.states[0]["state"], &factory(&page)["motion"]),
         (&json!("Jog"), &json!("y+"))
@@ -158,7 +136,7 @@ fn a_jog_turns_one_motor_while_it_is_held() {
     assert!(page.path.iter().any(|point| point[0] == 0));
     // A jog that nobody renews.
     page.done(json!({"do": "jog", "jog": 3, "axes": {"c": -1}}));
-    hold(&mut page, 3, Duration::from_millis(500));
+    page.hold(3, Duration::from_millis(500));
     let [.., from] = steps(&page);
     page.until("the end", |page| {
         page.has_line("jog 3 ends: the page did not renew it")
@@ -169,7 +147,7 @@ fn a_jog_turns_one_motor_while_it_is_held() {
     // The page is closed.
     let mut watcher = served.page();
     page.done(json!({"do": "jog", "jog": 4, "axes": {"y": 1}}));
-    hold(&mut page, 4, Duration::from_millis(500));
+    page.hold(4, Duration::from_millis(500));
     watcher.pass(Duration::from_millis(50));
     let [_, from, ..] = steps(&watcher);
     drop(page);
@@ -199,7 +177,7 @@ fn a_switch_ends_a_jog_and_the_axis_backs_off() {
 #[test]
 fn a_figure_is_stored_cut_and_has_a_report() {
     let served = served(&["--speed", "5"]);
-    let mut page = operator(&served);
+    let mut page = served.in_control();
     let (status, report) = served.load(page.client, "zigzag.fig", ZIGZAG);
     assert_eq!(
         (status, &report["errors"], &report["lines"]),
@@ -306,7 +284,7 @@ fn stop_ends_a_figure_and_the_position_stays_valid() {
         (page.states[0]["program"]["line"] == 3 && factory(page)["contact"] == true).then_some(())
     });
     watcher.done(json!({"do": "stop"}));
-    until_phase(&mut page, "stopped");
+    page.until_phase("stopped");
     let [x, ..] = stands(&mut page);
     assert!((600..=900).contains(&x), "{x}");
     assert_eq!(factory(&page)["is_homed"], true);
@@ -331,7 +309,7 @@ fn stop_does_not_wait_while_a_figure_is_stored() {
     });
     let begun = Instant::now();
     page.done(json!({"do": "stop"}));
-    until_phase(&mut page, "stopped");
+    page.until_phase("stopped");
     assert!(
         begun.elapsed() < Duration::from_secs(2),
         "{:?}",
@@ -352,7 +330,7 @@ fn an_emergency_stop_holds_until_the_reset() {
     });
     watcher.done(json!({"do": "emergency"}));
     page.until_state("Alarm");
-    until_phase(&mut page, "stopped");
+    page.until_phase("stopped");
     stands(&mut page);
     assert_eq!(
         (&factory(&page)["is_latched"], &factory(&page)["is_homed"]),
@@ -421,8 +399,8 @@ fn the_panel_at_the_machine_and_the_line_are_told() {
     // On a busy computer the lease of 250 ms may end the approach, which takes 12 s.
     while message.is_empty() || message.contains("the host was silent") {
         page.done(json!({"do": "run", "confirmed": true}));
-        until_phase(&mut page, "running");
-        until_phase(&mut page, "failed");
+        page.until_phase("running");
+        page.until_phase("failed");
         let program = &page.states[0]["program"];
         message = program["message"].as_str().unwrap().to_owned();
     }
@@ -459,4 +437,149 @@ fn the_panel_at_the_machine_and_the_line_are_told() {
         (page.states[0]["link"] == "lost").then_some(())
     });
     assert!(page.refused(json!({"do": "home"})).contains("lost"));
+}
+
+/// The STOP is older than whatever was asked for before it and still waits.
+#[test]
+fn a_stop_ends_what_waits_behind_a_lost_answer() {
+    let device = Emulated::listening("microfactory", &[]);
+    let relay = Relay::to(device.port());
+    let served = served(&["--port", &relay.port]);
+    let mut page = served.in_control();
+    // The answer to the mode of counted steps is lost: the driver waits for it.
+    relay.lose_next(b'N');
+    let lost = page.begin(json!({"do": "steps", "steps": {"x": 5}}));
+    page.until("the command", |page| page.has_line("x +5").then_some(()));
+    let waits = page.begin(json!({"do": "steps", "steps": {"y": 200}}));
+    page.done(json!({"do": "stop"}));
+    let later = page.begin(json!({"do": "home"}));
+    page.answer(lost).unwrap_err();
+    for number in [waits, later] {
+        let why = page.answer(number).unwrap_err();
+        assert_eq!(why, "the machine is being stopped");
+    }
+    page.until("the stop", |page| {
+        page.has_line("the machine has stopped").then_some(())
+    });
+    assert_eq!(stands(&mut page), [0; 4]);
+    assert!(!page.has_line("y +200"), "{:?}", page.lines);
+    page.done(json!({"do": "steps", "steps": {"y": 20}}));
+    assert_eq!(stands(&mut page), [0, 20, 0, 0]);
+}
+
+#[test]
+fn a_stop_at_rest_ends_what_was_asked_for_before_it() {
+    let served = served(&[]);
+    let mut page = served.in_control();
+    for verb in ["stop", "emergency", "stop"] {
+        let waits = page.begin(json!({"do": "home"}));
+        page.done(json!({"do": verb}));
+        page.answer(waits).unwrap_err();
+        stands(&mut page);
+        assert_eq!(factory(&page)["is_homed"], false, "{verb}");
+        if verb == "emergency" {
+            page.done(json!({"do": "reset"}));
+            page.until_state("Idle");
+        }
+    }
+}
+
+#[test]
+fn a_lost_byte_ends_a_jog_and_not_the_link() {
+    let device = Emulated::listening("microfactory", &[]);
+    let relay = Relay::to(device.port());
+    let served = served(&["--port", &relay.port]);
+    let mut page = served.in_control();
+    page.done(json!({"do": "jog", "jog": 1, "axes": {"y": 1}}));
+    page.until("motion", |page| {
+        page.say(json!({"do": "renew", "jog": 1}));
+        (steps(page)[1] > 40).then_some(())
+    });
+    page.until("the end", |page| {
+        // The answer to its next repetition. A position may have the same byte.
+        relay.lose_next(b'Y');
+        page.say(json!({"do": "renew", "jog": 1}));
+        page.has_line("jog 1 ends: ").then_some(())
+    });
+    stands(&mut page);
+    assert_eq!(page.states[0]["link"], "up");
+    let answers = page.lines.iter();
+    let answers = answers.filter(|line| line["text"] == "the controller answers");
+    assert_eq!(answers.count(), 1, "{:?}", page.lines);
+    page.done(json!({"do": "jog", "jog": 2, "axes": {"y": -1}}));
+    page.hold(2, Duration::from_millis(500));
+    page.done(json!({"do": "release", "jog": 2}));
+    stands(&mut page);
+}
+
+#[test]
+fn an_emergency_stop_while_a_figure_is_stored_is_reported() {
+    let device = Emulated::listening("microfactory", &[]);
+    let relay = Relay::to(device.port());
+    let served = served(&["--port", &relay.port]);
+    let mut page = homed(&served);
+    let many = "1 0\n-1 0\n".repeat(500);
+    assert_eq!(served.load(page.client, "many.fig", &many).0, 200);
+    page.done(json!({"do": "run", "confirmed": true}));
+    page.until("stored", |page| {
+        (factory(page)["stored"].as_u64()? > 20).then_some(())
+    });
+    // A move that was begun takes four bytes at most.
+    relay.say(b"!!!!!!");
+    page.until_state("Alarm");
+    page.until("the report", |page| {
+        page.has_line("EMERGENCY STOP").then_some(())
+    });
+    page.until_phase("stopped");
+    let message = page.states[0]["program"]["message"].to_string();
+    assert!(message.contains("no move is cut"), "{message}");
+    assert!(factory(&page)["stored"].is_null());
+    assert!(page.refused(json!({"do": "home"})).contains("emergency"));
+}
+
+/// It was sent, and nothing has confirmed it. So it is sent again when the controller answers.
+#[test]
+fn an_emergency_stop_that_is_not_confirmed_is_asked_for_again() {
+    let device = Emulated::listening("microfactory", &[]);
+    let relay = Relay::to(device.port());
+    let served = served(&["--port", &relay.port]);
+    let (mut page, mut watcher) = (served.in_control(), served.page());
+    relay.block(true);
+    let why = watcher.refused(json!({"do": "emergency"}));
+    assert!(why.contains("the button at the machine"), "{why}");
+    page.until("the loss", |page| {
+        (page.states[0]["link"] == "lost").then_some(())
+    });
+    assert_eq!(page.states[0]["emergency_waits"], true);
+    relay.block(false);
+    page.until_state("Alarm");
+    assert_eq!(factory(&page)["is_latched"], true);
+    assert!(page.states[0].get("emergency_waits").is_none());
+}
+
+#[test]
+fn an_emergency_stop_without_a_link_acts_when_the_controller_answers() {
+    let device = Emulated::listening("microfactory", &[]);
+    let relay = Relay::to(device.port());
+    let served = served(&["--port", &relay.port]);
+    let mut page = served.in_control();
+    relay.pull();
+    page.until("the loss", |page| {
+        (page.states[0]["link"] == "lost").then_some(())
+    });
+    assert!(page.states[0].get("emergency_waits").is_none());
+    let why = page.refused(json!({"do": "emergency"}));
+    assert!(
+        why.contains("it acts when the controller answers again"),
+        "{why}"
+    );
+    page.until("the request", |page| {
+        (page.states[0]["emergency_waits"] == true).then_some(())
+    });
+    relay.plug();
+    page.until_state("Alarm");
+    page.until("the report", |page| {
+        page.has_line("EMERGENCY STOP: ").then_some(())
+    });
+    assert_eq!(factory(&page)["is_latched"], true);
 }

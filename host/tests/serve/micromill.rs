@@ -11,16 +11,9 @@ fn served(options: &[&str]) -> Served {
     Served::new(&[&["-m", "micromill"], options].concat())
 }
 
-/// A page in control of a mill.
-fn operator(served: &Served) -> Page {
-    let mut page = served.page();
-    page.done(json!({"do": "take"}));
-    page
-}
-
 /// A page in control of a mill that is homed.
 fn homed(served: &Served) -> Page {
-    let mut page = operator(served);
+    let mut page = served.in_control();
     page.done(json!({"do": "home"}));
     page.until_state("Idle");
     page
@@ -28,15 +21,6 @@ fn homed(served: &Served) -> Page {
 
 fn mill(page: &Page) -> &Value {
     &page.states[0]["mill"]
-}
-
-/// Renews a jog for a time.
-fn hold(page: &mut Page, jog: u64, time: Duration) {
-    let begun = std::time::Instant::now();
-    while begun.elapsed() < time {
-        page.say(json!({"do": "renew", "jog": jog}));
-        page.pass(Duration::from_millis(60));
-    }
 }
 
 /// The net steps of the motors.
@@ -75,7 +59,7 @@ fn a_page_learns_the_family_and_what_it_can_do() {
 #[test]
 fn homing_finds_machine_zero() {
     let served = served(&["--speed", "20"]);
-    let mut page = operator(&served);
+    let mut page = served.in_control();
     assert_eq!(mill(&page)["is_homed"], false);
     assert!(page.states[0]["machine_mm"].is_null() && page.states[0]["advice"].is_string());
     for request in [
@@ -106,7 +90,7 @@ fn homing_finds_machine_zero() {
 #[test]
 fn steps_of_each_size_are_made() {
     let served = served(&["--speed", "20"]);
-    let mut page = operator(&served);
+    let mut page = served.in_control();
     let sizes = [1, 10, 14, 28, 50, 100, 1000];
     for size in sizes {
         page.done(json!({"do": "steps", "steps": {"x": size, "z": size}}));
@@ -131,9 +115,9 @@ fn steps_of_each_size_are_made() {
 #[test]
 fn a_jog_moves_several_axes_until_it_is_released() {
     let served = served(&[]);
-    let mut page = operator(&served);
+    let mut page = served.in_control();
     page.done(json!({"do": "jog", "jog": 1, "axes": {"x": 1, "y": 1, "z": 1}}));
-    hold(&mut page, 1, Duration::from_millis(900));
+    page.hold(1, Duration::from_millis(900));
     assert_eq!(page.states[0]["state"], "Jog");
     let hz = mill(&page)["step_hz"].as_i64().unwrap();
     assert!((120..=200).contains(&hz), "{hz} steps/s");
@@ -158,9 +142,9 @@ fn a_jog_moves_several_axes_until_it_is_released() {
 #[test]
 fn a_jog_that_is_not_renewed_stops() {
     let served = served(&[]);
-    let mut page = operator(&served);
+    let mut page = served.in_control();
     page.done(json!({"do": "jog", "jog": 7, "axes": {"y": 1}}));
-    hold(&mut page, 7, Duration::from_millis(500));
+    page.hold(7, Duration::from_millis(500));
     let from = motors(&page)[1];
     page.until("the end", |page| {
         page.has_line("jog 7 ends: the page did not renew it")
@@ -176,9 +160,9 @@ fn a_jog_that_is_not_renewed_stops() {
 #[test]
 fn a_jog_stops_when_its_page_is_closed() {
     let served = served(&[]);
-    let (mut page, mut watcher) = (operator(&served), served.page());
+    let (mut page, mut watcher) = (served.in_control(), served.page());
     page.done(json!({"do": "jog", "jog": 1, "axes": {"x": 1}}));
-    hold(&mut page, 1, Duration::from_millis(500));
+    page.hold(1, Duration::from_millis(500));
     watcher.pass(Duration::from_millis(30));
     let from = motors(&watcher)[0];
     drop(page);
@@ -189,26 +173,26 @@ fn a_jog_stops_when_its_page_is_closed() {
 #[test]
 fn a_jog_changes_direction_and_speed() {
     let served = served(&[]);
-    let mut page = operator(&served);
+    let mut page = served.in_control();
     page.refused(json!({"do": "pace", "faster": true}));
     page.done(json!({"do": "jog", "jog": 1, "axes": {"x": 1}}));
-    hold(&mut page, 1, Duration::from_millis(200));
+    page.hold(1, Duration::from_millis(200));
     for _ in 0..3 {
         page.done(json!({"do": "pace", "faster": false}));
     }
     page.done(json!({"do": "pace", "faster": true}));
-    hold(&mut page, 1, Duration::from_millis(600));
+    page.hold(1, Duration::from_millis(600));
     assert_eq!(mill(&page)["jog_hz"], 150);
     page.done(json!({"do": "jog", "jog": 2, "axes": {"x": -1}}));
-    hold(&mut page, 2, Duration::from_millis(400));
+    page.hold(2, Duration::from_millis(400));
     let turned = motors(&page)[0];
-    hold(&mut page, 2, Duration::from_millis(400));
+    page.hold(2, Duration::from_millis(400));
     assert!(motors(&page)[0] < turned);
     page.done(json!({"do": "release", "jog": 2}));
     stands(&mut page);
     // At a speed of its own.
     page.done(json!({"do": "jog", "jog": 3, "axes": {"z": 1}, "hz": 40}));
-    hold(&mut page, 3, Duration::from_millis(700));
+    page.hold(3, Duration::from_millis(700));
     let hz = mill(&page)["step_hz"].as_i64().unwrap();
     assert!((30..=50).contains(&hz), "{hz} steps/s");
     page.done(json!({"do": "release", "jog": 3}));
@@ -222,7 +206,7 @@ fn a_jog_changes_direction_and_speed() {
 #[test]
 fn every_page_can_stop_a_move_and_the_position_stays_valid() {
     let served = served(&[]);
-    let (mut page, mut watcher) = (operator(&served), served.page());
+    let (mut page, mut watcher) = (served.in_control(), served.page());
     page.say(json!({"do": "steps", "steps": {"x": 5000}}));
     page.until_state("Run");
     page.pass(Duration::from_millis(300));
@@ -289,7 +273,7 @@ const SQUARE: &str = "G21 G90\nG1 X0.1 F1.4\nG1 Y0.1\nG1 X0\nG1 Y0\nM30\n";
 #[test]
 fn a_program_runs_with_its_line_and_has_a_report() {
     let served = served(&["--speed", "10"]);
-    let mut page = operator(&served);
+    let mut page = served.in_control();
     let (status, report) = served.load(page.client, "square.nc", SQUARE);
     assert_eq!((status, &report["errors"]), (200, &json!(0)), "{report}");
     assert!(report["time_s"].as_f64().unwrap() > 10.0);
@@ -380,7 +364,7 @@ fn a_program_waits_stops_and_goes_on_in_the_middle_of_a_line() {
 #[test]
 fn what_the_mill_does_not_have_is_refused() {
     let served = served(&[]);
-    let mut page = operator(&served);
+    let mut page = served.in_control();
     for request in [
         json!({"do": "unlock"}),
         json!({"do": "settings"}),

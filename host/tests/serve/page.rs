@@ -109,10 +109,16 @@ impl Served {
         page
     }
 
-    /// A page in control of machine 1, which is unlocked.
-    pub fn operator(&self) -> Page {
+    /// A page in control of machine 1.
+    pub fn in_control(&self) -> Page {
         let mut page = self.page();
         page.done(json!({"do": "take"}));
+        page
+    }
+
+    /// A page in control of machine 1, which is unlocked.
+    pub fn operator(&self) -> Page {
+        let mut page = self.in_control();
         page.done(json!({"do": "unlock"}));
         page.until_state("Idle");
         page
@@ -207,6 +213,22 @@ impl Page {
         self.until(state, |page| {
             (page.states[0]["state"] == state).then_some(())
         });
+    }
+
+    /// Receives until the program of machine 1 is in this phase.
+    pub fn until_phase(&mut self, phase: &str) {
+        self.until(phase, |page| {
+            (page.states[0]["program"]["phase"] == phase).then_some(())
+        });
+    }
+
+    /// Renews a jog for a time.
+    pub fn hold(&mut self, jog: u64, time: Duration) {
+        let begun = Instant::now();
+        while begun.elapsed() < time {
+            self.say(json!({"do": "renew", "jog": jog}));
+            self.pass(Duration::from_millis(60));
+        }
     }
 
     /// Receives for a time.

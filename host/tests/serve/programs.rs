@@ -16,12 +16,6 @@ fn program(page: &Page) -> &Value {
     &page.states[0]["program"]
 }
 
-fn until_phase(page: &mut Page, phase: &str) {
-    page.until(phase, |page| {
-        (program(page)["phase"] == phase).then_some(())
-    });
-}
-
 #[test]
 fn a_program_runs_to_its_end() {
     let served = Served::new(&["--speed", "10"]);
@@ -31,7 +25,7 @@ fn a_program_runs_to_its_end() {
     assert_eq!((status, &report["errors"]), (200, &json!(0)), "{report}");
     let time_s = report["time_s"].as_f64().unwrap();
     assert!((0.9..3.0).contains(&time_s), "{time_s}");
-    until_phase(&mut page, "loaded");
+    page.until_phase("loaded");
     assert_eq!(program(&page)["load"], 1);
     let path = "/machines/1/program";
     let bearer = format!("Authorization: Bearer {}\r\n", served.token);
@@ -51,7 +45,7 @@ fn a_program_runs_to_its_end() {
     page.pass(Duration::from_millis(200));
     assert_eq!(page.states[0]["state"], "Idle");
     page.done(json!({"do": "run", "confirmed": true}));
-    until_phase(&mut page, "done");
+    page.until_phase("done");
     // The same state tells that there is a report.
     assert_eq!(program(&page)["runs"], 1);
     page.until_state("Idle");
@@ -67,8 +61,8 @@ fn a_program_runs_to_its_end() {
     );
     // Once more.
     page.done(json!({"do": "run", "confirmed": true}));
-    until_phase(&mut page, "running");
-    until_phase(&mut page, "done");
+    page.until_phase("running");
+    page.until_phase("done");
     page.done(json!({"do": "unload"}));
     page.until("none", |page| program(page).is_null().then_some(()));
     for path in [path, "/machines/1/scene"] {
@@ -146,7 +140,7 @@ fn a_program_is_held_and_stopped() {
         (program(page)["answered"].as_u64()? > 16).then_some(())
     });
     page.done(json!({"do": "hold"}));
-    until_phase(&mut page, "held");
+    page.until_phase("held");
     page.until("a stand", |page| {
         (page.states[0]["detail"] == 0).then_some(())
     });
@@ -154,7 +148,7 @@ fn a_program_is_held_and_stopped() {
     page.pass(Duration::from_millis(300));
     assert_eq!(page.at("work_mm", 0), held);
     page.done(json!({"do": "resume"}));
-    until_phase(&mut page, "running");
+    page.until_phase("running");
     page.until("motion", |page| {
         (page.at("work_mm", 0) > held + 0.5).then_some(())
     });
@@ -173,7 +167,7 @@ fn a_program_is_held_and_stopped() {
     );
     assert_eq!(served.load(page.client, "other.nc", "G0 X1\n").0, 409);
     page.done(json!({"do": "stop"}));
-    until_phase(&mut page, "stopped");
+    page.until_phase("stopped");
     page.until_state("Idle");
     let stands = page.at("work_mm", 0);
     let message = program(&page)["message"].as_str().unwrap();
@@ -192,7 +186,7 @@ fn breakpoints_and_single_blocks() {
     served.load(page.client, "steps.nc", "G21 G90\nG1 X1 F600\nX2\nX3\nX4\n");
     page.done(json!({"do": "breakpoints", "lines": [4]}));
     page.done(json!({"do": "run", "confirmed": true}));
-    until_phase(&mut page, "waiting");
+    page.until_phase("waiting");
     assert_eq!(program(&page)["waits_before"], 4);
     page.until_at("work_mm", 0, 2.0);
     page.done(json!({"do": "single_block", "on": true}));
@@ -203,7 +197,7 @@ fn breakpoints_and_single_blocks() {
     page.until_at("work_mm", 0, 3.0);
     page.done(json!({"do": "single_block", "on": false}));
     page.done(json!({"do": "resume"}));
-    until_phase(&mut page, "done");
+    page.until_phase("done");
     page.until_at("work_mm", 0, 4.0);
 }
 

@@ -234,6 +234,10 @@ impl<P: Port> Calibrated<Head<P>> {
     ///
     /// No answer, or the stop of the operator.
     pub fn hold(&mut self) -> Result<[i64; 3], Error> {
+        if self.prober.is_astray() {
+            // The goal was not reached, or is not held any more.
+            self.sent = None;
+        }
         self.prober.find_again()?;
         Ok(self.held())
     }
@@ -255,6 +259,7 @@ impl<P: Port> Calibrated<Head<P>> {
                 coordinate,
                 machine: axis.is_homed.then_some(machine),
                 work: machine.saturating_sub(self.view.zero[coordinate]),
+                zero: self.view.zero[coordinate],
                 counts: reply.readings.position,
             }
         });

@@ -10,6 +10,8 @@ pub struct AxisPosition {
     /// The true position from the last zero. Without a zero it counts from home or, before homing,
     /// from the position at the reset.
     pub work: i64,
+    /// The last zero, from home or, before homing, from the position at the reset.
+    pub zero: i64,
     /// The counts of its module.
     pub counts: i32,
 }

@@ -84,9 +84,16 @@ impl<P: Port> Head<P> {
         replies.iter().any(|reply| switches.is_closed(reply))
     }
 
-    /// Whether there was a collision since the start.
+    /// Whether there was a collision since the start, or since
+    /// [`forget_collisions`](Self::forget_collisions).
     pub const fn has_collided(&self) -> bool {
         self.has_collided
+    }
+
+    /// Forgets the collisions so far, because what follows is measured apart from what they have
+    /// spoiled.
+    pub const fn forget_collisions(&mut self) {
+        self.has_collided = false;
     }
 
     /// Moves outside of a search. A pressed probe first leaves the contact slowly.

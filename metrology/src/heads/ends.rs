@@ -219,6 +219,7 @@ impl<P: Port> Head<P> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::heads::Deflection;
     use crate::heads::line::Line;
     use crate::heads::machine::Machine;
     use crate::heads::wiring::Wiring;
@@ -422,6 +423,27 @@ mod tests {
         // The switch is open: the axis is free.
         head.go_to([-2 * MM, 0, 0]).unwrap();
         assert!(low < -2000);
+    }
+
+    /// A joystick leads an axis as far as a jog does.
+    #[test]
+    fn a_joystick_moves_an_axis_at_an_unknown_end_a_little_only() {
+        let mut head = between(["1:..-2000", "1:-40"]);
+        let steered = |head: &mut Simulated, is_positive| {
+            let mut left = 500;
+            let slow = Deflection::Slow { is_positive };
+            head.steer(|| {
+                left -= 1;
+                (left > 0).then_some([slow, Deflection::Centre, Deflection::Centre])
+            })
+            .unwrap();
+            motors(head)[0]
+        };
+        assert!(steered(&mut head, true).abs_diff(160) <= 2);
+        assert!(steered(&mut head, false).abs_diff(0) <= 2);
+        // Beyond -40 the switch is open. Then the axis has its travel.
+        assert!(steered(&mut head, false).abs_diff(-160) <= 2);
+        assert!(steered(&mut head, false) < -500);
     }
 
     /// Wherever the axis is at power-up, even at one of the switches, home is at the low switch.

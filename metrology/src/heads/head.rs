@@ -42,7 +42,7 @@ pub struct Head<P> {
     given_up: Option<usize>,
     /// First contact of a probe that is pressed now, counts.
     pub(super) contact_at: Option<Vec<i32>>,
-    /// Whether there was a collision.
+    /// Whether there was a collision that is not forgotten.
     pub(super) has_collided: bool,
     /// Whether an axis has met an end switch.
     pub(super) has_met_end: bool,
@@ -302,6 +302,7 @@ mod tests {
     use crate::heads::operator::StopButton;
     use crate::simulated::{SimulatedNetwork, SimulatedPort, three_axes};
     use husillo_probe::Failure;
+    use husillo_transports::nmc::{Mode, Trajectory};
     use std::cell::RefCell;
     use std::rc::Rc;
 
@@ -373,6 +374,40 @@ mod tests {
         head.go_to([x, y, 0]).unwrap();
         let [now, ..] = head.position().unwrap();
         assert!(now.abs_diff(x) <= 6_000, "{now} {x}");
+    }
+
+    /// A failure that the corrections have not seen, such as a fault at rest.
+    #[test]
+    fn after_a_failure_the_goal_before_it_is_given_up() {
+        let mut head = Calibrated::new(head(), three_axes().errors);
+        head.go_to([MM, 0, 0]).unwrap();
+        head.inner().go_to([20 * MM, 0, -5 * MM]).unwrap_err();
+        let [x, ..] = head.hold().unwrap();
+        assert!((15 * MM..17 * MM).contains(&x), "{x}");
+    }
+
+    /// Another program has left a module with a long move.
+    #[test]
+    fn an_axis_that_does_not_come_to_rest_is_reported() {
+        let mut head = head();
+        head.come_to_rest().unwrap();
+        let far = Trajectory {
+            position: Some(50_000),
+            velocity: Some(30_000),
+            acceleration: Some(300),
+            mode: Mode::Trapezoid,
+            start_now: true,
+            ..Trajectory::default()
+        };
+        let module = head.axes[0].settings.module;
+        head.line
+            .command(module, Command::LoadTrajectory(far))
+            .unwrap();
+        let late = head.come_to_rest();
+        let Err(Error::StillMoving { at }) = &late else {
+            panic!("{late:?}")
+        };
+        assert!(at.starts_with("X "), "{at}");
     }
 
     /// Before homing an axis moves as slowly as in a search. The travel counts from home.

@@ -132,7 +132,9 @@ impl<P: Port> Head<P> {
         mut joystick: impl FnMut() -> Option<[Deflection; 3]>,
     ) -> Result<[i8; 3], Error> {
         let is_touching = self.is_touching()?;
-        let mut profiles: Vec<Profile> = self.axes.iter().map(profile).collect();
+        let far = self.leaving();
+        let profiles = self.axes.iter().map(|axis| profile(axis, far));
+        let mut profiles: Vec<Profile> = profiles.collect();
         let held: Vec<i32> = self.axes.iter().map(|axis| axis.held).collect();
         let mut watch = self.watch(&held);
         self.begin_watch(&mut watch, is_touching)?;
@@ -186,8 +188,8 @@ impl<P: Port> Head<P> {
 
     /// The axes begin to move in these directions.
     fn begin_ways(&mut self, ways: [i8; 3]) -> Result<(), Error> {
-        // An axis that stands at an unknown end may leave it by this distance only. It is stopped
-        // there because the switch opens.
+        // An axis that stands at an unknown end may leave it by this distance only: its profile
+        // ends there.
         let far = self.leaving();
         let goals = self.axes.iter().map(|axis| {
             let way = i32::from(ways[axis.settings.coordinate()]);
@@ -201,23 +203,21 @@ impl<P: Port> Head<P> {
     }
 }
 
-/// The profile of an axis at rest.
-fn profile(axis: &super::servo::Servo) -> Profile {
+/// The profile of an axis at rest. At an unknown end it leads away by `far` counts only.
+fn profile(axis: &super::servo::Servo, far: i32) -> Profile {
     let slack = axis.settings.in_position as i32;
     let [low, high] = axis.travel_counts();
-    let mut ends = [low.saturating_add(slack), high.saturating_sub(slack)].map(f64::from);
+    let mut ends = [low.saturating_add(slack), high.saturating_sub(slack)];
     if axis.is_at_end && axis.end.is_none() {
         // The axis must stay near its switch until the switch opens.
-        ends = [
-            f64::from(axis.held) - MOST_STEP,
-            f64::from(axis.held) + MOST_STEP,
-        ];
+        let [least, most] = [axis.held.saturating_sub(far), axis.held.saturating_add(far)];
+        ends = ends.map(|end| end.clamp(least, most));
     }
     Profile {
         at: axis.held.into(),
         rate: 0.0,
         acceleration: f64::from(axis.settings.acceleration),
-        ends,
+        ends: ends.map(f64::from),
         most: (f64::from(axis.settings.gains.error_limit) / STEPS_OF_ERROR).clamp(1.0, MOST_STEP),
     }
 }

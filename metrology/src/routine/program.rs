@@ -81,8 +81,8 @@ fn is_machining(tenths: Option<i64>) -> bool {
     )
 }
 
-/// Runs a program to its end. Calls `tell` with every feature, and `pause` with the line of every
-/// M0.
+/// Runs a program to its end. Calls `begin` with every line before it, `tell` with every feature,
+/// and `pause` with the line of every M0.
 ///
 /// # Errors
 ///
@@ -90,6 +90,7 @@ fn is_machining(tenths: Option<i64>) -> bool {
 pub fn run(
     text: &[u8],
     runner: &mut Runner<'_>,
+    mut begin: impl FnMut(usize),
     mut tell: impl FnMut(&Feature),
     mut pause: impl FnMut(usize),
 ) -> Result<(), Box<ProgramError>> {
@@ -103,6 +104,7 @@ pub fn run(
     };
     state.modal.set_position(start.map(Nm));
     while let Some(line) = program.next_line(&state) {
+        begin(line.number);
         let at = At {
             line: line.number,
             text: line.text,

@@ -329,7 +329,7 @@ fn program(text: &str, machine: &mut Ideal) -> Result<Vec<Feature>, String> {
     let tip = machine.tip;
     let mut runner = Runner::new(Site::new(machine, tip));
     let mut count = 0;
-    super::program::run(text.as_bytes(), &mut runner, |_| count += 1, |_| {})
+    super::program::run(text.as_bytes(), &mut runner, |_| {}, |_| count += 1, |_| {})
         .map_err(|error| shown(&error))?;
     assert_eq!(count, runner.features.len());
     Ok(runner.features)

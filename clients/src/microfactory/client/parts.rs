@@ -150,7 +150,9 @@ impl Client {
         let clear = self.table.clear;
         match self.talk(|client| client.send(clear))? {
             Answer::Taken => Ok(()),
-            Answer::Rejected => Err("the device stores no figures".into()),
+            Answer::Rejected => {
+                Err("the device stores no figures: it cuts its own (`husillo jog figure`)".into())
+            }
         }
     }
 
@@ -160,9 +162,9 @@ impl Client {
     ///
     /// A sentence: the link failed, or the memory of the device is full. The figure is then stored
     /// again from its begin, after [`Client::halt`].
-    pub fn store_move(&mut self, way: [i16; 2]) -> Result<(), String> {
+    pub fn store_move(&mut self, delta: [i16; 2]) -> Result<(), String> {
         let mut bytes = vec![self.table.line];
-        bytes.extend(move_bytes(way));
+        bytes.extend(move_bytes(delta));
         self.command(&bytes)
     }
 

@@ -102,7 +102,7 @@ impl Routine {
         name
     }
 
-    /// Carries the routine out. `begin` receives the line of each statement before it, `each`
+    /// Carries the routine out. `begin` receives each line before it is carried out, `each`
     /// receives each feature when it is measured, and `pause` waits at the M0 of a program.
     ///
     /// # Errors
@@ -116,7 +116,7 @@ impl Routine {
         pause: impl FnMut(usize),
     ) -> Result<(), Box<Finding>> {
         match self {
-            Self::Program { name, text } => program::run(text, runner, each, pause)
+            Self::Program { name, text } => program::run(text, runner, begin, each, pause)
                 .map_err(|error| Box::new(findings::of_program(&error, name))),
             Self::Statements {
                 name,

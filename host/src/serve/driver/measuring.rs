@@ -4,6 +4,7 @@
 //! carries out requests meanwhile, and stops the head.
 
 mod hands;
+mod jogging;
 mod measured;
 mod orders;
 mod paced_port;
@@ -18,19 +19,22 @@ use crate::serve::machine_state::{Link, MachineState};
 use crate::serve::reply::Reply;
 use crate::serve::request::Request;
 use hands::Hands;
-use husillo_metrology::heads;
+use husillo_metrology::heads::{self, Stylus};
 use husillo_metrology::simulated::SimulatedNetwork;
+use jogging::NextJog;
 use place::Place;
 use routines::Routines;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
-use std::time::{Duration, Instant};
-use work::{Event, Job, Setup, work};
+use std::time::Duration;
+use work::{Event, Job, Kept, Setup, work};
 
 /// The longest wait for an event in one turn.
 const TURN: Duration = Duration::from_millis(20);
 /// Events of one turn. Requests and stops do not wait for more.
 const MOST_EVENTS: usize = 500;
+/// Why requests are refused between a STOP and the rest of the axes.
+const STOPPING: &str = "the machine is being stopped";
 
 /// Drives a measuring machine.
 #[derive(Debug)]
@@ -38,6 +42,8 @@ pub(super) struct Measuring {
     name: String,
     machine: heads::Machine,
     network: SimulatedNetwork,
+    /// The tip in use. It stays when the modules are lost.
+    tip: Stylus,
     routines: Routines,
 }
 
@@ -46,6 +52,7 @@ impl Measuring {
     pub(super) fn new(name: String, machine: heads::Machine, network: SimulatedNetwork) -> Self {
         Self {
             name,
+            tip: machine.probe.stylus,
             machine,
             network,
             routines: Routines::default(),
@@ -59,6 +66,7 @@ impl Drive for Measuring {
             name: self.name.clone(),
             machine: self.machine.clone(),
             network: self.network.clone(),
+            tip: self.tip,
             port: Port {
                 name: port.name.clone(),
                 ..*port
@@ -77,11 +85,13 @@ impl Drive for Measuring {
             place: Place::new(&self.machine),
             state: desk.state,
             requests: desk.requests,
+            tip: &mut self.tip,
             routines: &mut self.routines,
             hands,
             jobs,
             events: &events,
             current: None,
+            next_jog: None,
             is_stopping: false,
             published: Published::new(),
         };
@@ -113,12 +123,14 @@ struct Driver<'a> {
     place: Place,
     state: &'a mut MachineState,
     requests: &'a Receiver<Asked>,
+    tip: &'a mut Stylus,
     routines: &'a mut Routines,
     hands: Arc<Hands>,
     jobs: Sender<Job>,
     events: &'a Receiver<Event>,
     /// What the head does, and the word for it.
     current: Option<(Purpose, &'static str)>,
+    next_jog: Option<NextJog>,
     is_stopping: bool,
     published: Published,
 }
@@ -138,6 +150,9 @@ impl Driver<'_> {
         };
         if let Some((Purpose::Asked(reply), _)) = self.current.take() {
             reply.error(why);
+        }
+        if let Some(next) = self.next_jog.take() {
+            next.refuse(why);
         }
         self.routines.end(why);
         ended
@@ -180,15 +195,19 @@ impl Driver<'_> {
 
     fn take(&mut self, event: Event) -> Result<(), String> {
         match event {
-            Event::Up(is_kept) => {
+            Event::Up(kept) => {
                 self.state.link = Link::Up;
                 self.state.why = None;
                 self.state.controller = Some(self.config.title.clone());
                 let letters = self.config.axes.iter().map(|axis| axis.letter);
                 self.state.axes = letters.collect();
                 self.tell("the modules answer, and their servos are on");
-                if is_kept {
-                    self.tell("zero and home are kept from before");
+                match kept {
+                    Kept::All => self.tell("zero and home are kept from before"),
+                    Kept::Lost => {
+                        self.tell("the modules were reset or moved, so zero and home are lost")
+                    }
+                    Kept::NoneBefore => {}
                 }
                 self.place.begin(&self.machine.path);
             }
@@ -208,7 +227,10 @@ impl Driver<'_> {
                 let text = self.place.touched(&touched);
                 self.machine.tell(From::Controller, text);
             }
-            Event::Tip(tip) => self.place.tip(*tip),
+            Event::Tip(tip) => {
+                *self.tip = *tip;
+                self.place.tip(*tip);
+            }
             Event::Line(line) => self.routines.line(line),
             Event::Feature(feature) => self.routines.feature(feature),
             Event::Waits(line) => self.routines.waits(line),
@@ -226,10 +248,9 @@ impl Driver<'_> {
         self.place.set_target(None);
         // A stop that came too late stops nothing else.
         self.hands.take_stopped();
-        if is_stopped || self.is_stopping {
-            self.is_stopping = false;
-            self.machine.stop.clear();
-            self.tell("the machine has stopped");
+        let is_stopped = is_stopped || self.is_stopping;
+        if is_stopped {
+            self.stopped();
         }
         match purpose {
             Purpose::Asked(reply) => {
@@ -239,9 +260,7 @@ impl Driver<'_> {
                 reply.with(result);
             }
             Purpose::Jog { client, number } => {
-                self.machine.lease.release(client, number);
-                let why = result.err().unwrap_or_else(|| "the axes stand".into());
-                self.tell(&format!("jog {number} ends: {why}"));
+                self.jog_ended(client, number, &result, is_stopped);
             }
             Purpose::Routine => {
                 if let Err(why) = &result {
@@ -287,20 +306,15 @@ impl Driver<'_> {
         if self.state.link != Link::Up {
             return reply.error("the controller is lost");
         }
-        if self.is_stopping && request.needs_control() {
-            return reply.error("the machine is being stopped");
+        let is_stopping = self.is_stopping || self.machine.stop.is_asked();
+        if is_stopping && request.needs_control() {
+            return reply.error(STOPPING);
         }
         if !self.machine.permits(client, &request) {
             return reply.error("take control first");
         }
         match request {
-            Request::Jog { jog, axes, .. } => {
-                let begun = self.begin_jog(client, jog, &axes);
-                if begun.is_err() {
-                    self.machine.lease.release(client, jog);
-                }
-                reply.with(begun);
-            }
+            Request::Jog { jog, axes, .. } => self.jog(client, jog, &axes, reply),
             Request::Cancel => {
                 if self.current.is_some() {
                     self.machine.stop.request();
@@ -342,8 +356,7 @@ impl Driver<'_> {
         match &self.current {
             None => {
                 if is_asked {
-                    self.machine.stop.clear();
-                    self.tell("the machine has stopped");
+                    self.stopped();
                 }
             }
             Some((purpose, _)) => {
@@ -358,13 +371,22 @@ impl Driver<'_> {
         }
     }
 
+    /// Nothing moves after a stop. What was asked for before, and still waits, is refused.
+    fn stopped(&mut self) {
+        self.is_stopping = true;
+        while let Ok(asked) = self.requests.try_recv() {
+            self.carry_out(asked);
+        }
+        self.is_stopping = false;
+        self.machine.stop.clear();
+        self.tell("the machine has stopped");
+    }
+
     /// Lets the head begin something.
     fn start(&mut self, job: Job, purpose: Purpose, word: &'static str) {
         self.current = Some((purpose, word));
-        if self.jobs.send(job).is_err() {
-            // The thread has ended; the next event tells why.
-            self.current = None;
-        }
+        // If its thread has ended, the next event tells why, and the request is answered then.
+        let _ = self.jobs.send(job);
     }
 
     /// Whether the head may begin something.
@@ -378,20 +400,6 @@ impl Driver<'_> {
             Some((Purpose::Routine, _)) => Err("a routine runs".into()),
             Some((Purpose::Jog { .. }, _)) => Err("the machine jogs".into()),
             Some((Purpose::Asked(_), _)) => Err("the machine moves".into()),
-        }
-    }
-
-    /// Deflects the joystick of a jog, or ends it because its lease is over.
-    fn follow_jog(&mut self) {
-        let Some((Purpose::Jog { client, number }, _)) = self.current else {
-            return;
-        };
-        let (lease, now) = (&self.machine.lease, Instant::now());
-        if self.hands.joystick().is_some() && !lease.holds(client, number, now) {
-            if lease.has_run_out(client, number, now) {
-                self.tell(&format!("jog {number}: the page did not renew it"));
-            }
-            self.hands.steer(None);
         }
     }
 }

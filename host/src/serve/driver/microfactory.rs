@@ -84,6 +84,7 @@ impl Drive for Microfactory {
             task: None,
             held: None,
             has_contact: false,
+            was_latched: status.report == Some(Report::Emergency),
             is_stopping: false,
             published: Published::new(),
         };
@@ -116,6 +117,8 @@ struct Driver<'a> {
     held: Option<Held>,
     /// The tool has touched the work piece in the present or the last figure.
     has_contact: bool,
+    /// An emergency stop has held when that was looked at.
+    was_latched: bool,
     is_stopping: bool,
     published: Published,
 }
@@ -135,6 +138,7 @@ impl Driver<'_> {
             self.jog()?;
             self.store()?;
             self.follow()?;
+            self.look_at_latch()?;
             self.client.wait(TURN)?;
             for line in self.client.take_reports() {
                 self.machine.tell(From::Controller, line);
@@ -177,6 +181,10 @@ impl Driver<'_> {
             request,
             reply,
         } = asked;
+        if self.is_halting() && request.needs_control() {
+            reply.error("the machine is being stopped");
+            return Ok(());
+        }
         if !self.machine.permits(client, &request) {
             reply.error("take control first");
             return Ok(());
@@ -237,6 +245,7 @@ impl Driver<'_> {
     /// The device was reset: it has forgotten its home and its lease.
     fn begin_again(&mut self) -> Result<(), String> {
         self.status = self.client.bring_to_rest()?;
+        self.was_latched = self.is_latched();
         self.has_contact = false;
         self.draw(Drawn::Begin);
         self.machine.tell(From::Server, "the controller was reset");

@@ -68,20 +68,29 @@ impl<P: Port> Head<P> {
     ///
     /// # Errors
     ///
-    /// No answer.
+    /// No answer, or an axis that does not come to rest.
     pub fn come_to_rest(&mut self) -> Result<(), Error> {
         let end_us = self.line.elapsed_us() + self.braking_us() + SETTLING_US;
-        let (mut still, mut before) = (0, Vec::new());
-        while still < STILL_READINGS && self.line.elapsed_us() < end_us {
+        let (mut still, mut before): (u32, Option<Vec<i32>>) = (0, None);
+        loop {
             let replies = self.readings()?;
             let at: Vec<i32> = replies.iter().map(|one| one.readings.position).collect();
-            let mut pairs = self.axes.iter().zip(at.iter().zip(&before));
-            let is_still =
-                !before.is_empty() && pairs.all(|(axis, (at, to))| axis.is_near(*at, *to));
+            let is_still = before.as_ref().is_some_and(|before| {
+                let mut pairs = self.axes.iter().zip(at.iter().zip(before));
+                pairs.all(|(axis, (at, to))| axis.is_near(*at, *to))
+            });
             still = if is_still { still + 1 } else { 0 };
-            before = at;
+            if still >= STILL_READINGS {
+                return Ok(());
+            }
+            // As in `stand`: the last readings are made, even if the computer is late.
+            if let Some(before) = before.as_deref().filter(|_| !is_still) {
+                if self.line.elapsed_us() > end_us {
+                    return Err(self.late(None, before, &replies));
+                }
+            }
+            before = Some(at);
         }
-        Ok(())
     }
 
     /// Carries out `what`, which moves axes. After any failure, also of the link, and after a stop

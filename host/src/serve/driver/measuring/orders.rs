@@ -6,7 +6,7 @@ use crate::serve::reply::Reply;
 use crate::serve::request::{Frame, Tip, Touch};
 use husillo_metrology::Scale;
 use husillo_metrology::calibration::Face;
-use husillo_metrology::heads::{Approach, Deflection, pre_travel_by_sign};
+use husillo_metrology::heads::{Approach, pre_travel_by_sign};
 use husillo_probe::UnitVector;
 
 /// Most slow touches in a mean.
@@ -25,51 +25,8 @@ pub(super) fn amount(scale: Scale, value: f64) -> i64 {
 
 impl Driver<'_> {
     /// Values for axes of this machine.
-    fn checked(&self, axes: &Axes) -> Result<Vec<(usize, f64)>, String> {
+    pub(super) fn checked(&self, axes: &Axes) -> Result<Vec<(usize, f64)>, String> {
         axes.checked(self.config.axes.len())
-    }
-
-    /// Begins a jog, or changes the deflection of the one that runs.
-    ///
-    /// # Errors
-    ///
-    /// A sentence about why not.
-    pub(super) fn begin_jog(
-        &mut self,
-        client: u64,
-        number: u64,
-        axes: &Axes,
-    ) -> Result<(), String> {
-        let mut joystick = [Deflection::Centre; 3];
-        for (axis, part) in self.checked(axes)? {
-            if let Some(deflection) = joystick.get_mut(axis) {
-                *deflection = Deflection::of(part);
-            }
-        }
-        if joystick == [Deflection::Centre; 3] {
-            return Err("a jog needs a direction".into());
-        }
-        match &mut self.current {
-            Some((
-                Purpose::Jog {
-                    client: of,
-                    number: old,
-                },
-                _,
-            )) => {
-                if self.hands.joystick().is_none() {
-                    return Err("the jog before still brakes".into());
-                }
-                (*of, *old) = (client, number);
-                self.hands.steer(Some(joystick));
-            }
-            _ => {
-                self.is_free()?;
-                self.hands.steer(Some(joystick));
-                self.start(Job::Steer, Purpose::Jog { client, number }, "Jog");
-            }
-        }
-        Ok(())
     }
 
     /// Homes an axis, or all: Z first, so that the probe rises from the part.

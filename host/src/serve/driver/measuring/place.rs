@@ -158,9 +158,7 @@ impl Place {
     /// What is added to a work coordinate for that from home, or from switching on.
     fn zero(&self, axis: usize) -> i64 {
         let found = self.axes.iter().find(|one| one.coordinate == axis);
-        found.map_or(0, |axis| {
-            axis.machine.map_or(0, |machine| machine - axis.work)
-        })
+        found.map_or(0, |axis| axis.zero)
     }
 
     fn machine_now(&self) -> [i64; 3] {

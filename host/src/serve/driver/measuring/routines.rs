@@ -138,7 +138,11 @@ impl Routines {
             Err(_) => Phase::Failed,
         };
         if let Err(why) = result {
-            self.message = Some(why);
+            // That the probe has collided is said beside it.
+            self.message = Some(match self.message.take() {
+                Some(before) => format!("{why}; {before}"),
+                None => why,
+            });
         }
     }
 

@@ -32,6 +32,8 @@ pub(super) struct Setup {
     pub(super) name: String,
     pub(super) machine: heads::Machine,
     pub(super) network: SimulatedNetwork,
+    /// The tip in use.
+    pub(super) tip: Stylus,
     pub(super) port: Port,
 }
 
@@ -66,8 +68,8 @@ pub(super) enum Job {
 /// What the driver hears of the head.
 #[derive(Debug)]
 pub(super) enum Event {
-    /// The servos are on. Whether home and zero are kept from before.
-    Up(bool),
+    /// The servos are on.
+    Up(Kept),
     /// A reading, also in motion: the work position, and whether the probe is pressed.
     At([i64; 3], bool),
     /// The axes at rest, and the position at which they are held.
@@ -92,6 +94,17 @@ pub(super) enum Event {
     Ended(Result<(), String>, bool),
     /// The modules do not answer.
     Lost(String),
+}
+
+/// What the modules have kept of home and zero.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kept {
+    /// They are as the session before has left them.
+    All,
+    /// They were reset or moved.
+    Lost,
+    /// The session before had neither, or there was none.
+    NoneBefore,
 }
 
 /// A touch. Lengths are amounts of the scale.
@@ -119,7 +132,7 @@ pub(super) fn work(
         memory: MemoryFile::at(&setup.name, &setup.port.name, &setup.machine),
         hands,
         events,
-        tip: setup.machine.probe.stylus,
+        tip: setup.tip,
     };
     let begun = worker.begin();
     let ended = begun.and_then(|head| worker.turns(head, jobs));
@@ -155,18 +168,19 @@ impl Worker<'_> {
         };
         let operator = Watcher::new(Arc::clone(self.hands), self.events.clone());
         let line = Line::new(open).with_operator(operator);
-        let (mut head, is_kept) = self.start(line).map_err(|error| sentence(&error))?;
+        let (mut head, kept) = self.start(line).map_err(|error| sentence(&error))?;
         self.keep(&mut head, true);
         self.tell(Event::Tip(Box::new(self.tip)));
         // The page gets the positions with the first state.
         self.show(&mut head)?;
-        self.tell(Event::Up(is_kept));
+        self.tell(Event::Up(kept));
         Ok(head)
     }
 
-    fn start(&self, mut line: Line<Box<dyn heads::Port>>) -> Result<(AnyHead, bool), Error> {
+    fn start(&self, mut line: Line<Box<dyn heads::Port>>) -> Result<(AnyHead, Kept), Error> {
         let machine = &self.setup.machine;
         let errors = || machine.errors.clone();
+        let mut kept = Kept::NoneBefore;
         if let Some(mut memory) = self.memory.as_ref().and_then(MemoryFile::read) {
             match Head::rejoin(line, machine, 1, &memory)? {
                 Rejoined::AsLeft(head) => {
@@ -176,16 +190,23 @@ impl Worker<'_> {
                     }
                     let mut head = Calibrated::new(*head, errors());
                     head.recall(&memory);
-                    return Ok((head, true));
+                    return Ok((head, Kept::All));
                 }
                 Rejoined::Changed(same) => line = *same,
+            }
+            if memory
+                .axes
+                .iter()
+                .any(|axis| axis.is_homed || axis.zero != 0)
+            {
+                kept = Kept::Lost;
             }
         }
         let head = Head::start(line, machine, 1)?;
         if let Some(memory) = &self.memory {
             memory.forget();
         }
-        Ok((Calibrated::new(head, errors()), false))
+        Ok((Calibrated::new(head, errors()), kept))
     }
 
     fn turns(&mut self, mut head: AnyHead, jobs: &Receiver<Job>) -> Result<(), String> {
@@ -194,14 +215,18 @@ impl Worker<'_> {
                 Ok(job) => {
                     let done = self.carry_out(job, &mut head);
                     let is_stopped = self.hands.take_stopped();
+                    let done = done.map_err(Trouble::text);
                     // The axes brake: they stand before the job has ended.
-                    match head.inner().come_to_rest() {
-                        Ok(()) | Err(Error::Interrupted) => {}
+                    let done = match head.inner().come_to_rest() {
+                        Ok(()) | Err(Error::Interrupted) => done,
+                        Err(error @ Error::StillMoving { .. }) => {
+                            let why = done.err().map(|why| format!("{why}; "));
+                            Err(why.unwrap_or_default() + &sentence(&error))
+                        }
                         Err(error) => return Err(sentence(&error)),
-                    }
+                    };
                     self.show(&mut head)?;
                     self.keep(&mut head, true);
-                    let done = done.map_err(|trouble| trouble.text());
                     self.tell(Event::Ended(done, is_stopped));
                 }
                 Err(RecvTimeoutError::Timeout) => self.show(&mut head)?,
@@ -290,6 +315,8 @@ impl Worker<'_> {
             }
             Job::Routine(routine, part) => {
                 head.inner().set_touches(1);
+                // One before it has spoiled nothing that is measured now.
+                head.inner().forget_collisions();
                 let (title, hands) = (&self.setup.machine.title, self.hands);
                 let tell = |event| self.tell(event);
                 measured::run(

@@ -31,10 +31,10 @@ impl Cutting {
         let [x, _, z] = config.backlash_steps;
         let (mut begins, mut times_s) = (Vec::new(), Vec::new());
         let (mut at, mut forward) = ([0_i32; 2], [true; 2]);
-        for way in moves {
+        for delta in moves {
             begins.push(at);
             let mut take_up = 0.0;
-            let axes = at.iter_mut().zip(&mut forward).zip(way).zip([x, z]);
+            let axes = at.iter_mut().zip(&mut forward).zip(delta).zip([x, z]);
             for (((at, forward), steps), backlash) in axes {
                 *at += i32::from(*steps);
                 if *steps != 0 && *forward != (*steps > 0) {
@@ -42,7 +42,7 @@ impl Cutting {
                     take_up += f64::from(backlash) / rate_hz;
                 }
             }
-            times_s.push([length(*way) / rate_hz + take_up, take_up]);
+            times_s.push([length(*delta) / rate_hz + take_up, take_up]);
         }
         Self {
             moves: moves.to_vec(),
@@ -67,7 +67,7 @@ impl Cutting {
     /// Steps of X and Z from its begin to its end.
     pub(super) fn end(&self) -> [i32; 2] {
         let sum = |axis: usize| {
-            let steps = self.moves.iter().filter_map(|way| way.get(axis));
+            let steps = self.moves.iter().filter_map(|delta| delta.get(axis));
             steps.map(|steps| i32::from(*steps)).sum()
         };
         [sum(0), sum(1)]
@@ -105,7 +105,7 @@ impl Cutting {
                 (self.index, self.part) = (index, part);
                 return;
             }
-            let left = self.moves.get(index).map_or(0.0, |way| length(*way));
+            let left = self.moves.get(index).map_or(0.0, |delta| length(*delta));
             reach -= left * (1.0 - least);
             if reach < 0.0 {
                 return;
@@ -146,11 +146,11 @@ mod tests {
     fn the_move_that_is_cut_follows_the_positions() {
         let mut square = cutting(&SQUARE);
         let mut seen = Vec::new();
-        for (index, way) in SQUARE.into_iter().enumerate() {
+        for (index, delta) in SQUARE.into_iter().enumerate() {
             let [begin_x, begin_z] = square.begins[index];
             for part in 1..=40 {
-                let at = |begin: i32, way: i16| begin + i32::from(way) * part / 40;
-                square.at([at(begin_x, way[0]), at(begin_z, way[1])], 0.05);
+                let at = |begin: i32, delta: i16| begin + i32::from(delta) * part / 40;
+                square.at([at(begin_x, delta[0]), at(begin_z, delta[1])], 0.05);
                 seen.push(square.made());
             }
         }

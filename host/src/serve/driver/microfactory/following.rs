@@ -80,16 +80,9 @@ impl Driver<'_> {
             return Ok(());
         }
         self.asked_at = self.client.elapsed();
-        let was_latched = self.is_latched();
         self.status = self.client.status()?;
-        match (was_latched, self.is_latched()) {
-            (true, false) => return self.begin_again(),
-            (false, true) => {
-                self.ended("emergency stop");
-                self.machine.tell(From::Controller, "EMERGENCY STOP");
-                return Ok(());
-            }
-            _ => {}
+        if self.look_at_latch()? {
+            return Ok(());
         }
         let Some(task) = &self.task else {
             // A jog, or an axis that backs off a switch.
@@ -146,11 +139,11 @@ impl Driver<'_> {
                 forward,
                 count,
             } => {
-                let way = if forward { 1 } else { -1 } * i32::from(count);
+                let delta = if forward { 1 } else { -1 } * i32::from(count);
                 let made = moved(usize::from(motor));
-                match made == way {
+                match made == delta {
                     true => Ok(()),
-                    false => Err(format!("the motor made {made} steps instead of {way}")),
+                    false => Err(format!("the motor made {made} steps instead of {delta}")),
                 }
             }
             Motion::Figure if [moved(0), moved(2)] != self.running.cutting.end() => {

@@ -113,11 +113,8 @@ impl Driver<'_> {
             }
             Some(at) if time < at + AGAIN => return Ok(()),
             Some(_) => {
-                if !self.client.repeat_jog(held.motor, held.forward)? {
-                    // A switch has ended it. The axis backs off, and reports that.
-                    self.status = self.client.status()?;
-                    let why = self.status.report.map(device::text);
-                    self.end_jog(&held, &why.unwrap_or_else(|| "it was refused".into()));
+                if let Err(why) = self.repeat(&held)? {
+                    self.end_jog(&held, &why);
                     return Ok(());
                 }
             }
@@ -125,6 +122,24 @@ impl Driver<'_> {
         held.sent_at = Some(time);
         self.held = Some(held);
         Ok(())
+    }
+
+    /// Repeats the letter of a jog. The inner error is why it has ended.
+    fn repeat(&mut self, held: &Held) -> Result<Result<(), String>, String> {
+        Ok(match self.client.repeat_jog(held.motor, held.forward) {
+            Ok(true) => Ok(()),
+            Ok(false) => {
+                // A switch has ended it. The axis backs off, and reports that.
+                self.status = self.client.status()?;
+                let why = self.status.report.map(device::text);
+                Err(why.unwrap_or_else(|| "it was refused".into()))
+            }
+            Err(why) => {
+                // A byte was lost. The jog ends, and not the link.
+                self.status = self.client.halt()?;
+                Err(why)
+            }
+        })
     }
 
     fn end_jog(&mut self, held: &Held, why: &str) {

@@ -132,10 +132,6 @@ impl Driver<'_> {
                 "warnings": [APPROACH],
             }));
         }
-        // The check may have taken long.
-        if self.machine.stop.is_asked() {
-            return reply.error("the machine is being stopped");
-        }
         let mut course = std::mem::take(&mut self.running.course);
         course.start(self.machine, program, None);
         let storing = Storing {
@@ -205,8 +201,8 @@ impl Driver<'_> {
         };
         let moves = self.running.moves();
         let part = moves.iter().skip(sent).take(AT_ONCE);
-        for way in part {
-            self.client.store_move(*way)?;
+        for delta in part {
+            self.client.store_move(*delta)?;
         }
         let sent = moves.len().min(sent + AT_ONCE);
         if sent == moves.len() {
@@ -218,6 +214,9 @@ impl Driver<'_> {
     /// The line has failed. What was stored half is not cut.
     fn store_again(&mut self, why: &str) -> Result<(), String> {
         self.status = self.client.halt()?;
+        if self.look_at_latch()? {
+            return Ok(());
+        }
         let Some(storing) = &mut self.running.storing else {
             return Ok(());
         };
