@@ -46,7 +46,7 @@ class Rp2350(CortexM):
     program = FLASH
     vectors = FLASH
     ram_bytes = RAM_BYTES
-    parts = REGISTERS
+    parts: ClassVar[tuple[tuple[int, int], ...]] = REGISTERS
 
     alarm_us: int | None = None
     polled: int = 0
