@@ -29,7 +29,7 @@ use husillo_backlash::Backlash;
 use husillo_gcode::{Command, Commands, Dialect, Modal, Nm};
 use husillo_interp::Path;
 use husillo_machine::{Axis, AxisRamp, Config, Equipment, Machine, Scale};
-use husillo_transports::grbl::{LineReader, Message, Receiver, Settings, Text, Units};
+use husillo_transports::grbl::{Feedback, LineReader, Message, Receiver, Settings, Text, Units};
 
 use crate::Controller;
 use crate::ring::Ring;
@@ -66,6 +66,9 @@ const LONGEST_WAIT_US: u32 = 1000;
 const ROOM_FOR_LINE: usize = 640;
 /// A status report is sent only if the output has this many free bytes.
 const ROOM_FOR_REPORT: usize = 256;
+/// A message about a request is sent only if the output has this many free bytes. The answer of a
+/// probe move, which follows without a further check, needs fewer.
+const ROOM_FOR_NOTE: usize = 96;
 
 /// State of the controller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -137,11 +140,12 @@ pub struct Grbl<const QUEUE: usize = 15> {
     checks: Checks,
     /// Tag of the moves of the present line.
     tag: Tag,
-    tags: [Tag; 16],
-    tag_count: u32,
+    /// Tags of the moves in the queue, and the slot of the next one.
+    tags: [Tag; QUEUE],
+    next_tag: u32,
     task: Task,
     output: Ring<u8, 1024>,
-    events: Ring<GrblEvent, 16>,
+    events: Ring<GrblEvent, 8>,
     phase: Phase,
     recovery: Recovery,
     flags: Flags,
@@ -207,8 +211,8 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             origin: Origin::Host,
             checks: Checks::default(),
             tag: Tag::default(),
-            tags: [Tag::default(); 16],
-            tag_count: 0,
+            tags: [Tag::default(); QUEUE],
+            next_tag: 0,
             task: Task::None,
             output: Ring::new(0),
             events: Ring::new(GrblEvent::Store),
@@ -277,6 +281,13 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
     /// Appends a message to the output.
     fn send(&mut self, message: &Message) {
         self.send_text(&message.write(self.units()));
+    }
+
+    /// Appends a message about a request of the operator, unless an answer may need the room.
+    fn tell(&mut self, feedback: Feedback) {
+        if self.room() >= ROOM_FOR_NOTE {
+            self.send(&Message::Feedback(feedback));
+        }
     }
 
     /// Appends a line to the output.
@@ -353,7 +364,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             return true;
         }
         let is_stopping = self.flags.reset;
-        if is_stopping || self.recovery != Recovery::None || self.room() < ROOM_FOR_REPORT {
+        if is_stopping || self.recovery != Recovery::None {
             return false;
         }
         if self.take_flags() {

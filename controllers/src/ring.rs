@@ -67,6 +67,13 @@ impl<T: Copy, const N: usize> Ring<T, N> {
         self.slots.get_mut(place)
     }
 
+    /// Returns the oldest element for which `is_wanted` holds.
+    pub(crate) fn find_mut(&mut self, is_wanted: impl Fn(&T) -> bool) -> Option<&mut T> {
+        let mut places = (0..self.length).map(|behind| self.place(behind));
+        let place = places.find(|place| self.slots.get(*place).is_some_and(&is_wanted))?;
+        self.slots.get_mut(place)
+    }
+
     pub(crate) fn first(&self) -> Option<T> {
         if self.is_empty() {
             return None;

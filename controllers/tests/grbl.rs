@@ -246,7 +246,10 @@ fn the_memory_survives_a_loss_of_power() {
     assert_eq!(load(&mut flash), old);
     driven.send(b"$110=1234\nG10L2P3X1.5\n$N1=G21G90\n");
     driven.run(1_000_000);
-    assert_eq!(driven.stored, 3);
+    assert_eq!(
+        driven.stored, 1,
+        "lines that come together are stored together"
+    );
     let new = *driven.grbl.memory();
     assert_ne!(old, new);
     let (mut olds, mut news) = (0, 0);
@@ -266,7 +269,6 @@ fn the_memory_survives_a_loss_of_power() {
     assert_eq!(GrblMemory::from_bytes(&new.to_bytes()[1..]), None);
 }
 
-/// With braking at once, a hold in full motion stops within the distance of the acceleration.
 /// A sender that has got its answer may switch the power off.
 #[test]
 fn a_setting_is_stored_before_it_is_answered() {
@@ -285,6 +287,7 @@ fn a_setting_is_stored_before_it_is_answered() {
     }
 }
 
+/// With braking at once, a hold in full motion stops within the distance of the acceleration.
 #[test]
 fn a_hold_brakes_at_once() {
     let mut driven = Driven::new();

@@ -13,7 +13,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
     /// Requests that the caller stores the memory.
     pub(super) fn store(&mut self) {
         self.is_blank = false;
-        self.events.push(GrblEvent::Store);
+        self.switch(GrblEvent::Store);
     }
 
     /// Executes the text after `$`.
@@ -122,14 +122,23 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
     fn restore_defaults(&mut self, text: &[u8]) -> Result<Outcome, ErrorCode> {
         let factory = GrblMemory::FACTORY;
         match text {
-            b"ST=$" => self.memory.settings = factory.settings,
-            b"ST=#" => self.memory.places = factory.places,
+            b"ST=$" => {
+                self.memory.settings = factory.settings;
+                #[cfg(feature = "grblhal")]
+                self.memory.hal.restore_settings();
+            }
+            b"ST=#" => {
+                self.memory.places = factory.places;
+                #[cfg(feature = "grblhal")]
+                self.memory.hal.restore_places();
+            }
             b"ST=*" => self.memory = factory,
             _ => return Err(ErrorCode::InvalidStatement),
         }
         self.store();
         self.send(&Message::Feedback(Feedback::RestoringDefaults));
         self.configure();
+        self.refresh_motors();
         Ok(Outcome::Reset)
     }
 

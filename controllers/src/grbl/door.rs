@@ -1,6 +1,6 @@
 //! The safety door.
 
-use husillo_transports::grbl::{Alarm, Feedback, Message};
+use husillo_transports::grbl::{Alarm, Feedback};
 
 use super::recovery::After;
 use super::{Grbl, Phase};
@@ -52,7 +52,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             Phase::Tool => return,
             Phase::Idle | Phase::Hold(false) | Phase::Door(_) => self.door_stopped(),
         }
-        self.send(&Message::Feedback(Feedback::CheckDoor));
+        self.tell(Feedback::CheckDoor);
     }
 
     /// Switches the outputs off when the axes are at rest.

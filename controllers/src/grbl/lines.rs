@@ -1,6 +1,6 @@
 //! Execution of lines, one after another, and their answers.
 
-use husillo_gcode::{Command, Commands, Feed, Nm, SpindleDirection};
+use husillo_gcode::{Command, Commands, Nm, SpindleDirection};
 use husillo_machine::MoveError;
 use husillo_transports::grbl::{ErrorCode, Feedback, Line, Message, Text};
 
@@ -299,7 +299,6 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             line: given.line,
             milli_rpm: modal.spindle().1,
             is_dynamic: modal.spindle().0 == SpindleDirection::CounterClockwise,
-            nm_per_s: 0,
         };
         self.modal = modal;
         self.tool = given.tool;
@@ -409,7 +408,13 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
                 feed,
                 away,
                 must,
-            } => self.begin_probe(Command::Linear { to, feed }, away, must),
+            } => {
+                if self.is_probe_closed() == away && self.leaves_travel(&to) {
+                    self.task = Task::SoftLimit;
+                } else {
+                    self.begin_probe(Command::Linear { to, feed }, away, must);
+                }
+            }
             Command::Stop { optional: false } => {
                 self.task = Task::Pause;
                 self.phase = Phase::Hold(false);
@@ -496,28 +501,17 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             return false;
         }
         let is_rapid = matches!(command, Command::Rapid { .. });
-        let nm_per_s = match command {
-            Command::Linear {
-                feed: Feed::PerMinute(feed),
-                ..
-            }
-            | Command::Arc {
-                feed: Feed::PerMinute(feed),
-                ..
-            } => u32::try_from(feed.0 / 60).unwrap_or(u32::MAX),
-            _ => self.machine.speed_nm_per_s(),
-        };
         let tag = Tag {
             milli_rpm: if is_rapid { 0 } else { self.tag.milli_rpm },
-            nm_per_s,
             ..self.tag
         };
-        // The remainder is below 16.
-        if let Some(slot) = self.tags.get_mut((self.tag_count % 16) as usize) {
+        // There is a slot for each move that the queue holds, so that of the executing move is kept.
+        if let Some(slot) = self.tags.get_mut(self.next_tag as usize) {
             *slot = tag;
         }
-        if self.machine.push(command, self.tag_count).is_ok() {
-            self.tag_count = self.tag_count.wrapping_add(1);
+        if self.machine.push(command, self.next_tag).is_ok() {
+            let next = self.next_tag.wrapping_add(1);
+            self.next_tag = if next < QUEUE as u32 { next } else { 0 };
         }
         self.start_us = START_US;
         true

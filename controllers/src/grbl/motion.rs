@@ -18,8 +18,6 @@ pub(super) struct Tag {
     pub(super) milli_rpm: u64,
     /// Whether the power is proportional to the speed (M4).
     pub(super) is_dynamic: bool,
-    /// Programmed speed.
-    pub(super) nm_per_s: u32,
 }
 
 /// The next event of the motors.
@@ -62,9 +60,8 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
 
     /// Returns the tag of the present move.
     pub(super) fn executing(&self) -> Option<Tag> {
-        let number = self.machine.executing_tag()?;
-        // The remainder is below 16.
-        self.tags.get((number % 16) as usize).copied()
+        let slot = self.machine.executing_tag()?;
+        self.tags.get(slot as usize).copied()
     }
 
     pub(super) fn motion(&mut self) -> Next {
@@ -176,6 +173,9 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
     /// Ends a motion, or a cancelled jog.
     pub(super) fn end_motion(&mut self) {
         if self.is_cancelling || self.machine.is_held() {
+            // A jog may wait for a slot of the queue.
+            self.next = None;
+            self.commands.clear();
             self.drop_moves();
             self.is_cancelling = false;
         }
@@ -205,8 +205,6 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
 
     /// Returns the time until something is due, at most [`LONGEST_WAIT_US`].
     pub(super) fn wait_us(&self) -> Option<u32> {
-        let dwell = matches!(self.task, Task::Dwell) && self.phase != Phase::Hold(false);
-        let dwell = dwell.then(|| u32::try_from(self.dwell_us).unwrap_or(u32::MAX));
         let start = self.machine.queued() > 0 && self.phase == Phase::Idle;
         let start = start.then_some(self.start_us);
         let waits = [
@@ -217,7 +215,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             Some(self.brake_us),
             Some(self.merge_us),
             Some(self.accidents.wait_us()),
-            dwell,
+            self.dwell_wait_us(),
             start,
         ];
         #[cfg(feature = "grblhal")]
@@ -270,7 +268,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         if self.is_hal() {
             self.hal_pass(us);
         }
-        if self.task == Task::Dwell && self.phase != Phase::Hold(false) {
+        if self.is_dwelling() {
             self.dwell_us = self.dwell_us.saturating_sub(us.into());
         }
         if let Some(left) = self.idle_us {

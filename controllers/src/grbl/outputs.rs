@@ -1,5 +1,7 @@
 //! Levels of the output pins.
 
+use core::mem::discriminant;
+
 use husillo_gcode::SpindleDirection;
 
 use super::block::motion_code;
@@ -21,13 +23,23 @@ pub(super) struct Driven {
 }
 
 impl<const QUEUE: usize> Grbl<QUEUE> {
+    /// Appends an event. One of the same kind that is not made yet is replaced, so there are never
+    /// more than there are kinds.
+    pub(super) fn switch(&mut self, event: GrblEvent) {
+        let kind = discriminant(&event);
+        match self.events.find_mut(|other| discriminant(other) == kind) {
+            Some(other) => *other = event,
+            None => self.events.push(event),
+        }
+    }
+
     /// Switches the motors on or off.
     pub(super) fn drive_motors(&mut self, on: bool) {
         self.driven.motors = on;
         let is_high = on == self.settings().is_set(4);
         if is_high != self.driven.disable_high {
             self.driven.disable_high = is_high;
-            self.events.push(GrblEvent::Disable { is_high });
+            self.switch(GrblEvent::Disable { is_high });
         }
     }
 
@@ -48,7 +60,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             let is_high = outputs.direction == SpindleDirection::CounterClockwise;
             if is_high != self.driven.counter_clockwise {
                 self.driven.counter_clockwise = is_high;
-                self.events.push(GrblEvent::SpindleDirection { is_high });
+                self.switch(GrblEvent::SpindleDirection { is_high });
             }
         }
         let power = self.power();
@@ -57,12 +69,12 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         if flows(outputs.flood) != self.driven.flood {
             self.driven.flood = flows(outputs.flood);
             let is_on = self.driven.flood;
-            self.events.push(GrblEvent::Flood { is_on });
+            self.switch(GrblEvent::Flood { is_on });
         }
         if flows(outputs.mist) != self.driven.mist {
             self.driven.mist = flows(outputs.mist);
             let is_on = self.driven.mist;
-            self.events.push(GrblEvent::Mist { is_on });
+            self.switch(GrblEvent::Mist { is_on });
         }
     }
 
@@ -88,7 +100,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         self.driven.milli_rpm = milli_rpm;
         if duty != self.driven.duty {
             self.driven.duty = duty;
-            self.events.push(GrblEvent::SpindleDuty { duty });
+            self.switch(GrblEvent::SpindleDuty { duty });
         }
     }
 
@@ -106,7 +118,8 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
                 let speed = u64::from(self.machine.speed_nm_per_s());
                 // The power is below 2^42, because `$30` limits it. The speed is below 2^32.
                 let power = u128::from(tag.milli_rpm).wrapping_mul(speed.into());
-                let power = power.checked_div(u128::from(tag.nm_per_s.max(1)));
+                let feed = self.machine.executing_feed_nm_per_s().unwrap_or(0);
+                let power = power.checked_div(u128::from(feed.max(1)));
                 u64::try_from(power.unwrap_or(0)).unwrap_or(u64::MAX)
             }
             Some(tag) => tag.milli_rpm,

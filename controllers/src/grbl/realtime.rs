@@ -1,13 +1,16 @@
 //! Real-time bytes and buttons.
 
 use husillo_gcode::Block;
-use husillo_transports::grbl::{Feedback, Message, Realtime};
+use husillo_transports::grbl::{Feedback, Realtime};
 
 use super::door::DoorStep;
-use super::{Grbl, GrblInputs, Phase, Task};
+use super::{Grbl, GrblInputs, Phase, ROOM_FOR_REPORT, Task};
 
 /// Further requests for a report are ignored for this time after a report, in microseconds.
 const MERGE_US: u32 = 600;
+/// During a dwell requests are handled at whole multiples of this time before its end, as in Grbl,
+/// in microseconds.
+const DWELL_STEP_US: u64 = 50_000;
 
 /// Requests of real-time bytes and buttons that are not handled yet.
 #[derive(Clone, Copy, Debug, Default)]
@@ -107,14 +110,27 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         self.options.has_door && !self.inputs.door
     }
 
+    /// Whether the time of a dwell passes.
+    pub(super) fn is_dwelling(&self) -> bool {
+        self.task == Task::Dwell && self.phase == Phase::Idle
+    }
+
+    /// Returns the time until requests are handled during a dwell, or until its end.
+    pub(super) fn dwell_wait_us(&self) -> Option<u32> {
+        if !self.is_dwelling() {
+            return None;
+        }
+        let rest = self.dwell_us.checked_sub(1)? % DWELL_STEP_US;
+        Some(rest.wrapping_add(1) as u32) // at most one step
+    }
+
     /// Handles the requests. Returns whether there may be more to do.
     pub(super) fn take_flags(&mut self) -> bool {
-        let is_dwelling = self.task == Task::Dwell && self.phase == Phase::Idle;
-        if is_dwelling && !self.dwell_us.is_multiple_of(50_000) {
-            // During a dwell requests are handled every 50 ms, as in Grbl.
+        if self.is_dwelling() && !self.dwell_us.is_multiple_of(DWELL_STEP_US) {
             return false;
         }
-        if self.flags.status && self.phase != Phase::Home {
+        let has_room = self.room() >= ROOM_FOR_REPORT;
+        if self.flags.status && self.phase != Phase::Home && has_room {
             self.flags.status = false;
             self.merge_us = MERGE_US;
             self.report_status();
@@ -192,23 +208,28 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
                 self.resume_moves();
                 #[cfg(feature = "grblhal")]
                 if self.is_hal() {
-                    self.send(&Message::Feedback(Feedback::Other(b"")));
-                }
-                if self.task == Task::Pause {
-                    self.task = Task::Block;
+                    self.tell(Feedback::Other(b""));
                 }
             }
             Phase::Door(DoorStep::Stands) if !self.is_door_open() => self.restore(),
             Phase::Idle => self.start_us = 0,
             #[cfg(feature = "grblhal")]
-            Phase::Tool => self.hal_resume_change(),
+            Phase::Tool if !self.is_door_open() => self.hal_resume_change(),
             _ => {}
         }
     }
 
-    /// Continues with the queued moves, if there are any.
+    /// Continues with the program, or ends a probe move that has found its contact.
     pub(super) fn resume_moves(&mut self) {
+        if matches!(self.task, Task::Probe { .. }) && self.contact.is_some() {
+            return self.probe_stopped();
+        }
+        if self.task == Task::Pause {
+            self.task = Task::Block;
+        }
         self.machine.resume();
+        // The hold may have ended before Grbl's segments.
+        self.brake_us = 0;
         let has_moves = self.machine.queued() > 0 || self.rest.is_some();
         self.phase = if has_moves { Phase::Run } else { Phase::Idle };
     }
@@ -218,7 +239,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         self.report_overrides();
         self.drive();
         if !self.outputs.is_stopped {
-            self.send(&Message::Feedback(Feedback::RestoringSpindle));
+            self.tell(Feedback::RestoringSpindle);
         }
     }
 

@@ -76,8 +76,8 @@ pub fn stop() {
 
 #[exception]
 fn SysTick() {
-    // It would begin again.
-    set(SYSTICK_CONTROL, 0);
+    // It would begin again, and after a short wait it has done so already.
+    stop();
     // Safety: this is an interrupt's handler.
     crate::on_time(unsafe { crate::section() });
 }

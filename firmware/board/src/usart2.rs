@@ -13,6 +13,7 @@ const DATA: usize = 0x4000_4404;
 const BAUD: usize = 0x4000_4408;
 const CONTROL: usize = 0x4000_440c;
 /// Bits of `STATUS`.
+const IS_OVERRUN: u32 = 1 << 3;
 const HAS_BYTE: u32 = 1 << 5;
 const IS_SENT: u32 = 1 << 6;
 const IS_FREE: u32 = 1 << 7;
@@ -48,9 +49,17 @@ pub fn is_sent() -> bool {
     read(STATUS) & IS_SENT != 0
 }
 
-/// The interrupt of a received byte.
+/// The interrupt of a received byte, or of a lost one. A loss that the status has shown ends when
+/// the data register is read, even if no byte waits there.
 pub extern "C" fn on_interrupt() {
-    while read(STATUS) & HAS_BYTE != 0 {
-        crate::heard(read(DATA) as u8);
+    loop {
+        let status = read(STATUS);
+        if status & (HAS_BYTE | IS_OVERRUN) == 0 {
+            return;
+        }
+        let byte = read(DATA) as u8;
+        if status & HAS_BYTE != 0 {
+            crate::heard(byte);
+        }
     }
 }

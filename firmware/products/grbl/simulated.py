@@ -18,7 +18,8 @@ from husillo_firmware.emulated import same
 from husillo_firmware.esp32c3 import CODE, DATA, Esp32c3
 from husillo_firmware.rp2040 import Rp2040
 from husillo_firmware.rp2350 import FLASH, Rp2350
-from husillo_firmware.simulated import Chip
+from husillo_firmware.simulated import Chip, Edge
+from husillo_firmware.stm32f446 import Stm32f446
 from husillo_firmware.waiting import require
 
 from products.grbl import dialogue
@@ -29,6 +30,8 @@ BOOT_US = 100_000
 # The longest time until the firmware has read the inputs, or obeyed a byte.
 NOTICED_US = 20_000
 PULSE_US, TOLERANCE_US = 37, 3
+# The shortest pulse that the motors' drivers are sure to see, and that of Grbl.
+LEAST_US, USUAL_US = 8, 10
 # Lines of a short program.
 SHORT = 50
 # More changes of a setting than fit into a sector of the flash.
@@ -82,6 +85,15 @@ TABLES = {
         {7: "X", 10: "Y", 20: "Z", 6: "P", 9: "H"},
         0x6001_9008,
         (128 << 4, 256 << 4),
+    ),
+    "nucleo_f446": Table(
+        Board("nucleo_f446", "thumbv7em-none-eabihf", (), 0x2000_0000, 128 << 10, "s"),
+        Stm32f446,
+        (10, 19, 21, 20, 26, 8),
+        9,
+        {39: "X", 22: "Y", 6: "Z", 32: "P", 34: "D", 1: "H", 4: "S"},
+        0x4000_0438,
+        (128, 255),
     ),
     "pico": pico("thumbv6m-none-eabi", Rp2040, 256 << 10),
     "pico2": pico("thumbv8m.main-none-eabihf", Rp2350, 512 << 10),
@@ -195,6 +207,27 @@ def keeps(table: Table, flash: bytearray) -> None:
     require(program == flash[: len(program)], f"{table}: the program in the flash has changed")
 
 
+def pulses(table: Table, edges: list[Edge]) -> list[float]:
+    """The times of the pulses of X."""
+    step = 1 << table.motors[0]
+    rises = [edge.us for edge in edges if edge.levels & step]
+    falls = [edge.us for edge in edges if not edge.levels & step][-len(rises) :]
+    return [fall - rise for rise, fall in zip(rises, falls, strict=True)]
+
+
+def late(table: Table, flash: bytearray) -> None:
+    """A step that was queued after it was due has a whole pulse."""
+    with Simulated(table, flash[:]) as grbl:
+        for line in (f"$0={USUAL_US}", "$100=1000", "$110=12000", "$120=2000"):
+            require(grbl.ask(line) == ["ok"], f"{table}: {line}")
+        begin = len(grbl.chip.edges)
+        grbl.ask("G91 G1 X1 F12000")
+        grbl.ask("G4 P0.01")
+        times = pulses(table, grbl.chip.edges[begin:])
+        same(f"{table}: steps that are late", len(times), 1000)
+        require(min(times) > LEAST_US, f"{table}: a pulse of {min(times):.2f} us")
+
+
 def pins(table: Table, flash: bytearray) -> None:
     """Inputs, outputs, and the time of a pulse."""
     with Simulated(table, flash[:]) as grbl:
@@ -217,10 +250,7 @@ def pins(table: Table, flash: bytearray) -> None:
         grbl.ask("G91 G1 X0.1 F600")
         grbl.ask("G4 P0.01")
         require(chip.levels >> table.motors_off & 1 == 0, f"{table}: the motors stay off")
-        step = 1 << table.motors[0]
-        rises = [edge.us for edge in chip.edges[begin:] if edge.levels & step]
-        falls = [edge.us for edge in chip.edges[begin:] if not edge.levels & step][-len(rises) :]
-        times = [fall - rise for rise, fall in zip(rises, falls, strict=True)]
+        times = pulses(table, chip.edges[begin:])
         are_good = all(abs(us - PULSE_US) < TOLERANCE_US for us in times)
         require(len(times) == 25 and are_good, f"{table}: pulses of {times} us")
 
@@ -271,6 +301,11 @@ def main(arguments: list[str]) -> int:
         flash = flashed(table)
         if table.chip is Esp32c3:
             loads(table.chip(flash))
+        if table.chip is Stm32f446:
+            # The rest is run in QEMU.
+            pins(table, flash)
+            late(table, flash)
+            continue
         for check in (dialogues, keeps, pins, stops, is_deaf):
             check(table, flash)
         lines = [*program()[: table.lines], WAIT]

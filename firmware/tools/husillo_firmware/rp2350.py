@@ -7,21 +7,21 @@ function of the boot ROM for the flash, interrupts, and the USB with a host.
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar
 
 from unicorn import arm_const as arm
 from unicorn.unicorn import Uc
-from unicorn.unicorn_const import UC_ARCH_ARM, UC_HOOK_CODE, UC_MODE_MCLASS, UC_MODE_THUMB
+from unicorn.unicorn_const import UC_HOOK_CODE
 
-from husillo_firmware.simulated import LONGEST_SLEEP_US, Chip
+from husillo_firmware.cortex_m import CortexM
+from husillo_firmware.simulated import LONGEST_SLEEP_US
 from husillo_firmware.usb_host import INTERRUPTS, MEMORY_BYTES, Usb
 
 # The host makes its next transaction after this time.
 POLL_US = 20
 FLASH = 0x1000_0000
-RAM, RAM_BYTES = 0x2000_0000, 512 << 10
+RAM_BYTES = 512 << 10
 ROM_BYTES, LOOKUP, FLASH_OP = 0x1000, 0x100, 0x200
 # The parts of the address space with registers, and their lengths.
 REGISTERS = (
@@ -32,63 +32,37 @@ REGISTERS = (
 )
 USB_MEMORY, USB = 0x5010_0000, 0x5011_0000
 TIMER_RAW, TIMER_ENABLE = 0x400B_003C, 0x400B_0040
-NVIC_ENABLE, VECTORS = 0xE000_E100, 0xE000_ED08
-# Where a handler returns to, without the bit of Thumb.
-RETURN = 0xFFFF_FFF8
+NVIC_ENABLE = 0xE000_E100
 TIMER_INTERRUPT = 0
 
 
 @dataclass
-class Rp2350(Chip):
+class Rp2350(CortexM):
     """The chip."""
 
     core_mhz = 150
-    sleep = b"\x30\xbf"
-    mode = 1
-    model: ClassVar[int] = arm.UC_CPU_ARM_CORTEX_M33
+    model = arm.UC_CPU_ARM_CORTEX_M33
     usb_interrupt: ClassVar[int] = 14
-    vectors: ClassVar[int] = FLASH
+    program = FLASH
+    vectors = FLASH
+    ram_bytes = RAM_BYTES
     parts: ClassVar[tuple[tuple[int, int], ...]] = REGISTERS
-    end = RETURN
 
     alarm_us: int | None = None
     polled: int = 0
 
     def processor(self) -> Uc:
-        cpu = Uc(UC_ARCH_ARM, UC_MODE_THUMB | UC_MODE_MCLASS)
-        cpu.ctl_set_cpu_model(self.model)
-        for begin, length in ((0, ROM_BYTES), (FLASH, self.flash_bytes), (RAM, RAM_BYTES)):
-            cpu.mem_map(begin, length)
-        cpu.mem_write(FLASH, bytes(self.flash))
+        cpu = super().processor()
+        cpu.mem_map(0, ROM_BYTES)
         # Every function of the boot ROM returns at once.
         cpu.mem_write(0, b"\x70\x47" * (ROM_BYTES // 2))
         cpu.mem_write(0x16, struct.pack("<H", LOOKUP | 1))
         cpu.hook_add(UC_HOOK_CODE, self.call, begin=0, end=ROM_BYTES)
-        for begin, length in self.parts:
-            cpu.mmio_map(begin, length, self.reader(begin), None, self.writer(begin), None)
         return cpu
 
     def start(self) -> None:
-        stack, entry = struct.unpack_from("<II", self.flash, self.vectors - FLASH)
-        self.cpu.reg_write(arm.UC_ARM_REG_SP, stack)
-        self.at = entry & ~1
+        super().start()
         self.usb = Usb(self.to_chip, self.to_host)
-
-    def reader(self, base: int) -> Callable[[Uc, int, int, object], int]:
-        """Reads a part of the address space."""
-        return lambda _, offset, size, __: self.read(self.place(base + offset), size)
-
-    def writer(self, base: int) -> Callable[[Uc, int, int, int, object], None]:
-        """Writes a part of the address space."""
-        return lambda _, offset, size, value, __: self.change(base + offset, size, value)
-
-    def place(self, address: int) -> int:
-        """Where an RP2350 has the register with this address."""
-        return address
-
-    def change(self, address: int, size: int, value: int) -> None:
-        """Writes to an address."""
-        self.write(address, size, value)
 
     def read(self, address: int, size: int) -> int:
         """A register."""
@@ -174,45 +148,8 @@ class Rp2350(Chip):
         cpu.mem_write(FLASH + second, bytes(self.flash[second : second + third]))
         cpu.reg_write(arm.UC_ARM_REG_R0, 0)
 
-    def permits(self) -> bool:
-        return not self.cpu.reg_read(arm.UC_ARM_REG_PRIMASK) & 1
-
-    def enter(self, number: int) -> None:
-        cpu = self.cpu
-        saved = [cpu.reg_read(arm.UC_ARM_REG_R0 + n) for n in range(4)]
-        saved += [cpu.reg_read(arm.UC_ARM_REG_R12), cpu.reg_read(arm.UC_ARM_REG_LR), self.at]
-        stack = cpu.reg_read(arm.UC_ARM_REG_SP)
-        frame = (stack - 32) & ~7
-        # Bit 9 tells that the frame was aligned.
-        flags = cpu.reg_read(arm.UC_ARM_REG_XPSR) & ~(1 << 9) | int(frame != stack - 32) << 9
-        cpu.mem_write(frame, struct.pack("<8I", *saved, flags))
-        cpu.reg_write(arm.UC_ARM_REG_SP, frame)
-        cpu.reg_write(arm.UC_ARM_REG_LR, RETURN | 1)
-        table = self.registers.get(VECTORS, self.vectors)
-        (handler,) = struct.unpack("<I", cpu.mem_read(table + 64 + 4 * number, 4))
-        assert handler & 1, f"interrupt {number} has no handler"
-        self.at = handler & ~1
-
-    def leaves(self) -> bool:
-        if self.at != RETURN:
-            return False
-        cpu = self.cpu
-        frame = cpu.reg_read(arm.UC_ARM_REG_SP)
-        values = struct.unpack("<8I", cpu.mem_read(frame, 32))
-        for number in range(4):
-            cpu.reg_write(arm.UC_ARM_REG_R0 + number, values[number])
-        cpu.reg_write(arm.UC_ARM_REG_R12, values[4])
-        cpu.reg_write(arm.UC_ARM_REG_LR, values[5])
-        cpu.reg_write(arm.UC_ARM_REG_SP, frame + 32 + 4 * (values[7] >> 9 & 1))
-        cpu.reg_write(arm.UC_ARM_REG_XPSR, values[7])
-        self.at = values[6]
-        return True
-
     def events(self) -> list[int]:
         times = [self.polled + POLL_US * self.core_mhz + 1]
         if self.alarm_us is not None and self.alarm_us > self.us:
             times.append(self.alarm_us * self.core_mhz)
         return times
-
-    def counter(self) -> int:
-        return int(self.cpu.reg_read(arm.UC_ARM_REG_PC)) & ~1

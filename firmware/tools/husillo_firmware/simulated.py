@@ -13,8 +13,6 @@ from typing import ClassVar
 
 from unicorn.unicorn import Uc, UcError
 
-# The most instructions between two looks at the interrupts.
-SLICE = 1000
 # The most time that passes at once while the processor sleeps.
 LONGEST_SLEEP_US = 1000
 
@@ -34,6 +32,8 @@ class Chip(ABC):
     core_mhz: ClassVar[int]
     # An instruction that waits for interrupts.
     sleep: ClassVar[bytes]
+    # The most instructions between two looks at the interrupts.
+    at_once: ClassVar[int] = 1000
     flash_bytes: ClassVar[int] = 4 << 20
     # Added to an address at which execution begins, and an address at which it ends.
     mode: ClassVar[int] = 0
@@ -129,7 +129,7 @@ class Chip(ABC):
                 self.is_handling = True
                 self.enter(number)
             # Not beyond the next event, so that the time of its interrupt is exact.
-            self.go(min(SLICE, self.next() - self.clocks))
+            self.go(min(self.at_once, self.next() - self.clocks))
 
     def next(self) -> int:
         """When something may happen next, in clocks."""

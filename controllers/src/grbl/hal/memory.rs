@@ -47,6 +47,16 @@ impl HalMemory {
         }
     };
 
+    pub(in super::super) const fn restore_settings(&mut self) {
+        self.extras = Self::FACTORY.extras;
+    }
+
+    /// Restores frames, shift and tools. The tool in the spindle is the same.
+    pub(in super::super) const fn restore_places(&mut self) {
+        self.places = Self::FACTORY.places;
+        self.tools = Self::FACTORY.tools;
+    }
+
     /// Returns the stored form.
     pub(in super::super) fn bytes(&self) -> impl Iterator<Item = u8> + '_ {
         let extras = self.extras.iter().flat_map(|value| value.to_le_bytes());

@@ -1,8 +1,8 @@
 //! Real-time bytes beyond those of Grbl.
 
-use husillo_transports::grbl::{Feedback, Message, Receiver};
+use husillo_transports::grbl::{Feedback, Receiver};
 
-use super::super::{Grbl, Phase, Task};
+use super::super::{Grbl, Phase, ROOM_FOR_REPORT, Task};
 
 /// Requests that are not handled yet.
 #[derive(Clone, Copy, Debug)]
@@ -47,7 +47,16 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
 
     /// Handles the requests. Returns whether there may be more to do.
     pub(in super::super) fn hal_take_flags(&mut self) -> bool {
-        let flags = core::mem::replace(&mut self.hal.flags, HalFlags::NONE);
+        let mut flags = core::mem::replace(&mut self.hal.flags, HalFlags::NONE);
+        if self.room() < ROOM_FOR_REPORT {
+            // Reports wait, other requests do not.
+            self.hal.flags = HalFlags {
+                stop: false,
+                tool: false,
+                ..flags
+            };
+            (flags.full_report, flags.report, flags.modal) = (false, false, false);
+        }
         if flags.full_report || flags.report {
             self.hal_report(flags.full_report);
         }
@@ -66,7 +75,7 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
     /// Stops like a reset, without one: lines and moves are dropped, and outputs go off. Moves
     /// brake first.
     fn hal_stop(&mut self) {
-        self.send(&Message::Feedback(Feedback::Other(b"Stop")));
+        self.tell(Feedback::Other(b"Stop"));
         self.receiver.clear();
         self.hal.reader.clear();
         self.hal.shown.with_accessories = true;

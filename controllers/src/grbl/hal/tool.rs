@@ -6,7 +6,7 @@ use husillo_transports::grbl::{Alarm, ErrorCode, Text};
 use super::super::block::units_code;
 use super::super::lines::{Outcome, Task};
 use super::super::recovery::After;
-use super::super::{Grbl, Phase};
+use super::super::{Grbl, Phase, ROOM_FOR_REPORT};
 use super::setting::{
     CHANGE_MODE, CHANGE_OPTIONS, LOCATE_RATE, PROBE_DISTANCE, PULL_OFF_RATE, SEEK_RATE,
 };
@@ -303,7 +303,9 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
         if mode == Mode::ByHand {
             // The position is where the operator has left it.
             self.hal_finish_change();
-            self.hal_report(false);
+            if self.room() >= ROOM_FOR_REPORT {
+                self.hal_report(false);
+            }
         }
     }
 

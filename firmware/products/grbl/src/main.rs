@@ -29,7 +29,7 @@ use static_cell::StaticCell;
 use step_direction::{MIST, Motors, STEPS};
 use switches::Switches;
 
-/// Moves of look-ahead. A move takes 248 bytes of RAM.
+/// Moves of look-ahead. A move takes 264 bytes of RAM.
 const LOOK_AHEAD: usize = 24;
 
 type Grbl = husillo_controllers::Grbl<LOOK_AHEAD>;

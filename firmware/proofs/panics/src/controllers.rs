@@ -111,6 +111,7 @@ pub fn keep() {
         <Grbl as Controller>::receive as *const (),
         <Grbl as Controller>::next_event as *const (),
         <Grbl as Controller>::made as *const (),
+        <Grbl as Controller>::has_event as *const (),
         <Grbl as Controller>::transmit as *const (),
         <Grbl as Controller>::reset as *const (),
         <GrblStops as StopBytes>::takes as *const (),

@@ -90,6 +90,7 @@ pub fn keep() {
         SmoothMachine::set_feed_override as *const (),
         SmoothMachine::set_rapid_override as *const (),
         SmoothMachine::speed_nm_per_s as *const (),
+        SmoothMachine::executing_feed_nm_per_s as *const (),
         SmoothMachine::next_event as *const (),
         SmoothMachine::fill as *const (),
         SmoothMachine::abort as *const (),
