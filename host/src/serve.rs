@@ -36,6 +36,7 @@ mod run_record;
 mod site;
 mod socket;
 mod timetable;
+mod tool_changes;
 mod tool_path;
 
 use crate::app::Failure;

@@ -24,6 +24,9 @@ const PAD = /** @type {(["X" | "Y", 1 | -1] | null)[]} */ ([
     null,
 ]);
 
+/** States of a machine in which it can be moved. */
+const MOVABLE = ["Idle", "Jog", "Tool"];
+
 /** Motion by hand. A machine says what a jog and a step are. */
 export class ByHand {
     /**
@@ -208,7 +211,7 @@ export class ByHand {
     get mayMove() {
         const { desk } = this;
         const word = desk.state?.state;
-        return desk.mayCommand && !desk.isUnderWay && (word === "Idle" || word === "Jog");
+        return desk.mayCommand && !desk.isOfProgram && MOVABLE.includes(word ?? "");
     }
 
     /** Why none may begin, in words; empty if one may. */
@@ -218,7 +221,7 @@ export class ByHand {
         if (desk.link.status !== "up") return words.whyNoLink;
         if (desk.state?.link !== "up") return words.whyNoController;
         if (!desk.isOperator) return words.whyWatching;
-        if (desk.isUnderWay) return words.whyProgram;
+        if (desk.isOfProgram) return words.whyProgram;
         if (desk.state.state === "Alarm") return words.whyAlarm;
         return words.whyBusy;
     }

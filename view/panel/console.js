@@ -80,8 +80,8 @@ export class Console {
         const word = desk.state?.state ?? "";
         const may =
             desk.mayCommand &&
-            !desk.isUnderWay &&
-            ["Idle", "Alarm", "Check", "Jog"].includes(word);
+            !desk.isOfProgram &&
+            ["Idle", "Alarm", "Check", "Jog", "Tool"].includes(word);
         // The field stays open, so that a line can be written while the machine moves.
         disable(this.send, !may);
         // These take single keys, records, or the bytes of their modules.

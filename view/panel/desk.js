@@ -50,6 +50,13 @@ const MOST_POINTS = 100_000;
  * @property {string | null} message
  * @property {number} [runs] how many have ended: the last one has a report
  * @property {number | null} [resume_line] the line with which an interrupted program goes on
+ * @property {Change | null} [change] the tool that the operator puts in now
+ *
+ * @typedef {object} Change of a tool
+ * @property {number | null} tool its number, if the program has one
+ * @property {string} note the comment of its line
+ * @property {number} line
+ * @property {number | null} kind `$341` of a controller that has its own protocol for it
  *
  * @typedef {object} State
  * @property {number} number
@@ -72,6 +79,7 @@ const MOST_POINTS = 100_000;
  * @property {string[]} modal
  * @property {string | null} offset
  * @property {number | null} tool
+ * @property {number | null} [tool_length_mm] that is in effect
  * @property {number | null} operator
  * @property {number} clients
  * @property {{client: number, jog: number} | null} jog
@@ -222,9 +230,19 @@ export class Desk {
         return ["running", "held", "waiting", "stopping"].includes(phase);
     }
 
+    /** The change of a tool for which a program waits. @returns {Change | undefined} */
+    get change() {
+        return this.state?.program?.change ?? undefined;
+    }
+
+    /** Whether a program has the machine. While it waits for a tool, the operator has it. */
+    get isOfProgram() {
+        return this.isUnderWay && !this.change;
+    }
+
     /** Whether the machine stands and waits for commands. */
     get isIdle() {
-        return this.state?.state === "Idle" && !this.isUnderWay;
+        return this.state?.state === "Idle" && !this.isOfProgram;
     }
 
     /** Whether something moves or is about to. */

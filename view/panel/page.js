@@ -11,6 +11,7 @@ import { FactoryStatus } from "husillo/panel/factory.js";
 import { FactoryHand } from "husillo/panel/factory_hand.js";
 import { Gamepads } from "husillo/panel/gamepad.js";
 import { Header } from "husillo/panel/header.js";
+import { HeightMap } from "husillo/panel/height_map.js";
 import { Jog } from "husillo/panel/jog.js";
 import { Joystick } from "husillo/panel/joystick.js";
 import { Keys } from "husillo/panel/keys.js";
@@ -27,6 +28,7 @@ import { Settings } from "husillo/panel/settings.js";
 import { Outputs, Speeds } from "husillo/panel/speeds.js";
 import { Stop } from "husillo/panel/stop.js";
 import { tabs } from "husillo/panel/tabs.js";
+import { ToolChange } from "husillo/panel/tool_change.js";
 import { Units } from "husillo/panel/units.js";
 import { Wizard } from "husillo/panel/wizard.js";
 
@@ -47,9 +49,11 @@ export function fillPage(place, desk, words) {
     const jogs = [jog, millJog, drillHand, factoryHand, joystick];
     const shownJog = () => jogs.find((one) => one.isShown) ?? jog;
     const wizard = new Wizard(desk, words);
+    const heights = new HeightMap(desk, words, wizard);
     const stop = new Stop(desk, words, () => {
         for (const one of jogs) one.hold.end("stop");
         wizard.stop();
+        heights.stop();
     });
     const header = new Header(desk, words, stop.root);
     const notices = new Notices(desk, words);
@@ -66,9 +70,16 @@ export function fillPage(place, desk, words) {
     });
     const more = tabs(words.more, [
         { id: "probing", name: words.probingTab, content: wizard.root },
+        { id: "heights", name: words.heightMap, content: heights.root },
         { id: "settings", name: words.settings, content: new Settings(desk, words).root },
         { id: "macros", name: words.macros, content: new Macros(desk, words).root },
     ]);
+    const toolChange = new ToolChange(desk, words, wizard, () => {
+        more.choose("probing");
+        wizard.choose("tool");
+        more.root.scrollIntoView({ block: "start" });
+        wizard.begin.focus({ preventScroll: true });
+    });
     desk.listen(() => {
         program.root.hidden = !desk.offers.has("program");
         more.offer(desk.offers);
@@ -104,6 +115,7 @@ export function fillPage(place, desk, words) {
                 new MillPlot(desk, words).root,
                 drillStatus.root,
                 new DrillBoard(desk, words, program).root,
+                toolChange.root,
                 program.root,
                 new RoutinePanel(desk, words).root,
                 new Confirmation(desk, words).root,

@@ -26,6 +26,8 @@ export class LinkedRig {
 
     /** Ends the cycle: no further move is sent. */
     stop() {
+        // What is shown anew may stop once more.
+        if (this.isStopped) return;
         this.isStopped = true;
         // Who waits for a state is woken.
         this.desk.changed();

@@ -7,6 +7,7 @@ import { button, element } from "husillo/viewer/element.js";
 import { duration } from "husillo/viewer/quantity.js";
 import { disable, fill, put, toggle } from "husillo/panel/change.js";
 import { lineState } from "husillo/panel/line_state.js";
+import { toolText } from "husillo/panel/tool_change.js";
 
 /** @typedef {import("husillo/panel/desk.js").Desk} Desk */
 /** @typedef {import("husillo/panel/desk.js").Running} Running */
@@ -140,7 +141,8 @@ export class Run {
         // A figure is cut from its begin to its end.
         this.waits.hidden = this.pause.hidden = this.resume.hidden =
             desk.family === "microfactory";
-        const mayStart = desk.mayCommand && desk.isIdle && program.errors === 0;
+        const isFree = desk.isIdle && !desk.isUnderWay;
+        const mayStart = desk.mayCommand && isFree && program.errors === 0;
         disable(this.start, !mayStart);
         disable(this.fromButton, !mayStart);
         this.fromField.hidden = this.fromButton.hidden = !desk.offers.has("from");
@@ -234,6 +236,7 @@ export class Run {
             element("strong", {}, `${words.startAsk} ${plan.name}`),
             element("p", {}, `${plan.lines} ${this.unit.many}${time}`),
             ...(plan.from ? [element("p", {}, `${this.unit.one} ${plan.from}${first}`)] : []),
+            ...this.tools(plan.changes ?? []),
             ...(plan.state
                 ? [
                       element("p", {}, words.stateBefore),
@@ -250,6 +253,20 @@ export class Run {
                 element("p", { class: "error" }, warning)
             ),
         ];
+    }
+
+    /**
+     * The tools that the program asks for.
+     *
+     * @param {import("husillo/panel/desk.js").Change[]} changes
+     */
+    tools(changes) {
+        const { words } = this;
+        if (changes.length === 0) return [];
+        const items = changes.map((change) =>
+            element("li", {}, `${toolText(change, words)}: ${words.line} ${change.line}`)
+        );
+        return [element("p", {}, words.toolsOf), element("ul", {}, ...items)];
     }
 
     /** @param {object} fields */

@@ -219,6 +219,43 @@ export const SPANISH = {
     kept: "✓ dentro",
     notKept: "✗ fuera de tolerancia",
     spoiled: "no válido",
+    heightMap: "Mapa de alturas",
+    mapHeights: "Alturas",
+    mapMeasure: "Medir el mapa",
+    mapZero: "Cero de Z en el primer punto",
+    mapOn: "Mapa activo",
+    mapOff: "Mapa inactivo",
+    mapRead: "Leer el mapa",
+    mapDelete: "Borrar el mapa",
+    mapBusy: "…",
+    mapIsOn: "El mapa está activo: Z sigue la superficie.",
+    mapIsOff: "El mapa está inactivo: Z no sigue la superficie.",
+    mapNone: "El controlador no tiene mapa.",
+    mapMeasured: "Medido. Fije el cero de Z en el primer punto, y active el mapa.",
+    mapZeroed: "Z es cero en el primer punto. Active el mapa antes del programa.",
+    mapWrong: "Un valor no es posible: 2 a 16 columnas y filas, longitudes mayores que 0.",
+    mapPicture: "Imagen de las alturas",
+    mapLowest: "punto más bajo",
+    mapHighest: "punto más alto",
+    mapFrame: "X e Y son coordenadas de trabajo del momento de la medición; las alturas, en mm",
+    mapPoints: "Midiendo, puntos tocados:",
+    mapSteps: [
+        "Haga conocido el primer punto: cero de X e Y allí, o escriba sus coordenadas.",
+        "Conecte la sonda. Baje la herramienta a la altura a la que viaja sobre la superficie.",
+        "Mida el mapa: la herramienta va a cada punto, y baja hasta tocar.",
+        "Fije el cero de Z en el primer punto: las alturas son diferencias con él.",
+        "Active el mapa. Está inactivo después de cada reinicio y de buscar el origen.",
+    ],
+    mapValues: /** @type {Record<string, string>} */ ({
+        x: "Primer X",
+        y: "Primer Y",
+        width: "Ancho",
+        depth: "Fondo",
+        columns: "Columnas",
+        rows: "Filas",
+        down: "Buscar como mucho",
+        feed: "Avance, mm/min",
+    }),
     confirmation: "Confirmación",
     stringSent: "Cadena enviada",
     stringEcho: "Eco",
@@ -491,6 +528,51 @@ export const SPANISH = {
     breakpointRemove: "No esperar antes de la línea",
     fromHere: "Arrancar desde la línea",
     more: "Palpado, ajustes, macros",
+    stateTool: "CAMBIE LA HERRAMIENTA",
+    change: "Cambio de la herramienta",
+    nextTool: "la herramienta siguiente",
+    changeLong: "El controlador espera otra herramienta.",
+    changeAdvice:
+        "El programa espera. Puede mover y medir a mano. STOP termina el programa; puede seguir " +
+        "desde aquí después.",
+    changeMeasure: "Medir la longitud de la herramienta",
+    changeTouch: "Medir la herramienta ($TPW)",
+    changeForget: "Fijar u olvidar la referencia ($TLR)",
+    changeGoOn: "Seguir con el programa",
+    changeNoReference:
+        "No se midió ninguna herramienta antes. Mida primero la que está en el husillo, y " +
+        "después la siguiente. O fije otra vez el cero de Z en la pieza con la siguiente.",
+    changeSteps: /** @type {Record<number, string[]>} */ ({
+        0: [
+            "El husillo y el refrigerante están apagados. Mueva la herramienta a donde pueda " +
+                "cambiarla.",
+            "Ponga {tool}.",
+            "Muévala sobre la placa en la que se miden todas, y mida su longitud.",
+            "Siga: la herramienta sube si está más baja que el lugar donde espera el programa. " +
+                "Vuelve sobre ese lugar, husillo y refrigerante se encienden como antes, la " +
+                "herramienta baja, y el programa sigue.",
+        ],
+        1: [
+            "El husillo y el refrigerante están apagados, y Z está arriba. Ponga {tool}.",
+            "Muévala sobre la sonda, y mídala. El controlador toma la primera como referencia, " +
+                "y fija la longitud de cada una de las siguientes.",
+            "Siga: Z sube, y el programa sigue.",
+        ],
+        2: [
+            "El husillo y el refrigerante están apagados, y la herramienta está sobre la sonda " +
+                "(G59.3). Ponga {tool}.",
+            "Mídala. El controlador toma la primera como referencia, y fija la longitud de " +
+                "cada una de las siguientes.",
+            "Siga: Z sube, y el programa sigue.",
+        ],
+        3: [
+            "El husillo y el refrigerante están apagados. Ponga {tool}.",
+            "Siga: el controlador la mide en la sonda (G59.3), y el programa sigue.",
+        ],
+    }),
+    toolLength: "Longitud de la herramienta en uso",
+    toolReference: "contacto de la primera herramienta: Z de máquina",
+    toolsOf: "Pide estas herramientas:",
     probingTab: "Palpado",
     wizards: {
         height: "Altura",

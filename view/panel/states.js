@@ -2,6 +2,8 @@
  * States in words, and what is safe to do in them.
  */
 
+import { toolText } from "husillo/panel/tool_change.js";
+
 /** @typedef {import("husillo/panel/desk.js").Desk} Desk */
 /** @typedef {import("husillo/panel/desk.js").State} State */
 /** @typedef {import("husillo/panel/words.js").Words} Words */
@@ -26,6 +28,7 @@ export function stateText({ link, state }, words) {
     if (state.stopping) return { text: words.stateStopping, kind: "bad" };
     switch (state.state) {
         case "Idle":
+            if (state.program?.change) return { text: words.stateTool, kind: "wait" };
             return state.program?.phase === "waiting"
                 ? { text: words.stateWaiting, kind: "wait" }
                 : { text: words.stateIdle, kind: "good" };
@@ -46,6 +49,8 @@ export function stateText({ link, state }, words) {
             return { text: words.stateDoor, kind: "wait" };
         case "Check":
             return { text: words.stateCheck, kind: "wait" };
+        case "Tool":
+            return { text: words.stateTool, kind: "wait" };
         case "Sleep":
             return { text: words.stateSleep, kind: "wait" };
         case "Alarm":
@@ -139,11 +144,26 @@ function ofState(state, words) {
             return [{ id: "check", kind: "wait", text: words.checkLong }];
         default:
             return [
+                ...ofChange(state, words),
                 ...ofUnhomed(state, words),
                 ...ofMeasuring(state, words),
                 ...(why ? [ofWhy(why)] : []),
             ];
     }
+}
+
+/**
+ * @param {State} state
+ * @param {Words} words
+ * @returns {Notice[]}
+ */
+function ofChange({ program, state }, words) {
+    if (program?.change) {
+        const text = `${words.change}: ${toolText(program.change, words)}`;
+        return [{ id: "tool", kind: "wait", text, advice: words.changeAdvice }];
+    }
+    // One of a line by hand, or of another sender.
+    return state === "Tool" ? [{ id: "tool", kind: "wait", text: words.changeLong }] : [];
 }
 
 /** @param {string} why @returns {Notice} */

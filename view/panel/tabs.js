@@ -52,5 +52,7 @@ export function tabs(name, parts) {
         const chosen = all.find((one) => one.getAttribute("aria-selected") === "true");
         if (chosen?.hidden && first >= 0) choose(first);
     };
-    return { root, offer };
+    /** @param {string} id of the part that is shown */
+    const chooseId = (id) => choose(parts.findIndex((one) => one.id === id));
+    return { root, offer, choose: chooseId };
 }

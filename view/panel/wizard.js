@@ -43,8 +43,6 @@ export class Wizard {
         this.kind = "height";
         /** Machines whose probe was seen closed on this link, so that it works. */
         this.works = new WeakSet();
-        /** The contact of the first tool, of each machine. @type {Map<number, number>} */
-        this.references = new Map();
         /** @type {LinkedRig | undefined} */
         this.rig = undefined;
         this.kinds = /** @type {Kind[]} */ (["height", "corner", "centre", "tool"]).map(
@@ -79,6 +77,17 @@ export class Wizard {
         );
         desk.listen(() => this.show());
         this.choose("height");
+    }
+
+    /** Where the browser keeps the contact of the first tool: it outlasts a reload. */
+    get referenceKey() {
+        const { name, port } = this.desk.machine?.info ?? {};
+        return `husillo.reference.${name}.${port}`;
+    }
+
+    /** Machine Z of the contact of the first tool, mm. @returns {number | undefined} */
+    get reference() {
+        return numberOf(sessionStorage.getItem(this.referenceKey) ?? "");
     }
 
     /** @param {Kind} kind */
@@ -130,8 +139,7 @@ export class Wizard {
         const obstacle = this.obstacle(isClosed);
         put(this.why, obstacle);
         disable(this.begin, obstacle !== "");
-        const machine = desk.machine?.info.machine ?? 0;
-        const hasReference = this.references.has(machine);
+        const hasReference = this.reference !== undefined;
         this.again.hidden = kind !== "tool" || !hasReference;
         const begin = kind === "tool" && hasReference ? words.probeNextTool : words.probeStart;
         put(this.begin, begin);
@@ -192,7 +200,7 @@ export class Wizard {
      * @param {Values} values
      */
     async cycle(rig, values) {
-        const { desk, words } = this;
+        const { words } = this;
         switch (this.kind) {
             case "height":
                 await height(rig, values);
@@ -205,10 +213,11 @@ export class Wizard {
                 return `${words.centreDone} X ${x.toFixed(3)} mm, Y ${y.toFixed(3)} mm`;
             }
             default: {
-                const machine = desk.machine?.info.machine ?? 0;
-                const reference = this.references.get(machine);
+                const { reference } = this;
                 const contact = await toolLength(rig, values, reference);
-                if (reference === undefined) this.references.set(machine, contact);
+                if (reference === undefined) {
+                    sessionStorage.setItem(this.referenceKey, contact.toFixed(4));
+                }
                 const length = contact - (reference ?? contact);
                 return `${words.toolDone} ${length.toFixed(3)} mm`;
             }
@@ -216,7 +225,7 @@ export class Wizard {
     }
 
     forget() {
-        this.references.delete(this.desk.machine?.info.machine ?? 0);
+        sessionStorage.removeItem(this.referenceKey);
         this.show();
     }
 

@@ -69,7 +69,7 @@ export class FakeServer {
         /** What the pages asked for, in order. @type {Request[]} */
         this.requests = [];
         /** Parts of the page that work. */
-        this.offers = ["program", "from", "report", "probing", "settings", "macros"];
+        this.offers = ["program", "from", "report", "probing", "heights", "settings", "macros"];
         /** What a verb does besides being kept. @type {Record<string, Answer>} */
         this.verbs = {};
         /** Requests of files: their answers. @type {Record<string, (body: string) => any>} */

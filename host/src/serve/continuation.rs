@@ -57,7 +57,7 @@ impl Continuation {
         };
         // As the program would begin now: with all modes of the controller but the motion.
         let modes = now.modal.get(1..6).unwrap_or_default().join(" ");
-        let before = Before::line(*from, &program.text, &modes, &program.name, start)?;
+        let before = Before::line(*from, program.code(), &modes, &program.name, start)?;
         let height = (now.at_mm.get(2).zip(now.zero_mm.get(2))).map(|(at, zero)| at - zero);
         let height = height.map(|mm| Nm((mm * 1e6).round() as i64));
         let lines = before.approach(height, next)?;
@@ -140,7 +140,8 @@ fn system(before: &Before) -> String {
 fn warnings(before: &Before, now: &Circumstances) -> Vec<&'static str> {
     let mut warnings = Vec::new();
     if before.modal.tool() != 0 && before.modal.tool() != u32::from(now.tool) {
-        warnings.push("the lines before select another tool: put it in first");
+        warnings
+            .push("the lines before select another tool: put it in and measure its length first");
     }
     if !now.modal.contains(&system(before)) {
         warnings.push(

@@ -56,7 +56,9 @@ impl Family {
     /// What the pages can do with it, besides moving it by hand.
     pub const fn offers(&self) -> &'static [&'static str] {
         match self {
-            Self::Grbl(_) => &["program", "from", "report", "probing", "settings", "macros"],
+            Self::Grbl(_) => &[
+                "program", "from", "report", "probing", "heights", "settings", "macros",
+            ],
             Self::Micromill { .. } | Self::Drill => &["program", "from", "report"],
             // The controller cuts a figure from its begin to its end.
             Self::Microfactory(_) => &["program", "report"],

@@ -5,6 +5,7 @@ use super::drill_program::{DrillProgram, Placing};
 use super::figure_program::{self, Factory};
 use super::mill_program;
 use super::timetable::Timetable;
+use super::tool_changes::{ToolChange, ToolChanges};
 use crate::app::{report, sendable_lines};
 use crate::microfactory::is_list;
 use husillo_gcode::{Dialect, Nm};
@@ -91,6 +92,10 @@ pub struct Loaded {
     pub name: String,
     /// Its text.
     pub text: Vec<u8>,
+    /// Its text without the codes that ask for other tools; `None`: it has none.
+    plain: Option<Vec<u8>>,
+    /// The changes of tools, which this program makes with the operator.
+    pub changes: Vec<ToolChange>,
     /// What it was checked against.
     pub around: Surroundings,
     /// The lines that the controller gets, with their numbers.
@@ -132,11 +137,16 @@ impl Loaded {
             }
             Target::Grbl(_) | Target::Micromill(_) => {}
         }
-        let mut job = job(name, &text, around)?;
+        let changes = match &around.target {
+            Target::Grbl(_) => ToolChanges::of(&text),
+            _ => ToolChanges::default(),
+        };
+        let code = changes.text.as_deref().unwrap_or(&text);
+        let mut job = job(name, code, around)?;
         let mut findings = Findings::new(FINDINGS);
         let mut facts = job.check(&mut findings).map_err(said)?;
         let (lines, further) = match &around.target {
-            Target::Grbl(_) => (sendable_lines(&text)?, Vec::new()),
+            Target::Grbl(_) => (sendable_lines(code)?, Vec::new()),
             Target::Micromill(_) => mill_program::strings(&job)?,
             Target::Drill | Target::Microfactory(_) => (Vec::new(), Vec::new()),
         };
@@ -172,6 +182,8 @@ impl Loaded {
         Ok(Self {
             name: name.to_owned(),
             text,
+            plain: changes.text,
+            changes: changes.all,
             lines: lines.into(),
             start: job.start,
             around: around.clone(),
@@ -232,6 +244,8 @@ impl Loaded {
         Ok(Self {
             name: name.to_owned(),
             text,
+            plain: None,
+            changes: Vec::new(),
             around: around.clone(),
             lines: lines.collect(),
             start,
@@ -288,7 +302,14 @@ impl Loaded {
             holes: Some(holes),
             figure: None,
             text,
+            plain: None,
+            changes: Vec::new(),
         })
+    }
+
+    /// What is checked and sent of its text.
+    pub fn code(&self) -> &[u8] {
+        self.plain.as_deref().unwrap_or(&self.text)
     }
 
     /// The report of a simulated run, as `husillo run` writes it, with what became of the program
@@ -307,7 +328,7 @@ impl Loaded {
                 operation: Some(&operation),
             }));
         }
-        let mut job = job(&self.name, &self.text, &self.around)?;
+        let mut job = job(&self.name, self.code(), &self.around)?;
         if self.times.is_none() {
             let title = &job.machine.title;
             return Ok(operation::html(&self.name, title, &operation));

@@ -43,6 +43,8 @@ pub struct MachineState {
     pub modal: Vec<String>,
     pub offset: Option<String>,
     pub tool: u8,
+    /// Length of the tool that is in effect (G43.1).
+    pub tool_length_mm: Option<f64>,
     pub programmed: Option<Value>,
     pub queue: Option<Value>,
     pub operator: Option<u64>,

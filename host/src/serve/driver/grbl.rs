@@ -1,6 +1,7 @@
 //! The driver of a controller that speaks Grbl's protocol.
 
 mod by_hand;
+mod changing;
 mod going_on;
 mod halting;
 mod hearing;
@@ -109,6 +110,8 @@ enum Purpose {
     Program,
     /// To know when the lines before are made.
     Synchronise,
+    /// The begin of the change of a tool.
+    Change,
     /// For a page: all settings.
     Settings(Reply),
     /// A setting. The list that follows shows whether it was accepted.
@@ -313,25 +316,30 @@ impl<'a> Driver<'a> {
             Realtime::SpindleStop => "0x9E (spindle stop)",
             Realtime::Flood => "0xA0 (flood)",
             Realtime::Mist => "0xA1 (mist)",
+            Realtime::Unknown(0xa3) => "0xA3 (take over while the tool is changed)",
             Realtime::Door | Realtime::Status | Realtime::Unknown(_) => "",
         };
         self.machine.tell(From::Host, name);
         self.session.put(&[byte.byte()])
     }
 
-    /// Asks for the settings and the modes, when all lines are answered.
+    /// Asks for the settings, the modes and the length of the tool, when all lines are answered.
     fn ask_modes(&mut self) {
-        let is_idle = matches!(self.session.state(), Some(State::Idle | State::Alarm))
-            && !self.running.course.is_active();
+        let state = self.session.state();
+        let is_active = self.running.course.is_active();
+        let is_idle = matches!(state, Some(State::Idle | State::Alarm | State::Tool))
+            && (!is_active || self.is_changing());
         if !is_idle || !self.stream.is_empty() || !self.waiting.is_empty() {
             return;
         }
-        if std::mem::take(&mut self.settings_are_due) {
+        if self.settings_are_due && !is_active && state != Some(State::Tool) {
+            self.settings_are_due = false;
             self.send_known("$I");
             self.send_known("$$");
         }
         if std::mem::take(&mut self.modes_are_due) {
             self.send_known("$G");
+            self.send_known("$#");
         }
     }
 
@@ -386,6 +394,7 @@ impl<'a> Driver<'a> {
                 | Purpose::Program
                 | Purpose::Sequence { .. }
                 | Purpose::Synchronise
+                | Purpose::Change
                 | Purpose::Written => {}
             }
         }
@@ -401,7 +410,9 @@ impl<'a> Driver<'a> {
 
     /// Carries out a request of a page.
     fn carry_out(&mut self, asked: Asked) -> Result<(), String> {
-        let must_wait = asked.request.needs_modes() && self.modes_are_pending();
+        let goes_on = matches!(asked.request, Request::Resume) && self.is_changing();
+        let needs_modes = asked.request.needs_modes() || goes_on;
+        let must_wait = needs_modes && self.modes_are_pending();
         if must_wait && self.stands().is_ok() && self.postponed.len() < WAITING {
             self.postponed.push_back(asked);
             return Ok(());

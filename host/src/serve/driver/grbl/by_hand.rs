@@ -32,7 +32,7 @@ impl Driver<'_> {
         if self.session.is_held() {
             return Err("the controller answers no line while it is held: resume or STOP".into());
         }
-        if self.running.course.is_active() {
+        if self.running.course.is_active() && !self.is_changing() {
             return Err("a program runs".into());
         }
         if self.sequence.is_some() {
@@ -55,7 +55,7 @@ impl Driver<'_> {
     pub(super) fn is_free(&self) -> Result<(), String> {
         self.takes_lines()?;
         match self.session.state() {
-            Some(State::Idle | State::Jog) => Ok(()),
+            Some(State::Idle | State::Jog | State::Tool) => Ok(()),
             Some(State::Alarm) => Err("the controller is locked: home or unlock".into()),
             state => {
                 let name = state.map_or("unknown", State::name);

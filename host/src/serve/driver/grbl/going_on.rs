@@ -19,9 +19,10 @@ impl Driver<'_> {
     /// Tells what a start at this line would do. Nothing moves. The lines before are read in
     /// another thread, because a stop must not wait for them.
     pub(super) fn show_from(&mut self, line: usize, reply: Reply) {
-        let asked = self
-            .may_run()
-            .and_then(|program| Ok((program, self.circumstances()?)));
+        let asked = self.may_run().and_then(|program| {
+            self.has_length(&program, line)?;
+            Ok((program, self.circumstances()?))
+        });
         let (program, now) = match asked {
             Ok(asked) => asked,
             Err(why) => return reply.error(why),
@@ -72,6 +73,7 @@ impl Driver<'_> {
     /// Starts the program at a line, exactly as it was shown.
     pub(super) fn go_on(&mut self, line: usize, reply: Reply) {
         let shown = self.may_run().and_then(|program| {
+            self.has_length(&program, line)?;
             let now = self.circumstances()?;
             let shown = self.running.continuation.take();
             let shown = shown.filter(|shown| shown.is_shown(line, &now));
@@ -86,8 +88,29 @@ impl Driver<'_> {
             Err(why) => return reply.error(why),
         };
         let lines = Arc::from(shown.lines(&program));
+        let changes_made = changes_before(&program, line);
         self.start(program, lines, shown.before.len(), Some(shown.from));
+        self.running.changes_made = changes_made;
         reply.ok();
+    }
+
+    /// Whether the length of the tool with which the program has run is still in effect, or the
+    /// tool is changed first. Grbl forgets it with a reset.
+    fn has_length(&self, program: &Loaded, line: usize) -> Result<(), String> {
+        let next = program.lines.iter().find(|(number, _)| *number >= line);
+        let change = program.changes.get(changes_before(program, line));
+        let is_changed = change
+            .zip(next)
+            .is_some_and(|(change, (from, _))| change.line <= *from);
+        let is_lost = self.running.length_mm != 0.0 && self.state.tool_length_mm == Some(0.0);
+        match is_lost && !is_changed {
+            true => Err(
+                "the controller has forgotten the length of the tool, as a reset makes it \
+                         do: measure the tool, then go on"
+                    .into(),
+            ),
+            false => Ok(()),
+        }
     }
 
     /// What the machine is like.
@@ -107,4 +130,9 @@ impl Driver<'_> {
             tool: state.tool,
         })
     }
+}
+
+/// How many changes of tools are before a line.
+fn changes_before(program: &Loaded, line: usize) -> usize {
+    program.changes.partition_point(|change| change.line < line)
 }

@@ -24,6 +24,7 @@ impl Driver<'_> {
                 }
                 self.sequence_reported();
                 self.program_reported();
+                self.change_reported()?;
             }
             Heard::Ok => self.answered(None)?,
             Heard::Refused(number) => self.answered(Some(*number))?,
@@ -108,6 +109,7 @@ impl Driver<'_> {
             }
             Purpose::Program => return self.program_answered(result),
             Purpose::Synchronise => self.synchronised(),
+            Purpose::Change => return self.change_answered(result),
             Purpose::Settings(reply) => match result {
                 Ok(()) => reply.data(self.settings_list()),
                 Err(why) => reply.error(why),
@@ -126,6 +128,8 @@ impl Driver<'_> {
     fn text(&mut self, text: &str) {
         match Message::parse(text.as_bytes()) {
             Some(Message::Modal(modes)) => self.state.modes(&modes),
+            // `$#` repeats the last contact.
+            Some(Message::Probe(..)) if matches!(self.stream.next(), Some(Purpose::Known)) => {}
             Some(Message::Probe(at, is_touched)) => {
                 let at: Vec<_> = at.nm().iter().map(|nm| *nm as f64 / 1e6).collect();
                 let before = self.state.probe.as_ref();
@@ -139,6 +143,11 @@ impl Driver<'_> {
                 self.state.controller = Some(format!("Grbl {version}"));
             }
             _ => {}
+        }
+        if let Some(lengths) = text.strip_prefix("[TLO:") {
+            // grblHAL has a length for each axis.
+            let z = lengths.trim_end_matches(']').rsplit(',').next();
+            self.state.tool_length_mm = z.and_then(|z| z.parse().ok());
         }
         // Numbers that Grbl does not have belong to a newer controller.
         if let Some((number, value)) = text.strip_prefix('$').and_then(|rest| rest.split_once('='))

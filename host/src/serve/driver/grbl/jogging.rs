@@ -137,7 +137,8 @@ impl Driver<'_> {
     ///
     /// The controller is lost.
     pub(super) fn jog(&mut self) -> Result<(), String> {
-        let is_by_hand = self.halting.is_none() && !self.running.course.is_active();
+        let is_by_hand = !self.running.course.is_active() || self.is_changing();
+        let is_by_hand = is_by_hand && self.halting.is_none();
         if self.machine.take_left() && is_by_hand {
             match self.sequence.is_some() {
                 true => self.begin_halt(false, "its operator has gone")?,
@@ -207,7 +208,9 @@ impl Driver<'_> {
             self.jogging.cancelled_at = Some(now);
             // A failure is found at the next turn.
             let _ = self.put(Realtime::JogCancel);
-        } else if self.jogging.cancelled_at.is_none() && self.session.state() == Some(State::Idle) {
+        } else if self.jogging.cancelled_at.is_none()
+            && matches!(self.session.state(), Some(State::Idle | State::Tool))
+        {
             let start = self.place();
             self.jogging.held = self.jogging.next.take().map(|next| Held { start, ..next });
         }

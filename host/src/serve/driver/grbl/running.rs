@@ -1,5 +1,6 @@
 //! A program that is sent: line after line, with breakpoints and holds.
 
+use super::changing::Changing;
 use super::{Driver, From, Purpose};
 use crate::serve::continuation::Continuation;
 use crate::serve::driver::course::{Course, Progress};
@@ -11,6 +12,9 @@ use husillo_transports::grbl::{Realtime, State};
 use serde_json::{Value, json};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
+
+/// A length and a work zero are reported with three places each.
+const ROUNDED_MM: f64 = 0.0025;
 
 /// The program of a machine.
 #[derive(Debug, Default)]
@@ -38,6 +42,13 @@ pub(in crate::serve) struct Running {
     turned_at: Option<Instant>,
     /// Simulated time that is done, s.
     done_s: f64,
+    /// The change of a tool that is being made.
+    pub(super) changing: Option<Changing>,
+    /// Changes of tools that are made, or are before the first line.
+    pub(super) changes_made: usize,
+    /// The length of the tool with which the program runs, and that with which it was checked, mm.
+    pub(super) length_mm: f64,
+    checked_length_mm: f64,
 }
 
 impl Running {
@@ -47,6 +58,17 @@ impl Running {
             Phase::Running if is_held => "held",
             phase => phase.name(),
         }
+    }
+
+    /// The number of the line that is sent next.
+    pub(super) fn next_number(&self) -> Option<usize> {
+        self.lines.get(self.next).map(|(number, _)| *number)
+    }
+
+    /// The next line is sent without a wait before it.
+    pub(super) const fn pass(&mut self) {
+        self.passed = self.next + 1;
+        self.is_synchronising = false;
     }
 
     fn is_at_breakpoint(&self) -> bool {
@@ -105,6 +127,7 @@ impl Driver<'_> {
         *self.running = Running {
             course,
             lines,
+            checked_length_mm: self.state.tool_length_mm.unwrap_or(0.0),
             ..Running::default()
         };
         reply.ok();
@@ -152,7 +175,26 @@ impl Driver<'_> {
             "time_s": program.times.as_ref().map(|times| times.total_s()),
             "work_mm": self.state.work_mm,
             "modal": self.state.modal,
+            "changes": program.changes.iter().map(|change| {
+                json!({"line": change.line, "tool": change.tool, "note": change.note})
+            }).collect::<Vec<_>>(),
         }));
+    }
+
+    /// Whether a program that was checked in these surroundings may be run now. Another tool may
+    /// have another length.
+    fn is_as_checked(&self, before: &Surroundings) -> bool {
+        let mut now = self.surroundings();
+        let length = self.state.tool_length_mm.unwrap_or(0.0) - self.running.checked_length_mm;
+        if length == 0.0 {
+            return now.are_those_of(before);
+        }
+        if let (Some(z), Some(before)) = (now.zero_mm.get_mut(2), before.zero_mm.get(2)) {
+            if (*z - length - before).abs() < ROUNDED_MM {
+                *z = *before;
+            }
+        }
+        now.are_those_of(before)
     }
 
     /// The program, if it may be run.
@@ -162,12 +204,15 @@ impl Driver<'_> {
     /// A sentence about why not.
     pub(super) fn may_run(&self) -> Result<Arc<Loaded>, String> {
         self.takes_lines()?;
+        if self.running.course.is_active() {
+            return Err("a program runs".into());
+        }
         let program = self.running.course.program().cloned();
         let program = program.ok_or("no program is loaded")?;
         if program.errors > 0 {
             return Err("the program has errors: correct them first".into());
         }
-        if !self.surroundings().are_those_of(&program.around) {
+        if !self.is_as_checked(&program.around) {
             let why = "the work zero or a setting has changed since the program was checked: \
                        load it again";
             return Err(why.into());
@@ -198,6 +243,8 @@ impl Driver<'_> {
             lines,
             before,
             begun_mm: running.begun_mm.take(),
+            length_mm: self.state.tool_length_mm.unwrap_or(0.0),
+            checked_length_mm: running.checked_length_mm,
             ..Running::default()
         };
     }
@@ -208,6 +255,9 @@ impl Driver<'_> {
     ///
     /// The controller is lost.
     pub(super) fn resume(&mut self, reply: Reply) -> Result<(), String> {
+        if self.is_changing() && !self.session.is_held() {
+            return self.end_change(reply);
+        }
         let waits = self.running.course.phase() == Phase::Waiting;
         if waits && !self.session.is_held() && self.running.course.resume().is_ok() {
             self.running.passed = self.running.next + 1;
@@ -242,10 +292,9 @@ impl Driver<'_> {
                 break;
             }
             let next = lines.get(self.running.next);
+            let waits = self.running.is_at_breakpoint() || self.next_change().is_some();
             let (line, purpose) = match next {
-                Some((_, line)) if !self.running.is_at_breakpoint() => {
-                    (line.as_str(), Purpose::Program)
-                }
+                Some((_, line)) if !waits => (line.as_str(), Purpose::Program),
                 // All lines before are made when a dwell is answered.
                 _ => (SYNCHRONISE, Purpose::Synchronise),
             };
@@ -283,6 +332,9 @@ impl Driver<'_> {
 
     /// All lines that were sent are made.
     pub(super) fn synchronised(&mut self) {
+        if self.next_change().is_some() && self.running.course.phase() == Phase::Running {
+            return self.begin_change();
+        }
         let running = &mut *self.running;
         if running.course.phase() != Phase::Running {
             // The line before was refused, or STOP was pressed.
@@ -332,10 +384,15 @@ impl Driver<'_> {
         self.running.is_made = false;
         let next = self.first_open();
         self.running.course.end(self.machine, why, next);
+        self.running.changing = None;
     }
 
     /// The first line that is not certainly made.
     fn first_open(&self) -> Option<usize> {
+        if self.running.changing.is_some() {
+            // Whether the tool is in is not known: it is asked for again.
+            return self.next_change().map(|change| change.line);
+        }
         self.running.open(self.queue_moves)
     }
 
@@ -425,8 +482,9 @@ impl Driver<'_> {
         let progress = total_s
             .filter(|total| *total > 0.0)
             .map(|total| running.done_s / total);
-        let next = running.lines.get(running.next).map(|(number, _)| *number);
-        running.course.shown(&Progress {
+        let next = running.next_number();
+        let change = running.changing.as_ref().map(Changing::shown);
+        let mut shown = running.course.shown(&Progress {
             phase: running.phase_name(is_held),
             line,
             sent: running.next,
@@ -436,6 +494,8 @@ impl Driver<'_> {
             remaining_s: left_s,
             progress,
             next,
-        })
+        })?;
+        shown["change"] = change.filter(|_| self.is_changing()).unwrap_or_default();
+        Some(shown)
     }
 }

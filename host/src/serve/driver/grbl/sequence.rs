@@ -30,6 +30,8 @@ pub(super) enum Then {
     Answer,
     /// The contact of a probe becomes this work coordinate of this axis, if it has one.
     Contact(usize, Option<f64>),
+    /// The program goes on, with another tool.
+    Change,
 }
 
 impl Sequence {
@@ -138,6 +140,10 @@ impl Driver<'_> {
             match sequence.then {
                 Then::Answer => sequence.reply.ok(),
                 Then::Contact(axis, set) => self.touched(axis, set, sequence.reply),
+                Then::Change => {
+                    self.change_made();
+                    sequence.reply.ok();
+                }
             }
         }
     }

@@ -57,6 +57,9 @@ impl Driver<'_> {
         if let Some((_, why)) = refused.into_iter().next() {
             return reply.error(why);
         }
+        if self.running.course.is_active() {
+            return reply.error("a program runs");
+        }
         // Grbl stores a setting only when it stands.
         if let Err(why) = self.takes_lines() {
             return reply.error(why);
