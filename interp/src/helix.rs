@@ -122,8 +122,8 @@ impl<const N: usize> Helix<N> {
     }
 
     /// Writes the sweeps and the steps of the next events, as the iterator returns them. Ends where
-    /// [`directions`](Self::directions) does not hold any longer, where the places end (at most
-    /// 255), or after the event with which the sweeps add up to more than `room`.
+    /// [`directions`](Self::directions) does not hold any longer, where the places end, or after
+    /// the event with which the sweeps add up to more than `room`.
     ///
     /// # Cost
     /// Of a flat arc of 32-bit words 40 instructions per event on Cortex-M4F.
@@ -166,13 +166,13 @@ impl<const N: usize> Helix<N> {
         room: u32,
     ) -> Run<N> {
         let total = self.arc.total_sweep();
-        let mut others = [0_u8; N];
+        let mut others = [0_u32; N];
         let axes = &mut self.axes;
         let mut run = self.arc.fill(places, room, |sweep, delta| {
             for (axis, (delta, steps)) in axes.iter_mut().zip(delta.iter_mut().zip(&mut others)) {
                 if axis.rate != 0 && axis.is_due(sweep, total) {
                     *delta = if axis.is_negative { -1 } else { 1 };
-                    // At most 255.
+                    // At most the number of events.
                     *steps = steps.wrapping_add(1);
                 }
             }

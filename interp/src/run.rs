@@ -7,7 +7,7 @@ pub struct Run<const N: usize> {
     /// Number of events.
     pub events: u32,
     /// Number of steps of each axis.
-    pub steps: [u8; N],
+    pub steps: [u32; N],
     /// Whether the sweeps of the events add up to more than the room. Without the last one they do
     /// not.
     pub is_beyond: bool,

@@ -383,12 +383,11 @@ impl<W: Word> Walk<W> {
         (self.residue, self.du, self.dv) = (residue, du, dv);
         run.events = events;
         for (steps, (u, v)) in run.steps.iter_mut().zip(along_u.iter().zip(along_v)) {
-            // At most 255 each.
             if *u != 0 {
-                *steps = steps_u as u8;
+                *steps = steps_u;
             }
             if v != 0 {
-                *steps = steps_v as u8;
+                *steps = steps_v;
             }
         }
         run

@@ -59,7 +59,7 @@ fn in_blocks(
             }
             continue;
         };
-        let (mut sweeps, mut deltas) = ([0; 255], [[0; 4]; 255]);
+        let (mut sweeps, mut deltas) = ([0; 600], [[0; 4]; 600]);
         let run = helix.fill(sweeps.iter_mut().zip(&mut deltas).take(*places), *room);
         let count = run.events as usize;
         prop_assert!(count >= 1 && count <= *places);
@@ -69,7 +69,7 @@ fn in_blocks(
         for axis in 0..4 {
             let made = deltas[..count].iter().map(|delta| i32::from(delta[axis]));
             prop_assert_eq!(
-                u32::from(run.steps[axis]),
+                run.steps[axis],
                 made.clone().map(i32::unsigned_abs).sum::<u32>()
             );
             let is_negative = negative >> axis & 1 != 0;
@@ -92,7 +92,7 @@ proptest! {
         along in (prop_oneof![Just(0), -90_i32..90, -3000_i32..3000], -20_i32..20),
         plane in prop::sample::select(vec![[0_usize, 1], [1, 0], [2, 1], [0, 3]]),
         divisions in prop::collection::vec(
-            (1_usize..=255, prop_oneof![0_u32..1 << 12, 0_u32..1 << 24, Just(u32::MAX)]),
+            (1_usize..=600, prop_oneof![0_u32..1 << 12, 0_u32..1 << 24, Just(u32::MAX)]),
             1..8,
         ),
     ) {
@@ -137,4 +137,31 @@ fn a_circle_is_made_of_blocks() {
     }
     assert_eq!(blocks + single, helix.events());
     assert!(single <= 2, "{single}");
+}
+
+/// A block of more than 255 steps of each axis counts all of them, in the plane and across it.
+#[test]
+fn long_blocks_count_all_steps() {
+    let arc = ArcMove {
+        from: [1000, 0],
+        to: [0, 1000],
+        centre: [0, 0],
+        fraction_bits: 0,
+        direction: Direction::CounterClockwise,
+        turns: 0,
+        rim: Rim::Spiral,
+    };
+    let mut helix = Helix::<3>::new(&arc, [0, 1], [0, 0, 900]).unwrap();
+    let (mut sweeps, mut deltas) = (vec![0; 2000], vec![[0_i8; 3]; 2000]);
+    let run = helix.fill(sweeps.iter_mut().zip(&mut deltas), u32::MAX);
+    assert!(run.events > 1000, "{}", run.events);
+    let sum = |axis: usize| {
+        deltas
+            .iter()
+            .map(|delta| u32::from(delta[axis].unsigned_abs()))
+            .sum()
+    };
+    let steps: [u32; 3] = [0, 1, 2].map(sum);
+    assert!(steps.iter().all(|steps| *steps > 255), "{steps:?}");
+    assert_eq!(run.steps, steps);
 }

@@ -21,8 +21,8 @@ use law::{Law, Passage};
 ///
 /// # Cost
 /// An event of a line takes three 64-bit additions, and a slice with such events about twenty
-/// 32-bit products and four divisions. An event of an arc takes about ten products. Next to
-/// standstill an event takes one to five divisions.
+/// 32-bit products and two divisions. An event of an arc takes about ten products. Next to
+/// standstill an event takes one to three divisions.
 ///
 /// # Examples
 /// ```
@@ -70,7 +70,7 @@ pub struct JerkRamp {
     late: u64,
     /// Path per event.
     path: Timer,
-    /// Path of the shortest event of a line, plus 1; 0 if it is too long for a piece.
+    /// Path of the longest event of a line; 0 if it is too long for a piece.
     longest: u32,
     /// Events left in a line.
     left: u64,
@@ -125,7 +125,10 @@ impl JerkRamp {
         };
         self.path = Timer::new(length, total, largest);
         self.left = total;
-        let longest = length.checked_div(total).unwrap_or(0).saturating_add(1);
+        let event = length.checked_div(total).unwrap_or(0);
+        // Where the events are not equal, some are a unit longer.
+        let is_equal = event.wrapping_mul(total) == length;
+        let longest = event.saturating_add((!is_equal).into());
         self.longest = u32::try_from(longest).unwrap_or(0);
         self.piece.count = 0;
         self.is_pending = false;
@@ -219,16 +222,15 @@ impl JerkRamp {
         if !self.law.is_smooth() || self.longest == 0 {
             return;
         }
-        let room = self.law.length.wrapping_sub(self.passage.passed);
-        let count = self.law.count(room, self.longest, MOST);
+        let share = self.law.share(self.longest.into());
+        let count = self.law.count(&self.passage, self.longest, share, MOST);
         let count = count.min(self.left.min(MOST.into()) as u32);
         if count < 4 {
             return;
         }
         let path = self.path.wait(count);
         self.left = self.left.wrapping_sub(count.into());
-        let event = u64::from(self.longest).saturating_sub(1);
-        self.piece = self.passage.piece(count, event, path, &self.law);
+        self.piece = self.passage.piece(count, share, path, &self.law);
     }
 
     /// Whether the path stands: all slices have been passed, and a hold or the end of the queue has

@@ -465,6 +465,10 @@ impl<M, const CAPACITY: usize> JerkWindow<M, CAPACITY> {
             count: 0,
             held: self.held,
         };
+        // A rise that is no rise costs no root.
+        let speed = self.filter.lead.speed;
+        let is_level =
+            |room, is_low| is_rise && !braking.fits(speed.saturating_add(1), room, is_low);
         while let Some((number, corner)) = self.candidate(choice.count) {
             let room = Braking::room(&self.filter.lead, corner.height);
             let is_low = corner.speed <= self.scale.step;
@@ -472,6 +476,10 @@ impl<M, const CAPACITY: usize> JerkWindow<M, CAPACITY> {
                 break;
             }
             if choice.speed > corner.speed {
+                if corner.speed <= speed && is_level(room, is_low) {
+                    choice.speed = speed;
+                    return choice;
+                }
                 let highest = braking.highest(room, is_low).max(corner.speed);
                 choice.speed = choice.speed.min(highest);
                 if choice.speed > corner.speed {
@@ -487,7 +495,11 @@ impl<M, const CAPACITY: usize> JerkWindow<M, CAPACITY> {
         if let Some(last) = self.slot(self.open) {
             let room = Braking::room(&self.filter.lead, last.end);
             if !braking.fits(choice.speed, room, true) {
-                choice.speed = choice.speed.min(braking.highest(room, true));
+                choice.speed = if is_level(room, true) {
+                    choice.speed.min(speed)
+                } else {
+                    choice.speed.min(braking.highest(room, true))
+                };
             }
         }
         choice

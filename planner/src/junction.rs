@@ -3,6 +3,7 @@
 use crate::{
     Tangent,
     quotient::quotient,
+    ramp::whole_root,
     stretch::square,
     tangent::{ONE, along},
 };
@@ -78,8 +79,7 @@ impl<const N: usize> Junction<N> {
             Some(deviation) => {
                 let squared = self.deviation_squared(deviation, &change, &sum);
                 if squared < square(jump) {
-                    // Below 2^64, so the root is below 2^32.
-                    squared.isqrt() as u32
+                    whole_root(squared)
                 } else {
                     jump
                 }
@@ -101,19 +101,19 @@ impl<const N: usize> Junction<N> {
         }
         // 4 h^2 and 4 s^2, at most 2^62 each except for rounding.
         let change_squared = squares(change);
-        let change_size = change_squared.isqrt().min(1 << 31);
+        let change_size = whole_root(change_squared).min(1 << 31);
         // The sine in 2^-31, so s (1 + s) in 2^-62 is at most 2^63. For small angles s = sqrt(1 -
         // h^2) is taken as 1 - h^2 / 2: the neglected h^4 / 8 is below 2^-27 for h^2 < 2^-12.
         let sine = if change_squared < 1 << 50 {
             (1_u64 << 31).wrapping_sub(change_squared >> 32)
         } else {
-            squares(sum).isqrt().min(1 << 31)
+            u64::from(whole_root(squares(sum)).min(1 << 31))
         };
         let numerator = sine.wrapping_mul(sine.wrapping_add(2 * u64::from(ONE)));
         // Acceleration of the axes along the unit vector of the change: 40 bits, and 1 bit for the
         // projection.
         let limits = self.acceleration_nm_per_s2.iter().copied();
-        let acceleration = along(limits.zip(change.iter().copied()), change_size as u32);
+        let acceleration = along(limits.zip(change.iter().copied()), change_size);
         let reach = acceleration.saturating_mul(deviation_nm.into());
         scaled(reach, numerator, change_squared)
     }

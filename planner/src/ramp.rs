@@ -18,6 +18,7 @@ use course::{Course, LONGEST, Part, Way};
 pub use piece::Piece;
 use piece::{Shape, by_differences};
 use root::Root;
+pub(crate) use root::whole_root;
 use slowness::{Slowness, part};
 use standstill::{First, MOST};
 use sweeps::{Law, Span};

@@ -1,6 +1,6 @@
 //! Unit vectors.
 
-use crate::quotient::quotient;
+use crate::{quotient::quotient, ramp::whole_root};
 
 /// The value of 1.0 in a unit vector.
 pub(crate) const ONE: u32 = 1 << 30;
@@ -27,6 +27,20 @@ impl<const N: usize> Tangent<N> {
     /// # Cost
     /// One square root and one division of 64 bits.
     pub fn new(vector: [i64; N]) -> Option<Self> {
+        Self::with_length(vector).map(|(direction, _)| direction)
+    }
+
+    /// Returns the direction of a vector, and its length in the unit of the vector. Both follow
+    /// from the same root. The length is rounded to nearest below 2^29, and accurate to 2^-28 of it
+    /// beyond.
+    ///
+    /// # Examples
+    /// ```
+    /// let (slope, length) = husillo_planner::Tangent::with_length([3_000, -4_000]).unwrap();
+    /// assert_eq!(length, 5_000);
+    /// assert_eq!(slope, husillo_planner::Tangent::new([3, -4]).unwrap());
+    /// ```
+    pub fn with_length(vector: [i64; N]) -> Option<(Self, u64)> {
         let largest = vector.iter().fold(0, |largest, component| {
             component.unsigned_abs().max(largest)
         });
@@ -45,12 +59,24 @@ impl<const N: usize> Tangent<N> {
             sum.saturating_add(component.wrapping_mul(*component) as u64)
         });
         // The norm is at least 2^29, so the factor is at most 2^32 and products have 62 bits.
-        let norm = sum.isqrt();
-        let norm = norm.wrapping_add((sum.wrapping_sub(norm.wrapping_mul(norm)) > norm).into());
+        let root = u64::from(whole_root(sum));
+        let norm = root.wrapping_add((sum.wrapping_sub(root.wrapping_mul(root)) > root).into());
         let factor = quotient(1 << 61, norm as u32) as i64;
-        Some(Self(scaled.map(|component| {
-            (component.wrapping_mul(factor).wrapping_add(1 << 30) >> 31) as i32
-        })))
+        let direction =
+            Self(scaled.map(|component| {
+                (component.wrapping_mul(factor).wrapping_add(1 << 30) >> 31) as i32
+            }));
+        let length = match zeros.checked_sub(34) {
+            // The root has so many bits below the unit, at most 29.
+            Some(bits) => root
+                .wrapping_add(1_u64.wrapping_shl(bits) >> 1)
+                .wrapping_shr(bits),
+            // It is below 2^32, and the longest vector below 2^66.
+            None => root
+                .checked_mul(1_u64.wrapping_shl(34_u32.wrapping_sub(zeros)))
+                .unwrap_or(u64::MAX),
+        };
+        Some((direction, length))
     }
 
     /// Creates a direction from components in units of 2^-30. The caller guarantees that their
@@ -122,4 +148,50 @@ pub(crate) fn along(axes: impl Iterator<Item = (u64, u32)>, one: u32) -> u64 {
 
 fn wide(limit: u64, size: u32) -> u128 {
     u128::from(limit).wrapping_mul(size.into())
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::Tangent;
+
+    /// Lengths are those of exact arithmetic, rounded to nearest, where a unit is not too fine.
+    #[test]
+    fn lengths_are_rounded_to_nearest() {
+        let mut random = oorandom::Rand64::new(1);
+        let mut component = || {
+            let size = random.rand_u64() >> (35 + random.rand_u64() % 29);
+            let is_negative = random.rand_u64() % 2 == 0;
+            if is_negative {
+                -(size as i64)
+            } else {
+                size as i64
+            }
+        };
+        for _ in 0..1_000_000 {
+            let vector = [component(), component(), component()];
+            let found = Tangent::with_length(vector).map_or(0, |(_, length)| length);
+            let sum: u128 = vector
+                .iter()
+                .map(|size| u128::from(size.unsigned_abs()).pow(2))
+                .sum();
+            // The root of four times the square has one bit below the unit.
+            let exact = ((sum * 4).isqrt() + 1) / 2;
+            assert_eq!(u128::from(found), exact, "{vector:?}");
+        }
+    }
+
+    /// Lengths beyond 2^30 lose bits below 2^-28 of them.
+    #[test]
+    fn long_vectors_keep_28_bits() {
+        for bits in 30..63 {
+            let side = 1_i64 << bits;
+            let (_, length) = Tangent::with_length([side, -side / 2]).unwrap();
+            let exact = side as f64 * 1.25_f64.sqrt();
+            assert!(
+                (length as f64 - exact).abs() <= exact * (-28_f64).exp2(),
+                "{bits}"
+            );
+        }
+    }
 }

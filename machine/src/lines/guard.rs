@@ -227,13 +227,13 @@ impl<const N: usize> StepGuard<N> {
 
     /// Records path steps of a line, none of which can be too soon. `made` is the number of steps
     /// of each axis, and `ticks` the sum of the waits.
-    pub(crate) fn pass_line(&mut self, steps: &[StepEvent<N>], made: &[u8; N], ticks: u32) {
+    pub(crate) fn pass_line(&mut self, steps: &[StepEvent<N>], made: &[u32; N], ticks: u32) {
         let (mut axes, mut bit) = (0, 1_u8);
         for (left, made) in self.left.iter_mut().zip(made) {
             if *made != 0 {
                 axes |= bit;
                 // 0 for an axis that is not checked.
-                *left = left.saturating_sub(*made);
+                *left = left.saturating_sub((*made).min(u8::MAX.into()) as u8);
                 if *left == 0 {
                     self.watched &= !bit;
                 }

@@ -39,10 +39,10 @@ pub struct Compact<const N: usize> {
     /// Centre in the plane, and `R` if it is not 0.
     centre: [Nm; 2],
     radius: Nm,
-    mismatch: Nm,
     /// Value of the feed; lead of a thread.
     feed: u64,
-    /// At most an inch fits.
+    /// In nm: a fraction of a millimetre, and at most an inch.
+    mismatch: u32,
     resolution: u32,
     turns: u32,
     kind: Kind,
@@ -57,7 +57,36 @@ enum Kind {
     Linear,
     Arc,
     Thread,
-    Probe { away: bool, must: bool },
+    Probe(Probing),
+}
+
+/// Whether a probing moves away, and whether it must meet the contact. In this form a [`Kind`] has
+/// one byte.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+enum Probing {
+    Toward,
+    TowardMust,
+    Away,
+    AwayMust,
+}
+
+impl Probing {
+    const fn of(away: bool, must: bool) -> Probing {
+        match (away, must) {
+            (false, false) => Probing::Toward,
+            (false, true) => Probing::TowardMust,
+            (true, false) => Probing::Away,
+            (true, true) => Probing::AwayMust,
+        }
+    }
+
+    const fn is_away(self) -> bool {
+        matches!(self, Probing::Away | Probing::AwayMust)
+    }
+
+    const fn is_must(self) -> bool {
+        matches!(self, Probing::TowardMust | Probing::AwayMust)
+    }
 }
 
 #[derive(Copy, Clone, Debug)]
@@ -95,7 +124,7 @@ impl<const N: usize> Kept<N> for Compact<N> {
             to: segment.command.end().unwrap_or(segment.from),
             centre: [Nm(0); 2],
             radius: Nm(0),
-            mismatch: Nm(0),
+            mismatch: 0,
             feed: 0,
             resolution: 0,
             turns: 0,
@@ -108,10 +137,7 @@ impl<const N: usize> Kept<N> for Compact<N> {
             Command::Linear { feed, .. } => (Kind::Linear, feed),
             Command::Probe {
                 feed, away, must, ..
-            } => {
-                let (away, must) = (*away, *must);
-                (Kind::Probe { away, must }, feed)
-            }
+            } => (Kind::Probe(Probing::of(*away, *must)), feed),
             Command::Arc { arc, feed } => {
                 kept.keep_arc(arc);
                 (Kind::Arc, feed)
@@ -137,11 +163,11 @@ impl<const N: usize> Kept<N> for Compact<N> {
                 to,
                 lead: Nm(self.feed as i64),
             },
-            Kind::Probe { away, must } => Command::Probe {
+            Kind::Probe(probing) => Command::Probe {
                 to,
                 feed,
-                away,
-                must,
+                away: probing.is_away(),
+                must: probing.is_must(),
             },
         };
         Segment { from, command }
@@ -158,8 +184,9 @@ impl<const N: usize> Compact<N> {
             *kept = arc.centre.get(axis).copied().unwrap_or(Nm(0));
         }
         (self.plane, self.direction, self.turns) = (arc.plane, arc.direction, arc.turns);
-        (self.radius, self.mismatch) = (arc.radius.unwrap_or(Nm(0)), arc.mismatch);
-        self.resolution = u32::try_from(arc.resolution.0).unwrap_or(u32::MAX);
+        self.radius = arc.radius.unwrap_or(Nm(0));
+        let short = |length: Nm| u32::try_from(length.0).unwrap_or(u32::MAX);
+        (self.mismatch, self.resolution) = (short(arc.mismatch), short(arc.resolution));
     }
 
     fn arc(&self, from: &[Nm; N]) -> Arc<N> {
@@ -176,7 +203,7 @@ impl<const N: usize> Compact<N> {
             direction: self.direction,
             turns: self.turns,
             radius: Some(self.radius).filter(|radius| radius.0 != 0),
-            mismatch: self.mismatch,
+            mismatch: Nm(self.mismatch.into()),
             resolution: Nm(self.resolution.into()),
         }
     }

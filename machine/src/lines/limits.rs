@@ -82,7 +82,7 @@ impl<const N: usize> Limits<N> {
 
     /// The move for the look-ahead, without its junction. `along` is its direction, or the
     /// direction of its start.
-    pub(crate) fn stretch(&self, tempo: &Tempo, along: &Tangent<N>) -> Stretch {
+    pub(crate) fn stretch(&self, tempo: &Tempo<N>, along: &Tangent<N>) -> Stretch {
         let hz = u64::from(self.timer_hz);
         // 2^32 nm/s is the largest speed of the planner.
         let speed = |ticks_q16: u64| match ticks_q16 {

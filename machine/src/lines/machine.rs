@@ -40,7 +40,7 @@ pub enum Origin {
 ///
 /// `P` is the interpolator and `L` the backlash model of each axis; the defaults are those of
 /// husillo. `QUEUE` is the number of moves planned ahead, the executing one included; each takes
-/// 216 bytes on a Cortex-M and 208 on a 64-bit host (three axes). A new machine is at machine zero,
+/// 208 bytes on a Cortex-M and on a 64-bit host (three axes). A new machine is at machine zero,
 /// with every axis engaged on its positive flank (as pulled off its switch).
 ///
 /// The steps of events are motor steps. Where the backlash varies with the position

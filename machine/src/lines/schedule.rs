@@ -324,7 +324,7 @@ impl<const N: usize, P: Moves<N>, K: Kept<N>, R: RampParts, const QUEUE: usize>
     }
 
     /// The move with its junction to the previous one; its end direction replaces the stored one.
-    fn join(&mut self, config: &Config<N>, segment: &Segment<N>, tempo: &Tempo) -> Stretch {
+    fn join(&mut self, config: &Config<N>, segment: &Segment<N>, tempo: &Tempo<N>) -> Stretch {
         let Some(limits) = &self.limits else {
             return STAND;
         };

@@ -13,24 +13,16 @@ use husillo_planner::mul_div;
 pub(crate) fn tangents<const N: usize>(
     config: &Config<N>,
     segment: &Segment<N>,
-    tempo: &Tempo,
+    tempo: &Tempo<N>,
     has_ellipses: bool,
 ) -> Option<[Tangent<N>; 2]> {
-    let to = match &segment.command {
-        Command::Rapid { to }
-        | Command::Linear { to, .. }
-        | Command::Thread { to, .. }
-        | Command::Probe { to, .. } => to,
-        Command::Arc { arc, .. } => &arc.to,
-        _ => return None,
+    let (Command::Arc { arc, .. }, Some(round)) = (&segment.command, &tempo.round) else {
+        return tempo.along.map(|direction| [direction; 2]);
     };
     let mut straight = [0; N];
-    for (way, (from, to)) in straight.iter_mut().zip(segment.from.iter().zip(to)) {
+    for (way, (from, to)) in straight.iter_mut().zip(segment.from.iter().zip(&arc.to)) {
         *way = to.0.saturating_sub(from.0);
     }
-    let (Command::Arc { arc, .. }, Some(round)) = (&segment.command, &tempo.round) else {
-        return Tangent::new(straight).map(|direction| [direction; 2]);
-    };
     let mut flat = in_plane(&segment.from, arc);
     if has_ellipses {
         flat = config.made_arc(&flat, arc).ok()??;

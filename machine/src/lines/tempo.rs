@@ -5,7 +5,7 @@ use husillo_interp::{Moves, length};
 
 use crate::lines::arc::{in_plane, is_spiral};
 use crate::{Axis, Config, Segment};
-use husillo_planner::{mul_div, mul_div_q16, times};
+use husillo_planner::{Tangent, mul_div, mul_div_q16, times};
 
 /// Length and time of a move. They are those of the programmed path, not of the rounded steps, so
 /// many moves shorter than a step take the time of their sum.
@@ -14,9 +14,11 @@ use husillo_planner::{mul_div, mul_div_q16, times};
 /// as a millimetre. It has no meaning but that of a common measure for the speeds of the planner.
 /// Feeds and top speeds measure [`Config::fed_length`].
 #[derive(Copy, Clone, Debug, Default)]
-pub(crate) struct Tempo {
+pub(crate) struct Tempo<const N: usize> {
     /// Length of the whole path.
     pub(crate) length_nm: u64,
+    /// Direction of a straight path; `None` for an arc, and without a distance.
+    pub(crate) along: Option<Tangent<N>>,
     /// Length of the part of it in the plane of an arc, and the radius.
     pub(crate) round: Option<Round>,
     pub(crate) pace: Pace,
@@ -49,9 +51,9 @@ impl Round {
     }
 }
 
-impl Tempo {
+impl<const N: usize> Tempo<N> {
     /// Limits the speed to the fastest of the planner, 2^32 - 1 nm/s.
-    pub(crate) fn limited(mut self, timer_hz: u32) -> Tempo {
+    pub(crate) fn limited(mut self, timer_hz: u32) -> Self {
         if self.is_slower(timer_hz) {
             return self;
         }
@@ -86,7 +88,7 @@ impl Pace {
 
 impl<const N: usize> Config<N> {
     /// Returns the tempo of a move on this path.
-    pub(crate) fn tempo<P: Moves<N>>(&self, segment: &Segment<N>, path: &P) -> Tempo {
+    pub(crate) fn tempo<P: Moves<N>>(&self, segment: &Segment<N>, path: &P) -> Tempo<N> {
         let hz = u64::from(self.timer_hz);
         let (feed, to) = match &segment.command {
             Command::Rapid { to } => (None, to),
@@ -133,7 +135,15 @@ impl<const N: usize> Config<N> {
             let [rim, _] = flat.radii();
             around = mul_div(times(rim, turns).unwrap_or(u64::MAX), 710, 113);
         }
-        let length_nm = length(&ways, around);
+        // The root of the length gives the direction as well.
+        let straight = match round {
+            Some(_) => None,
+            None => straight(&segment.from, to),
+        };
+        let length_nm = match straight {
+            Some((_, length_nm)) if around == 0 => length_nm,
+            _ => length(&ways, around),
+        };
         let fed_nm = self.fed_length(&ways, around, length_nm);
         let (programmed_q16, top) = match feed {
             Some(feed) => (ticks_q16(feed, fed_nm, hz), self.top_feed),
@@ -142,6 +152,7 @@ impl<const N: usize> Config<N> {
         let at_top = top.map_or(0, |top| ticks_q16(&Feed::PerMinute(top), fed_nm, hz));
         Tempo {
             length_nm,
+            along: straight.map(|(along, _)| along),
             round,
             pace: Pace {
                 programmed_q16,
@@ -230,7 +241,7 @@ impl<const N: usize> Config<N> {
 
 impl<const N: usize> Config<N> {
     /// Encoder counts of a move that follows the spindle, times 2^16.
-    pub(crate) fn counts_q16(&self, segment: &Segment<N>, tempo: &Tempo) -> Option<u64> {
+    pub(crate) fn counts_q16(&self, segment: &Segment<N>, tempo: &Tempo<N>) -> Option<u64> {
         let lead = match &segment.command {
             Command::Thread { lead, .. } => lead,
             Command::Linear {
@@ -270,6 +281,15 @@ impl Axis {
             ticks => ticks.saturating_add(1),
         }
     }
+}
+
+/// Direction and length of the line between two positions; `None` if they are equal.
+fn straight<const N: usize>(from: &[Nm; N], to: &[Nm; N]) -> Option<(Tangent<N>, u64)> {
+    let mut ways = [0; N];
+    for (way, (from, to)) in ways.iter_mut().zip(from.iter().zip(to)) {
+        *way = to.0.saturating_sub(from.0);
+    }
+    Tangent::with_length(ways)
 }
 
 /// Ticks of a path of this length at the programmed feed, times 2^16.

@@ -72,11 +72,35 @@ fn no_jerk_is_a_ramp() {
     assert!(smooth.steps == plain.steps);
 }
 
+/// A rapid override acts within the jerk, at any event, and feeds do not notice it.
+#[test]
+fn a_rapid_override_keeps_the_limits() {
+    let [axes, ..] = MACHINES;
+    let lines = ["G0 X20", "G1 X10 F3000", "G0 X0"];
+    let seconds = |changes: &[(u64, Change)]| {
+        let run = run::<4, SmoothRamp>(axes, &lines, changes);
+        run.checker.check(TOP);
+        run.checker.seconds()
+    };
+    let full = seconds(&[]);
+    // 30 mm at 100 mm/s, and 10 mm at 50 mm/s between them.
+    let quarter = seconds(&[(0, Change::Rapid(25))]);
+    assert!((0.75..1.0).contains(&(quarter - full)), "{quarter} {full}");
+    // In the first rapid, and back in the second one.
+    let changes = [(150_000, Change::Rapid(25)), (700_000, Change::Rapid(100))];
+    let between = seconds(&changes);
+    assert!(full + 0.3 < between && between < quarter, "{between}");
+    // The feed is from event 400 000 to 600 000.
+    let changes = [(420_000, Change::Rapid(25)), (560_000, Change::Rapid(100))];
+    assert_eq!(seconds(&changes), full);
+}
+
 fn change() -> impl Strategy<Value = Change> {
     prop_oneof![
         3 => Just(Change::Hold),
         2 => Just(Change::Resume),
         2 => (10_u8..201).prop_map(Change::Feed),
+        2 => (5_u8..101).prop_map(Change::Rapid),
         2 => (0_u8..201).prop_map(Change::Adaptive),
         2 => Just(Change::Starve),
     ]

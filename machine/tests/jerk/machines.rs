@@ -87,6 +87,7 @@ pub enum Change {
     Hold,
     Resume,
     Feed(u8),
+    Rapid(u8),
     Adaptive(u8),
     /// The next line comes only when the queue is empty.
     Starve,
@@ -128,6 +129,7 @@ pub fn run<const QUEUE: usize, R: PathRamp>(
                 Change::Hold => machine.hold(),
                 Change::Resume => machine.resume(),
                 Change::Feed(percent) => machine.set_feed_override(percent),
+                Change::Rapid(percent) => machine.set_rapid_override(percent),
                 Change::Adaptive(percent) => machine.set_adaptive_feed(percent),
                 Change::Starve => starves = true,
             }

@@ -5,6 +5,10 @@ use crate::{Piece, Slice, quotient::quotient};
 /// The whole of a slice in units of its length and of its time.
 const ONE: u64 = 1 << 32;
 
+/// A Newton step below this, a 2^16th part of a slice, is the last one: the error after it is a
+/// 2^32th part, or a few of them where the speed changes by much.
+const NEAR: u64 = 1 << 16;
+
 /// Time as a function of the path within a slice. With x the part of the path, and m and n the
 /// mean speed divided by the speeds at both ends, the time is
 ///
@@ -39,13 +43,19 @@ impl Law {
         let length = slice.length();
         let zeros = length.leading_zeros().min(63);
         let divisor = (length.wrapping_shl(zeros) >> 32) as u32;
+        let inverse = quotient(1 << 63, divisor).min(u32::MAX.into()) as u32;
+        // A speed may have a bit more than the length.
+        let part = |speed: u64| {
+            let scaled = speed.wrapping_shl(zeros.saturating_sub(1)) >> 32;
+            (scaled.wrapping_mul(inverse.into()) >> 31) as u32
+        };
         Law {
             slice: *slice,
             length,
             time,
             zeros: zeros as u8,
-            inverse: quotient(1 << 63, divisor).min(u32::MAX.into()) as u32,
-            cubic: Cubic::new(slice, length),
+            inverse,
+            cubic: Cubic::new(slice, length, part),
         }
     }
 
@@ -54,18 +64,22 @@ impl Law {
         self.cubic.is_some()
     }
 
-    /// The part of the path, in units of 2^-32; below 2^32.
-    fn share(&self, path: u64) -> u32 {
+    /// The part of the path, in units of 2^-32; below 2^32 and rounded down by less than 2.
+    pub(crate) fn share(&self, path: u64) -> u32 {
         let path = path.wrapping_shl(self.zeros.into()) >> 32;
         // path < 2^64 / inverse 2^31.
         (path.wrapping_mul(self.inverse.into()) >> 31).min(u32::MAX.into()) as u32
     }
 
-    /// Returns how many events of at most `event` fit in a path of the slice; up to one too few.
-    pub(crate) fn count(&self, path: u64, event: u32, most: u32) -> u32 {
-        // The shares are rounded down, by less than 2.
-        let share = self.share(event.into()).saturating_add(2);
-        let count = self.share(path).checked_div(share).unwrap_or(0).min(most);
+    /// Returns how many events of at most `event` fit in the slice after `passage`; up to one too
+    /// few. `share` is the share of `event`.
+    pub(crate) fn count(&self, passage: &Passage, event: u32, share: u32, most: u32) -> u32 {
+        let path = self.length.wrapping_sub(passage.passed);
+        // The share of the passed path was rounded down, by less than 2, and so was that of the
+        // event.
+        let room = !passage.share;
+        let count = room.checked_div(share.saturating_add(2)).unwrap_or(0);
+        let count = count.min(most);
         if u64::from(count).wrapping_mul(event.into()) > path {
             count.saturating_sub(1)
         } else {
@@ -73,11 +87,12 @@ impl Law {
         }
     }
 
-    /// Solves for the time, from a time before it. In units of 2^-32 slice.
+    /// Solves for the time, from a time before it. In units of 2^-32 slice, accurate to a few.
     fn solve(&self, path: u64, before: u64) -> u64 {
         let (mut low, mut high) = (before, ONE);
-        // Newton steps converge from the end with the higher speed.
-        let mut time = if self.slice.end_speed() >= self.slice.speed {
+        // Newton steps converge from the end with the higher speed. From the last event they take
+        // fewer steps, unless the path is next to standstill there.
+        let mut time = if self.slice.end_speed() >> 1 > self.slice.speed {
             high
         } else {
             low
@@ -85,6 +100,7 @@ impl Law {
         for _ in 0..40 {
             let (at, speed) = self.at(time);
             let step = ratio(at.abs_diff(path), speed);
+            let is_last = step < NEAR;
             let next = if at > path {
                 high = time;
                 time.saturating_sub(step)
@@ -92,7 +108,10 @@ impl Law {
                 low = time;
                 time.saturating_add(step)
             };
-            if step == 0 || high.saturating_sub(low) <= 1 {
+            if is_last {
+                return next.max(low).min(high);
+            }
+            if high.saturating_sub(low) <= 1 {
                 break;
             }
             // Next to standstill, halve instead.
@@ -113,31 +132,33 @@ impl Law {
         let times = |value: i64| signed_part(value, share);
         // Below 2^40.
         let Slice { speed, bend, twist } = self.slice;
-        let twist = i64::from(twist);
-        let path = times((speed as i64).wrapping_add(times(bend.wrapping_add(times(twist)))));
-        let twice = bend.wrapping_mul(2);
-        let slope = times(twice.wrapping_add(times(twist.wrapping_mul(3))));
-        let speed = (speed as i64).wrapping_add(slope);
-        (path.max(0) as u64, speed.max(0) as u64)
+        // With b and c for bend and twist: c x, (b + c x) x, and (2 b + 3 c x) x.
+        let twisted = i64::from(twist).wrapping_mul(share.into()) >> 32;
+        let bent = times(bend.wrapping_add(twisted));
+        let slope = bent.wrapping_mul(2).wrapping_add(times(twisted));
+        let speed = speed as i64;
+        let path = times(speed.wrapping_add(bent));
+        (path.max(0) as u64, speed.wrapping_add(slope).max(0) as u64)
     }
 }
 
 impl Cubic {
-    /// The cubic, where the speed changes by at most a quarter.
-    fn new(slice: &Slice, length: u64) -> Option<Cubic> {
+    /// The cubic, where the speed changes by at most a quarter. `part` returns a path in units of
+    /// 2^-31 of the length of the slice.
+    fn new(slice: &Slice, length: u64, part: impl Fn(u64) -> u32) -> Option<Cubic> {
         let [speed, end] = [slice.speed, slice.end_speed()];
-        let is_even = speed.abs_diff(end) <= speed.min(end) >> 2;
+        let is_even = |one: u64, other: u64| one.abs_diff(other) <= one.min(other) >> 2;
         // The speed may also change and change back within the slice.
-        if !is_even || length.abs_diff(speed) > speed >> 2 || speed == 0 {
+        if !is_even(speed, end) || !is_even(length, speed) || !is_even(length, end) || speed == 0 {
             return None;
         }
-        // 0.8 to 1.25, in units of 2^-31.
-        let [first, last] = [speed, end].map(|speed| ratio(length, speed.wrapping_mul(2)));
-        let excess = |ratio: u64| (ratio as i64).wrapping_sub(1 << 31) as i32;
+        // The mean speed is 1, so these are 0.8 to 1.25, and their inverses too.
+        let [first, last] = [speed, end].map(|speed| inverse_of(part(speed)));
+        let excess = |ratio: u32| ratio.wrapping_sub(1 << 31) as i32;
         let [one, other] = [excess(first), excess(last)];
         let cube = one.wrapping_add(other);
         Some(Cubic {
-            linear: first as u32,
+            linear: first,
             square: cube.wrapping_add(one),
             cube,
         })
@@ -177,10 +198,34 @@ impl Cubic {
     }
 }
 
+/// 1 / `value`, both in units of 2^-31, for values from 0.8 to 1.25. Accurate to 2^-22, and to
+/// more for values near 1.
+fn inverse_of(value: u32) -> u32 {
+    // With d = 1 - value: (1 + d) (1 + d^2) (1 + d^4) (1 + d^8), where d^16 is below 2^-32.
+    let one = 1_u32 << 31;
+    let d = one.wrapping_sub(value) as i32;
+    // At most 2^27. The powers above it fit in 32 bits.
+    let second = (i64::from(d).wrapping_mul(d.into()) >> 31) as u32;
+    let half = (second >> 11).min(0xffff);
+    let fourth = half.wrapping_mul(half) >> 9;
+    let half = fourth >> 8;
+    let eighth = half.wrapping_mul(half) >> 15;
+    let both = (fourth >> 8).wrapping_mul(eighth >> 8) >> 15;
+    let rest = fourth.wrapping_add(eighth).wrapping_add(both);
+    let times = |value: u32, power: u32| {
+        let part = u64::from(value).wrapping_mul(power.into()) >> 31;
+        // At most 1.25 in units of 2^-31.
+        value.wrapping_add(part as u32)
+    };
+    times(times(one.wrapping_add_signed(d), second), rest)
+}
+
 /// How much of a slice has passed.
 #[derive(Copy, Clone, Debug, Default)]
 pub(crate) struct Passage {
     pub(crate) passed: u64,
+    /// The share of it, after an event in a slice with a cubic.
+    share: u32,
     /// Time that was given, in 2^-32 tick.
     given: u64,
     /// Time of the last event in 2^-32 slice, where it was solved for.
@@ -210,10 +255,14 @@ impl Passage {
 
     fn time_at(&mut self, path: u64, law: &Law) -> u64 {
         if path >= law.length {
+            self.share = u32::MAX;
             return law.time;
         }
         let share = match &law.cubic {
-            Some(cubic) => cubic.time(law.share(path)),
+            Some(cubic) => {
+                self.share = law.share(path);
+                cubic.time(self.share)
+            }
             None => {
                 self.solved = law.solve(path, self.solved);
                 self.solved
@@ -222,15 +271,14 @@ impl Passage {
         u32::try_from(share).map_or(law.time, |share| part(law.time, share))
     }
 
-    /// Passes `count` events, 1 to 1024, of about `event` in a slice with a cubic. Together they
+    /// Passes `count` events, 1 to 1024, of about this share of a slice with a cubic. Together they
     /// have this `path`.
-    pub(crate) fn piece(&mut self, count: u32, event: u64, path: u64, law: &Law) -> Piece {
+    pub(crate) fn piece(&mut self, count: u32, event: u32, path: u64, law: &Law) -> Piece {
         let Some(cubic) = &law.cubic else {
             return Piece::default();
         };
-        let first = law.share(self.passed);
+        let first = self.share;
         self.passed = self.passed.wrapping_add(path);
-        let event = law.share(event);
         // The time of the slice times the part of the path of an event, its square and its cube.
         let linear = part(law.time, event);
         let square = part(linear, event);
@@ -258,7 +306,10 @@ fn time_of(piece: &Piece) -> u64 {
     let count = piece.count.min(1024);
     // Below 2^20 and 2^30.
     let pairs = count.wrapping_mul(count.saturating_sub(1)) >> 1;
-    let triples = pairs.wrapping_mul(count.saturating_sub(2)) / 3;
+    // A product of three numbers in a row is divisible by 3, and this is 1 / 3 modulo 2^32.
+    let triples = pairs
+        .wrapping_mul(count.saturating_sub(2))
+        .wrapping_mul(0xaaaa_aaab);
     u64::from(count)
         .wrapping_mul(piece.interval_q32)
         .wrapping_add(u64::from(pairs).wrapping_mul(piece.change_q32))

@@ -12,6 +12,7 @@ use crate::jerk_window::{
     filter::{Point, Wait},
     scale::Scale,
 };
+use crate::ramp::whole_root;
 
 /// Braking after a slice that begins with a given state.
 #[derive(Copy, Clone, Debug)]
@@ -133,6 +134,6 @@ impl Braking {
 fn highest_of(linear: u64, product: u64) -> u32 {
     let half = linear.div_ceil(2);
     // half is at most 2^30.
-    let root = half.wrapping_mul(half).wrapping_add(product).isqrt();
-    root.wrapping_sub(half).min(u32::MAX.into()) as u32
+    let root = whole_root(half.wrapping_mul(half).wrapping_add(product));
+    u64::from(root).saturating_sub(half) as u32
 }

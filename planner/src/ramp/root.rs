@@ -50,6 +50,24 @@ impl Root {
     }
 }
 
+/// The root of `square`, rounded down.
+///
+/// # Cost
+/// That of [`Root::of`] and one or two products, a third of that of `u64::isqrt` on a processor
+/// without a division of 64 bits.
+pub(crate) fn whole_root(square: u64) -> u32 {
+    // At most a unit off.
+    let root = Root::of(square).speed;
+    let squared = |root: u32| u64::from(root).wrapping_mul(root.into());
+    if squared(root) > square {
+        return root.wrapping_sub(1);
+    }
+    match root.checked_add(1) {
+        Some(next) if squared(next) <= square => next,
+        _ => root,
+    }
+}
+
 /// Returns 2^30 / sqrt(x / 2^32). `x` is at least 2^30.
 fn reciprocal(x: u32) -> u32 {
     // The line 2.1328 - 1.2187 x, in units of 2^-15. Its error is at most 8.6 %.
@@ -74,11 +92,12 @@ fn reciprocal(x: u32) -> u32 {
 #[cfg(test)]
 mod tests {
     extern crate std;
-    use super::Root;
+    use super::{Root, whole_root};
 
     fn check(square: u64) {
         let root = Root::of(square);
         let exact = square.isqrt();
+        assert_eq!(u64::from(whole_root(square)), exact, "{square}");
         assert!(
             u64::from(root.speed).abs_diff(exact) <= 1,
             "{square}: {root:?} {exact}"

@@ -8,6 +8,8 @@ use crate::moves::Move;
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Seen {
     pub acceleration: f64,
+    /// Acceleration in a move beside that of the move.
+    pub own: f64,
     pub jerk: f64,
     pub top: f64,
     pub corner: f64,
@@ -19,6 +21,7 @@ pub struct Seen {
 impl Seen {
     pub fn join(&mut self, other: &Seen) {
         self.acceleration = self.acceleration.max(other.acceleration);
+        self.own = self.own.max(other.own);
         self.jerk = self.jerk.max(other.jerk);
         self.top = self.top.max(other.top);
         self.corner = self.corner.max(other.corner);
@@ -30,6 +33,7 @@ impl Seen {
     pub fn fault(&self) -> bool {
         let worst = self
             .acceleration
+            .max(self.own)
             .max(self.jerk)
             .max(self.top)
             .max(self.corner);
@@ -123,7 +127,7 @@ impl<'a> Checker<'a> {
         (self.ends[at] - self.position) as f64
     }
 
-    /// Compares the speed with the top of the move.
+    /// Compares speed and acceleration with those of the move.
     fn look(&mut self, twist: i128, x: f64) {
         let (path, speed) = self.state(twist, x);
         let mut at = self.at;
@@ -137,6 +141,12 @@ impl<'a> Checker<'a> {
         if !is_border {
             let top = f64::from(self.moves[at].stretch.top_at(self.percent));
             self.see_top(speed, top);
+            let own = self.moves[at].stretch.acceleration_nm_per_s2 as f64;
+            let bend = self.bend as f64 + 3.0 * x * twist as f64;
+            let acceleration = 2.0 * bend / self.slice.powi(2) / self.scale;
+            // A top speed of a unit per slice is always allowed.
+            let least = 96.0 / self.scale / self.slice / (16.0 * self.slice);
+            self.seen.own = self.seen.own.max(acceleration.abs() / own.max(least));
         }
     }
 

@@ -47,6 +47,29 @@ fn holds_and_overrides_keep_all_limits() {
     }
 }
 
+/// A move with less acceleration than the path is slower, so that it keeps its own.
+#[test]
+fn moves_keep_their_own_acceleration() {
+    let mut random = oorandom::Rand64::new(11);
+    for limits in MACHINES {
+        let mut moves = random_moves(&mut random, 2_000);
+        for one in &mut moves {
+            if random.rand_range(0..3) == 0 {
+                let share = random.rand_range(2..100);
+                one.stretch.acceleration_nm_per_s2 = limits.acceleration_nm_per_s2 * share / 100;
+            }
+        }
+        for changes in [0.0, 0.02] {
+            let disturbance = Disturbance {
+                moves_per_slice: 0.0,
+                changes,
+            };
+            let seen = run::<64>(limits, &moves, disturbance, &mut random);
+            assert!(!seen.fault() && seen.own > 0.5, "{limits:?} {seen:?}");
+        }
+    }
+}
+
 proptest! {
     // A case integrates up to a minute of motion.
     #![proptest_config(ProptestConfig::with_cases(ProptestConfig::default().cases / 4))]

@@ -4,5 +4,6 @@ mod checker;
 mod events;
 mod limits;
 mod moves;
+mod overrides;
 mod runner;
 mod times;

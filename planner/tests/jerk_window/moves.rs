@@ -82,15 +82,19 @@ pub fn any_moves() -> impl Strategy<Value = Vec<Move>> {
         entry,
         1.0..2.0_f64,
         any::<bool>(),
+        prop_oneof![Just(11.0), 6.0..11.0_f64],
     );
     let one = one.prop_map(
-        |(length, top, entry_limit_nm_per_s, room, obeys_override)| {
+        |(length, top, entry_limit_nm_per_s, room, obeys_override, acceleration)| {
             // At most a second.
             let length = power(length) - 1;
             let top = power(top).max(length);
             let mut one = line(length.into(), top, entry_limit_nm_per_s);
             one.stretch.ceiling_nm_per_s = (f64::from(top) * room) as u32;
             one.stretch.obeys_override = obeys_override;
+            // In the shortest window it reaches a speed at which it takes a second.
+            let least = 1000 * u64::from(length);
+            one.stretch.acceleration_nm_per_s2 = (10_f64.powf(acceleration) as u64).max(least);
             one
         },
     );

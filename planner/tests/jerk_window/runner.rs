@@ -12,7 +12,7 @@ use crate::{
 pub struct Disturbance {
     /// Moves that arrive in a slice on average; 0 is as many as fit.
     pub moves_per_slice: f64,
-    /// Probability of a hold, a resume or an override in a slice.
+    /// Probability of a hold, a resume or an override of feeds or rapids in a slice.
     pub changes: f64,
 }
 
@@ -58,9 +58,10 @@ pub fn run<const CAPACITY: usize>(
             window.pop();
         }
         if random.rand_float() < disturbance.changes {
-            match random.rand_range(0..4) {
+            match random.rand_range(0..5) {
                 0 => window.hold(),
                 1 => window.set_override(random.rand_range(10..201) as u8),
+                2 => window.set_rapid_override(random.rand_range(10..101) as u8),
                 _ => window.resume(),
             }
         }

@@ -84,6 +84,7 @@ fn path() {
         Ramp::stop as *const (),
         Ramp::speed_nm_per_s as *const (),
         Tangent::<3>::new as *const (),
+        Tangent::<3>::with_length as *const (),
         Tangent::<3>::from_units as *const (),
         Tangent::<3>::components as *const (),
         Tangent::<3>::reversed as *const (),

@@ -317,6 +317,7 @@ impl<const N: usize, L: BacklashModel<N>> Walk<'_, N, L> {
             self.steps(line, to, |_, wait| Some(wait.into()));
         } else {
             let steps = line.fill(to.iter_mut().map(|step| &mut step.delta));
+            let steps = steps.map(u32::from);
             self.move_load(directions, &steps);
             self.guard.pass_line(to, &steps, waits.ticks);
             (self.made, self.noted) = (to.len(), to.len());
@@ -374,7 +375,7 @@ impl<const N: usize, L: BacklashModel<N>> Walk<'_, N, L> {
                 wait => {
                     self.put_off(last, directions, wait);
                     for (steps, delta) in steps.iter_mut().zip(last.delta) {
-                        *steps = steps.wrapping_sub(delta.unsigned_abs());
+                        *steps = steps.wrapping_sub(delta.unsigned_abs().into());
                     }
                 }
             }
@@ -425,14 +426,13 @@ impl<const N: usize, L: BacklashModel<N>> Walk<'_, N, L> {
     }
 
     /// Moves the load in these directions.
-    fn move_load(&mut self, [_, negative]: [u8; 2], steps: &[u8; N]) {
+    fn move_load(&mut self, [_, negative]: [u8; 2], steps: &[u32; N]) {
         let mut bit = 1_u8;
         for (load, steps) in self.load.iter_mut().zip(steps) {
-            let steps = i32::from(*steps);
             *load = if negative & bit == 0 {
-                load.wrapping_add(steps)
+                load.wrapping_add_unsigned(*steps)
             } else {
-                load.wrapping_sub(steps)
+                load.wrapping_sub_unsigned(*steps)
             };
             bit = bit.wrapping_shl(1);
         }

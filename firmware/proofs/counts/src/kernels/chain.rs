@@ -16,13 +16,13 @@ use crate::Count;
 
 const EVENTS: u32 = 1000;
 
-/// A place in the queue of three axes has at most 216 bytes on a 32-bit processor.
+/// A place in the queue of three axes has at most 208 bytes on a 32-bit processor.
 #[cfg(target_pointer_width = "32")]
 const _: () = {
     const fn bytes<const QUEUE: usize>() -> usize {
         size_of::<Machine<3, Path<3>, Backlash, QUEUE>>()
     }
-    assert!(bytes::<24>().wrapping_sub(bytes::<23>()) <= 216);
+    assert!(bytes::<24>().wrapping_sub(bytes::<23>()) <= 208);
 };
 
 pub fn all(count: Count<'_>) {
