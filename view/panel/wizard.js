@@ -186,7 +186,8 @@ export class Wizard {
             put(result, error instanceof Stopped ? text : `${text}. ${words.nothingSet}`);
         }
         this.rig = undefined;
-        this.show();
+        // The guide through a change of a tool shows the contact of the first tool.
+        desk.changed();
     }
 
     /**
@@ -220,7 +221,7 @@ export class Wizard {
 
     forget() {
         sessionStorage.removeItem(this.referenceKey);
-        this.show();
+        this.desk.changed();
     }
 
     /** STOP: no further move is sent. */

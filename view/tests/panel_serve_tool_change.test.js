@@ -81,7 +81,7 @@ test("a program waits for its tools, which are measured, and goes on", async (t)
     await says(page, ".tool-change h2", "T1 (6 mm flat)");
     await says(page, ".tool-change .error", "No tool was measured before");
     assert.match(await measure(page), /by 0\.000 mm/);
-    await says(page, ".tool-change .soft", "contact of the first tool: machine Z -10.000");
+    await says(page, ".tool-change .soft", "contact of the first tool: machine Z -10.0");
     await press(page, "button::-p-aria(Go on with the program)");
     const waits = await changing(page, 2);
     assert.deepEqual(waits.work_mm, [5, 5, 2]);
