@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { picture, violations } from "husillo/tests/browser.js";
-import { emulated, line, tryProbe } from "husillo/tests/emulated.js";
+import { emulated, tryProbe } from "husillo/tests/emulated.js";
 import { press, says, textOf } from "husillo/tests/panels.js";
 import { isIdle, served, state, until } from "husillo/tests/served.js";
 
@@ -107,6 +107,7 @@ test("a program waits for its tools, which are measured, and goes on", async (t)
     assert.deepEqual(done.machine_mm, [10, 5, 5]);
     assert.equal((await until(page, (now) => now.accessories)).accessories.spindle, "cw");
     // Up, over the place, spindle on, down, and on: as it was said.
+    /** @type {string[]} */
     const sent = await page.evaluate(() =>
         Reflect.get(window, "husillo")
             .machine.lines.filter((/** @type {any} */ one) => one.from === "host")
