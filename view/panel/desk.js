@@ -249,7 +249,7 @@ export class Desk {
     get isBusy() {
         const { state } = this;
         const word = state?.state ?? "";
-        return this.isUnderWay || ["Run", "Jog", "Home", "Probe", "Hold", "Door"].includes(word);
+        return this.isOfProgram || ["Run", "Jog", "Home", "Probe", "Hold", "Door"].includes(word);
     }
 
     /** @param {() => void} listener called after each change */

@@ -42,6 +42,8 @@ export function readMap(text, grid) {
     if (numbers.some(Number.isNaN)) return grid;
     if (head === "MAP" && numbers.length === 7) {
         const [isOn, x, y, width, depth, columns, rows] = numbers;
+        // Without a map all are 0.
+        if (columns === 0) return undefined;
         return { isOn: isOn === 1, area: [x, y, width, depth], columns, rows, heights: [] };
     }
     const [row, ...heights] = numbers;

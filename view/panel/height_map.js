@@ -44,6 +44,8 @@ export class HeightMap {
         this.grid = undefined;
         /** @type {LinkedRig | undefined} */
         this.rig = undefined;
+        /** Whether the answer to the last `$Z` has come as a whole. */
+        this.isRead = false;
         /** Contacts of the present measurement, and how many there will be. */
         this.contacts = 0;
         this.ofContacts = 0;
@@ -120,8 +122,12 @@ export class HeightMap {
             if (!/^\[(MAP|HEIGHTS|MSG):/.test(text)) continue;
             this.grid = readMap(text, this.grid);
             isChanged = true;
+            this.isRead ||= isWhole(this.grid) || (text.startsWith("[MAP:") && !this.grid);
         }
-        if (isChanged) this.showGrid();
+        if (!isChanged) return;
+        this.showGrid();
+        // Who waits for the map is woken.
+        if (this.isRead && this.rig) this.desk.changed();
     }
 
     /** A point of the present measurement was touched. */
@@ -182,9 +188,12 @@ export class HeightMap {
 
     /** Reads the map of the controller. */
     async shown() {
-        this.grid = undefined;
         await this.stand();
+        this.grid = undefined;
+        this.isRead = false;
         await this.send("$Z");
+        // The lines of the console may come after the answer.
+        await this.rig?.until(() => this.isRead);
         this.showGrid();
         const { words } = this;
         const grid = /** @type {HeightGrid | undefined} */ (this.grid);

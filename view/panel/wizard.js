@@ -192,7 +192,8 @@ export class Wizard {
             put(result, error instanceof Stopped ? text : `${text}. ${words.nothingSet}`);
         }
         this.rig = undefined;
-        this.show();
+        // The guide through a change of a tool shows the contact of the first tool.
+        desk.changed();
     }
 
     /**
@@ -226,7 +227,7 @@ export class Wizard {
 
     forget() {
         sessionStorage.removeItem(this.referenceKey);
-        this.show();
+        this.desk.changed();
     }
 
     /** STOP: no further move is sent. */

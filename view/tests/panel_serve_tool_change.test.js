@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { picture, violations } from "husillo/tests/browser.js";
-import { emulated, line, tryProbe } from "husillo/tests/emulated.js";
+import { emulated, tryProbe } from "husillo/tests/emulated.js";
 import { press, says, textOf } from "husillo/tests/panels.js";
 import { isIdle, served, state, until } from "husillo/tests/served.js";
 
@@ -81,7 +81,7 @@ test("a program waits for its tools, which are measured, and goes on", async (t)
     await says(page, ".tool-change h2", "T1 (6 mm flat)");
     await says(page, ".tool-change .error", "No tool was measured before");
     assert.match(await measure(page), /by 0\.000 mm/);
-    await says(page, ".tool-change .soft", "contact of the first tool: machine Z -10.000");
+    await says(page, ".tool-change .soft", "contact of the first tool: machine Z -10.0");
     await press(page, "button::-p-aria(Go on with the program)");
     const waits = await changing(page, 2);
     assert.deepEqual(waits.work_mm, [5, 5, 2]);
@@ -107,6 +107,7 @@ test("a program waits for its tools, which are measured, and goes on", async (t)
     assert.deepEqual(done.machine_mm, [10, 5, 5]);
     assert.equal((await until(page, (now) => now.accessories)).accessories.spindle, "cw");
     // Up, over the place, spindle on, down, and on: as it was said.
+    /** @type {string[]} */
     const sent = await page.evaluate(() =>
         Reflect.get(window, "husillo")
             .machine.lines.filter((/** @type {any} */ one) => one.from === "host")

@@ -43,12 +43,17 @@ export async function panel(t, wanted = {}, options = {}) {
  * @param {string} text
  */
 export async function says(page, selector, text) {
-    await page.waitForFunction(
-        (selector, text) => document.querySelector(selector)?.textContent?.includes(text),
-        {},
-        selector,
-        text
-    );
+    try {
+        await page.waitForFunction(
+            (selector, text) => document.querySelector(selector)?.textContent?.includes(text),
+            {},
+            selector,
+            text
+        );
+    } catch (error) {
+        const said = await page.$$eval(selector, (all) => all[0]?.textContent ?? "nothing");
+        throw new Error(`${selector} says "${said}" instead of "${text}"`, { cause: error });
+    }
 }
 
 /**
