@@ -275,7 +275,12 @@ impl Session {
                     self.status = Some(*status);
                     self.awaits_report = false;
                 }
-                Some(Heard::Started(_)) => self.status = None,
+                Some(Heard::Started(_)) => {
+                    // Its state is asked for at once. A request of before the start was lost.
+                    self.status = None;
+                    self.awaits_report = false;
+                    self.asked_at = Duration::ZERO;
+                }
                 _ => {}
             }
             return Ok(heard);

@@ -173,7 +173,8 @@ fn lines_without_motion_do_not_count_as_moves() {
         (page.at("work_mm", 0) > 20.0).then_some(())
     });
     page.done(json!({"do": "stop"}));
-    until_phase(&mut page, "stopped");
+    page.until_phase("stopped");
+    page.until_state("Idle");
     let from = page.states[0]["program"]["resume_line"].as_u64().unwrap();
     let stands = page.at("work_mm", 0);
     // Line 2 N - 1 ends at N mm: all before it are made, and most of them are not made again.

@@ -86,7 +86,7 @@ fn the_settings_are_known_after_a_connection_in_motion() {
 /// A controller that takes equal bytes of an override as one reaches the wanted one all the same.
 #[test]
 fn an_override_is_reached() {
-    let device = Emulated::listening("grbl", &["--faithful"]);
+    let device = Emulated::listening("grbl", &[]);
     let served = Served::new(&["--port", device.port()]);
     let mut page = served.operator();
     for percent in [150, 10, 137, 100] {

@@ -1,6 +1,5 @@
 //! Programs: loaded, checked, run, held, stopped.
 
-use super::emulated::Emulated;
 use super::page::{Page, Served};
 use serde_json::{Value, json};
 use std::time::Duration;
@@ -242,16 +241,16 @@ fn a_program_is_checked_with_the_work_zero_just_set() {
 /// The reason stays, although the dwell behind the line is answered.
 #[test]
 fn a_refused_line_in_single_block_is_a_failure() {
-    let device = Emulated::listening("grbl", &["--faithful"]);
-    let served = Served::new(&["--port", device.port()]);
+    let served = Served::new(&[]);
     let mut page = served.operator();
-    // Grbl is built without mist coolant.
-    let text = "G21 G90\nG1 X1 F600\nM7\nG1 X5\n";
-    served.load(page.client, "mist.nc", text);
+    // In this mode, each line needs a feed.
+    page.done(json!({"do": "line", "text": "G93"}));
+    let text = "G21 G90\nG1 X1 F60\nG1 X3\nG1 X5\n";
+    served.load(page.client, "part.nc", text);
     page.done(json!({"do": "single_block", "on": true}));
     page.done(json!({"do": "run", "confirmed": true}));
     for _ in 0..2 {
-        until_phase(&mut page, "waiting");
+        page.until_phase("waiting");
         page.done(json!({"do": "resume"}));
         page.until("the line", |page| {
             (program(page)["phase"] != "waiting").then_some(())
@@ -264,7 +263,7 @@ fn a_refused_line_in_single_block_is_a_failure() {
     assert_eq!(program(&page)["phase"], "failed");
     let message = program(&page)["message"].to_string();
     assert!(
-        message.contains("line 3") && message.contains("error 20"),
+        message.contains("line 3") && message.contains("error 22"),
         "{message}"
     );
 }
