@@ -107,12 +107,13 @@ test("a measuring machine is steered, moved, zeroed, and touches", async (t) => 
     await until(page, (state) => isIdle(state) && !state.stopping);
     await page.keyboard.up("ArrowDown");
     // A target, its error, and cancel.
-    await write(page, '[data-target="X"]', "40");
+    // So far that it has not ended before it is cancelled, on a busy computer either.
+    await write(page, '[data-target="X"]', "150");
     await press(page, "button::-p-aria(Go to target)");
     await until(page, ({ state, measuring }) => state === "Run" && measuring.axes[0].error > 20);
     await press(page, "button::-p-aria(Cancel move)");
     const cancelled = await until(page, isIdle);
-    assert.ok(work(cancelled)[0] < 39);
+    assert.ok(work(cancelled)[0] < 149);
     await press(page, "button::-p-aria(X = 0: make this position zero)");
     await until(page, (state) => isIdle(state) && Math.abs(work(state)[0]) < 0.01);
     await write(page, '[data-target="X"]', "-1,5");

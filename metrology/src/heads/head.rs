@@ -403,6 +403,7 @@ mod tests {
         head.line
             .command(module, Command::LoadTrajectory(far))
             .unwrap();
+        (0..1000).for_each(|_| drop(head.line.port().network.tick()));
         let late = head.come_to_rest();
         let Err(Error::StillMoving { at }) = &late else {
             panic!("{late:?}")
