@@ -63,7 +63,7 @@ fn program(more: &str) -> String {
 fn a_program_is_read_twice_before_it_is_moved() {
     let (findings, notes, feed_mm, readings) = checked(&program(""));
     assert_eq!(findings, [""; 0]);
-    let placed = "p.nc: placed in the middle of router, as with --zero X150.5";
+    let placed = "p.nc: placed in the middle of router, as with --zero X150.5Y0Z0";
     assert_eq!(notes, [placed]);
     assert_eq!(feed_mm, 2.0 + 3.0 * 1999.0);
     // For the place, and for the check there. The first reading ends at the first move.
