@@ -130,16 +130,14 @@ impl Axis {
         (self.nut - self.zero) as f64 / self.step as f64
     }
 
-    /// The present levels at the driver.
-    #[inline]
-    pub(crate) fn levels(&self) -> u8 {
-        self.levels
-    }
-
     /// Applies new levels at time `now`. They differ from the old ones. Returns lost steps and
     /// their cause.
     #[inline]
     pub(crate) fn change(&mut self, levels: u8, now: u64) -> Option<(u32, Cause)> {
+        if let Stage::StepDirection(timing) = self.stage {
+            let before = std::mem::replace(&mut self.levels, levels);
+            return self.pulse(before, timing, now);
+        }
         let angle = self.equilibrium[usize::from(levels)];
         let jump = (angle as u16).wrapping_sub(self.rotor as u16) as i16;
         let is_held = self.is_held(i64::from(jump));

@@ -21,6 +21,8 @@ const KEPT: usize = 16;
 #[derive(Clone)]
 pub struct Rig<const N: usize> {
     axes: [Axis; N],
+    /// The present levels at the drivers.
+    levels: [Levels; N],
     /// Position of the tool.
     tool: [i32; N],
     /// Losses of steps so far.
@@ -46,12 +48,13 @@ impl<const N: usize> Rig<N> {
     /// Creates a rig with these axes; `levels` hold them at home.
     #[must_use]
     pub fn new(models: [AxisModel; N], levels: [Levels; N]) -> Rig<N> {
-        let mut levels = levels.into_iter();
-        let axes = models.map(|model| Axis::new(model, levels.next().unwrap_or_default()));
+        let mut first = levels.into_iter();
+        let axes = models.map(|model| Axis::new(model, first.next().unwrap_or_default()));
         // The rotors have rested indefinitely, so the first step is never too early.
         Rig {
             tool: axes.each_ref().map(Axis::tool),
             axes,
+            levels,
             loss_count: 0,
             now: 1 << 32,
             events: 0,
@@ -101,8 +104,10 @@ impl<const N: usize> Rig<N> {
     pub fn apply(&mut self, levels: &[Levels; N], wait_ticks: u32) {
         self.now += u64::from(wait_ticks);
         let axes = self.axes.iter_mut().zip(&mut self.tool);
-        for (index, ((axis, tool), levels)) in axes.zip(levels).enumerate() {
-            if axis.levels() != levels.0 {
+        let changes = self.levels.iter_mut().zip(levels);
+        for (index, ((axis, tool), (before, levels))) in axes.zip(changes).enumerate() {
+            if before != levels {
+                *before = *levels;
                 if let Some((steps, cause)) = axis.change(levels.0, self.now) {
                     self.loss_count += 1;
                     if self.losses.len() < KEPT {
@@ -118,7 +123,9 @@ impl<const N: usize> Rig<N> {
             }
         }
         self.events += 1;
-        self.follow_field();
+        if self.field.is_some() {
+            self.follow_field();
+        }
     }
 
     /// Blocks the rotor of an axis, or releases it, as a chip in the guide or an end stop does.

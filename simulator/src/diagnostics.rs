@@ -192,6 +192,8 @@ pub struct Findings {
     reported: Option<HashSet<(usize, usize, String)>>,
     /// The first error decides: others need not be found.
     ends_at_error: bool,
+    /// Nothing after the present place counts.
+    is_over: bool,
     /// Number of errors, kept or not.
     pub errors: u64,
     /// Number of warnings, kept or not.
@@ -206,6 +208,7 @@ impl Findings {
             most,
             reported: None,
             ends_at_error: false,
+            is_over: false,
             errors: 0,
             warnings: 0,
         }
@@ -225,9 +228,19 @@ impl Findings {
         self
     }
 
+    /// Ends the search for findings.
+    pub const fn end(&mut self) {
+        self.is_over = true;
+    }
+
     /// Whether no other finding is needed.
     pub const fn is_decided(&self) -> bool {
-        self.ends_at_error && self.errors > 0
+        self.is_over || self.ends_at_error && self.errors > 0
+    }
+
+    /// Whether there is none so far.
+    pub const fn is_empty(&self) -> bool {
+        self.errors == 0 && self.warnings == 0
     }
 
     /// From now on ignores a finding that repeats an earlier code and place. It is for programs

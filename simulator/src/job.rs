@@ -22,7 +22,7 @@ pub use zero::{LETTERS, Zero};
 
 use crate::diagnostics::Findings;
 use crate::machines::machine_file::MachineFile;
-use crate::programs::check::{self, Facts};
+use crate::programs::check::{self, Facts, Part};
 use crate::programs::program::Start;
 use crate::programs::setup::{self, MappedEngine};
 use crate::programs::source::Source;
@@ -167,21 +167,32 @@ impl Job {
     ///
     /// The program cannot be read, or its text is in a language of other machines.
     pub fn check(&mut self, findings: &mut Findings) -> Result<Facts, JobError> {
-        let facts = self.check_here(findings)?;
-        if findings.errors > 0 {
-            if let Some(language) = language::of(&self.head(language::HEAD)?) {
-                // The errors of its lines have one cause.
-                *findings = findings.restarted();
-                return Err(format!("{}: {language}", self.name()).into());
-            }
+        // A program that is moved is checked at its new place, so that the rest of it does not
+        // count here.
+        let part = match self.may_move && findings.is_empty() {
+            true => Part::WithinTravel,
+            false => Part::Whole,
+        };
+        let mut facts = self.check_here(part, findings)?;
+        if part == Part::Whole || facts.beyond.is_none() {
+            self.expect_language(findings)?;
+        }
+        if facts.beyond.is_none() {
+            return Ok(facts);
+        }
+        if let Some((facts, found)) = self.check_moved(findings)? {
+            *findings = found;
+            self.expect_language(findings)?;
+            return Ok(facts);
+        }
+        if part == Part::WithinTravel {
+            *findings = findings.restarted();
+            facts = self.check_here(Part::Whole, findings)?;
+            self.expect_language(findings)?;
         }
         let Some(first) = &facts.beyond else {
             return Ok(facts);
         };
-        if let Some((facts, found)) = self.check_moved(findings)? {
-            *findings = found;
-            return Ok(facts);
-        }
         travel::report_beyond(
             &mut self.open()?,
             self.name(),
@@ -194,13 +205,29 @@ impl Job {
         Ok(facts)
     }
 
-    fn check_here(&self, findings: &mut Findings) -> Result<Facts, JobError> {
+    /// # Errors
+    ///
+    /// The program has errors because it is in a language of other machines.
+    fn expect_language(&self, findings: &mut Findings) -> Result<(), JobError> {
+        if findings.errors == 0 {
+            return Ok(());
+        }
+        let Some(language) = language::of(&self.head(language::HEAD)?) else {
+            return Ok(());
+        };
+        // The errors of its lines have one cause.
+        *findings = findings.restarted();
+        Err(format!("{}: {language}", self.name()).into())
+    }
+
+    fn check_here(&self, part: Part, findings: &mut Findings) -> Result<Facts, JobError> {
         Ok(check::check(
             &mut self.open()?,
             self.name(),
             self.start,
             &self.machine,
             &self.config,
+            part,
             findings,
         )?)
     }

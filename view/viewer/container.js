@@ -79,29 +79,29 @@ class Numbers {
     }
 
     /**
-     * The next column: each number is the sum of the differences up to it.
+     * The next column: each number is the sum of the differences up to it. A difference has seven
+     * bits per byte, the low ones first. Sums of powers of two are exact up to 2^53.
      *
      * @param {number} count
      */
     column(count) {
         const values = new Float64Array(count);
-        let sum = 0;
-        for (let index = 0; index < count; index++) values[index] = sum += this.difference();
-        return values;
-    }
-
-    /** Seven bits per byte, the low ones first. Sums of powers of two are exact up to 2^53. */
-    difference() {
         const { bytes } = this;
-        let byte = bytes[this.at++];
-        let value = byte & 0x7f;
-        let scale = 128;
-        while (byte > 0x7f) {
-            byte = bytes[this.at++];
-            value += (byte & 0x7f) * scale;
-            scale *= 128;
+        let { at } = this;
+        let sum = 0;
+        for (let index = 0; index < count; index++) {
+            let byte = bytes[at++];
+            const isNegative = byte & 1;
+            let value = byte & 0x7f;
+            for (let scale = 128; byte > 0x7f; scale *= 128) {
+                byte = bytes[at++];
+                value += (byte & 0x7f) * scale;
+            }
+            values[index] = sum += isNegative ? -(value + 1) / 2 : value / 2;
         }
-        if (byte === undefined) throw new Error("the columns of the scene are cut off");
-        return value % 2 === 0 ? value / 2 : -(value + 1) / 2;
+        // Bytes beyond the end are zeros.
+        if (at > bytes.length) throw new Error("the columns of the scene are cut off");
+        this.at = at;
+        return values;
     }
 }

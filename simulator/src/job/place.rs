@@ -3,7 +3,7 @@
 use super::{Job, JobError, LETTERS, Zero};
 use crate::diagnostics::Findings;
 use crate::machines::machine_file::MachineFile;
-use crate::programs::check::Facts;
+use crate::programs::check::{Facts, Part};
 use crate::programs::program::Start;
 use crate::programs::zero::{self, Lie, Placing};
 use husillo_gcode::Nm;
@@ -96,7 +96,7 @@ impl Job {
         let start = self.start;
         self.put(zero);
         let mut findings = before.restarted();
-        let facts = self.check_here(&mut findings)?;
+        let facts = self.check_here(Part::Whole, &mut findings)?;
         if facts.beyond.is_some() {
             self.start = start;
             self.is_placed = false;
@@ -128,3 +128,6 @@ fn of_letters(
     }
     Ok(wanted)
 }
+
+#[cfg(test)]
+mod tests;

@@ -39,6 +39,15 @@ pub struct Facts {
     pub origins: Origins,
 }
 
+/// How much of a program is checked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// All of it.
+    Whole,
+    /// Up to the first move that leaves the travel of an axis. The figures end there.
+    WithinTravel,
+}
+
 /// Checks the commands of a program one after the other: findings that are reported once per
 /// program, and sums over its moves.
 #[derive(Debug)]
@@ -59,8 +68,8 @@ pub struct Checker<'a> {
     beyond: Option<(Place, MoveError)>,
 }
 
-/// Checks one program against a machine. `findings` gets every finding, except those about travel,
-/// which need a second reading.
+/// Checks one program, or a part of it, against a machine. `findings` gets every finding, except
+/// those about travel, which need a second reading.
 ///
 /// # Errors
 ///
@@ -71,6 +80,7 @@ pub fn check(
     start: Start,
     machine: &MachineFile,
     config: &Config<AXES>,
+    part: Part,
     findings: &mut Findings,
 ) -> io::Result<Facts> {
     let mut checker = Checker::new(machine, config);
@@ -85,6 +95,9 @@ pub fn check(
             is_empty = false;
             origins.add(file, &meaning.at, command);
             checker.command(meaning, command, from, findings);
+            if part == Part::WithinTravel && checker.beyond.is_some() {
+                findings.end();
+            }
             Ok(())
         },
     )?;
@@ -165,8 +178,9 @@ impl Checker<'_> {
             return;
         };
         let axes = self.machine.axes.len();
-        let moves: Vec<bool> = (0..axes).map(|axis| from[axis] != to[axis]).collect();
-        for (axis, moved) in moves.iter().enumerate() {
+        let mut moves = [false; AXES];
+        for (axis, moved) in moves.iter_mut().enumerate().take(axes) {
+            *moved = from[axis] != to[axis];
             if *moved
                 && self.machine.axes[axis].travel == Travel::Unknown
                 && !self.unknown_travel[axis]

@@ -4,7 +4,6 @@ use crate::programs::explain::At;
 use husillo_gcode::{Command, Nm};
 use husillo_sim::observers::AXES;
 use husillo_sim::observers::recording::MOST_MOVES;
-use std::hash::{DefaultHasher, Hash, Hasher};
 
 /// Most commands between two moves of a run. They are moves of less than a step.
 const MOST_LEFT_OUT: usize = 1000;
@@ -68,10 +67,11 @@ impl Lines {
     }
 }
 
+/// A product and a rotation for each axis: every command has a key, and neighbours have others.
 fn key(to: &[Nm; AXES]) -> u64 {
-    let mut hasher = DefaultHasher::new();
-    to.map(|Nm(nm)| nm).hash(&mut hasher);
-    hasher.finish()
+    to.iter().fold(0, |key: u64, Nm(nm)| {
+        (key.rotate_left(5) ^ *nm as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15)
+    })
 }
 
 #[cfg(test)]

@@ -35,9 +35,13 @@ struct Reach {
 /// within [`Nm::LIMIT`]. So the coordinates show which moves work zero shifts.
 const FAR: i64 = 1 << 44;
 
-fn widen(extent: &mut Option<[Nm; 2]>, [low, high]: [Nm; 2]) {
-    let [least, most] = extent.unwrap_or([low, high]);
-    *extent = Some([least.min(low), most.max(high)]);
+/// Widens an extent. Returns whether it became wider.
+fn widen(extent: &mut Option<[Nm; 2]>, [low, high]: [Nm; 2]) -> bool {
+    let before = *extent;
+    let [least, most] = before.unwrap_or([low, high]);
+    let after = Some([least.min(low), most.max(high)]);
+    *extent = after;
+    after != before
 }
 
 impl Reach {
@@ -83,17 +87,18 @@ impl Reach {
         let is_part = span[1].0 > FAR / 2;
         let span = span.map(|Nm(nm)| if is_part { Nm(nm - FAR) } else { Nm(nm) });
         let there = span.map(|Nm(nm)| if is_part { Nm(nm + zero.0) } else { Nm(nm) });
-        let beyond = there
-            .into_iter()
-            .find_map(|nm| config.check_travel(axis, nm).err());
         let is_first = self.part_leaves.iter().all(Option::is_none);
         let (extent, leaves) = if is_part {
             (&mut self.part[axis], &mut self.part_leaves[axis])
         } else {
             (&mut self.machine[axis], &mut self.machine_leaves[axis])
         };
-        widen(extent, span);
-        if let Some(beyond) = beyond.filter(|_| leaves.is_none()) {
+        // What is within the extent so far was compared with the travel.
+        if !widen(extent, span) || leaves.is_some() {
+            return;
+        }
+        let mut ends = there.into_iter();
+        if let Some(beyond) = ends.find_map(|nm| config.check_travel(axis, nm).err()) {
             let letter = config.dialect.axes().letter(axis).unwrap_or(b'?');
             *leaves = Some((at.word(letter), beyond));
             if is_first && is_part {
