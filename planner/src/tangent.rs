@@ -72,9 +72,7 @@ impl<const N: usize> Tangent<N> {
                 .wrapping_add(1_u64.wrapping_shl(bits) >> 1)
                 .wrapping_shr(bits),
             // It is below 2^32, and the longest vector below 2^66.
-            None => root
-                .checked_mul(1_u64.wrapping_shl(34_u32.wrapping_sub(zeros)))
-                .unwrap_or(u64::MAX),
+            None => root.saturating_mul(1_u64.wrapping_shl(34_u32.wrapping_sub(zeros))),
         };
         Some((direction, length))
     }

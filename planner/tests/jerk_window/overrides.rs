@@ -57,7 +57,7 @@ fn a_rapid_override_slows_rapids() {
     assert!((0.87..0.89).contains(&whole), "{whole}");
     let slow = seconds(&rapid, 0, quarter);
     assert!((3.06..3.08).contains(&slow), "{slow}");
-    // After 0.4 s 26.8 mm are made. The speed falls in 0.11 s and 5.5 mm, and then 27.7 mm are left.
+    // After 0.4 s 26.8 mm are made. The speed falls in 0.11 s and 5.5 mm; 27.7 mm are left.
     let late = seconds(&rapid, 128, quarter);
     assert!((1.90..1.96).contains(&late), "{late}");
 }
