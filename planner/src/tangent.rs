@@ -159,7 +159,7 @@ mod tests {
         let mut random = oorandom::Rand64::new(1);
         let mut component = || {
             let size = random.rand_u64() >> (35 + random.rand_u64() % 29);
-            let is_negative = random.rand_u64() % 2 == 0;
+            let is_negative = random.rand_u64().is_multiple_of(2);
             if is_negative {
                 -(size as i64)
             } else {
@@ -174,7 +174,7 @@ mod tests {
                 .map(|size| u128::from(size.unsigned_abs()).pow(2))
                 .sum();
             // The root of four times the square has one bit below the unit.
-            let exact = ((sum * 4).isqrt() + 1) / 2;
+            let exact = (sum * 4).isqrt().div_ceil(2);
             assert_eq!(u128::from(found), exact, "{vector:?}");
         }
     }

@@ -450,6 +450,12 @@ impl<
         }
     }
 
+    /// Scales the speed of rapid moves by 1 to 100 percent. Takes effect at the next event where
+    /// there are ramps; without ramps it has no effect.
+    pub fn set_rapid_override(&mut self, percent: u8) {
+        self.schedule.moves.set_rapid_override(percent);
+    }
+
     /// Drops all lines and events that were not yet returned. The outputs, and their modal state,
     /// return to the safe state. Other modal words of the accepted lines (units, distance mode,
     /// feed, ...) stay.

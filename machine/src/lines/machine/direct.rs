@@ -51,8 +51,8 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, R: Pa
         self.schedule.moves.front().map(|(_, work)| work.tag)
     }
 
-    /// The programmed speed of the executing move, or of the next one, in nm/s, without the override.
-    /// For a rapid, and without a feed, it is the limit of the machine. `None` without a move.
+    /// The programmed speed of the executing move, or of the next one, in nm/s, without the
+    /// override. For a rapid, and without a feed, it is the limit of the machine. `None` without a move.
     pub fn executing_feed_nm_per_s(&self) -> Option<u32> {
         let front = self.schedule.moves.front();
         front.map(|(stretch, _)| stretch.top_nm_per_s)
@@ -61,11 +61,5 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, R: Pa
     /// Present speed along the path in nm/s; 0 where there are no ramps.
     pub fn speed_nm_per_s(&self) -> u32 {
         self.ramp.speed_nm_per_s(&self.schedule.moves)
-    }
-
-    /// Scales the speed of rapid moves by 1 to 100 percent. Takes effect at the next event where
-    /// there are ramps; without ramps it has no effect.
-    pub fn set_rapid_override(&mut self, percent: u8) {
-        self.schedule.moves.set_rapid_override(percent);
     }
 }
