@@ -505,7 +505,8 @@ impl<const QUEUE: usize> Grbl<QUEUE> {
             milli_rpm: if is_rapid { 0 } else { self.tag.milli_rpm },
             ..self.tag
         };
-        // There is a slot for each move that the queue holds, so that of the executing move is kept.
+        // There is a slot for each move that the queue holds. So that of the executing move is
+        // kept.
         if let Some(slot) = self.tags.get_mut(self.next_tag as usize) {
             *slot = tag;
         }

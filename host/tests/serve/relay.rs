@@ -1,5 +1,5 @@
-//! A cable to an emulated device. A test makes it lose bytes, blocks it, pulls it, or says something
-//! on it.
+//! A cable to an emulated device. A test makes it lose bytes, blocks it, pulls it, or says
+//! something on it.
 
 use std::io::{Read, Write};
 use std::net::{Shutdown, TcpListener, TcpStream};

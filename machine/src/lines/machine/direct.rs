@@ -52,7 +52,8 @@ impl<const N: usize, P: Moves<N>, L: BacklashModel<N>, const QUEUE: usize, R: Pa
     }
 
     /// The programmed speed of the executing move, or of the next one, in nm/s, without the
-    /// override. For a rapid, and without a feed, it is the limit of the machine. `None` without a move.
+    /// override. For a rapid, and without a feed, it is the limit of the machine. `None` without a
+    /// move.
     pub fn executing_feed_nm_per_s(&self) -> Option<u32> {
         let front = self.schedule.moves.front();
         front.map(|(stretch, _)| stretch.top_nm_per_s)
