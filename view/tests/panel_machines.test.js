@@ -49,7 +49,7 @@ test("a stick that is held does not move the machine that is chosen next", async
 test("an override that was just set is that of one machine", async (t) => {
     const { page, server } = await panel(t, {}, TWO);
     const percent = "output[data-override=feed]";
-    await page.$eval('input[aria-label="Override: feed"]', (field) => {
+    await page.$eval('input[aria-label^="Override: "]', (field) => {
         const slider = /** @type {HTMLInputElement} */ (field);
         slider.value = "150";
         slider.dispatchEvent(new Event("input"));

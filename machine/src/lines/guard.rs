@@ -79,7 +79,7 @@ impl<const N: usize> StepGuard<N> {
         segment: &Segment<N>,
         path: &P,
     ) -> u64 {
-        let ticks = self.ticks(&config.tempo(segment, path).pace, 100, path.remaining());
+        let ticks = self.ticks(&config.pace(segment, path), 100, path.remaining());
         self.watch(path.radius().is_some(), path.remaining(), u8::MAX);
         ticks
     }

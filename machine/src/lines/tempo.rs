@@ -87,8 +87,23 @@ impl Pace {
 }
 
 impl<const N: usize> Config<N> {
-    /// Returns the tempo of a move on this path.
+    /// Returns the tempo of a move on this path, with the direction of a straight one.
     pub(crate) fn tempo<P: Moves<N>>(&self, segment: &Segment<N>, path: &P) -> Tempo<N> {
+        self.tempo_by(segment, path, straight)
+    }
+
+    /// The same without the direction. It takes less flash.
+    pub(crate) fn pace<P: Moves<N>>(&self, segment: &Segment<N>, path: &P) -> Pace {
+        self.tempo_by(segment, path, |_, _| None).pace
+    }
+
+    /// The same. `straight` returns the direction and the length between two positions, or `None`.
+    fn tempo_by<P: Moves<N>>(
+        &self,
+        segment: &Segment<N>,
+        path: &P,
+        straight: impl FnOnce(&[Nm; N], &[Nm; N]) -> Option<(Tangent<N>, u64)>,
+    ) -> Tempo<N> {
         let hz = u64::from(self.timer_hz);
         let (feed, to) = match &segment.command {
             Command::Rapid { to } => (None, to),
