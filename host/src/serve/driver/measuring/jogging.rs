@@ -126,6 +126,10 @@ impl Driver<'_> {
         let why_not = match result {
             _ if is_stopped => STOPPING,
             Err(why) => why.as_str(),
+            // The page must not hold a jog that does not begin.
+            Ok(()) if self.machine.lease.has_run_out(client, number, Instant::now()) => {
+                "the page did not renew the jog before the axes stood"
+            }
             Ok(()) => {
                 next.reply.ok();
                 match self.machine.lease.holds(client, number, Instant::now()) {
