@@ -42,8 +42,8 @@ async function centreOf(page) {
 const work = ({ measuring }) => measuring.axes.map((/** @type {any} */ { work }) => work);
 
 /**
- * Holds the stick until the goal is reached. On a busy computer a jog may end, or not begin, because
- * its page did not renew it in time. Then the stick is released and held again.
+ * Holds the stick until the goal is reached. On a busy computer a jog may end, or not begin,
+ * because its page did not renew it in time. Then the stick is released and held again.
  *
  * @param {import("puppeteer-core").Page} page
  * @param {[number, number]} centre

@@ -127,7 +127,12 @@ impl Driver<'_> {
             _ if is_stopped => STOPPING,
             Err(why) => why.as_str(),
             // The page must not hold a jog that does not begin.
-            Ok(()) if self.machine.lease.has_run_out(client, number, Instant::now()) => {
+            Ok(())
+                if self
+                    .machine
+                    .lease
+                    .has_run_out(client, number, Instant::now()) =>
+            {
                 "the page did not renew the jog before the axes stood"
             }
             Ok(()) => {
