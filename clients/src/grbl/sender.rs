@@ -179,6 +179,15 @@ impl Sender {
         })
     }
 
+    /// Notes an answered line, if it moves. Moves that are certainly carried out are forgotten.
+    fn note_moves(&mut self, index: usize, line: &str) {
+        if has_coordinate(line) {
+            self.moves.push_back(index);
+            let more = self.moves.len().saturating_sub(self.queue + 1);
+            self.moves.drain(..more);
+        }
+    }
+
     /// Whether a line may be sent: it fits into the buffer, and its turn has come.
     fn may_send(&self, line: &str) -> bool {
         match self.pacing {
@@ -223,11 +232,7 @@ impl Sender {
                 }
                 if let Some((index, (_, line))) = index.and_then(|at| Some((at, lines.get(at)?))) {
                     self.answered += 1;
-                    if has_coordinate(line) {
-                        self.moves.push_back(index);
-                        let more = self.moves.len().saturating_sub(self.queue + 1);
-                        self.moves.drain(..more);
-                    }
+                    self.note_moves(index, line);
                     operator.progress(self.answered);
                 }
             }

@@ -53,6 +53,7 @@ impl Sender {
             return Err(format!("the controller has no checked lines: {why}"));
         }
         self.answered = 0;
+        self.moves.clear();
         while flow.accepted < flow.lines.len() {
             self.intervene(operator)?;
             self.put_lines(&mut flow)?;
@@ -78,6 +79,11 @@ impl Sender {
             }
             let answered = flow.accepted.min(lines.len());
             if answered != self.answered {
+                for (index, (_, line)) in
+                    lines.iter().enumerate().take(answered).skip(self.answered)
+                {
+                    self.note_moves(index, line);
+                }
                 self.answered = answered;
                 operator.progress(answered);
             }

@@ -259,3 +259,23 @@ fn the_queue_has_the_size_that_the_controller_reports() {
     assert!(queue(&lines[..1]).is_err());
     assert_eq!(sender(Pacing::Counted, StopRequests::default()).queue(), 15);
 }
+
+/// The first open line is that of the oldest move in the queue, with checked lines as well.
+#[test]
+fn lines_without_motion_do_not_count_as_moves() {
+    let lines: Vec<_> = (1..=60)
+        .flat_map(|number| [format!("G1X{number}F6000"), "F6000".to_owned()])
+        .zip(1..)
+        .map(|(line, number)| (number, line))
+        .collect();
+    for is_checked in [false, true] {
+        let mut sender = sender(Pacing::Counted, StopRequests::default());
+        let mut script = Script::default();
+        match is_checked {
+            true => sender.send_checked(&lines, &mut script).unwrap(),
+            false => sender.send(&lines, &mut script).unwrap(),
+        };
+        // 16 moves of two lines each may be open: the queue of 15 and the one that is made.
+        assert_eq!(sender.first_open(), 120 - 2 * 16, "checked: {is_checked}");
+    }
+}
